@@ -1,0 +1,43 @@
+/* Errors as values. A function that can fail returns a `status`: OK, or an error that says what is wrong, what is
+ * allowed and what to do. The caller passes it up with TRY or owns it (status_print, then status_free). */
+#ifndef MESH_STATUS_H
+#define MESH_STATUS_H
+
+#include <stdbool.h>
+
+enum status_kind {
+    ERR_INPUT = 1, /* the user's case or command line is wrong: exit code 1 */
+    ERR_STATE = 2, /* the run left the admissible states: exit code 2 */
+    ERR_SYSTEM = 3 /* disk, memory, MPI: exit code 3 */
+};
+
+struct error;
+typedef struct error *status;
+#define OK ((status)0)
+
+/* Returns a new error with the printf-like text; "FILE:LINE: what was found; what is allowed; the cure". */
+status fail(enum status_kind kind, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Puts a line of context in front of an error ("while reading ..."); OK stays OK. */
+status status_note(status s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Records the way up (shown by -debug only); returns s. */
+status status_up(status s, const char *file, int line);
+
+enum status_kind status_kind(status s); /* s != OK */
+const char *status_text(status s);      /* s != OK */
+
+/* Prints an error to stderr, with the way up if trail; returns the exit code (0 for OK). Does not free. */
+int status_print(status s, bool trail);
+void status_free(status s); /* OK is allowed */
+
+#define TRY(call)                                                                                                      \
+    do {                                                                                                               \
+        status try_status_ = (call);                                                                                   \
+        if (try_status_) return status_up(try_status_, __FILE__, __LINE__);                                            \
+    } while (0)
+
+/* calloc that fails with a status: `count` objects of `size` bytes, zeroed, aligned to 64 bytes; free() them. */
+status allocate(void *out, long count, long size, const char *what);
+
+#endif
