@@ -1,0 +1,83 @@
+/* The granular gas on a forest of tiles: state, one time step, and what the outside may ask of it.
+ *
+ * Variables are rho, rho u (dim components, computational axes of struct forest), E = rho (eps + |u|^2/2). A step is
+ * half the sources (exact) | Runge-Kutta stages of the fluxes | half the sources. Nothing is allocated after gas_make.
+ */
+#ifndef LIBCORE_GAS_H
+#define LIBCORE_GAS_H
+
+#include "libcore/boundary.h"
+#include "libcore/eos.h"
+#include "libcore/flux.h"
+#include "libcore/reconstruct.h"
+#include "libcore/source.h"
+#include "mesh/forest.h"
+
+struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - a[s]) (U + dt L(U)) for each stage */
+    const char *name, *about;
+    int stages;
+    double a[4];
+};
+extern const struct stepper stepper_table[];
+extern const int stepper_count;
+const struct stepper *stepper_find(const char *name); /* NULL: none */
+
+struct gas_models { /* what the dictionaries chose */
+    struct material material;
+    const struct eos *eos;
+    const struct flux *flux;
+    const struct reconstruct *reconstruct;
+    const struct stepper *stepper;
+    struct source source;
+};
+
+struct gas_counts {   /* of the safety net, since gas_make; the same on all ranks */
+    long first_order; /* cells redone with first-order faces */
+    long rusanov;     /* cells redone with Rusanov faces */
+    long rejected;    /* steps rejected and halved */
+};
+
+struct gas_speed {   /* of the whole domain */
+    double rate;     /* max over cells of sum_k (|u_k| + c)/width_k, 1/s: dt = maxCo / rate */
+    double calm;     /* the same without cells above 0.99 alpha_max: what dt would be without a collapse */
+    double axis[3];  /* max |u_k| + c, m/s */
+    double place[3]; /* where the rate is reached: physical coordinates of the cell's centre */
+};
+
+struct gas; /* opaque: the state and scratch memory of this rank's tiles */
+
+/* rules[npatches]: of the polyMesh's patches; the forest, rules and models' tables are borrowed. */
+status gas_make(struct forest *f, const struct gas_models *models, int npatches, const struct patch_rules *rules,
+                struct gas **out);
+void gas_free(struct gas *g);
+int gas_variables(const struct gas *g); /* 2 + dim */
+
+/* State from or to arrays in polyMesh order [ncells_all]; set: every rank holds the arrays; get: root's arrays are
+ * filled. Conserved variables restart a run bit by bit. Velocities and momenta: one array per computational axis. */
+status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T);
+void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
+status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
+
+enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_FIELDS };
+/* Components: dim for GAS_U, else 1. The values of one field in one tile's cells, axis 0 fastest:
+ * out[component][cells]. gas_field gathers a whole field to root in polyMesh order. */
+void gas_tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]);
+status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);
+
+/* Checks every cell: rho > 0, T > 0, alpha < alphaMax; the error names field, value, cell and place. */
+status gas_check(const struct gas *g);
+
+void gas_speed(struct gas *g, struct gas_speed *speed);
+
+/* One step from t by *dt, or by a halved *dt where the state would leave the admissible set. Below `least` (s), or
+ * below `fraction` of maxCo / calm, it fails (ERR_STATE): "inelastic collapse at t = .., (x y z)"; the state is then
+ * the last good one. speed: from gas_speed for the present state. */
+status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
+                const struct gas_speed *speed);
+struct gas_counts gas_counts(const struct gas *g);
+
+/* Sums over the domain of volume * (rho, rho u .., E): mass, momentum, energy; rank-independent bits. Volume per
+ * thickness of the empty axes is struct forest's `volume`. */
+status gas_totals(const struct gas *g, double totals[MAX_VAR]);
+
+#endif
