@@ -28,7 +28,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct flux *flux;
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
-    struct source source;
+    struct sources source;
 };
 
 struct gas_counts {   /* of the safety net, since gas_make; the same on all ranks */
@@ -37,11 +37,10 @@ struct gas_counts {   /* of the safety net, since gas_make; the same on all rank
     long rejected;    /* steps rejected and halved */
 };
 
-struct gas_speed {   /* of the whole domain */
-    double rate;     /* max over cells of sum_k (|u_k| + c)/width_k, 1/s: dt = maxCo / rate */
-    double calm;     /* the same without cells above 0.99 alpha_max: what dt would be without a collapse */
-    double axis[3];  /* max |u_k| + c, m/s */
-    double place[3]; /* where the rate is reached: physical coordinates of the cell's centre */
+struct gas_speed {  /* of the whole domain */
+    double rate;    /* max over cells of sum_k (|u_k| + c)/width_k, 1/s: dt = maxCo / rate */
+    double calm;    /* the same without cells above 0.99 alpha_max: what it would be without a collapse */
+    double axis[3]; /* max |u_k| + c, m/s */
 };
 
 struct gas; /* opaque: the state and scratch memory of this rank's tiles */
@@ -68,6 +67,9 @@ status gas_field(const struct gas *g, enum gas_field field, double *const out[3]
 status gas_check(const struct gas *g);
 
 void gas_speed(struct gas *g, struct gas_speed *speed);
+/* Centre of a cell that reaches the rate of gas_speed for the present state (physical x, y, z; the same on all ranks).
+ */
+void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]);
 
 /* One step from t by *dt, or by a halved *dt where the state would leave the admissible set. Below `least` (s), or
  * below `fraction` of maxCo / calm, it fails (ERR_STATE): "inelastic collapse at t = .., (x y z)"; the state is then

@@ -1,0 +1,71 @@
+#include "libcore/source.h"
+
+#define PI 3.14159265358979323846
+
+bool source_active(const struct sources *s, const struct material *m) {
+    bool falls = s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0;
+    return falls || (s->cooling && m->restitution < 1 && m->diameter > 0);
+}
+
+void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]) {
+    double time = dt;
+    if (s->amplitude != 0) {
+        double omega = 2 * PI * s->frequency;
+        double swing =
+            omega > 0 ? (sin(omega * (t + dt) + s->phase) - sin(omega * t + s->phase)) / omega : dt * cos(s->phase);
+        time += s->amplitude * swing;
+    }
+    for (int k = 0; k < MAX_DIM; k++) kick[k] = s->gravity[k] * time;
+}
+
+/* eps after dt of dT/dt = -B T^(3/2), T = (gamma - 1) eps: physics 1.1, exact for frozen rho */
+KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
+                        double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        double root = sqrt(g1 * eps[i]);
+        double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root;
+        eps[i] = eps[i] / (slow * slow);
+    }
+}
+
+KERNEL static void internal_energy(int n, int dim, double *const U[MAX_VAR], double *restrict eps) {
+    const double *restrict rho = U[0], *restrict E = U[dim + 1];
+    for (int i = 0; i < n; i++) eps[i] = 0;
+    for (int k = dim; k >= 1; k--) {
+        const double *restrict mom = U[k];
+        for (int i = 0; i < n; i++) eps[i] += mom[i] * mom[i];
+    }
+    for (int i = 0; i < n; i++) {
+        double inverse = 1 / rho[i];
+        eps[i] = (E[i] - 0.5 * eps[i] * inverse) * inverse;
+    }
+}
+
+KERNEL static void kick_momentum(int n, double kick, const double *restrict rho, double *restrict mom) {
+    for (int i = 0; i < n; i++) mom[i] += rho[i] * kick;
+}
+
+KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const double *restrict eps) {
+    const double *restrict rho = U[0];
+    double *restrict E = U[dim + 1];
+    for (int i = 0; i < n; i++) E[i] = 0;
+    for (int k = dim; k >= 1; k--) {
+        const double *restrict mom = U[k];
+        for (int i = 0; i < n; i++) E[i] += mom[i] * mom[i];
+    }
+    for (int i = 0; i < n; i++) E[i] = rho[i] * eps[i] + 0.5 * E[i] / rho[i];
+}
+
+void source_apply(const struct sources *s, const struct eos *eos, const struct material *m, int n, int dim, double dt,
+                  const double kick[MAX_DIM], double *const U[MAX_VAR]) {
+    double e[BATCH], contact[BATCH];
+    internal_energy(n, dim, U, e);
+    if (s->cooling && m->restitution < 1 && m->diameter > 0) {
+        double loss = 12 / sqrt(PI) * (1 - m->restitution * m->restitution) / m->diameter;
+        eos->contact(m, n, U[0], contact);
+        cool(n, m->gamma - 1, (m->gamma - 1) * loss, dt, contact, e);
+    }
+    for (int k = 0; k < dim; k++)
+        if (kick[k] != 0) kick_momentum(n, kick[k], U[0], U[k + 1]);
+    total_energy(n, dim, U, e);
+}

@@ -1,0 +1,237 @@
+/* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. */
+#include "libcore/state.h"
+
+void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context) {
+    int reach[MAX_DIM] = {0};
+    for (int k = 0; k < f->dim; k++) reach[k] = margin;
+    for (int k = -reach[2]; k < tile->n[2] + reach[2]; k++)
+        for (int j = -reach[1]; j < tile->n[1] + reach[1]; j++) {
+            bool out_j = j < 0 || j >= tile->n[1], out_k = k < 0 || k >= tile->n[2];
+            if (out_j && out_k) continue;
+            int low = out_j || out_k ? 0 : -reach[0], high = tile->n[0] + (out_j || out_k ? 0 : reach[0]);
+            long row = f->first + j * f->stride[1] + k * f->stride[2];
+            for (int i = low; i < high; i += BATCH) visit(context, row + i, high - i < BATCH ? high - i : BATCH);
+        }
+}
+
+/* eps = E/rho - |u|^2/2; the squares are summed from the last axis so that two of three commute under a swap of axes */
+KERNEL static void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity,
+                                double *restrict eps) {
+    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
+    double inverse[BATCH], square[BATCH];
+    for (int i = 0; i < n; i++) {
+        inverse[i] = 1 / rho[i];
+        square[i] = 0;
+    }
+    for (int k = dim - 1; k >= 0; k--) {
+        const double *restrict mom = U + (k + 1) * size;
+        double *restrict u = velocity[k];
+        for (int i = 0; i < n; i++) {
+            double uk = mom[i] * inverse[i];
+            u[i] = uk;
+            square[i] += uk * uk;
+        }
+    }
+    for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
+}
+
+KERNEL static void root_row(int n, double *restrict c) {
+    for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
+}
+
+void primitives_of_row(const struct gas *g, double *const U, long offset, int n) {
+    const struct work *w = &g->work;
+    double *velocity[MAX_DIM];
+    for (int k = 0; k < g->dim; k++) velocity[k] = w->velocity[k] + offset;
+    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, w->eps + offset);
+    g->models.eos->state(&g->models.material, n, U + offset, w->eps + offset, w->p + offset, w->c + offset,
+                         w->gruneisen + offset);
+    root_row(n, w->c + offset);
+}
+
+struct pass { /* what a row visitor of this file needs */
+    struct gas *g;
+    const double *U;
+    int axis;
+};
+
+static void primitive_visit(void *context, long offset, int n) {
+    const struct pass *p = context;
+    primitives_of_row(p->g, (double *)p->U, offset, n);
+}
+
+/* F = u_k U + p (0, e_k, u_k) */
+KERNEL static void nodal_row(int n, int dim, int axis, long size, const double *restrict U, const double *restrict u,
+                             const double *restrict p, double *const *flux) {
+    for (int v = 0; v < dim + 2; v++) {
+        const double *restrict q = U + v * size;
+        double *restrict F = flux[v];
+        if (v == 0)
+            for (int i = 0; i < n; i++) F[i] = U[(axis + 1) * size + i];
+        else if (v == dim + 1)
+            for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
+        else if (v == axis + 1)
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
+        else
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i];
+    }
+}
+
+static void nodal_visit(void *context, long offset, int n) {
+    const struct pass *pass = context;
+    const struct gas *g = pass->g;
+    double *flux[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) flux[v] = g->work.flux[v] + offset;
+    nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->work.velocity[pass->axis] + offset,
+              g->work.p + offset, flux);
+}
+
+/* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order. */
+static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH]) {
+    const struct work *w = &g->work;
+    struct faces f = {.n = n,
+                      .dim = g->dim,
+                      .stride = g->forest->stride[axis],
+                      .eps = w->eps + offset,
+                      .p = w->p + offset,
+                      .c = w->c + offset,
+                      .gruneisen = w->gruneisen + offset,
+                      .fastest = g->fastest[axis]};
+    for (int v = 0; v < g->nvar; v++) {
+        int from = v; /* normal component first, the others in their order */
+        if (v >= 1 && v <= g->dim) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
+        f.state[v] = U + from * g->forest->size + offset;
+        f.flux[v] = w->flux[from] + offset;
+        f.out[v] = out[from];
+        if (v >= 1 && v <= g->dim) f.velocity[v - 1] = w->velocity[from - 1] + offset;
+    }
+    return f;
+}
+
+/* Replaces the fluxes through faces of flagged cells by first-order ones, or by Rusanov's: the safety net. */
+static void redo_flagged(const struct gas *g, const double *U, int axis, long offset, int n, const double *flag,
+                         double (*out)[BATCH]) {
+    const struct gas_models *m = &g->models;
+    double lower[MAX_VAR][BATCH];
+    struct faces f = faces_at(g, U, axis, offset, n, lower);
+    for (int level = LEVEL_FIRST_ORDER; level <= LEVEL_RUSANOV; level++) {
+        bool face[BATCH], any = false;
+        for (int i = 0; i < n; i++) any |= face[i] = (int)larger(flag[i], flag[i + f.stride]) == level;
+        if (!any) continue;
+        if (level == LEVEL_RUSANOV)
+            flux_rusanov(&f, m->eos, &m->material, g->first_order);
+        else
+            m->flux->through(&f, m->eos, &m->material, g->first_order);
+        for (int v = 0; v < g->nvar; v++)
+            for (int i = 0; i < n; i++)
+                if (face[i]) out[v][i] = lower[v][i];
+    }
+}
+
+static void face_fluxes(const struct gas *g, int tile, const double *U, int axis, long offset, int n,
+                        double (*out)[BATCH]) {
+    struct faces f = faces_at(g, U, axis, offset, n, out);
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
+    if (g->flagged[tile]) redo_flagged(g, U, axis, offset, n, g->flag[tile] + offset, out);
+}
+
+KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
+                                  bool add, double *restrict residual) {
+    if (add)
+        for (int i = 0; i < n; i++) residual[i] += (low[i] - high[i]) * inverse;
+    else
+        for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
+}
+
+/* residual = or += -(F_high - F_low)/width along one axis. Along axis 0 a row holds its faces side by side; along the
+ * others a row of faces lies between rows of cells, and the last one is kept. */
+static void sweep_axis(const struct gas *g, int tile, const double *U, int axis) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    double buffer[2][MAX_VAR][BATCH];
+    double inverse = 1 / f->width[axis];
+    int other = axis == 1 ? 2 : 1; /* the axis of the outer loop: for axis 0 both 1 and 2 are walked */
+    int rows = axis == 0 ? t->n[1] * t->n[2] : t->n[other], last = axis == 0 ? 0 : t->n[axis] - 1;
+    for (int row = 0; row < rows; row++) {
+        long base = f->first +
+                    (axis == 0 ? row % t->n[1] * f->stride[1] + row / t->n[1] * f->stride[2] : row * f->stride[other]);
+        if (axis > 0) face_fluxes(g, tile, U, axis, base - f->stride[axis], t->n[0], buffer[0]);
+        for (int j = 0; j <= last; j++) {
+            long offset = base + j * f->stride[axis];
+            double(*low)[BATCH] = buffer[j % 2], (*high)[BATCH] = buffer[(j + 1) % 2];
+            if (axis == 0) {
+                face_fluxes(g, tile, U, 0, base - 1, t->n[0] + 1, low);
+                offset = base;
+            } else {
+                face_fluxes(g, tile, U, axis, offset, t->n[0], high);
+            }
+            for (int v = 0; v < g->nvar; v++)
+                difference_row(t->n[0], inverse, low[v], axis == 0 ? low[v] + 1 : high[v], axis > 0,
+                               g->work.residual[v] + offset);
+        }
+    }
+}
+
+KERNEL static void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                              const double *restrict residual, double *restrict to) {
+    for (int i = 0; i < n; i++) {
+        double moved = from[i] + dt * residual[i];
+        to[i] = moved + a * (U0[i] - moved);
+    }
+}
+
+KERNEL static int64_t count_bad(int n, int dim, long size, double limit, const double *restrict U,
+                                double *restrict bad) {
+    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
+    double square[BATCH];
+    for (int i = 0; i < n; i++) square[i] = 0;
+    for (int k = 1; k <= dim; k++) {
+        const double *restrict mom = U + k * size;
+        for (int i = 0; i < n; i++) square[i] += mom[i] * mom[i];
+    }
+    int64_t count = 0;
+    for (int i = 0; i < n; i++) {
+        double internal = E[i] * rho[i] - 0.5 * square[i];
+        bad[i] = rho[i] > 0 && rho[i] < limit && internal > 0 ? 0 : 1; /* NaN is bad */
+        count += bad[i] > 0 ? 1 : 0;
+    }
+    return count;
+}
+
+int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
+    double bad[BATCH];
+    int count = (int)count_bad(n, g->dim, g->forest->size, g->limit, U + offset, bad);
+    for (int i = 0; count && marks && i < n; i++) marks[offset + i] += bad[i];
+    return count;
+}
+
+struct update {
+    struct gas *g;
+    const double *U0, *from;
+    double *to, *flag;
+    double a, dt;
+    int bad;
+};
+
+static void update_visit(void *context, long offset, int n) {
+    struct update *u = context;
+    const struct gas *g = u->g;
+    long size = g->forest->size;
+    for (int v = 0; v < g->nvar; v++)
+        update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset, g->work.residual[v] + offset,
+                   u->to + v * size + offset);
+    u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
+}
+
+int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from, double *to, double a, double dt) {
+    const struct tile *t = &g->forest->tile[tile];
+    struct pass pass = {.g = g, .U = from};
+    rows_visit(g->forest, t, GHOSTS, primitive_visit, &pass);
+    for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
+        rows_visit(g->forest, t, GHOSTS, nodal_visit, &pass);
+        sweep_axis(g, tile, from, pass.axis);
+    }
+    struct update update = {.g = g, .U0 = U0, .from = from, .to = to, .flag = g->flag[tile], .a = a, .dt = dt};
+    rows_visit(g->forest, t, 0, update_visit, &update);
+    return update.bad;
+}

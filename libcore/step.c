@@ -1,0 +1,177 @@
+/* One time step: sources, Runge-Kutta stages with their safety net, rejection. */
+#include "libcore/state.h"
+
+const struct stepper stepper_table[] = {
+    {"SSPRK3", "three stages, third order (Shu & Osher 1988)", 3, {0, 3. / 4, 1. / 3}},
+    {"SSPRK2", "two stages, second order (Heun)", 2, {0, 1. / 2}},
+    {"Euler", "one stage, first order", 1, {0}},
+};
+const int stepper_count = sizeof stepper_table / sizeof *stepper_table;
+
+const struct stepper *stepper_find(const char *name) {
+    for (int i = 0; i < stepper_count; i++)
+        if (!strcmp(name, stepper_table[i].name)) return &stepper_table[i];
+    return NULL;
+}
+
+struct half_step {
+    const struct gas *g;
+    const double *from;
+    double *to, dt, kick[MAX_DIM];
+};
+
+static void source_visit(void *context, long offset, int n) {
+    struct half_step *h = context;
+    const struct gas *g = h->g;
+    double *U[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) {
+        U[v] = h->to + v * g->forest->size + offset;
+        if (h->from != h->to) memcpy(U[v], h->from + v * g->forest->size + offset, (size_t)n * sizeof(double));
+    }
+    source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, h->dt, h->kick, U);
+}
+
+/* to = the sources applied to from, over dt from t on */
+static void apply_sources(struct gas *g, double t, double dt, double *const *from, double *const *to) {
+    struct half_step h = {.g = g, .dt = dt};
+    source_kick(&g->models.source, t, dt, h.kick);
+    for (int i = 0; i < g->forest->ntiles; i++) {
+        h.from = from[i];
+        h.to = to[i];
+        rows_visit(g->forest, &g->forest->tile[i], 0, source_visit, &h);
+    }
+}
+
+struct census { /* of the flags of one tile */
+    struct gas *g;
+    const double *flag;
+    long count[3]; /* cells at level 1, 2, beyond */
+    bool any;
+};
+
+static void census_visit(void *context, long offset, int n) {
+    struct census *c = context;
+    for (int i = 0; i < n; i++) {
+        int level = (int)c->flag[offset + i];
+        c->any |= level > 0;
+        if (level > 0) c->count[level > LEVEL_RUSANOV ? 2 : level - 1]++;
+    }
+}
+
+/* Counts the flagged cells by level, sends the flags to the neighbours, and finds the tiles they touch. */
+static void share_flags(struct gas *g, long count[3]) {
+    for (int i = 0; i < 3; i++) count[i] = 0;
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct census c = {.g = g, .flag = g->flag[t]};
+        rows_visit(g->forest, &g->forest->tile[t], 0, census_visit, &c);
+        for (int i = 0; i < 3; i++) count[i] += c.count[i];
+    }
+    comm_sum_long(g->forest->comm, count, 3);
+    forest_fill_start(g->forest, 1, g->flag);
+    forest_fill_finish(g->forest);
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct census c = {.g = g, .flag = g->flag[t]};
+        rows_visit(g->forest, &g->forest->tile[t], 1, census_visit, &c);
+        g->flagged[t] = c.any;
+    }
+}
+
+static void clear_flags(struct gas *g) {
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        memset(g->flag[t], 0, (size_t)g->forest->size * sizeof(double));
+        g->flagged[t] = false;
+    }
+}
+
+/* The largest of one number over the ranks. */
+static long any_rank(const struct gas *g, long mine) {
+    double value = (double)mine;
+    comm_max(g->forest->comm, &value, 1);
+    return (long)value;
+}
+
+/* Redoes what stage left inadmissible, first with first-order faces, then with Rusanov's; false: not to be mended. */
+static bool mend_stage(struct gas *g, double *const *U0, double *const *from, double *const *to, double a, double dt) {
+    long count[3], before[3] = {0, 0, 0}, bad = 1;
+    while (bad) {
+        share_flags(g, count);
+        if (count[2]) return false;
+        g->counts.first_order += count[0] + count[1] - before[0] - before[1];
+        g->counts.rusanov += count[1] - before[1];
+        memcpy(before, count, sizeof before);
+        bad = 0;
+        for (int t = 0; t < g->forest->ntiles; t++)
+            if (g->flagged[t]) bad += stage_of_tile(g, t, U0[t], from[t], to[t], a, dt);
+        bad = any_rank(g, bad);
+    }
+    return true;
+}
+
+/* to = the stage of from; ghosts travel while tiles that need none are computed. */
+static bool do_stage(struct gas *g, double *const *U0, double *const *from, double *const *to, double a, double dt) {
+    struct forest *f = g->forest;
+    long bad = 0;
+    forest_fill_start(f, g->nvar, from);
+    for (int remote = 0; remote < 2; remote++) {
+        if (remote) forest_fill_finish(f);
+        for (int t = 0; t < f->ntiles; t++) {
+            if (f->tile[t].remote != (remote > 0)) continue;
+            ghosts_of_patches(g, t, from[t]);
+            bad += stage_of_tile(g, t, U0[t], from[t], to[t], a, dt);
+        }
+    }
+    if (!any_rank(g, bad)) return true;
+    bool mended = mend_stage(g, U0, from, to, a, dt);
+    clear_flags(g);
+    return mended;
+}
+
+static void swap(double ***a, double ***b) {
+    double **c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* The stages from U0 (left as it is) to V; false: some state could not be mended. */
+static bool do_stages(struct gas *g, double **U0, double dt) {
+    const struct stepper *s = g->models.stepper;
+    for (int stage = 0; stage < s->stages; stage++) {
+        if (!do_stage(g, U0, stage ? g->V : U0, g->W, s->a[stage], dt)) return false;
+        swap(&g->V, &g->W);
+    }
+    return true;
+}
+
+static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
+    double place[3];
+    gas_fastest_place(g, speed, place);
+    return fail(
+        ERR_STATE,
+        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the gas reaches close packing there and the time step "
+        "falls to %.3g s; the exact problem ends here, the last good state is kept",
+        t, place[0], place[1], place[2], dt);
+}
+
+status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
+                const struct gas_speed *speed) {
+    const bool sources = source_active(&g->models.source, &g->models.material);
+    double allowed = maxCo / speed->rate, floor = fraction * (speed->calm > 0 ? maxCo / speed->calm : 0);
+    floor = larger(floor, least);
+    if (allowed < floor) return collapse(g, t, allowed, speed);
+    floor = smaller(floor, fraction * *dt);
+    for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
+    for (;;) {
+        if (sources) apply_sources(g, t, 0.5 * *dt, g->U, g->U0);
+        if (do_stages(g, sources ? g->U0 : g->U, *dt)) break;
+        g->counts.rejected++;
+        *dt *= 0.5;
+        if (*dt < floor) return collapse(g, t, *dt, speed);
+    }
+    if (sources) apply_sources(g, t + 0.5 * *dt, 0.5 * *dt, g->V, g->V);
+    swap(&g->U, &g->V);
+    return OK;
+}
+
+struct gas_counts gas_counts(const struct gas *g) {
+    return g->counts;
+}
