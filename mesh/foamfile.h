@@ -32,9 +32,12 @@ struct lexer {
     const struct source *source;
     size_t position;
     int line;
+    int last_line; /* where the token before ended; 0: none yet */
 };
 struct lexer lexer_start(const struct source *s);
-/* The next token; comments are skipped. Words may hold balanced parentheses and commas: div(rho*U,T). */
+/* The next token; comments are skipped. Words may hold balanced parentheses and commas: div(rho*U,T). `${...}` is one
+ * word, `#{ ... #}` is verbatim (without the marks), punctuation is one of ( ) { } [ ] ; , and numbers are finite: nan,
+ * inf, 0x10 and 1d3 are words. */
 status lexer_next(struct lexer *l, struct token *t);
 status lexer_peek(const struct lexer *l, struct token *t);
 status lexer_expect(struct lexer *l, char punctuation);
@@ -59,6 +62,12 @@ status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int 
 status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long *n, int **out);
 /* faceList `N ( 4(0 1 2 3) ... )` or binary faceCompactList: start [n+1], points [start[n]]. */
 status foam_list_read_faces(struct lexer *l, const struct foam_header *h, long *n, int **start, int **points);
+/* Passes over a list without reading its values; item_bytes: of one entry in a binary file. */
+status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_bytes);
+
+/* The decimal number at text[0]; NULL if there is none that a blank, bracket, ';', ',', quote or comment ends, else the
+ * character after it. May be infinite (1e999). Independent of the locale. */
+const char *foam_number(const char *text, double *out);
 
 /* ---- writing ---------------------------------------------------------------------------------------------------- */
 
