@@ -94,11 +94,6 @@ static status wrong_count(const struct lexer *l, const struct opening *o, long f
                 l->line, o->line, o->count, found);
 }
 
-static status too_many(const struct lexer *l, const struct opening *o) {
-    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has more", l->source->path,
-                l->line, o->line, o->count);
-}
-
 /* Past the blanks and line ends that writers put between entries; comments are left to lexer_next. */
 static struct lexer past_blanks(const struct lexer *l) {
     struct lexer next = *l;
@@ -107,6 +102,11 @@ static struct lexer past_blanks(const struct lexer *l) {
         next.position++;
     }
     return next;
+}
+
+static status too_many(const struct lexer *l, const struct opening *o) {
+    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has more", l->source->path,
+                past_blanks(l).line, o->line, o->count);
 }
 
 /* Past the closing bracket if it is next. */
@@ -346,6 +346,8 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
         line += *p == '\n';
         if (p[0] == '/' && p[1] == '/')
             while (p[1] && p[1] != '\n') p++;
+        else if (p[0] == '/' && p[1] == '*')
+            for (p++; p[1] && !(p[0] == '*' && p[1] == '/'); p++) line += p[1] == '\n';
     }
     if (depth) return fail(ERR_INPUT, "%s:%d: the list is not closed", l->source->path, o.line);
     l->position = (size_t)(p - text);
