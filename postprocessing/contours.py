@@ -1,6 +1,6 @@
 """Contour lines of a field on a two-dimensional lattice with holes, with the walls drawn: Fig. 8 of Serna & Marquina.
 
-    contours.py CASE [CASE ...] FIGURE.png      one column per case, the whole domain above, the corner below
+    contours.py CASE [CASE ...] FIGURE.png      one row per case: the whole domain, the corner
 """
 import sys
 
@@ -31,39 +31,43 @@ def walls(case):
     return np.array(segments)
 
 
-def to_walls(case, x, y, grid):
-    """The grid with one more row and column on each side that repeat the edge, so that lines reach the boundary."""
-    pad = lambda c: np.concatenate(([1.5 * c[0] - 0.5 * c[1]], c, [1.5 * c[-1] - 0.5 * c[-2]]))
-    return pad(x), pad(y), np.pad(grid, 1, mode="edge")
+def to_walls(x, y, grid):
+    """The grid with one more layer of values around, and one inside holes, so that lines reach walls and boundary."""
+    grid = np.pad(grid, 1, mode="edge")
+    pad = lambda c: np.concatenate(([2 * c[0] - c[1]], c, [2 * c[-1] - c[-2]]))
+    wide = np.pad(grid, 1, constant_values=np.nan)
+    beside = np.stack([wide[1:-1, :-2], wide[1:-1, 2:], wide[:-2, 1:-1], wide[2:, 1:-1]])
+    known = ~np.isnan(beside)
+    mean = np.where(known, beside, 0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return pad(x), pad(y), np.where(np.isnan(grid) & known.any(axis=0), mean, grid)
 
 
 def draw(axes, case, time, window, levels=30, name="alpha"):
-    """Contour lines in window = (x0, x1, y0, y1); the hole is grey, walls are thick."""
+    """Contours in window = (x0, x1, y0, y1): tinted, with lines; holes are grey, walls are thick."""
     from matplotlib.collections import LineCollection
-    from matplotlib.patches import Rectangle
     values = case.field(name, time)
-    x, y, grid = to_walls(case, *lattice(case, values))
-    axes.contour(x, y, grid, np.linspace(values.min(), values.max(), levels + 2)[1:-1],
-                 colors=figures.COLOURS[0], linewidths=0.45)
-    segments = walls(case)
-    if len(segments):
-        corner = segments.reshape(-1, 2)
-        tip = (corner[:, 0].min(), corner[:, 1].max())
-        axes.add_patch(Rectangle((tip[0], y[0]), x[-1] - tip[0], tip[1] - y[0], facecolor="0.9", zorder=2))
-        axes.add_collection(LineCollection(segments, colors="k", linewidths=1.2, zorder=3))
+    x, y, grid = lattice(case, values)
+    steps = np.linspace(values.min(), values.max(), levels + 1)
+    around = to_walls(x, y, grid)
+    tint = axes.contourf(*around, steps, cmap="Blues", alpha=0.8)
+    axes.contour(*around, steps[1:-1], colors="#12304d", linewidths=0.35)
+    axes.pcolormesh(x, y, np.where(np.isnan(grid), 0.88, np.nan), cmap="gray", vmin=0, vmax=1, zorder=2)
+    axes.add_collection(LineCollection(walls(case), colors="k", linewidths=1.2, capstyle="projecting", zorder=3))
     axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="$x$ (cm)", ylabel="$y$ (cm)")
+    return tint
 
 
 def figure(cases, path):
-    """Fig. 8: whole domain and corner, one column per case; the last time of each."""
-    fig, axes = figures.panels(2, len(cases), width=3.5 * len(cases), height=3.4)
-    for column, case in zip(axes.T, cases):
+    """Fig. 8: one row per case, the whole domain and the corner; the last time of each."""
+    from matplotlib.ticker import MaxNLocator
+    fig, axes = figures.panels(len(cases), 2, width=7.4, height=3.5)
+    for row, case in zip(axes, cases):
         time = case.times[-1]
-        most = case.field("alpha", time).max()
-        draw(column[0], case, time, (0, 10, 0, 10))
-        column[0].set_title(rf"$t$ = {time} s, $\nu_\mathrm{{max}}$ = {most:.4f}", fontsize=9)
-        draw(column[1], case, time, (3.5, 6.5, 3.5, 6.5))
-        column[1].set_title("near the corner", fontsize=9)
+        tint = draw(row[0], case, time, (0, 10, 0, 10))
+        row[0].set_title(rf"$t$ = {time} s, $\nu_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
+        draw(row[1], case, time, (3.5, 6.5, 3.5, 6.5))
+        row[1].set_title("near the corner", fontsize=9)
+        fig.colorbar(tint, ax=row[1], label=figures.AXES["alpha"], ticks=MaxNLocator(8), shrink=0.9)
     figures.save(fig, path)
 
 

@@ -88,7 +88,7 @@ class GoldshteinShapiro(PerfectGas):
 
 
 # Gauss-Legendre nodes on [0, 1] for the integrals along an isentrope.
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 NODES, WEIGHTS = (NODES + 1) / 2, WEIGHTS / 2
 
 

@@ -93,6 +93,8 @@ def read_field(path, cells):
     entry = re.search(rb"(?:internalField|value)\s+(uniform|nonuniform)\s*(?:List<\w+>)?", f.body)
     if not entry:
         raise FormatError(f"{path}: no internalField")
+    if re.search(rb"^\s*expression\b", f.body, re.M):
+        raise FormatError(f"{path}: the field is given by an expression, which only the solver evaluates")
     if entry.group(1) == b"uniform":
         value = np.array(words(f.body[entry.end():f.body.index(b";", entry.end())]), float)
         return np.tile(value, (cells, 1)) if n > 1 else np.full(cells, value[0])

@@ -1,4 +1,4 @@
-// A column of 0.15 cm in N cells, the plate at x = 0.15: gmsh -setnumber N 750 ...
+// A column of 0.15 cm in N cells, the plate (wall) at x = 0.15: gmsh -setnumber N 750 ...
 DefineConstant[ N = {1500, Min 8, Name "cells"} ];
 L = 0.15;
 
@@ -8,5 +8,5 @@ Line(1) = {1, 2};
 Transfinite Curve {1} = N + 1;
 
 Physical Point("open") = {1};
-Physical Point("plate") = {2};
+Physical Point("wall") = {2};
 Physical Curve("gas") = {1};

@@ -19,5 +19,5 @@ Recombine Surface {1:3};
 
 Physical Curve("inlet") = {4, 7, 6, 10};
 Physical Curve("outlet") = {9, 1};
-Physical Curve("step") = {2, 8};
+Physical Curve("wall") = {2, 8};
 Physical Surface("gas") = {1:3};

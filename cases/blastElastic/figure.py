@@ -1,0 +1,28 @@
+"""The elastic blast and the exact solution: the upper row of Fig. 3 of Serna & Marquina."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import numpy as np  # noqa: E402
+
+import expected  # noqa: E402
+import figures  # noqa: E402
+import haff  # noqa: E402
+from riemann import BLAST, Riemann  # noqa: E402
+
+case = haff.Case(figures.folder())
+time = case.times[-1]
+gas = expected.gas(case)
+x, alpha, T = case.line(("alpha", "T"), time)
+fine = np.linspace(0, 10, 8001)
+rho, _, p = Riemann(gas, *BLAST).sample((fine - 5) / float(time))
+fig, axes = figures.panels(1, 2)
+for panel, name, values, exact in zip(axes[0], ("alpha", "T"), (alpha, T), (gas.nu(rho), gas.T(rho, p))):
+    panel.plot(fine, exact, color="0.3", linewidth=0.7, label="exact")
+    panel.plot(x, values, "o", markersize=2, markerfacecolor="none", markeredgewidth=0.5, label=f"{len(x)} cells")
+    figures.label(panel, "x", name)
+    panel.set_xlim(4.5, 9)
+axes[0][0].legend(loc="upper left")
+axes[0][0].set_title(f"$e$ = 1, $t$ = {time} s", fontsize=9)
+figures.save(fig, os.path.join(figures.folder(), "blastElastic.png"))

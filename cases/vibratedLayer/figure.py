@@ -1,0 +1,32 @@
+"""Five cycles of the shaken layer: Figs 6 (volume fraction, temperature) and 7 (velocity) of Serna & Marquina."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import figures  # noqa: E402
+import haff  # noqa: E402
+
+FREQUENCY = 200
+case = haff.Case(figures.folder())
+last = float(case.times[-1])
+cycles = [phase for phase in (0.35, 1.35, 2.35, 3.35, 4.35) if phase / FREQUENCY <= last]
+fig, axes = figures.panels(len(cycles) + 1, 2, height=1.6)
+for row, phase in zip(axes, cycles):
+    x, alpha, T = case.line(("alpha", "T"), phase / FREQUENCY)
+    near = x >= 0.08
+    for panel, name, values in zip(row, ("alpha", "T"), (alpha, T)):
+        panel.plot(x[near], values[near])
+        figures.label(panel, "", name)
+        panel.set_xlim(0.08, 0.15)
+    row[0].set_ylabel(r"$\nu$")
+    row[1].set_ylabel(r"$T$ (cm$^2$ s$^{-2}$)")
+    row[0].set_title(rf"$ft$ = {phase}, $\Sigma\nu$ = {alpha.sum():.3f}", fontsize=8)
+for panel, phase in zip(axes[-1], (3.15, 4.15)):
+    if phase / FREQUENCY <= last:
+        x, u = case.line(("U",), phase / FREQUENCY)
+        panel.plot(x[x >= 0.08], u[x >= 0.08])
+        panel.set_title(f"$ft$ = {phase}", fontsize=8)
+    figures.label(panel, "x", "U")
+    panel.set_xlim(0.08, 0.15)
+figures.save(fig, os.path.join(figures.folder(), "vibratedLayer.png"))

@@ -1,0 +1,22 @@
+"""Volume fraction, temperature, pressure and Mach number at the end: Fig. 2 of Serna & Marquina."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import expected  # noqa: E402
+import figures  # noqa: E402
+import haff  # noqa: E402
+
+case = haff.Case(figures.folder())
+time = case.times[-1]
+x, alpha, rho, T, p, u = case.line(("alpha", "rho", "T", "p", "U"), time)
+mach = abs(u) / expected.gas(case).c(rho, T)
+fig, axes = figures.panels(2, 2)
+for panel, name, values in zip(axes.flat, ("alpha", "T", "p", "Ma"), (alpha, T, p, mach)):
+    panel.plot(x, values)
+    figures.label(panel, "x", name)
+    panel.set_xlim(0, 10)
+axes[0][0].axhline(0.65, linestyle=":", linewidth=0.6, color="0.4")
+axes[0][0].set_title(rf"$t$ = {time} s, at the wall $\nu$ = {alpha[-1]:.6f}", fontsize=9)
+figures.save(fig, os.path.join(figures.folder(), "wall.png"))

@@ -1,0 +1,109 @@
+"""Compares a finished case with its expected.json.
+
+    expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance
+
+An entry of expected.json: quantity (a key of QUANTITIES), field, time, value, tolerance (absolute), source; optional
+cells (the grid it holds for: per side in 2D), paper (what Serna & Marquina print). `full` lists what Allrun gives,
+`short` what the coarser runs of the tests give.
+"""
+import json
+import os
+import re
+import sys
+
+import numpy as np
+
+import haff
+from eos import GoldshteinShapiro
+from riemann import BLAST, Riemann
+
+
+def gas(case):
+    """The equation of state from constant/granularProperties (plain numbers, as in the cases shipped)."""
+    with open(os.path.join(case.path, "constant", "granularProperties")) as f:
+        text = re.sub(r"//[^\n]*", "", f.read())
+    value = lambda key: float(re.search(rf"\b{key}\s+([^;\s]+)\s*;", text).group(1))
+    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax"), value("gamma"))
+
+
+def wall_value(case, field, time):
+    """At the cell of greatest x."""
+    return case.field(field, time)[np.argmax(case.centres[:, 0])]
+
+
+def upstream_mach(case, _, time):
+    """At the upper left corner."""
+    cell = np.argmax(case.centres[:, 1] - case.centres[:, 0])
+    c = gas(case).c(case.field("rho", time)[cell], case.field("T", time)[cell])
+    return np.linalg.norm(case.field("U", time)[cell]) / c
+
+
+def column_integral(case, field, time):
+    """Integral along x per cross-section of a one-dimensional case."""
+    x = case.centres[:, 0]
+    length = np.ptp(x) * len(x) / (len(x) - 1)
+    return float(np.sum(case.field(field, time)) * length / len(x))
+
+
+def asymmetry(case, field, time):
+    """Greatest difference to the mirror image about the line y = 10 - x, relative to the greatest value."""
+    x, y = np.round(case.centres[:, :2].T, 9)
+    here, there = np.lexsort((y, x)), np.lexsort((np.round(10 - x, 9), np.round(10 - y, 9)))
+    value = case.field(field, time)
+    mirrored = -value[:, [1, 0]] if value.ndim > 1 else value
+    value = value[:, :2] if value.ndim > 1 else value
+    return float(np.abs(value[here] - mirrored[there]).max() / np.abs(value).max())
+
+
+def blast_error(case, field, time):
+    """L1 error of the elastic blast against the exact solution at the cell centres, over 50 grains/cm^3."""
+    x, rho = case.line(("rho",), time)
+    exact = Riemann(gas(case), *BLAST).sample((x - 5) / float(time))[0]
+    return float(np.abs(rho - exact).mean() * 10 / 50)
+
+
+QUANTITIES = {
+    "maximum": lambda case, field, time: float(case.field(field, time).max()),
+    "minimum": lambda case, field, time: float(case.field(field, time).min()),
+    "position of maximum": lambda case, field, time: float(case.centres[np.argmax(case.field(field, time)), 0]),
+    "sum": lambda case, field, time: float(case.field(field, time).sum()),
+    "integral along x": column_integral,
+    "value at the wall": wall_value,
+    "upstream Mach number": upstream_mach,
+    "asymmetry": asymmetry,
+    "L1 error": blast_error,
+}
+
+
+def load(path, part):
+    with open(os.path.join(path, "expected.json")) as f:
+        return json.load(f)[part]
+
+
+def measure(case, entry):
+    """The case's value of an entry; KeyError where the time was not written."""
+    time = case.time(entry["time"])
+    if abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
+        raise KeyError(f"{case.path}: time {entry['time']} was not written; the nearest is {time}")
+    return QUANTITIES[entry["quantity"]](case, entry.get("field"), time)
+
+
+def describe(entry):
+    return f"{entry['quantity']} {entry.get('field', '')} at t = {entry['time']:g}".replace("  ", " ")
+
+
+def main(path):
+    bad = 0
+    for entry in load(path, "full"):
+        case = haff.Case(os.path.join(path, entry.get("folder", "")))
+        value = measure(case, entry)
+        good = abs(value - entry["value"]) <= entry["tolerance"]
+        bad += not good
+        paper = f"  paper {entry['paper']}" if "paper" in entry else ""
+        print(f"{'ok ' if good else 'BAD'} {describe(entry)}: {value:.9g}, expected {entry['value']:.9g} "
+              f"+- {entry['tolerance']:g}{paper}")
+    return bad > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

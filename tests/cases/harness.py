@@ -1,0 +1,107 @@
+"""Runs short forms of the cases through the real programs, in a temporary folder."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
+BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
+sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
+
+import expected  # noqa: E402
+import haff  # noqa: E402
+
+
+def program(name, *arguments, ranks=1, check=True, timeout=900):
+    """Runs a program of haff; a failure shows its output."""
+    command = [os.path.join(BIN, name), *arguments]
+    if ranks > 1:
+        command = ["mpirun", "-np", str(ranks), *command]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+    if check and done.returncode:
+        raise AssertionError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
+    return done
+
+
+def copy(name, folder):
+    """Copy of a shipped case without results."""
+    target = os.path.join(folder, name)
+    shutil.copytree(os.path.join(SOURCE, "cases", name), target,
+                    ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*"))
+    return target
+
+
+def edit(case, file, **entries):
+    """Sets `key value;` entries of a dictionary; each key must be there."""
+    path = os.path.join(case, file)
+    with open(path) as f:
+        text = f.read()
+    for key, value in entries.items():
+        text, count = re.subn(rf"\b{key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text)
+        if not count:
+            raise KeyError(f"{path} has no entry {key}")
+    with open(path, "w") as f:
+        f.write(text)
+
+
+def drop_vtk(case):
+    """Tests of numbers need no VTK files."""
+    path = os.path.join(case, "system", "controlDict")
+    with open(path) as f:
+        text = f.read()
+    with open(path, "w") as f:
+        f.write(re.sub(r"^ *vtk +\{[^}]*\}\n", "", text, flags=re.M))
+
+
+def mesh(case, cells):
+    """mesh.geo with N = cells through gmsh and gmshToCase."""
+    msh = os.path.join(case, "mesh.msh")
+    subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "N", str(cells), os.path.join(case, "mesh.geo"), "-o", msh],
+                   check=True, capture_output=True)
+    program("gmshToCase", msh, "-case", case)
+
+
+def run(case, ranks=1, **control):
+    """The solver, with entries of controlDict changed; returns the case with its results."""
+    if control:
+        edit(case, "system/controlDict", **control)
+    drop_vtk(case)
+    program("granularGas", "-case", case, ranks=ranks)
+    return haff.Case(case)
+
+
+class Folder:
+    """A temporary folder for the tests of a class: self.folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls._temporary = tempfile.TemporaryDirectory(prefix="haff")
+        cls.folder = cls._temporary.name
+
+    @classmethod
+    def tearDownClass(cls):
+        cls._temporary.cleanup()
+
+    def short(self, name, cells, **control):
+        """A shipped case on another grid."""
+        case = copy(name, self.folder)
+        case = shutil.move(case, f"{case}_{cells}_{len(os.listdir(self.folder))}")
+        mesh(case, cells)
+        return run(case, **control)
+
+    def compare(self, case, entries):
+        """Every entry of expected.json, each a subtest."""
+        self.assertTrue(entries)
+        for entry in entries:
+            with self.subTest(expected.describe(entry)):
+                value = expected.measure(case, entry)
+                self.assertLessEqual(abs(value - entry["value"]), entry["tolerance"],
+                                     f"{value:.9g}, expected {entry['value']:.9g}: {entry['source']}")
+
+
+def entries(name, **wanted):
+    """The short entries of a case's expected.json that have these properties (or do not mention them)."""
+    path = os.path.join(SOURCE, "cases", name)
+    return [e for e in expected.load(path, "short") if all(e.get(k, v) == v for k, v in wanted.items())]
