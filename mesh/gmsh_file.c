@@ -291,7 +291,7 @@ static status read_entity(struct reader *r, int dim, struct entity *e) {
     TRY(take_count(c, 2, "physical groups", &n));
     TRY(grow(&r->owned, r->nowned, n, sizeof *r->owned));
     for (long i = 0; i < n; i++) {
-        int tag;
+        int tag = 0;
         TRY(take_int(c, &tag));
         TRY(gmsh_file_group(r->file, dim, abs(tag), &r->owned[r->nowned++]));
         e->count++;
@@ -431,7 +431,7 @@ static status find_kind(const struct cursor *c, long type, int *kind) {
 static status read_element_nodes(struct reader *r, int bytes, struct gmsh_element *e) {
     for (int k = 0; k < 8; k++) e->node[k] = -1;
     for (int k = 0; k < gmsh_shapes[e->kind].nodes; k++) {
-        long tag;
+        long tag = 0;
         TRY(take_long(&r->c, bytes, &tag));
         TRY(find_node(r, tag, &e->node[k]));
         for (int j = 0; j < k; j++)
@@ -447,7 +447,7 @@ static status read_element_old(struct reader *r, struct gmsh_element *e, int nta
     int dim = gmsh_shapes[e->kind].dim;
     e->group = -1;
     for (int i = 0; i < ntags; i++) {
-        int tag;
+        int tag = 0;
         TRY(take_int(c, &tag));
         if (i == 0 && tag != 0) TRY(gmsh_file_group(r->file, dim, abs(tag), &e->group));
     }
