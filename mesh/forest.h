@@ -7,7 +7,10 @@
 #include "mesh/comm.h"
 #include "mesh/lattice.h"
 
-enum { GHOSTS = 3 }; /* layers: the six-point stencil of a fifth-order face value */
+enum {
+    GHOSTS = 3,        /* layers: the six-point stencil of a fifth-order face value */
+    FILL_VARIABLES = 8 /* at most, in one ghost fill */
+};
 
 struct side {        /* of a tile: wholly one neighbour tile or wholly one patch */
     int patch;       /* patch of the polyMesh, or -1: a neighbour tile (periodic images included) */
@@ -46,9 +49,9 @@ status forest_make(const struct lattice *l, const struct polymesh *m, const stru
                    struct forest **out);
 void forest_free(struct forest *f);
 
-/* Fills ghost layers (not the corners) of `nvar` variables from neighbour tiles, periodic images and other ranks.
- * data[t] is tile t's block, variable v at data[t] + v*size. start copies what is local and sends the rest;
- * between start and finish only ghost layers of remote tiles are missing. Sides with a patch are left alone. */
+/* Fills ghost layers (not the corners) of `nvar` <= FILL_VARIABLES variables from neighbour tiles, periodic images and
+ * other ranks. data[t] is tile t's block, variable v at data[t] + v*size. start copies what is local and sends the
+ * rest; between start and finish only ghost layers of remote tiles are missing. Sides with a patch are left alone. */
 void forest_fill_start(struct forest *f, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
 
@@ -60,7 +63,8 @@ void forest_scatter(const struct forest *f, const double *all, int variable, dou
 /* Sum over all ranks of one number per tile, in the order of the tiles' ids: the same bits for any number of ranks. */
 status forest_sum(const struct forest *f, const double *per_tile, double *sum);
 
-/* The tile and cell offset (from the block's start, one variable) that hold a point, or tile -1: not on this rank. */
+/* The tile and cell offset (from the block's start, one variable) that hold a point, or tile -1: not on this rank.
+ * Between cells the upper one holds it, at an upper edge of the domain the lower one: one rank has it. */
 void forest_locate(const struct forest *f, const double point[3], int *tile, long *offset);
 
 #endif

@@ -1,0 +1,129 @@
+#include "mesh/comm.h"
+
+#include <limits.h>
+#include <mpi.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TEXT = 2048, BROADCAST_PIECE = 1 << 30 };
+
+struct comm {
+    MPI_Comm world;
+    int rank, size;
+};
+
+status comm_start(int *argc, char ***argv, struct comm **out) {
+    *out = NULL;
+    if (MPI_Init(argc, argv) != MPI_SUCCESS)
+        return fail(ERR_SYSTEM, "MPI did not start; check the installation with: mpirun -np 1 true");
+    struct comm *c;
+    TRY(allocate(&c, 1, sizeof *c, "the communicator"));
+    c->world = MPI_COMM_WORLD;
+    MPI_Comm_rank(c->world, &c->rank);
+    MPI_Comm_size(c->world, &c->size);
+    *out = c;
+    return OK;
+}
+
+void comm_finish(struct comm *c) {
+    free(c);
+    MPI_Finalize();
+}
+
+int comm_rank(const struct comm *c) {
+    return c->rank;
+}
+int comm_size(const struct comm *c) {
+    return c->size;
+}
+bool comm_root(const struct comm *c) {
+    return c->rank == 0;
+}
+void *comm_handle(const struct comm *c) {
+    return (void *)&c->world;
+}
+
+static void reduce(const struct comm *c, void *value, int n, MPI_Datatype type, MPI_Op op) {
+    if (c->size > 1) MPI_Allreduce(MPI_IN_PLACE, value, n, type, op, c->world);
+}
+
+void comm_min(const struct comm *c, double *value, int n) {
+    reduce(c, value, n, MPI_DOUBLE, MPI_MIN);
+}
+void comm_max(const struct comm *c, double *value, int n) {
+    reduce(c, value, n, MPI_DOUBLE, MPI_MAX);
+}
+void comm_sum_long(const struct comm *c, long *value, int n) {
+    reduce(c, value, n, MPI_LONG, MPI_SUM);
+}
+
+/* Counts and displacements of MPI are ints: an array that is longer in all is refused, by every rank. */
+static status gather(const struct comm *c, const void *mine, long n, void *all, long *total, MPI_Datatype type,
+                     long bytes) {
+    long sum = n;
+    comm_sum_long(c, &sum, 1);
+    if (sum > INT_MAX) return fail(ERR_SYSTEM, "%ld values on one rank; at most %d can be gathered", sum, INT_MAX);
+    void *array = NULL;
+    int *count = NULL;
+    status s = OK;
+    if (c->rank == 0) s = allocate(&array, sum, bytes, "an array gathered from all ranks");
+    if (c->rank == 0 && !s) s = allocate(&count, 2L * c->size, sizeof *count, "the counts of all ranks");
+    s = comm_agree(c, s);
+    if (s) {
+        free(array);
+        free(count);
+        return s;
+    }
+    int my_count = (int)n;
+    int *start = count ? count + c->size : NULL;
+    MPI_Gather(&my_count, 1, MPI_INT, count, 1, MPI_INT, 0, c->world);
+    for (int r = 1; count && r < c->size; r++) start[r] = start[r - 1] + count[r - 1];
+    MPI_Gatherv(mine, my_count, type, array, count, start, type, 0, c->world);
+    free(count);
+    memcpy(all, &array, sizeof array);
+    if (total) *total = c->rank == 0 ? sum : 0;
+    return OK;
+}
+
+status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total) {
+    *all = NULL;
+    return gather(c, mine, n, all, total, MPI_DOUBLE, sizeof **all);
+}
+
+status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total) {
+    *all = NULL;
+    return gather(c, mine, n, all, total, MPI_INT, sizeof **all);
+}
+
+void comm_broadcast(const struct comm *c, void *data, long bytes) {
+    char *next = data;
+    while (c->size > 1 && bytes > 0) {
+        int piece = bytes < BROADCAST_PIECE ? (int)bytes : BROADCAST_PIECE;
+        MPI_Bcast(next, piece, MPI_BYTE, 0, c->world);
+        next += piece;
+        bytes -= piece;
+    }
+}
+
+void comm_barrier(const struct comm *c) {
+    if (c->size > 1) MPI_Barrier(c->world);
+}
+
+status comm_agree(const struct comm *c, status mine) {
+    if (c->size == 1) return mine;
+    int first = mine ? c->rank : c->size;
+    reduce(c, &first, 1, MPI_INT, MPI_MIN);
+    if (first == c->size) return OK;
+    struct {
+        int kind;
+        char text[TEXT];
+    } message = {0};
+    if (first == c->rank) {
+        message.kind = (int)status_kind(mine);
+        strncpy(message.text, status_text(mine), TEXT - 1);
+    }
+    MPI_Bcast(&message, sizeof message, MPI_BYTE, first, c->world);
+    if (first == c->rank) return mine;
+    status_free(mine);
+    return fail((enum status_kind)message.kind, "%s", message.text);
+}

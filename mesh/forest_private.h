@@ -1,0 +1,50 @@
+/* Shared by forest.c (my tiles), forest_cut.c (all tiles), forest_fill.c (ghost layers), forest_cells.c (values). */
+#ifndef MESH_FOREST_PRIVATE_H
+#define MESH_FOREST_PRIVATE_H
+
+#include "mesh/forest.h"
+#include "mesh/trees.h"
+
+struct copy {      /* a box of cells from one block to another */
+    int to, from;  /* tiles of this rank, or mirrors (to) and ghosts (from) of struct trees */
+    int n[3];      /* cells along each axis */
+    long to_start; /* offset of its first cell in the block */
+    long from_start;
+};
+struct copies {
+    int n;
+    struct copy *item;
+};
+struct forest_private {
+    int n[3];      /* cells of the lattice */
+    int pieces[3]; /* the tile grid */
+    int *start[3]; /* [pieces + 1] lattice position of the pieces' first cells, and n */
+    int *id;       /* [pieces0*pieces1*pieces2] tile id, -1 in a hole */
+    int nall;
+    struct trees_tile *all; /* [nall] by id */
+    struct trees *trees;
+    int *cell;  /* what tile[].cell points into */
+    int *face;  /* what tile[].side[].face points into */
+    int *order; /* root: [ncells_all] polyMesh cell, tile by tile; NULL elsewhere */
+
+    struct copies local, pack, unpack;
+    long slab[6];     /* offset of a side's layers in a packet */
+    long packet_size; /* doubles per variable */
+    double *leaving;  /* [nmirrors][nvar][packet_size] */
+    double *arriving; /* [nghosts][nvar][packet_size] */
+    void **packet;    /* [nmirrors] into leaving */
+    int nvar;         /* of the fill under way */
+    double *const *data;
+};
+
+/* Cuts the lattice into the tiles of all ranks: n, pieces, start, id, nall, all. patch_of[f - ninternal] is the patch
+ * of boundary face f, or -1 on a cyclic patch. The same on every rank, without communication. */
+status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, const int *patch_of,
+                int tile_size);
+void cut_free(struct forest_private *h);
+
+/* Builds the copy lists and buffers of f->hidden, and sets tile[].remote. */
+status fill_make(struct forest *f);
+void fill_free(struct forest_private *h);
+
+#endif
