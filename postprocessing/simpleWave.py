@@ -26,9 +26,9 @@ class SimpleWave:
         """Initial density and its slope."""
         k = 2 * np.pi / self.length
         if self.tanh:  # a monotone front in the middle, flat at both ends
-            z = 12 * (s / self.length - 0.5)
+            z = 20 * (s / self.length - 0.5)
             return (self.rho0 * (1 - self.amplitude * np.tanh(z)),
-                    -self.rho0 * self.amplitude * 12 / self.length / np.cosh(z) ** 2)
+                    -self.rho0 * self.amplitude * 20 / self.length / np.cosh(z) ** 2)
         return self.rho0 * (1 + self.amplitude * np.sin(k * s)), self.rho0 * self.amplitude * k * np.cos(k * s)
 
     def state(self, rho):

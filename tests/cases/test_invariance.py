@@ -1,0 +1,111 @@
+"""What must not depend on the axis, the number of axes, the number of ranks or a stop on the way; and conservation."""
+import os
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import boxes, harness
+from riemann import BLAST
+
+LENGTH, CELLS, END = 10.0, 60, 1.5
+FIELDS = ("rho", "U", "T", "p", "alpha")
+
+
+def planar(axis, n):
+    """The blast along an axis: rho, u, p in the cells."""
+    size = tuple(LENGTH if k == axis else 1.0 for k in range(3))
+    left = boxes.centres(n, size)[:, axis] < LENGTH / 2
+    rho, speed, p = (np.where(left, a, b) for a, b in zip(*BLAST))
+    return size, rho, np.outer(speed, np.eye(3)[axis]), p
+
+
+class Invariance(harness.Folder, unittest.TestCase):
+    def run_box(self, name, n, axis, **options):
+        size, rho, u, p = planar(axis, n)
+        case = harness.box_case(os.path.join(self.folder, name), n, size, rho, u, p, END, e=0.9, cooling="Haff",
+                                **options)
+        harness.program("granularGas", "-case", case)
+        return harness.haff.Case(case)
+
+    def profile(self, case, n, axis, field):
+        """The values along the axis; all lines along it must be the same bits."""
+        values = case.field(field)
+        grid = values.reshape(*n[::-1], -1)
+        lines = np.moveaxis(grid, 2 - axis, 0)
+        first = lines[:, :1, :1]
+        np.testing.assert_array_equal(lines, np.broadcast_to(first, lines.shape))
+        line = first[:, 0, 0]
+        return line[:, axis] if field == "U" else line[:, 0]
+
+    def test_axes_and_dimensions(self):
+        """1D along x, y, z, 2D and 3D: the same bits; PHM and WENO5."""
+        for reconstruct in ("PHM", "WENO5"):
+            reference = None
+            for n in ((CELLS, 1, 1), (1, CELLS, 1), (1, 1, CELLS), (CELLS, 8, 1), (8, CELLS, 1), (1, 8, CELLS),
+                      (CELLS, 6, 6), (6, CELLS, 6), (6, 6, CELLS)):
+                axis = n.index(CELLS)
+                # cyclic across, the same fixed step for all: the Courant number counts axes
+                types = {"xyz"[k]: "cyclic" for k in range(3) if k != axis and n[k] > 1}
+                case = self.run_box(f"{reconstruct}{'_'.join(map(str, n))}", n, axis, types=types,
+                                    reconstruct=reconstruct, adjust="no", step=END / 64, control="runTime")
+                got = {f: self.profile(case, n, axis, f) for f in FIELDS}
+                reference = reference or got
+                for field in FIELDS:
+                    with self.subTest(f"{reconstruct} {n} {field}"):
+                        np.testing.assert_array_equal(got[field], reference[field])
+
+    def test_conservation(self):
+        """Between slip walls and with periodic ends: mass always; momentum and energy where nothing takes them."""
+        n, size = (40, 30, 1), (4.0, 3.0, 0.1)
+        x, y, _ = boxes.centres(n, size).T
+        rho = 100 + 60 * np.sin(np.pi * x / 2) * np.cos(2 * np.pi * y / 3)
+        u = np.stack([np.cos(np.pi * x / 2), np.sin(2 * np.pi * y / 3), 0 * x], axis=1)
+        p = 300 + 200 * np.cos(np.pi * x)
+        walls = ("xLow", "xHigh", "yLow", "yHigh")
+        for name, options in (("walls", {"slip": walls, "types": {"x": "wall", "y": "wall"}}),
+                              ("periodic", {"types": {"x": "cyclic", "y": "cyclic"}})):
+            case = harness.box_case(os.path.join(self.folder, name), n, size, rho, u, p, 1.0, **options)
+            harness.program("granularGas", "-case", case)
+            result = harness.haff.Case(case)
+            new_rho, new_u, new_T = (result.field(f) for f in ("rho", "U", "T"))
+            gas = harness.expected.gas(result)
+            energy = lambda rho, u, T: (rho * (1.5 * T + (u**2).sum(axis=1) / 2)).sum()
+            with self.subTest(name):
+                self.assertGreater(np.abs(new_rho - rho).max(), 1, "nothing has happened")
+                self.assertAlmostEqual(new_rho.sum() / rho.sum(), 1, delta=1e-13)
+                self.assertAlmostEqual(energy(new_rho, new_u, new_T) / energy(rho, u, gas.T(rho, p)), 1, delta=1e-13)
+                if name == "periodic":
+                    momentum = (rho[:, None] * u).sum(axis=0), (new_rho[:, None] * new_u).sum(axis=0)
+                    np.testing.assert_allclose(momentum[1], momentum[0], atol=1e-12 * np.abs(rho[:, None] * u).sum())
+
+    def same_bits(self, one, other):
+        self.assertEqual(one.times[-1], other.times[-1])
+        for field in FIELDS:
+            np.testing.assert_array_equal(one.field(field), other.field(field), err_msg=field)
+
+    def test_ranks(self):
+        """The wedge at 96 cells a side, a quarter of the way: 1, 2 and 4 ranks."""
+        case = harness.copy("wedge", self.folder)
+        harness.mesh(case, 96)
+        results = []
+        for ranks in (1, 2, 4):
+            copy = shutil.copytree(case, f"{case}_{ranks}")
+            results.append(harness.run(copy, ranks=ranks, endTime=0.01, writeInterval=0.01))
+        for other in results[1:]:
+            self.same_bits(results[0], other)
+
+    def test_restart(self):
+        """Straight through, and stopped at a write and taken up again (on two ranks): shaken layer and wedge."""
+        for name, cells, middle, end in (("vibratedLayer", 300, 0.001, 0.002), ("wedge", 48, 0.01, 0.02)):
+            case = harness.copy(name, self.folder)
+            harness.mesh(case, cells)
+            straight = harness.run(shutil.copytree(case, case + "_straight"), endTime=end, writeInterval=middle)
+            stopped = shutil.copytree(case, case + "_stopped")
+            harness.run(stopped, endTime=middle, writeInterval=middle)
+            with self.subTest(name):
+                self.same_bits(straight, harness.run(stopped, ranks=2, endTime=end))
+
+
+if __name__ == "__main__":
+    unittest.main()
