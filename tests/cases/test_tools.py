@@ -92,7 +92,7 @@ class Tools(harness.Folder, unittest.TestCase):
         with open(geo, "w") as f:
             f.write(text + "out[] = Extrude {0, 0, 1} { Surface{1:3}; Layers{2}; Recombine; };\n"
                     'Physical Volume("gas") = {1:3};\nPhysical Surface("back") = {1:3};\n'
-                    'all[] = CombinedBoundary{ Volume{1:3}; };\nall[] -= {1, 2, 3};\nPhysical Surface("wall") = {all[]};\n')
+                    'all[] = CombinedBoundary{ Volume{1:3}; };\nall[] -= {1, 2, 3, -1, -2, -3};\nPhysical Surface("wall") = {all[]};\n')
         subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "N", "12", "-format", "msh2", geo, "-o", msh], check=True,
                        capture_output=True)
         meshes = []
