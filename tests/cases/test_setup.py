@@ -76,13 +76,13 @@ class Setup(unittest.TestCase):
 
     def test_failures(self):
         script(os.path.join(self.top, "build", "bin", "granularGas"), "echo no good >&2; exit 1\n")
-        _, done = self.run_case("wall")
+        _, done = self.run_case("blast")
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("no good", done.stderr)
         self.assertEqual(done.stdout, "")
         script(os.path.join(self.top, "build", "bin", "gmshToCase"), "echo bad mesh; exit 1\n")
-        self.touch("wall", "mesh.geo")
-        _, done = self.run_case("wall")
+        self.touch("blast", "mesh.geo")
+        _, done = self.run_case("blast")
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("bad mesh", done.stderr)
 
