@@ -109,24 +109,20 @@ KERNEL static void split_line(int n, const double *restrict phi, const double *r
         out[i] = select_double(speed[i] >= 0, 0.5 * (phi[i] + sign * (speed[i] * w[i])), phi[i]);
 }
 
-/* a = value where the face takes this side of the field, else 0; or added to a. */
-KERNEL static void keep_side(int n, const double *restrict value, const double *restrict speed, double other, bool add,
-                             double *restrict a) {
-    if (add)
-        for (int i = 0; i < n; i++) a[i] += select_double(speed[i] == other, 0, value[i]);
-    else
-        for (int i = 0; i < n; i++) a[i] = select_double(speed[i] == other, 0, value[i]);
+/* a stays where the face takes this side of the field, else 0. */
+KERNEL static void keep_side(int n, const double *restrict speed, double other, double *restrict a) {
+    for (int i = 0; i < n; i++) a[i] = select_double(speed[i] == other, 0, a[i]);
 }
 
 /* Reconstructs what comes from one side (+1: from the left, -1: from the right) of every field into a[field]. */
 static void one_side(int n, int dim, int side, const struct winds *w, const struct fields *phi,
-                     const struct fields *state, const struct reconstruct *r, bool add, double (*a)[BATCH]) {
-    double built[5][BATCH], value[BATCH];
+                     const struct fields *state, const struct reconstruct *r, double (*a)[BATCH]) {
+    double built[5][BATCH];
     for (int p = 0; p < dim + 2; p++) {
         int kin = family(p, dim);
         bool mine = side > 0 ? w->left[kin] : w->right[kin];
         if (!mine && !w->split[kin]) {
-            if (!add) memset(a[p], 0, (size_t)n * sizeof(double));
+            memset(a[p], 0, (size_t)n * sizeof(double));
             continue;
         }
         const double *line[5];
@@ -137,8 +133,8 @@ static void one_side(int n, int dim, int side, const struct winds *w, const stru
             split_line(n, line[m], state->line[p][at], side, w->speed[kin], built[m]);
             line[m] = built[m];
         }
-        r->face(n, line, value);
-        keep_side(n, value, w->speed[kin], side > 0 ? UPWIND_RIGHT : UPWIND_LEFT, add, a[p]);
+        r->face(n, line, a[p]);
+        keep_side(n, w->speed[kin], side > 0 ? UPWIND_RIGHT : UPWIND_LEFT, a[p]);
     }
 }
 
@@ -243,6 +239,59 @@ static void common_bases(const struct faces *f, const struct eos *eos, const str
     close_bases(n, dim, b);
 }
 
+/* The upwind half of a field on one basis: phi from its own side, (phi + alpha w)/2 from the left where it is split. */
+KERNEL static void upwind_line(int n, const double *restrict phi, const double *restrict mirrored,
+                               const double *restrict w, const double *restrict speed, double *restrict out) {
+    for (int i = 0; i < n; i++) {
+        double split = 0.5 * (phi[i] + speed[i] * w[i]);
+        out[i] = speed[i] == UPWIND_LEFT ? phi[i] : speed[i] == UPWIND_RIGHT ? mirrored[i] : split;
+    }
+}
+
+KERNEL static void add_half(int n, const double *restrict speed, const double *restrict half, double *restrict a) {
+    for (int i = 0; i < n; i++) a[i] += select_double(speed[i] >= 0, half[i], 0);
+}
+
+/* Adds the other half, (phi - alpha w)/2 from the right, of the faces that split the field; where these are few, they
+ * are gathered. */
+static void add_split(int n, const double *speed, double (*phi)[BATCH], double (*w)[BATCH], const struct reconstruct *r,
+                      double *a) {
+    double built[5][BATCH], half[BATCH];
+    const double *line[5] = {built[0], built[1], built[2], built[3], built[4]};
+    int face[BATCH], count = 0;
+    for (int i = 0; i < n; i++)
+        if (speed[i] >= 0) face[count++] = i;
+    bool few = 4 * count < n;
+    for (int m = 2 - r->reach; m <= 2 + r->reach; m++) {
+        const double *f = phi[STENCIL - 1 - m], *q = w[STENCIL - 1 - m];
+        if (!few)
+            split_line(n, f, q, -1, speed, built[m]);
+        else
+            for (int k = 0; k < count; k++) built[m][k] = 0.5 * (f[face[k]] - speed[face[k]] * q[face[k]]);
+    }
+    r->face(few ? count : n, line, half);
+    if (!few)
+        add_half(n, speed, half, a);
+    else
+        for (int k = 0; k < count; k++) a[face[k]] += half[k];
+}
+
+/* The amplitude of one field: one reconstruction, and a second one of the split faces only. */
+static void upwind_field(int n, const struct winds *w, int kin, double (*phi)[BATCH], double (*state)[BATCH],
+                         const struct reconstruct *r, double *a) {
+    double built[5][BATCH];
+    const double *line[5];
+    bool mixed = w->split[kin] || (w->left[kin] && w->right[kin]);
+    for (int m = 0; m < 5; m++) {
+        line[m] = phi[w->left[kin] ? m : STENCIL - 1 - m];
+        if (!mixed || m < 2 - r->reach || m > 2 + r->reach) continue;
+        upwind_line(n, phi[m], phi[STENCIL - 1 - m], w->split[kin] ? state[m] : phi[m], w->speed[kin], built[m]);
+        line[m] = built[m];
+    }
+    r->face(n, line, a);
+    if (w->split[kin]) add_split(n, w->speed[kin], phi, state, r, a);
+}
+
 static void one_basis(const struct faces *f, const struct eos *eos, const struct material *m,
                       const struct reconstruct *r, bool always, double least) {
     int n = f->n, dim = f->dim;
@@ -254,8 +303,7 @@ static void one_basis(const struct faces *f, const struct eos *eos, const struct
     common_bases(f, eos, m, &w, &b);
     project(n, dim, f->flux, f->stride, r->reach, &b, &phi);
     if (w.split[MINUS] || w.split[ENTROPY] || w.split[PLUS]) project(n, dim, f->state, f->stride, r->reach, &b, &state);
-    one_side(n, dim, 1, &w, &phi, &state, r, false, a);
-    one_side(n, dim, -1, &w, &phi, &state, r, true, a);
+    for (int p = 0; p < dim + 2; p++) upwind_field(n, &w, family(p, dim), phi.line[p], state.line[p], r, a[p]);
     project_back(n, dim, &b, a, false, f->out);
 }
 
@@ -338,7 +386,7 @@ static void marquina(const struct faces *f, const struct eos *eos, const struct 
         if (!needed[s]) continue;
         project(n, dim, f->flux, f->stride, r->reach, &b[s], &phi);
         if (any_split) project(n, dim, f->state, f->stride, r->reach, &b[s], &state);
-        one_side(n, dim, s == 0 ? 1 : -1, &w, &phi, &state, r, false, a);
+        one_side(n, dim, s == 0 ? 1 : -1, &w, &phi, &state, r, a);
         project_back(n, dim, &b[s], a, !first, f->out);
         first = 0;
     }

@@ -86,10 +86,16 @@ static void nodal_visit(void *context, long offset, int n) {
               g->work.p + offset, flux);
 }
 
+/* A line is computed in whole vectors of 8; what lies behind its end reads the padding of the rows and is thrown away.
+ */
+static int whole_vectors(int n) {
+    return (n + 7) / 8 * 8;
+}
+
 /* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order. */
 static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH]) {
     const struct work *w = &g->work;
-    struct faces f = {.n = n,
+    struct faces f = {.n = whole_vectors(n),
                       .dim = g->dim,
                       .stride = g->forest->stride[axis],
                       .eps = w->eps + offset,

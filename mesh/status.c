@@ -36,7 +36,7 @@ status status_note(status s, const char *format, ...) {
     va_start(args, format);
     vsnprintf(note, sizeof note, format, args);
     va_end(args);
-    snprintf(text, sizeof text, "%s\n  %.*s", note, TEXT / 2, s->text);
+    snprintf(text, sizeof text, "%s\n  %.*s", note, TEXT / 2 - 8, s->text);
     memcpy(s->text, text, sizeof text);
     return s;
 }

@@ -1,0 +1,92 @@
+/* Million cell-stages per second of the whole solver on one core: bench_throughput [cells a side, default 400] [steps] [flux reconstruct].
+ *
+ * A granular gas (e = 0.97, with cooling and gravity) in a periodic box, disturbed everywhere, subsonic and supersonic,
+ * so that no part of the domain is cheaper than another. Times whole steps as granularGas takes them: speed of the
+ * waves, sources, ghost cells, stages, checks. CPU time of the process. */
+#include "libcore/gas.h"
+#include "tests/box.h"
+
+#include <stdio.h>
+#include <time.h>
+
+static double cpu_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static status fill(struct gas *g, const int n[3], int dim) {
+    long cells = (long)n[0] * n[1] * n[2];
+    double *all, *u[3];
+    TRY(allocate(&all, 5 * cells, sizeof(double), "fields"));
+    for (int k = 0; k < 3; k++) u[k] = all + (2 + k) * cells;
+    for (long i = 0; i < cells; i++) {
+        double x = 6.283185307 * (double)(i % n[0]) / n[0], y = 6.283185307 * (double)(i / n[0] % n[1]) / n[1];
+        double z = 6.283185307 * (double)(i / n[0] / n[1]) / n[2];
+        all[i] = 200 + 60 * sin(2 * x + y) * cos(y - z);
+        all[cells + i] = 20 + 5 * cos(x - 2 * y + z);
+        for (int k = 0; k < dim; k++) u[k][i] = 30 * sin(x + y + k) * cos(z) + 5;
+    }
+    status s = gas_set(g, all, (const double *const *)u, all + cells);
+    free(all);
+    return s;
+}
+
+static status time_scheme(const struct comm *c, int dim, int side, int tile, int steps, const char *flux,
+                          const char *reconstruct) {
+    struct box box;
+    struct forest *f;
+    struct gas *g;
+    int n[3] = {side, dim > 1 ? side : 1, dim > 2 ? side : 1};
+    box_make(&box, dim, n, (double[3]){10, 10, 10}, (bool[3]){true, true, true});
+    struct gas_models m = {
+        .material = {.diameter = 0.1, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65},
+        .eos = eos_find("GoldshteinShapiro"),
+        .flux = flux_find(flux),
+        .reconstruct = reconstruct_find(reconstruct),
+        .stepper = stepper_find("SSPRK3"),
+        .source = {.cooling = true, .gravity = {980, -980, 0}}};
+    TRY(forest_make(&box.lattice, &box.mesh, c, tile, &f));
+    TRY(gas_make(f, &m, 0, NULL, &g));
+    TRY(fill(g, n, dim));
+    double start = 0, t = 0;
+    for (int i = -1; i < steps; i++) { /* the first one warms up */
+        if (i == 0) start = cpu_seconds();
+        struct gas_speed speed;
+        gas_speed(g, &speed);
+        double dt = 0.5 / speed.rate;
+        TRY(gas_step(g, t, &dt, 0.5, 0, 1e-3, &speed));
+        t += dt;
+    }
+    double seconds = cpu_seconds() - start;
+    struct gas_counts counts = gas_counts(g);
+    printf("%dD %-20s %-10s %4d a side, tiles of %2d: %7.2f M cell-stages/s (%ld cells mended)\n", dim, flux,
+           reconstruct, side, tile, 3e-6 * steps * f->ncells_all / seconds, counts.first_order);
+    gas_free(g);
+    forest_free(f);
+    box_free(&box);
+    return OK;
+}
+
+static status all_schemes(const struct comm *c, int side, int steps) {
+    const char *pairs[][2] = {{"common", "PHM"},        {"Marquina", "PHM"},        {"common", "WPENO5"},
+                              {"common", "WENO5"},      {"LaxFriedrichs", "WENO5"}, {"Marquina", "WPENO5"},
+                              {"Rusanov", "firstOrder"}};
+    for (int i = 0; i < (int)(sizeof pairs / sizeof *pairs); i++)
+        TRY(time_scheme(c, 2, side, 50, steps, pairs[i][0], pairs[i][1]));
+    TRY(time_scheme(c, 1, side * 100, 50, steps, "common", "PHM"));
+    TRY(time_scheme(c, 3, side / 6 + 1, 24, steps, "common", "PHM"));
+    return time_scheme(c, 3, side / 6 + 1, 24, steps, "LaxFriedrichs", "WENO5");
+}
+
+int main(int argc, char **argv) {
+    struct comm *c;
+    status s = comm_start(&argc, &argv, &c);
+    int side = argc > 1 ? atoi(argv[1]) : 400, steps = argc > 2 ? atoi(argv[2]) : 20;
+    if (!s && argc > 4) s = time_scheme(c, 2, side, 50, steps, argv[3], argv[4]);
+    else if (!s) s = all_schemes(c, side, steps);
+    int code = status_print(s, true);
+    status_free(s);
+    comm_finish(c);
+    return code;
+}
