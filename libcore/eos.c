@@ -40,9 +40,7 @@ double density_limit(const struct eos *eos, const struct material *m) {
  *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
  * Their printed A' lacks the factor 2 (physics S1); `printed_sound` reproduces it in c alone. */
 static inline double gs_x(double nu, double inverse_max, double a) {
-    double ratio = nu * inverse_max;
-    double x = power(ratio > 1e-300 ? ratio : 1e-300, a);
-    return ratio > 1e-300 ? x : 0;
+    return power(nu * inverse_max + 1e-200, a); /* nu = 0 is allowed: x is then too small to matter */
 }
 
 KERNEL static void gs_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,

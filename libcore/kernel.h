@@ -44,7 +44,7 @@ static inline double double_of(uint64_t b) {
     return x;
 }
 
-/* x^a for a normal x > 0 and 0 < x^a < 2^1000, relative error below 4e-16 (2 + |a ln x|): log by 2 atanh((m-1)/(m+1))
+/* x^a for a normal x > 0 and |a ln x| < 690, relative error below 4e-16 (2 + |a ln x|): log by 2 atanh((m-1)/(m+1))
  * on sqrt(1/2) <= m < sqrt 2, exp by its series on |r| <= ln 2 / 2. Plain IEEE operations, so the bits are the same on
  * every machine, and it vectorises (libm's pow does neither). */
 static inline double power(double x, double a) {
@@ -53,35 +53,18 @@ static inline double power(double x, double a) {
     double k = double_of((shifted >> 52) | 0x4330000000000000u) - (4503599627370496.0 + 1024);
     double m = double_of(bits_of(x) - (shifted & 0xfff0000000000000u) + 1024 * one_exponent);
     double s = (m - 1) / (m + 1), w = s * s;
-    double series = 1. / 21;
-    series = series * w + 1. / 19;
-    series = series * w + 1. / 17;
-    series = series * w + 1. / 15;
-    series = series * w + 1. / 13;
-    series = series * w + 1. / 11;
-    series = series * w + 1. / 9;
-    series = series * w + 1. / 7;
-    series = series * w + 1. / 5;
-    series = series * w + 1. / 3;
+    double w2 = w * w, w4 = w2 * w2; /* short chains: Estrin's scheme */
+    double series = ((1. / 3 + 1. / 5 * w) + (1. / 7 + 1. / 9 * w) * w2) +
+                    (((1. / 11 + 1. / 13 * w) + (1. / 15 + 1. / 17 * w) * w2) + (1. / 19 + 1. / 21 * w) * w4) * w4;
     double y = a * (k * 0.69314718055994530942 + 2 * (s + s * w * series));
-    y = y < -690 ? -690 : y;
     const double round_bits = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to an integer */
     double shifted_n = y * 1.4426950408889634074 + round_bits, n = shifted_n - round_bits;
     double r = (y - n * 0.693147180369123816490) - n * 1.90821492927058770002e-10; /* ln 2 in two parts */
-    double e = 1. / 6227020800;
-    e = e * r + 1. / 479001600;
-    e = e * r + 1. / 39916800;
-    e = e * r + 1. / 3628800;
-    e = e * r + 1. / 362880;
-    e = e * r + 1. / 40320;
-    e = e * r + 1. / 5040;
-    e = e * r + 1. / 720;
-    e = e * r + 1. / 120;
-    e = e * r + 1. / 24;
-    e = e * r + 1. / 6;
-    e = e * r + 1. / 2;
-    e = e * r + 1;
-    e = e * r + 1;
+    double r2 = r * r, r4 = r2 * r2;
+    double low = (1. / 2 + 1. / 6 * r) + (1. / 24 + 1. / 120 * r) * r2;
+    double high = ((1. / 720 + 1. / 5040 * r) + (1. / 40320 + 1. / 362880 * r) * r2) +
+                  ((1. / 3628800 + 1. / 39916800 * r) + (1. / 479001600 + 1. / 6227020800 * r) * r2) * r4;
+    double e = 1 + (r + r2 * (low + high * r4));
     return double_of(bits_of(e) + (bits_of(shifted_n) << 52));
 }
 

@@ -8,27 +8,32 @@ static void first_order(int n, const double *const q[5], double *restrict out) {
 /* Piecewise hyperbolic method, Marquina (1994); physics 1.2. With differences l, r of one sign, harmonic mean
  * d = 2 l r/(l + r) and z = a/2 (z = sqrt(2r/(l+r)) - 1 if |l| <= |r|, else 1 - sqrt(2l/(l+r)), so |z| <= sqrt 2 - 1)
  *   r(1/2) = q + d/2 [1/(1 - z) - (atanh(z)/z - 1)/z],   (atanh(z)/z - 1)/z = z (1/3 + z^2/5 + z^4/7 ..)
+ * With s = l + r and the root in z: 1/(1 - z) = s (2 + root)/(2 (s + l)) if |l| <= |r|, else s root/(2 l).
  * The series is a Chebyshev fit on z^2 <= (sqrt 2 - 1)^2, error 6e-15: no logarithm, no cancellation at z = 0. */
 KERNEL static void phm(int n, const double *const q[5], double *restrict out) {
     const double *restrict a = q[1], *restrict b = q[2], *restrict c = q[3];
+    double big[BATCH], below[BATCH], sign[BATCH]; /* chosen in a loop of their own: else both choices are carried on */
     for (int i = 0; i < n; i++) {
-        double l = b[i] - a[i], r = c[i] - b[i], inverse = 1 / (l + r);
+        double l = b[i] - a[i], r = c[i] - b[i];
         bool right_larger = fabs(l) <= fabs(r);
-        double root = sqrt(2 * select_double(right_larger, r, l) * inverse);
-        double z = select_double(right_larger, root - 1, 1 - root), w = z * z;
-        double series = 0.10997920174382668;
-        series = series * w + 0.026302098770333701;
-        series = series * w + 0.064531900997139819;
-        series = series * w + 0.065940553207767167;
-        series = series * w + 0.076979387131951564;
-        series = series * w + 0.090906456173762298;
-        series = series * w + 0.11111118149621544;
-        series = series * w + 0.14285714190649538;
-        series = series * w + 0.20000000000496251;
-        series = series * w + 0.33333333333332907;
-        double half_d = l * r * inverse;
-        double value = b[i] + half_d * (1 / (1 - z) - z * series);
-        out[i] = select_double(l * r > 0, value, b[i]);
+        big[i] = right_larger ? r : l;
+        below[i] = right_larger ? l + r + l : l;
+        sign[i] = right_larger ? 1 : -1;
+    }
+    for (int i = 0; i < n; i++) {
+        double l = b[i] - a[i], r = c[i] - b[i], sum = l + r;
+        double inverse = 1 / (sum * below[i]); /* one division for 1/sum and 1/(1 - z) */
+        double root = sqrt(2 * big[i] * (below[i] * inverse));
+        double z = sign[i] * (root - 1), w = z * z, w2 = w * w, w4 = w2 * w2;
+        double series =
+            ((0.33333333333332907 + 0.20000000000496251 * w) + (0.14285714190649538 + 0.11111118149621544 * w) * w2) +
+            (((0.090906456173762298 + 0.076979387131951564 * w) +
+              (0.065940553207767167 + 0.064531900997139819 * w) * w2) +
+             (0.026302098770333701 + 0.10997920174382668 * w) * w4) *
+                w4;
+        double pole = 0.5 * (sum * sum) * inverse * (1 + sign[i] + root); /* 1/(1 - z) */
+        double change = l * r * (below[i] * inverse) * (pole - z * series);
+        out[i] = l * r > 0 ? b[i] + change : b[i];
     }
 }
 
