@@ -125,7 +125,7 @@ static void test_errors(void **state) {
         {FORMAT NAMES "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n" ELEMENTS("1", "1 1 2 1 1 1 1\n"),
          "node number 1 stands twice"},
         {FORMAT NAMES "$Nodes\n1\n1 nan 0 0\n$EndNodes\n", "finite number"},
-        {FORMAT NAMES "$Nodes\n1\n1 0 0 zero\n$EndNodes\n", ":11:|found 'zero'; expected a number"},
+        {FORMAT NAMES "$Nodes\n1\n1 0 0 zero\n$EndNodes\n", ":12:|found 'zero'; expected a number"},
         {FORMAT "$PartitionedEntities\n1\n$EndPartitionedEntities\n", "partitioned"},
         {FORMAT NAMES "$Nodes\n4\n1 0 0 0\n2 1 0 0.5\n3 1 1 0\n4 0 1 1\n$EndNodes\n"
                       "$Elements\n2\n1 1 2 1 1 1 2\n2 3 2 3 1 1 2 3 4\n$EndElements\n",
