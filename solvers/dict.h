@@ -6,6 +6,7 @@
 #include "mesh/status.h"
 
 struct dict;
+struct foam_header;
 
 status dict_read(const char *path, struct dict **out); /* header skipped; path or path.gz */
 status dict_from_text(const char *name, const char *text, struct dict **out);
@@ -15,6 +16,8 @@ bool dict_has(const struct dict *d, const char *key); /* counts as read: known t
 /* Sub-dictionary: error if missing or no dictionary; dict_sub_optional gives NULL if missing. */
 status dict_sub(struct dict *d, const char *key, struct dict **out);
 status dict_sub_optional(struct dict *d, const char *key, struct dict **out);
+/* The FoamFile header of the file (present = false if it has none). */
+const struct foam_header *dict_header(const struct dict *d);
 const char *dict_path(const struct dict *d); /* file, for messages */
 int dict_line(const struct dict *d, const char *key);
 
@@ -38,8 +41,10 @@ status dict_numbers(struct dict *d, const char *key, int *count, const double **
 status dict_vectors(struct dict *d, const char *key, int *count, const double **out);    /* ((x y z) ...) */
 status dict_dimensions(struct dict *d, const char *key, signed char out[7]);             /* [1 -3 0 0 0 0 0] */
 
-/* Position of a raw value, for what is too large for a dictionary (nonuniform lists): the lexer stands at its first
- * token; the list was skipped when the file was read. */
+/* The tokens of a value, macros expanded: the lexer stands at the first one, and ';' follows the
+ * last. A nonuniform List<...> of any size is read
+ * through this alone: it was skipped when the file was read; dict_header says how its bytes lie. The lexer lives as
+ * long as the dictionary. */
 struct lexer;
 status dict_raw(struct dict *d, const char *key, struct lexer *out);
 
