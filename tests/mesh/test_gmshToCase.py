@@ -175,6 +175,29 @@ class GmshToCase(unittest.TestCase):
             self.assertEqual(sorted(map(ours.face_key, mine)), sorted(map(theirs.face_key, other_faces)))
             self.assertAlmostEqual(sum(map(ours.area, mine)), sum(areas[f] for f in other_faces), places=7)
 
+    def test_mesh_dict(self):
+        case, mesh = self.case(), self.gmsh("periodic.geo", 2)
+        path = os.path.join(case, "system", "meshDict")
+
+        def convert(rules, code=0):
+            with open(path, "w") as f:
+                f.write("patches\n{\n%s\n}\n" % rules)
+            return self.convert(mesh, case, code=code)
+
+        half = "left { type cyclic; neighbourPatch right; }\nright { type cyclic; neighbourPatch left; }\n"
+        convert(half + "top { type symmetryPlane; }")
+        self.assertEqual({n: p[0] for n, p in Mesh(case).patches.items()},
+                         {"bottom": "patch", "right": "cyclic", "top": "symmetryPlane", "left": "cyclic",
+                          "back": "empty", "front": "empty"})
+        self.assertIn("Coupled point location match (average 0) OK.", self.check(case))
+        for rules, says in (("top { type symetry; }", "meshDict:3: type 'symetry' of patch 'top'; allowed are"),
+                            ("tpo { type wall; }", "meshDict:3: the mesh has no patch 'tpo'"),
+                            ("top { typ wall; }", "type"),
+                            ("top { type wall; colour red; }", "'colour' is not used"),
+                            (half.replace("left", "top"), "cyclic patch 'right' has 7 faces and 'top' has 10")):
+            with self.subTest(rules=rules):
+                self.assertIn(says, convert(rules, code=1))
+
     def test_errors_leave_the_old_mesh(self):
         case = self.case()
         good = self.gmsh("step.geo", 2)
