@@ -22,8 +22,12 @@ def gas(case):
     """The equation of state from constant/granularProperties (plain numbers, as in the cases shipped)."""
     with open(os.path.join(case.path, "constant", "granularProperties")) as f:
         text = re.sub(r"//[^\n]*", "", f.read())
-    value = lambda key: float(re.search(rf"\b{key}\s+([^;\s]+)\s*;", text).group(1))
-    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax"), value("gamma"))
+
+    def value(key, standard=None):
+        found = re.search(rf"\b{key}\s+([^;\s]+)\s*;", text)
+        return float(found.group(1)) if found else standard
+
+    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax", 0.65), value("gamma", 5 / 3))
 
 
 def wall_value(case, field, time):

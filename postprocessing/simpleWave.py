@@ -15,8 +15,8 @@ from eos import isentrope
 class SimpleWave:
     """velocity: of the gas at mean density, in units of the sound speed there. SETTINGS names three of them."""
 
-    def __init__(self, eos, nu=0.2, amplitude=0.15, T=1.0, velocity=3.0, length=1.0, tanh=False):
-        self.eos, self.amplitude, self.length, self.T0, self.tanh = eos, amplitude, length, T, tanh
+    def __init__(self, eos, nu=0.2, amplitude=0.15, T=1.0, velocity=3.0, length=1.0):
+        self.eos, self.amplitude, self.length, self.T0 = eos, amplitude, length, T
         self.rho0 = eos.rho(nu)
         self.u0 = velocity * eos.c(self.rho0, T)
         s = np.linspace(0, length, 4001)
@@ -25,10 +25,6 @@ class SimpleWave:
     def density(self, s):
         """Initial density and its slope."""
         k = 2 * np.pi / self.length
-        if self.tanh:  # a monotone front in the middle, flat at both ends
-            z = 20 * (s / self.length - 0.5)
-            return (self.rho0 * (1 - self.amplitude * np.tanh(z)),
-                    -self.rho0 * self.amplitude * 20 / self.length / np.cosh(z) ** 2)
         return self.rho0 * (1 + self.amplitude * np.sin(k * s)), self.rho0 * self.amplitude * k * np.cos(k * s)
 
     def state(self, rho):

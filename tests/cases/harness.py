@@ -27,20 +27,20 @@ def program(name, *arguments, ranks=1, check=True, timeout=900):
 
 
 def copy(name, folder):
-    """Copy of a shipped case without results."""
-    target = os.path.join(folder, name)
+    """Copy of a shipped case without results, in a new folder inside `folder`."""
+    target = os.path.join(tempfile.mkdtemp(dir=folder), name)
     shutil.copytree(os.path.join(SOURCE, "cases", name), target,
                     ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*"))
     return target
 
 
 def edit(case, file, **entries):
-    """Sets `key value;` entries of a dictionary; each key must be there."""
+    """Sets the first entry `key value;` of each key in a dictionary; it must be there."""
     path = os.path.join(case, file)
     with open(path) as f:
         text = f.read()
     for key, value in entries.items():
-        text, count = re.subn(rf"\b{key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text)
+        text, count = re.subn(rf"\b{key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text, count=1)
         if not count:
             raise KeyError(f"{path} has no entry {key}")
     with open(path, "w") as f:
@@ -88,7 +88,6 @@ class Folder:
     def short(self, name, cells, **control):
         """A shipped case on another grid."""
         case = copy(name, self.folder)
-        case = shutil.move(case, f"{case}_{cells}_{len(os.listdir(self.folder))}")
         mesh(case, cells)
         return run(case, **control)
 
@@ -114,12 +113,12 @@ writeFormat binary; writePrecision 17; writeCompression off; timeFormat general;
 runTimeModifiable no;
 """
 PROPERTIES = """grain {{ diameter 0.1; mass 1; restitution {e!r}; }}
-equationOfState GoldshteinShapiro;
-GoldshteinShapiroCoeffs {{ gamma 1.6666666666666667; alphaMax 0.65; }}
+equationOfState {eos};
+{eos}Coeffs {{ gamma 1.6666666666666667; }}
 cooling {cooling}; transport none;
 """
 SCHEMES = "fluxScheme {flux}; reconstruct {reconstruct}; timeScheme SSPRK3;\n"
-STANDARD = {"e": 1.0, "cooling": "none", "flux": "common", "reconstruct": "PHM", "adjust": "yes", "step": 1e-6,
+STANDARD = {"eos": "GoldshteinShapiro", "e": 1.0, "cooling": "none", "flux": "common", "reconstruct": "PHM", "adjust": "yes", "step": 1e-6,
             "control": "adjustableRunTime", "interval": None, "types": None, "slip": ()}
 
 

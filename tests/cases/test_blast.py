@@ -18,7 +18,6 @@ class Blast(harness.Folder, unittest.TestCase):
         for e in (0.9, 0.7, 0.2):
             case = harness.copy("blast", self.folder)
             harness.edit(case, "constant/granularProperties", restitution=e)
-            case = harness.shutil.move(case, f"{case}_{e}")
             harness.mesh(case, 500)
             result = harness.run(case, writeInterval=5.48)
             packing.append(result.field("alpha").max())

@@ -78,7 +78,7 @@ class Tools(harness.Folder, unittest.TestCase):
         read = meshio.read(os.path.join(os.path.dirname(series), last["name"]))
         self.assertEqual([(block.type, len(block.data)) for block in read.cells], [("hexahedron", 1200)])
         for name in FIELDS:
-            np.testing.assert_array_equal(read.cell_data[name][0], self.values[name], err_msg=name)
+            np.testing.assert_array_equal(np.squeeze(read.cell_data[name][0]), self.values[name], err_msg=name)
         centre = read.points[read.cells[0].data].mean(axis=1)
         np.testing.assert_allclose(centre, self.case.centres, atol=1e-12)
 
