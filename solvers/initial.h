@@ -1,0 +1,26 @@
+/* The state a run starts from and the boundary rules, from the field files of one time folder. */
+#ifndef SOLVERS_INITIAL_H
+#define SOLVERS_INITIAL_H
+
+#include "libcore/gas.h"
+#include "solvers/fields.h"
+#include "solvers/times.h"
+
+struct initial {                       /* on every rank */
+    struct field *field[FIELD_COUNT];  /* NULL: no such file */
+    bool source[FIELD_COUNT];          /* the fields that were given, not derived: a run reads these */
+    double *rho, *T, *u[3];            /* [ncells]; u along computational axes */
+    double *conserved[MAX_VAR];        /* [ncells] rho, rho u.., E: exact restart; NULL where the folder has none */
+    int npatches;
+    struct patch_rules *rules;         /* [npatches] */
+    double **values;                   /* [3 npatches] nonuniform values of the rules */
+};
+/* precision: digits of the written U and T that must agree with the conserved fields. */
+status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, int precision, struct initial **out);
+void initial_free(struct initial *s);
+
+/* p / T of a gas of density rho[n]: the equations of state are linear in T. */
+void pressure_per_temperature(const struct gas_models *m, int n, const double *rho, double *out);
+
+#endif

@@ -1,0 +1,250 @@
+#include "solvers/models.h"
+
+#include "solvers/fields.h"
+#include "solvers/params.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PATH = 4096, NAMES = 32 };
+
+static const struct param shaking_param[] = {
+    {"amplitude", PARAM_NUMBER, offsetof(struct source, amplitude), NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0},
+     "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase))"},
+    {"frequency", PARAM_NUMBER, offsetof(struct source, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
+    {"phase", PARAM_NUMBER, offsetof(struct source, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
+};
+static const struct param limits_param[] = {
+    {"minDeltaTFraction", PARAM_NUMBER, offsetof(struct case_models, min_fraction), 1e-3, 0, 1, true, {0, 0, 0},
+     "the run has collapsed when dt falls below this part of what calm cells allow"},
+};
+static const char *const cooling_names[] = {"none", "Haff"};
+static const char *const transport_names[] = {"none"};
+static const char *const shaking_names[] = {"none", "sinusoidal"};
+
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+/* The row of a model table that `key` names; index 0 of the names where the key is missing, unless it must be there. */
+#define TABLE_CHOICE(d, key, table, count, standard, out)                                                              \
+    do {                                                                                                               \
+        const char *names_[NAMES];                                                                                     \
+        for (int i_ = 0; i_ < count && i_ < NAMES; i_++) names_[i_] = table[i_].name;                                  \
+        TRY(choice_or(d, key, names_, count, standard, out));                                                          \
+    } while (0)
+
+static status choice_or(struct dict *d, const char *key, const char *const *names, int count, const char *standard,
+                        int *out) {
+    if (standard && !dict_has(d, key)) {
+        for (*out = 0; *out < count - 1 && strcmp(names[*out], standard);) ++*out;
+        return OK;
+    }
+    return dict_choice(d, key, names, count, out);
+}
+
+static status read_grains(struct dict *d, struct gas_models *m) {
+    struct dict *sub;
+    char coeffs[128];
+    int i;
+    TRY(dict_sub(d, "grain", &sub));
+    TRY(params_read(sub, grain_param, grain_nparam, &m->material));
+    TABLE_CHOICE(d, "equationOfState", eos_table, eos_count, NULL, &i);
+    m->eos = &eos_table[i];
+    for (i = 0; i < eos_count; i++) { /* coefficients of the models not chosen may stay in the file */
+        snprintf(coeffs, sizeof coeffs, "%sCoeffs", eos_table[i].name);
+        TRY(dict_sub_optional(d, coeffs, &sub));
+        if (sub && &eos_table[i] != m->eos) dict_mark_used(sub);
+    }
+    snprintf(coeffs, sizeof coeffs, "%sCoeffs", m->eos->name);
+    TRY(dict_sub_optional(d, coeffs, &sub));
+    struct dict *none = NULL;
+    if (!sub) TRY(dict_from_text(coeffs, "", &none));
+    status s = params_read(sub ? sub : none, m->eos->param, m->eos->nparam, &m->material);
+    dict_free(none);
+    return s;
+}
+
+static status read_properties(struct dict *d, struct gas_models *m) {
+    int i;
+    TRY(read_grains(d, m));
+    if (!dict_has(d, "cooling") && m->material.restitution < 1)
+        return fail(ERR_INPUT, "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
+                    dict_path(d), m->material.restitution);
+    TRY(choice_or(d, "cooling", cooling_names, COUNT(cooling_names), "none", &i));
+    m->source.cooling = i == 1;
+    TRY(choice_or(d, "transport", transport_names, COUNT(transport_names), "none", &i));
+    return dict_check_used(d);
+}
+
+static void mark_subs(struct dict *d, const char *const *names, int n) {
+    for (int i = 0; i < n; i++) {
+        struct dict *sub = NULL;
+        if (!dict_has(d, names[i])) continue;
+        status s = dict_sub_optional(d, names[i], &sub);
+        if (!s && sub) dict_mark_used(sub);
+        status_free(s);
+    }
+}
+
+static status read_schemes(struct dict *d, struct gas_models *m) {
+    static const char *const others[] = {"ddtSchemes",           "gradSchemes",   "divSchemes",  "laplacianSchemes",
+                                         "interpolationSchemes", "snGradSchemes", "fluxRequired"};
+    int i;
+    TABLE_CHOICE(d, "fluxScheme", flux_table, flux_count, "common", &i);
+    m->flux = &flux_table[i];
+    TABLE_CHOICE(d, "reconstruct", reconstruct_table, reconstruct_count, "PHM", &i);
+    m->reconstruct = &reconstruct_table[i];
+    TABLE_CHOICE(d, "timeScheme", stepper_table, stepper_count, "SSPRK3", &i);
+    m->stepper = &stepper_table[i];
+    mark_subs(d, others, COUNT(others));
+    return dict_check_used(d);
+}
+
+static status read_solution(struct dict *d, struct case_models *m) {
+    static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
+    struct dict *limits, *none = NULL;
+    TRY(dict_sub_optional(d, "limits", &limits));
+    if (!limits) TRY(dict_from_text("limits", "", &none));
+    status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);
+    dict_free(none);
+    TRY(s);
+    mark_subs(d, others, COUNT(others));
+    return dict_check_used(d);
+}
+
+static status read_gravity(struct dict *d, int dim, const int axis[3], struct case_models *m) {
+    static const signed char unit[3] = {0, 1, -2}, expected[7] = {0, 1, -2, 0, 0, 0, 0};
+    signed char dimensions[7];
+    if (dict_has(d, "dimensions")) {
+        TRY(dict_dimensions(d, "dimensions", dimensions));
+        if (memcmp(dimensions, expected, 7)) return dict_fail(d, "dimensions", "gravity needs [0 1 -2 0 0 0 0]");
+    }
+    TRY(dict_vector(d, "value", unit, m->gravity));
+    for (int x = 0; x < 3; x++) {
+        bool solved = false;
+        for (int k = 0; k < dim; k++)
+            if (axis[k] == x) {
+                m->gas.source.gravity[k] = m->gravity[x];
+                solved = true;
+            }
+        if (!solved && m->gravity[x] != 0)
+            return dict_fail(d, "value", "its %c component must be 0: 'empty' patches take that axis away", "xyz"[x]);
+    }
+    return dict_check_used(d);
+}
+
+static status read_shaking(struct dict *d, struct case_models *m) {
+    int type;
+    TRY(dict_choice(d, "type", shaking_names, COUNT(shaking_names), &type));
+    if (type == 1) {
+        if (!m->g) return dict_fail(d, "type", "shaking modulates gravity; constant/g is missing");
+        TRY(params_read(d, shaking_param, COUNT(shaking_param), &m->gas.source));
+    } else {
+        dict_mark_used(d);
+    }
+    return dict_check_used(d);
+}
+
+static status open_in(const char *case_dir, const char *name, bool optional, struct dict **out) {
+    char path[PATH];
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    if (optional && !field_exists(path)) return OK;
+    return dict_read(path, out);
+}
+
+static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
+    TRY(open_in(dir, "constant/granularProperties", false, &m->properties));
+    TRY(read_properties(m->properties, &m->gas));
+    TRY(open_in(dir, "system/fvSchemes", false, &m->schemes));
+    TRY(read_schemes(m->schemes, &m->gas));
+    TRY(open_in(dir, "system/fvSolution", false, &m->solution));
+    TRY(read_solution(m->solution, m));
+    TRY(open_in(dir, "constant/g", true, &m->g));
+    if (m->g) TRY(read_gravity(m->g, dim, axis, m));
+    TRY(open_in(dir, "constant/shaking", true, &m->shaking));
+    return m->shaking ? read_shaking(m->shaking, m) : OK;
+}
+
+status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out) {
+    struct case_models *m = NULL;
+    *out = NULL;
+    TRY(allocate(&m, 1, sizeof *m, "models"));
+    status s = read_all(case_dir, dim, axis, m);
+    if (s) {
+        models_free(m);
+        return s;
+    }
+    *out = m;
+    return OK;
+}
+
+void models_free(struct case_models *m) {
+    if (!m) return;
+    dict_free(m->properties);
+    dict_free(m->schemes);
+    dict_free(m->solution);
+    dict_free(m->g);
+    dict_free(m->shaking);
+    free(m);
+}
+
+#define LIST_TABLE(f, title, table, count)                                                                             \
+    do {                                                                                                               \
+        fprintf(f, "\n%s\n", title);                                                                                   \
+        for (int i_ = 0; i_ < count; i_++) fprintf(f, "  %-20s %s\n", table[i_].name, table[i_].about);                \
+    } while (0)
+
+void models_list(FILE *f) {
+    fprintf(f, "constant/granularProperties\n\ngrain { }\n");
+    params_print(f, grain_param, grain_nparam);
+    fprintf(f, "\nequationOfState\n");
+    for (int i = 0; i < eos_count; i++) {
+        fprintf(f, "  %-20s %s; %sCoeffs { }\n", eos_table[i].name, eos_table[i].about, eos_table[i].name);
+        params_print(f, eos_table[i].param, eos_table[i].nparam);
+    }
+    fprintf(f, "\ncooling\n  %-20s %s\n  %-20s %s\n", "none", "no energy sink", "Haff",
+            "inelastic collisions, integrated exactly");
+    fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
+    fprintf(f, "\nconstant/shaking, type sinusoidal\n");
+    params_print(f, shaking_param, COUNT(shaking_param));
+    LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count);
+    LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count);
+    LIST_TABLE(f, "system/fvSchemes: timeScheme", stepper_table, stepper_count);
+    fprintf(f, "\nsystem/fvSolution: limits { }\n");
+    params_print(f, limits_param, COUNT(limits_param));
+}
+
+void boundaries_list(FILE *f) {
+    for (int i = 0; i < boundary_count; i++) {
+        const struct boundary_type *b = &boundary_table[i];
+        fprintf(f, "  %-14s %-16s %s%s%s\n", b->name, b->scalar && b->vector ? "scalars, U" : b->vector ? "U" : "scalars",
+                b->about, b->value ? "; needs " : "", b->value ? b->value : "");
+    }
+    fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
+    fprintf(f, "  %-14s %-16s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
+    fprintf(f, "  %-14s %-16s %s\n", "calculated", "scalars", "in a written field that is not read again");
+}
+
+static void print_values(FILE *f, const struct param *table, int n, const void *base) {
+    for (int i = 0; i < n; i++) {
+        const char *p = (const char *)base + table[i].offset;
+        fprintf(f, "    %-22s ", table[i].name);
+        if (table[i].kind == PARAM_NUMBER) fprintf(f, "%.10g\n", *(const double *)(const void *)p);
+        else if (table[i].kind == PARAM_COUNT) fprintf(f, "%d\n", *(const int *)(const void *)p);
+        else if (table[i].kind == PARAM_SWITCH) fprintf(f, "%s\n", *(const bool *)(const void *)p ? "yes" : "no");
+        else fprintf(f, "\n");
+    }
+}
+
+void models_print(FILE *f, const struct case_models *m) {
+    fprintf(f, "Models\n    %-22s %s\n", "equationOfState", m->gas.eos->name);
+    print_values(f, m->gas.eos->param, m->gas.eos->nparam, &m->gas.material);
+    print_values(f, grain_param, grain_nparam, &m->gas.material);
+    fprintf(f, "    %-22s %s\n", "cooling", cooling_names[m->gas.source.cooling]);
+    fprintf(f, "    %-22s %s\n", "fluxScheme", m->gas.flux->name);
+    fprintf(f, "    %-22s %s\n", "reconstruct", m->gas.reconstruct->name);
+    fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
+    print_values(f, limits_param, COUNT(limits_param), m);
+    fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
+    if (m->gas.source.amplitude != 0) print_values(f, shaking_param, COUNT(shaking_param), &m->gas.source);
+}

@@ -1,0 +1,211 @@
+#include "solvers/times.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool time_value(const char *name, double *t) {
+    char *end;
+    if (!strchr("0123456789+-.", name[0]) || strlen(name) >= TIME_NAME) return false;
+    *t = strtod(name, &end);
+    return end != name && !*end && isfinite(*t) && !strpbrk(name, "xXpP");
+}
+
+static status stamp_read(const char *case_dir, struct instant *at) {
+    char path[TIME_PATH];
+    snprintf(path, sizeof path, "%s/%s/uniform/time", case_dir, at->name);
+    if (access(path, F_OK)) return OK;
+    struct dict *d = NULL;
+    TRY(dict_read(path, &d));
+    double index = 0;
+    status s = dict_number_or(d, "value", NULL, at->t, &at->t);
+    if (!s) s = dict_number_or(d, "index", NULL, 0, &index);
+    if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &at->delta_t);
+    at->step = (long)index;
+    dict_free(d);
+    return s;
+}
+
+static int by_time(const void *a, const void *b) {
+    const struct instant *p = a, *q = b;
+    return p->t < q->t ? -1 : p->t > q->t;
+}
+
+status times_list(const char *case_dir, int *n, struct instant **out) {
+    *n = 0;
+    *out = NULL;
+    DIR *folder = opendir(case_dir);
+    if (!folder) return fail(ERR_INPUT, "%s: %s; give the folder of a case (-case DIR)", case_dir, strerror(errno));
+    status s = OK;
+    int room = 0;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        struct instant at = {.step = 0};
+        char path[TIME_PATH];
+        struct stat info;
+        if (!time_value(entry->d_name, &at.t)) continue;
+        snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
+        if (stat(path, &info) || !S_ISDIR(info.st_mode)) continue;
+        memcpy(at.name, entry->d_name, strlen(entry->d_name) + 1);
+        s = stamp_read(case_dir, &at);
+        if (!s && *n == room) {
+            struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
+            if (more) *out = more;
+            else s = fail(ERR_SYSTEM, "out of memory");
+        }
+        if (!s) (*out)[(*n)++] = at;
+    }
+    closedir(folder);
+    if (s) {
+        free(*out);
+        *out = NULL;
+        return s;
+    }
+    if (*n) qsort(*out, (size_t)*n, sizeof **out, by_time);
+    return OK;
+}
+
+static status no_such_time(const char *case_dir, const struct control *c, int n, const struct instant *list) {
+    char names[512] = "";
+    for (int i = 0; i < n; i++) {
+        size_t length = strlen(names);
+        if (length + TIME_NAME + 4 > sizeof names) {
+            memcpy(names + length, " ...", 5);
+            break;
+        }
+        snprintf(names + length, sizeof names - length, " %s", list[i].name);
+    }
+    return dict_fail(c->dict, "startTime", "there is no such time folder in %s; there are:%s", case_dir, names);
+}
+
+status times_start(const char *case_dir, const struct control *c, struct instant *out) {
+    int n;
+    struct instant *list;
+    TRY(times_list(case_dir, &n, &list));
+    if (!n) return fail(ERR_INPUT, "%s: no time folder to start from; the initial fields belong in %s/0", case_dir, case_dir);
+    int found = c->start_from == START_LATEST ? n - 1 : c->start_from == START_FIRST ? 0 : -1;
+    for (int i = 0; i < n && c->start_from == START_TIME; i++)
+        if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
+            strtod(list[i].name, NULL) == c->start_time)
+            found = i;
+    status s = OK;
+    if (found >= 0) *out = list[found];
+    else s = no_such_time(case_dir, c, n, list);
+    free(list);
+    return s;
+}
+
+void time_name(enum time_format format, int precision, double t, char name[TIME_NAME]) {
+    if (t == 0) t = 0; /* no "-0" */
+    const char *forms[] = {"%.*g", "%.*f", "%.*e"};
+    if (format == TIME_FIXED && fabs(t) >= 1e30) format = TIME_GENERAL;
+    snprintf(name, TIME_NAME, forms[format], precision, t);
+}
+
+int time_name_apart(enum time_format format, int precision, double t, double other, char name[TIME_NAME]) {
+    char second[TIME_NAME];
+    for (;; precision++) {
+        time_name(format, precision, t, name);
+        time_name(format, precision, other, second);
+        if (isnan(other) || t == other || strcmp(name, second) || precision >= 20) return precision;
+    }
+}
+
+static void hidden(const char *case_dir, const char *name, const char *ending, char out[TIME_PATH]) {
+    snprintf(out, TIME_PATH, "%s/.%s.%s", case_dir, name, ending);
+}
+
+status remove_folder(const char *path) {
+    struct stat info;
+    if (lstat(path, &info)) return OK;
+    if (!S_ISDIR(info.st_mode)) return unlink(path) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
+    DIR *folder = opendir(path);
+    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char inner[TIME_PATH];
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+        s = remove_folder(inner);
+    }
+    closedir(folder);
+    if (!s && rmdir(path)) s = fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+    return s;
+}
+
+status make_folders(const char *path) {
+    char part[TIME_PATH];
+    snprintf(part, sizeof part, "%s", path);
+    for (char *slash = part + 1;; slash++) {
+        if (*slash && *slash != '/') continue;
+        char kept = *slash;
+        *slash = 0;
+        if (mkdir(part, 0777) && errno != EEXIST) return fail(ERR_SYSTEM, "%s: cannot be made: %s", part, strerror(errno));
+        *slash = kept;
+        if (!kept) return OK;
+    }
+}
+
+status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]) {
+    char inner[TIME_PATH + 16];
+    hidden(case_dir, name, "tmp", tmp);
+    TRY(remove_folder(tmp));
+    snprintf(inner, sizeof inner, "%s/uniform", tmp);
+    return make_folders(inner);
+}
+
+status time_commit(const char *case_dir, const char *name) {
+    char tmp[TIME_PATH], old[TIME_PATH], path[TIME_PATH];
+    hidden(case_dir, name, "tmp", tmp);
+    hidden(case_dir, name, "old", old);
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    TRY(remove_folder(old));
+    if (rename(path, old) && errno != ENOENT) return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
+    if (rename(tmp, path)) {
+        int reason = errno;
+        (void)rename(old, path);
+        return fail(ERR_SYSTEM, "%s: cannot be put in place: %s", path, strerror(reason));
+    }
+    return remove_folder(old);
+}
+
+status time_stamp_write(const char *path, const struct instant *at) {
+    char file[TIME_PATH + 16], location[TIME_NAME + 16];
+    struct sink *s;
+    const struct foam_format ascii = {.precision = 17};
+    snprintf(file, sizeof file, "%s/uniform/time", path);
+    snprintf(location, sizeof location, "%s/uniform", at->name);
+    TRY(sink_open(file, false, &s));
+    foam_header_write(s, &ascii, "dictionary", location, "time", NULL);
+    sink_printf(s, "value           %.17g;\nname            \"%s\";\nindex           %ld;\n", at->t, at->name, at->step);
+    sink_printf(s, "deltaT          %.17g;\ndeltaT0         %.17g;\n", at->delta_t, at->delta_t);
+    return sink_close(s);
+}
+
+status times_clean(const char *case_dir) {
+    DIR *folder = opendir(case_dir);
+    if (!folder) return fail(ERR_INPUT, "%s: %s", case_dir, strerror(errno));
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char name[TIME_NAME], path[TIME_PATH];
+        size_t length = strlen(entry->d_name);
+        double t;
+        if (entry->d_name[0] != '.' || length < 6 || length >= sizeof name) continue;
+        if (strcmp(entry->d_name + length - 4, ".tmp") && strcmp(entry->d_name + length - 4, ".old")) continue;
+        memcpy(name, entry->d_name + 1, length - 5);
+        name[length - 5] = 0;
+        if (!time_value(name, &t)) continue;
+        snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
+        /* A run that was killed between the two renames of time_commit left its only copy here. */
+        char place[TIME_PATH];
+        snprintf(place, sizeof place, "%s/%s", case_dir, name);
+        if (!strcmp(entry->d_name + length - 4, ".old") && access(place, F_OK)) (void)rename(path, place);
+        else s = remove_folder(path);
+    }
+    closedir(folder);
+    return s;
+}

@@ -1,0 +1,38 @@
+/* Time folders of a case: found, named, written so that each appears whole or not at all, and purged. */
+#ifndef SOLVERS_TIMES_H
+#define SOLVERS_TIMES_H
+
+#include "mesh/comm.h"
+#include "solvers/control.h"
+
+enum { TIME_NAME = 64, TIME_PATH = 4096 };
+
+struct instant { /* a time folder */
+    char name[TIME_NAME];
+    double t;       /* s: from uniform/time where that is, else the name */
+    long step;      /* 0 without uniform/time */
+    double delta_t; /* s: the last step; 0 without uniform/time */
+};
+/* All time folders of the case, ascending. *out is malloc'd. */
+status times_list(const char *case_dir, int *n, struct instant **out);
+/* The folder that startFrom chooses; an error lists those there are. */
+status times_start(const char *case_dir, const struct control *c, struct instant *out);
+
+/* The folder's name for time t. */
+void time_name(enum time_format format, int precision, double t, char name[TIME_NAME]);
+/* The same, with as many more digits as tell t from `other` (a time written before; NAN: none). Returns the precision. */
+int time_name_apart(enum time_format format, int precision, double t, double other, char name[TIME_NAME]);
+
+/* Makes the hidden folder CASE/.NAME.tmp (empty) with a `uniform` folder in it; its path in tmp. */
+status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]);
+/* Puts it in place of CASE/NAME. */
+status time_commit(const char *case_dir, const char *name);
+/* uniform/time of the folder at `path`. */
+status time_stamp_write(const char *path, const struct instant *at);
+
+status remove_folder(const char *path); /* with all in it; missing is fine */
+status make_folders(const char *path);  /* with its parents; there already is fine */
+/* Hidden folders that a killed run left behind. */
+status times_clean(const char *case_dir);
+
+#endif
