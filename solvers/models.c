@@ -10,10 +10,10 @@
 enum { PATH = 4096, NAMES = 32 };
 
 static const struct param shaking_param[] = {
-    {"amplitude", PARAM_NUMBER, offsetof(struct source, amplitude), NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0},
+    {"amplitude", PARAM_NUMBER, offsetof(struct sources, amplitude), NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0},
      "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase))"},
-    {"frequency", PARAM_NUMBER, offsetof(struct source, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
-    {"phase", PARAM_NUMBER, offsetof(struct source, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
+    {"frequency", PARAM_NUMBER, offsetof(struct sources, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
+    {"phase", PARAM_NUMBER, offsetof(struct sources, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
 };
 static const struct param limits_param[] = {
     {"minDeltaTFraction", PARAM_NUMBER, offsetof(struct case_models, min_fraction), 1e-3, 0, 1, true, {0, 0, 0},
