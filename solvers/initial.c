@@ -181,9 +181,13 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
 static status take_patch(const struct reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     enum field_id density, thermal;
+    const char *type = r->place->mesh->patch[p].type;
+    if (!strcmp(type, "empty") || !strcmp(type, "cyclic")) return OK; /* the mesh says it all */
     TRY(which(r, s, p, FIELD_RHO, FIELD_ALPHA, &density));
     TRY(which(r, s, p, FIELD_T, FIELD_P, &thermal));
-    s->source[density] = s->source[thermal] = s->source[FIELD_U] = true;
+    s->from[p][0] = density;
+    s->from[p][1] = FIELD_U;
+    s->from[p][2] = thermal;
     double scale = density == FIELD_ALPHA ? 1 / packing_per_density(&r->models->material) : 1;
     TRY(take_rule(r, s->field[density], p, scale, &rules->density, &s->values[3 * p]));
     TRY(take_rule(r, s->field[FIELD_U], p, 1, &rules->velocity, &s->values[3 * p + 1]));
@@ -193,11 +197,11 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     const enum field_id scalars[2] = {density, thermal};
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
-        const struct boundary_type *type = boundary_find(f->patch[p].type);
-        if (type && type->value)
+        const struct boundary_type *scalar = boundary_find(f->patch[p].type);
+        if (scalar && scalar->value)
             return fail(ERR_INPUT, "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient",
                         dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
-                        f->kind->name, type->name);
+                        f->kind->name, scalar->name);
     }
     return OK;
 }
@@ -208,6 +212,7 @@ static status read_all(const struct reader *r, int precision, struct initial *s)
     TRY(take_state(r, s));
     TRY(take_conserved(r, s, precision));
     TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
+    TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
     TRY(allocate(&s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
     for (int p = 0; p < s->npatches; p++) TRY(take_patch(r, s, p));
     return OK;
@@ -237,6 +242,7 @@ void initial_free(struct initial *s) {
     for (int v = 0; v < MAX_VAR; v++) free(s->conserved[v]);
     free(s->values);
     free(s->rules);
+    free(s->from);
     free(s->rho);
     free(s->T);
     free(s);

@@ -8,7 +8,7 @@
 
 struct initial {                       /* on every rank */
     struct field *field[FIELD_COUNT];  /* NULL: no such file */
-    bool source[FIELD_COUNT];          /* the fields that were given, not derived: a run reads these */
+    enum field_id (*from)[3];          /* [npatches] the fields that give its rules: rho or alpha, U, T or p */
     double *rho, *T, *u[3];            /* [ncells]; u along computational axes */
     double *conserved[MAX_VAR];        /* [ncells] rho, rho u.., E: exact restart; NULL where the folder has none */
     int npatches;

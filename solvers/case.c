@@ -1,0 +1,85 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+#include "solvers/case.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static status read_mesh(struct setup *s) {
+    char path[TIME_PATH];
+    snprintf(path, sizeof path, "%.4000s/constant/polyMesh", s->dir);
+    TRY(polymesh_read(path, &s->mesh));
+    const struct polymesh *m = s->mesh;
+    TRY(status_note(polymesh_check(m), "%s", path));
+    s->checksum = polymesh_checksum(m);
+    double *face_centre = NULL, *area = NULL;
+    status e = allocate(&face_centre, 3L * m->nfaces, sizeof(double), "face centres");
+    if (!e) e = allocate(&area, 3L * m->nfaces, sizeof(double), "face areas");
+    if (!e) e = allocate(&s->centre, 3L * m->ncells, sizeof(double), "cell centres");
+    if (!e) e = allocate(&s->volume, m->ncells, sizeof(double), "cell volumes");
+    if (!e) {
+        polymesh_face_geometry(m, face_centre, area);
+        polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
+        e = lattice_recognise(m, &s->lattice, s->why);
+    }
+    free(face_centre);
+    free(area);
+    return e;
+}
+
+static status read_all(struct setup *s, const char *application) {
+    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 512, 64, 16};
+    TRY(control_read(s->dir, application, &s->control));
+    TRY(read_mesh(s));
+    int dim = s->lattice ? s->lattice->dim : 3;
+    const int *axis = s->lattice ? s->lattice->axis : every_axis;
+    TRY(models_read(s->dir, dim, axis, &s->models));
+    TRY(times_start(s->dir, s->control, &s->start));
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, s->control->format.precision, &s->initial));
+    return s->lattice ? forest_make(s->lattice, s->mesh, s->comm, tile_size[dim], &s->forest) : OK;
+}
+
+static void set_name(struct setup *s) {
+    char full[PATH_MAX];
+    const char *path = realpath(s->dir, full) ? full : s->dir, *slash = strrchr(path, '/');
+    snprintf(s->name, sizeof s->name, "%s", slash && slash[1] ? slash + 1 : "case");
+}
+
+status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out) {
+    struct setup *s = NULL;
+    *out = NULL;
+    TRY(allocate(&s, 1, sizeof *s, "case"));
+    s->comm = c;
+    snprintf(s->dir, sizeof s->dir, "%s", dir);
+    set_name(s);
+    status e = comm_agree(c, read_all(s, application));
+    if (e) {
+        case_free(s);
+        return e;
+    }
+    *out = s;
+    return OK;
+}
+
+void case_free(struct setup *s) {
+    if (!s) return;
+    forest_free(s->forest);
+    initial_free(s->initial);
+    models_free(s->models);
+    lattice_free(s->lattice);
+    polymesh_free(s->mesh);
+    control_free(s->control);
+    free(s->centre);
+    free(s->volume);
+    free(s);
+}
+
+double case_memory(const struct setup *s) {
+    double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
+    double mesh = points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
+    double fields = cells * 8 * 12;
+    double state = s->forest ? (double)s->forest->ntiles_all * (double)s->forest->size * 5 * 5 * 8 : 0;
+    return (mesh + fields) * comm_size(s->comm) + state;
+}

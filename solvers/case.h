@@ -1,0 +1,31 @@
+/* Everything a case holds, read and checked: what -dry-run and checkCase stop at, and a run starts from. */
+#ifndef SOLVERS_CASE_H
+#define SOLVERS_CASE_H
+
+#include "mesh/forest.h"
+#include "solvers/control.h"
+#include "solvers/initial.h"
+#include "solvers/models.h"
+
+struct setup { /* the same on every rank, the forest apart */
+    const struct comm *comm;
+    char dir[TIME_PATH];
+    char name[256]; /* of the folder, for file names */
+    struct control *control;
+    struct polymesh *mesh;
+    double *centre, *volume; /* [ncells][3] m, [ncells] m^3 */
+    unsigned long checksum;
+    struct lattice *lattice; /* NULL: the mesh is none, see why */
+    char why[256];
+    struct forest *forest; /* NULL without lattice */
+    struct case_models *models;
+    struct instant start;
+    struct initial *initial;
+};
+/* Collective. tile_size 0: chosen by dimension. A mesh that is no lattice is read and checked as far as it goes. */
+status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out);
+void case_free(struct setup *s);
+/* Bytes a run needs on all ranks together, about. */
+double case_memory(const struct setup *s);
+
+#endif

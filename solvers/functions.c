@@ -1,0 +1,171 @@
+#include "solvers/functions_private.h"
+
+#include "solvers/vtk.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct functions {
+    int n;
+    struct function *all;
+};
+
+static const struct function_type function_table[] = {
+    {"probes", "values of the cells that hold given points, one row per time", probes_make, probes_execute},
+    {"sets", "values along lines, one file per line and time", sets_make, sets_execute},
+    {"fieldMinMax", "smallest and largest value and where", extremes_make, extremes_execute},
+    {"volFieldValue", "volIntegrate, volAverage, sum, min or max over all cells", integral_make, integral_execute},
+    {"vtk", "legacy VTK files in VTK/, with a .vtk.series", vtk_make, vtk_execute},
+};
+enum { TYPES = sizeof function_table / sizeof *function_table };
+
+static const struct {
+    const char *name;
+    int components;
+} field_table[GAS_FIELDS] = {
+    [GAS_RHO] = {"rho", 1}, [GAS_ALPHA] = {"alpha", 1}, [GAS_U] = {"U", 3},   [GAS_T] = {"T", 1},
+    [GAS_P] = {"p", 1},     [GAS_C] = {"c", 1},         [GAS_MACH] = {"Ma", 1},
+};
+const char *gas_field_name(enum gas_field field) {
+    return field_table[field].name;
+}
+int gas_field_components(enum gas_field field) {
+    return field_table[field].components;
+}
+
+void functions_list(FILE *f) {
+    for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i].name, function_table[i].about);
+    fprintf(f, "  fields:");
+    for (int i = 0; i < GAS_FIELDS; i++) fprintf(f, " %s", field_table[i].name);
+    fprintf(f, "\n");
+}
+
+static status read_fields(struct function *f, struct dict *d) {
+    static const enum gas_field five[] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P};
+    const char *const *words;
+    int n;
+    if (f->type->make == vtk_make && !dict_has(d, "fields")) {
+        f->nfields = 5;
+        memcpy(f->field, five, sizeof five);
+        return OK;
+    }
+    TRY(dict_words(d, "fields", &n, &words));
+    for (int i = 0; i < n; i++) {
+        const char *names[GAS_FIELDS];
+        int k;
+        for (k = 0; k < GAS_FIELDS; k++) names[k] = field_table[k].name;
+        for (k = 0; k < GAS_FIELDS && strcmp(words[i], names[k]);) k++;
+        if (k == GAS_FIELDS) {
+            const char *near = nearest_name(words[i], names, GAS_FIELDS);
+            return dict_fail(d, "fields", "there is no field '%s'; known are rho alpha U T p c Ma%s%s%s", words[i],
+                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        }
+        for (int j = 0; j < f->nfields; j++)
+            if ((int)f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
+        f->field[f->nfields++] = (enum gas_field)k;
+    }
+    if (!n) return dict_fail(d, "fields", "it is empty; known are rho alpha U T p c Ma");
+    return OK;
+}
+
+static status make_one(struct function *f, struct dict *d) {
+    static const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
+    static const char *const ignored[] = {"libs", "functionObjectLibs", "writeFields", "enabled", "region", "executeControl",
+                                          "executeInterval"};
+    const char *names[TYPES];
+    int index;
+    long largest = 1;
+    for (int i = 0; i < TYPES; i++) names[i] = function_table[i].name;
+    TRY(dict_choice(d, "type", names, TYPES, &index));
+    f->type = &function_table[index];
+    for (int i = 0; i < 7; i++) (void)dict_has(d, ignored[i]);
+    TRY(trigger_read(d, &each_step, true, &f->trigger));
+    TRY(dict_switch_or(d, "log", false, &f->log));
+    TRY(read_fields(f, d));
+    TRY(f->type->make(f, d));
+    for (int t = 0; t < f->setup->forest->ntiles; t++) {
+        const int *n = f->setup->forest->tile[t].n;
+        if ((long)n[0] * n[1] * n[2] > largest) largest = (long)n[0] * n[1] * n[2];
+    }
+    return allocate(&f->tile_values, 3 * largest, sizeof(double), "a tile's field");
+}
+
+status functions_make(const struct setup *s, struct functions **out) {
+    struct functions *f = NULL;
+    struct dict *all = s->control->functions, *one;
+    *out = NULL;
+    TRY(allocate(&f, 1, sizeof *f, "function objects"));
+    status e = all && dict_count(all) ? allocate(&f->all, dict_count(all), sizeof *f->all, "function objects") : OK;
+    for (int i = 0; !e && all && i < dict_count(all); i++) {
+        struct function *g = &f->all[f->n];
+        const char *name = dict_key(all, i);
+        e = dict_sub(all, name, &one);
+        bool enabled = true;
+        if (!e) e = dict_switch_or(one, "enabled", true, &enabled);
+        if (!e && !enabled) {
+            dict_mark_used(one);
+            continue;
+        }
+        g->setup = s;
+        snprintf(g->name, sizeof g->name, "%s", name);
+        f->n++;
+        if (!e) e = status_note(make_one(g, one), "function object '%s'", name);
+    }
+    e = comm_agree(s->comm, e);
+    if (e) {
+        functions_free(f);
+        return e;
+    }
+    *out = f;
+    return OK;
+}
+
+void functions_free(struct functions *f) {
+    if (!f) return;
+    for (int i = 0; i < f->n; i++) {
+        struct function *g = &f->all[i];
+        for (int k = 0; k < GAS_FIELDS; k++)
+            if (g->file[k]) fclose(g->file[k]);
+        free(g->spot);
+        free(g->line);
+        free(g->tile_values);
+        free(g->all_values);
+        vtk_grid_free(g->grid);
+    }
+    free(f->all);
+    free(f);
+}
+
+double functions_next(const struct functions *f, double t) {
+    double next = HUGE_VAL;
+    for (int i = 0; i < f->n; i++) next = fmin(next, trigger_next(&f->all[i].trigger, t));
+    return next;
+}
+
+status functions_execute(struct functions *f, const struct gas *g, const struct moment *before, const struct moment *now,
+                         const char *name) {
+    for (int i = 0; i < f->n; i++) {
+        struct function *one = &f->all[i];
+        if (before && !trigger_due(&one->trigger, before, now)) continue;
+        TRY(status_note(one->type->execute(one, g, now, name), "function object '%s'", one->name));
+    }
+    return OK;
+}
+
+void function_tile(const struct function *f, const struct gas *g, int tile, enum gas_field field, double *lines[3]) {
+    const int *n = f->setup->forest->tile[tile].n;
+    for (int c = 0; c < 3; c++) lines[c] = f->tile_values + c * (long)n[0] * n[1] * n[2];
+    gas_tile_field(g, tile, field, lines);
+}
+
+status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {
+    char path[2 * TIME_PATH];
+    snprintf(path, sizeof path, "%s/postProcessing/%s/%s", f->setup->dir, f->name, folder);
+    TRY(make_folders(path));
+    size_t length = strlen(path);
+    snprintf(path + length, sizeof path - length, "/%s", file);
+    *out = fopen(path, "w");
+    return *out ? OK : fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+}

@@ -1,0 +1,191 @@
+/* Function objects over all cells: fieldMinMax, volFieldValue, vtk. */
+#include "solvers/functions_private.h"
+
+#include "solvers/output.h"
+#include "solvers/vtk.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static long cells_of(const struct tile *t) {
+    return (long)t->n[0] * t->n[1] * t->n[2];
+}
+
+static status finish_row(const struct function *f, FILE *file) {
+    if (fprintf(file, "\n") < 0 || fflush(file) || ferror(file))
+        return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
+    return OK;
+}
+
+status extremes_make(struct function *f, struct dict *d) {
+    static const char *const modes[] = {"magnitude"};
+    int index;
+    (void)f;
+    (void)dict_has(d, "location");
+    if (dict_has(d, "mode")) TRY(dict_choice(d, "mode", modes, 1, &index));
+    return OK;
+}
+
+/* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
+static void find_extremes(const struct function *f, const struct gas *g, enum gas_field field, double value[2],
+                          int cell[2]) {
+    const struct forest *forest = f->setup->forest;
+    double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], *lines[3];
+    for (int t = 0; t < forest->ntiles; t++) {
+        const struct tile *tile = &forest->tile[t];
+        function_tile(f, g, t, field, lines);
+        for (long i = 0; i < cells_of(tile); i++) {
+            double v = lines[0][i];
+            if (gas_field_components(field) == 3) {
+                double square = 0;
+                for (int k = 0; k < forest->dim; k++) square += lines[k][i] * lines[k][i];
+                v = sqrt(square);
+            }
+            for (int end = 0; end < 2; end++) {
+                double w = end ? -v : v;
+                if (w < best[end] || (w == best[end] && tile->cell[i] < where[end])) {
+                    best[end] = w;
+                    where[end] = tile->cell[i];
+                }
+            }
+        }
+    }
+    memcpy(mine, best, sizeof mine);
+    comm_min(f->setup->comm, best, 2);
+    for (int end = 0; end < 2; end++)
+        if (mine[end] != best[end]) where[end] = HUGE_VAL;
+    comm_min(f->setup->comm, where, 2);
+    for (int end = 0; end < 2; end++) {
+        value[end] = end ? -best[end] : best[end];
+        cell[end] = isfinite(where[end]) ? (int)where[end] : 0;
+    }
+}
+
+status extremes_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+    (void)time;
+    bool root = comm_root(f->setup->comm);
+    status s = OK;
+    if (root && !f->file[0]) {
+        s = function_open(f, f->setup->start.name, "fieldMinMax.dat", &f->file[0]);
+        if (!s)
+            fprintf(f->file[0], "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
+    }
+    for (int k = 0; k < f->nfields; k++) {
+        double v[2];
+        int cell[2];
+        find_extremes(f, g, f->field[k], v, cell);
+        if (!root || s) continue;
+        const double *a = f->setup->centre + 3L * cell[0], *b = f->setup->centre + 3L * cell[1];
+        fprintf(f->file[0], "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
+                gas_field_name(f->field[k]), v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
+        s = finish_row(f, f->file[0]);
+        if (f->log)
+            printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, gas_field_name(f->field[k]), v[0],
+                   gas_field_name(f->field[k]), v[1]);
+    }
+    return comm_agree(f->setup->comm, s);
+}
+
+enum { VOL_INTEGRATE, VOL_AVERAGE, SUM, MINIMUM, MAXIMUM, OPERATIONS };
+static const char *const operation_names[OPERATIONS] = {"volIntegrate", "volAverage", "sum", "min", "max"};
+
+status integral_make(struct function *f, struct dict *d) {
+    static const char *const regions[] = {"all"};
+    int index;
+    if (dict_has(d, "regionType")) TRY(dict_choice(d, "regionType", regions, 1, &index));
+    return dict_choice(d, "operation", operation_names, OPERATIONS, &f->operation);
+}
+
+/* Sums run cell by cell within a tile and tile by tile over all ranks: the same bits on any number of them. */
+static status reduce(const struct function *f, const struct gas *g, enum gas_field field, double out[3]) {
+    const struct forest *forest = f->setup->forest;
+    int m = gas_field_components(field) == 3 ? forest->dim : 1;
+    bool summed = f->operation <= SUM;
+    double *per_tile, *lines[3], result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    TRY(allocate(&per_tile, 3L * (forest->ntiles + 1), sizeof(double), "sums of tiles"));
+    for (int t = 0; t < forest->ntiles; t++) {
+        function_tile(f, g, t, field, lines);
+        for (int c = 0; c < m; c++) {
+            double sum = 0;
+            for (long i = 0; i < cells_of(&forest->tile[t]); i++) {
+                sum += lines[c][i];
+                result[c] = fmin(result[c], f->operation == MAXIMUM ? -lines[c][i] : lines[c][i]);
+            }
+            per_tile[(long)c * forest->ntiles + t] = sum;
+        }
+    }
+    status s = OK;
+    for (int c = 0; c < m && summed && !s; c++) s = forest_sum(forest, per_tile + (long)c * forest->ntiles, &result[c]);
+    if (!summed) comm_min(f->setup->comm, result, m);
+    free(per_tile);
+    double scale = f->operation == VOL_INTEGRATE ? forest->volume : f->operation == VOL_AVERAGE ? 1. / forest->ncells_all : 1;
+    if (f->operation == MAXIMUM) scale = -1;
+    for (int x = 0; x < 3; x++) out[x] = 0;
+    for (int c = 0; c < m; c++) out[gas_field_components(field) == 3 ? forest->axis[c] : 0] = scale * result[c];
+    return s;
+}
+
+static status integral_open(struct function *f) {
+    const struct forest *forest = f->setup->forest;
+    TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &f->file[0]));
+    fprintf(f->file[0], "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", forest->ncells_all,
+            forest->volume * forest->ncells_all);
+    for (int k = 0; k < f->nfields; k++)
+        fprintf(f->file[0], "\t%s(%s)", operation_names[f->operation], gas_field_name(f->field[k]));
+    fprintf(f->file[0], "\n");
+    return OK;
+}
+
+status integral_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+    (void)time;
+    bool root = comm_root(f->setup->comm);
+    status s = root && !f->file[0] ? integral_open(f) : OK;
+    if (root && !s) fprintf(f->file[0], "%-16.12g", now->t);
+    for (int k = 0; k < f->nfields; k++) {
+        double v[3];
+        status reduced = reduce(f, g, f->field[k], v);
+        if (!s) s = reduced;
+        if (!root || s) continue;
+        if (gas_field_components(f->field[k]) == 3) fprintf(f->file[0], "\t(%.15g %.15g %.15g)", v[0], v[1], v[2]);
+        else fprintf(f->file[0], "\t%.15g", v[0]);
+        if (f->log) printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[f->operation], gas_field_name(f->field[k]), v[0]);
+    }
+    if (root && !s) s = finish_row(f, f->file[0]);
+    return comm_agree(f->setup->comm, s);
+}
+
+status vtk_make(struct function *f, struct dict *d) {
+    static const char *const formats[] = {"binary", "ascii"};
+    int index = 0;
+    if (dict_has(d, "writeFormat")) TRY(dict_choice(d, "writeFormat", formats, 2, &index));
+    f->ascii = index == 1;
+    return OK;
+}
+
+static status write_file(const struct function *f, const struct moment *now, const char *time,
+                         const struct vtk_field *fields) {
+    char folder[TIME_PATH + 8], path[2 * TIME_PATH];
+    snprintf(folder, sizeof folder, "%s/VTK", f->setup->dir);
+    TRY(make_folders(folder));
+    snprintf(path, sizeof path, "%s/%s_%s.vtk", folder, f->setup->name, time);
+    TRY(vtk_write(f->grid, path, f->ascii, now->t, now->step, f->nfields, fields));
+    return vtk_series_write(folder, f->setup->name, now->t);
+}
+
+status vtk_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+    struct vtk_field fields[GAS_FIELDS];
+    const struct setup *s = f->setup;
+    long n = s->mesh->ncells;
+    bool root = comm_root(s->comm);
+    status e = OK;
+    if (root && !f->grid) e = vtk_grid_make(s->mesh, &f->grid);
+    if (root && !e && !f->all_values) e = allocate(&f->all_values, 3 * n * f->nfields, sizeof(double), "VTK fields");
+    TRY(comm_agree(s->comm, e));
+    for (int k = 0; k < f->nfields; k++) {
+        double *values = root ? f->all_values + 3 * n * k : NULL;
+        TRY(output_gather(s, g, f->field[k], values));
+        fields[k] = (struct vtk_field){gas_field_name(f->field[k]), gas_field_components(f->field[k]), values};
+    }
+    return comm_agree(s->comm, root ? write_file(f, now, time, fields) : OK);
+}

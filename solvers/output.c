@@ -1,0 +1,203 @@
+#include "solvers/output.h"
+
+#include "solvers/report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct output {
+    const struct setup *setup;
+    double *values;    /* root: [ncells][3] */
+    double *line[MAX_VAR]; /* root: [ncells] each */
+    double last_time;  /* written; NAN: none */
+    int precision;     /* of time names, widened where needed */
+    int nnames, room;
+    char (*name)[TIME_NAME]; /* written by this run, oldest first */
+};
+
+status output_make(const struct setup *s, struct output **out) {
+    struct output *o = NULL;
+    long n = s->mesh->ncells;
+    TRY(allocate(&o, 1, sizeof *o, "output"));
+    *out = o;
+    o->setup = s;
+    o->last_time = s->start.t;
+    o->precision = s->control->time_precision;
+    if (!comm_root(s->comm)) return OK;
+    TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
+    for (int v = 0; v < 2 + s->forest->dim; v++) TRY(allocate(&o->line[v], n, sizeof(double), "a field to write"));
+    return OK;
+}
+
+void output_free(struct output *o) {
+    if (!o) return;
+    free(o->values);
+    for (int v = 0; v < MAX_VAR; v++) free(o->line[v]);
+    free(o->name);
+    free(o);
+}
+
+/* components lines along computational axes -> interleaved, physical axes */
+static void interleave(const struct setup *s, double *const *line, bool vector, double *out) {
+    long n = s->mesh->ncells;
+    if (!vector) {
+        memcpy(out, line[0], (size_t)n * sizeof *out);
+        return;
+    }
+    memset(out, 0, (size_t)n * 3 * sizeof *out);
+    for (int k = 0; k < s->forest->dim; k++)
+        for (long i = 0; i < n; i++) out[3 * i + s->forest->axis[k]] = line[k][i];
+}
+
+status output_gather(const struct setup *s, const struct gas *g, enum gas_field field, double *out) {
+    double *line[3] = {NULL, NULL, NULL};
+    int components = field == GAS_U ? s->forest->dim : 1;
+    status e = OK;
+    for (int k = 0; !e && k < components && comm_root(s->comm); k++)
+        e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
+    e = comm_agree(s->comm, e);
+    if (!e) e = gas_field(g, field, line);
+    if (!e && comm_root(s->comm)) interleave(s, line, field == GAS_U, out);
+    for (int k = 0; k < 3; k++) free(line[k]);
+    return e;
+}
+
+struct printing { /* context of a patch entry */
+    const struct initial *initial;
+    int field;            /* enum field_id, or -1: derived on every patch */
+    int components;
+    const double *values; /* of the cells */
+};
+
+static void print_list(struct sink *s, const struct field_writer *w, int p, int components, const double *values) {
+    sink_printf(s, "nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
+    foam_list_write_doubles(s, w->format, components, w->mesh->patch[p].nfaces, values);
+    sink_printf(s, ";\n");
+}
+
+static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key, int components,
+                        const struct patch_field *q) {
+    sink_printf(s, "        %-15s ", key);
+    if (q->values) print_list(s, w, p, components, q->values);
+    else if (components == 3) sink_printf(s, "uniform (%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
+    else sink_printf(s, "uniform %.17g;\n", q->uniform[0]);
+}
+
+/* The value of the cell behind each face. */
+static void print_inner(struct sink *s, const struct field_writer *w, int p, const struct printing *c) {
+    const struct patch *patch = &w->mesh->patch[p];
+    double *inner = malloc((size_t)patch->nfaces * (size_t)c->components * sizeof *inner + 1);
+    sink_printf(s, "        %-15s ", "value");
+    if (!inner) { /* an entry OpenFOAM can read all the same */
+        sink_printf(s, "$internalField;\n");
+        return;
+    }
+    for (int i = 0; i < patch->nfaces; i++)
+        memcpy(inner + (long)i * c->components, c->values + (long)w->mesh->owner[patch->start + i] * c->components,
+               (size_t)c->components * sizeof *inner);
+    print_list(s, w, p, c->components, inner);
+    free(inner);
+}
+
+static void print_patch(struct sink *s, const struct field_writer *w, int p, const void *context) {
+    const struct printing *c = context;
+    const char *type = w->mesh->patch[p].type;
+    static const char *const constraints[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
+    for (int i = 0; i < 4; i++)
+        if (!strcmp(type, constraints[i])) {
+            sink_printf(s, "        %-15s %s;\n", "type", type);
+            return;
+        }
+    const enum field_id *from = c->initial->from[p];
+    bool given = c->field >= 0 && ((int)from[0] == c->field || (int)from[1] == c->field || (int)from[2] == c->field);
+    const struct patch_field *q = given ? &c->initial->field[c->field]->patch[p] : NULL;
+    sink_printf(s, "        %-15s %s;\n", "type", given ? q->type : "calculated");
+    const struct boundary_type *b = given ? boundary_find(q->type) : NULL;
+    if (b && b->value) print_given(s, w, p, b->value, c->components, q);
+    if (!given || (b && b->value && strcmp(b->value, "value"))) print_inner(s, w, p, c);
+}
+
+static status write_one(const struct output *o, const struct field_writer *w, const char *name, int field, int components,
+                        const signed char dimensions[7]) {
+    const struct printing c = {o->setup->initial, field, components, o->values};
+    return field_write(w, name, components, dimensions, o->values, print_patch, &c);
+}
+
+/* Derived fields with the user's digits, the conserved ones with all: they restart the run bit by bit. */
+static status write_fields(struct output *o, const struct gas *g, const struct field_writer *w) {
+    static const signed char momentum[7] = {1, -2, -1, 0, 0, 0, 0}, energy[7] = {1, -1, -2, 0, 0, 0, 0};
+    static const enum gas_field source[FIELD_COUNT] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P};
+    const struct setup *s = o->setup;
+    bool root = comm_root(s->comm);
+    struct foam_format exact = *w->format;
+    exact.precision = 17;
+    struct field_writer all_digits = *w;
+    all_digits.format = &exact;
+    status e = OK;
+    for (int f = FIELD_ALPHA; f < FIELD_COUNT; f++) {
+        status gathered = output_gather(s, g, source[f], o->values);
+        if (!gathered && !e && root)
+            e = write_one(o, w, field_kinds[f].name, f, field_kinds[f].components, field_kinds[f].dimensions);
+        if (gathered) status_free(e), e = gathered;
+    }
+    TRY(comm_agree(s->comm, e));
+    TRY(gas_get_conserved(g, o->line));
+    if (!root) return comm_agree(s->comm, OK);
+    interleave(s, o->line, false, o->values);
+    e = write_one(o, &all_digits, "rho", FIELD_RHO, 1, field_kinds[FIELD_RHO].dimensions);
+    interleave(s, o->line + 1, true, o->values);
+    if (!e) e = write_one(o, &all_digits, "rhoU", -1, 3, momentum);
+    interleave(s, o->line + 1 + s->forest->dim, false, o->values);
+    if (!e) e = write_one(o, &all_digits, "rhoE", -1, 1, energy);
+    return comm_agree(s->comm, e);
+}
+
+static status purge(struct output *o, const char *name) {
+    int keep = o->setup->control->purge;
+    for (int i = 0; i < o->nnames; i++)
+        if (!strcmp(o->name[i], name)) return OK; /* written again */
+    if (o->nnames == o->room) {
+        void *more = realloc(o->name, (size_t)(o->room = 2 * o->room + 16) * sizeof *o->name);
+        if (!more) return fail(ERR_SYSTEM, "out of memory");
+        o->name = more;
+    }
+    memcpy(o->name[o->nnames++], name, TIME_NAME);
+    while (keep > 0 && o->nnames > keep) {
+        char path[TIME_PATH + TIME_NAME];
+        snprintf(path, sizeof path, "%s/%s", o->setup->dir, o->name[0]);
+        TRY(remove_folder(path));
+        memmove(o->name, o->name + 1, (size_t)--o->nnames * sizeof *o->name);
+    }
+    return OK;
+}
+
+static status finish(struct output *o, const char *folder, const struct instant *at) {
+    char path[TIME_PATH + 32], location[TIME_NAME + 16];
+    snprintf(path, sizeof path, "%s/uniform/provenance", folder);
+    snprintf(location, sizeof location, "%s/uniform", at->name);
+    TRY(provenance_write(path, location, o->setup));
+    TRY(time_stamp_write(folder, at));
+    TRY(time_commit(o->setup->dir, at->name));
+    return purge(o, at->name);
+}
+
+status output_write(struct output *o, const struct gas *g, double t, long step, double delta_t,
+                    char written[TIME_NAME]) {
+    const struct setup *s = o->setup;
+    const struct control *c = s->control;
+    struct instant at = {.t = t, .step = step, .delta_t = delta_t};
+    char folder[TIME_PATH];
+    int digits = time_name_apart(c->time_format, o->precision, t, o->last_time, at.name);
+    if (digits > o->precision && comm_root(s->comm))
+        printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
+    o->precision = digits;
+    const struct field_writer w = {s->mesh, &c->format, folder, at.name};
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? time_begin(s->dir, at.name, folder) : OK));
+    TRY(status_note(write_fields(o, g, &w), "while writing time %s; earlier times are intact", at.name));
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? finish(o, folder, &at) : OK));
+    o->last_time = t;
+    memcpy(written, at.name, TIME_NAME);
+    return OK;
+}

@@ -1,0 +1,37 @@
+/* The log: who runs what (provenance), one entry per step, totals and their drift. Printed by the root. */
+#ifndef SOLVERS_REPORT_H
+#define SOLVERS_REPORT_H
+
+#include "solvers/case.h"
+#include <stdio.h>
+
+const char *build_version(void); /* "0.1.0 (git hash)" */
+const char *build_compiler(void);
+
+/* Version, compiler, host, ranks, mesh, models; the expanded dictionaries if asked for. */
+void report_header(FILE *f, const struct setup *s, bool dictionaries);
+/* CASE/TIME/uniform/provenance at `path`: the same as a dictionary. */
+status provenance_write(const char *path, const char *location, const struct setup *s);
+
+struct progress { /* of a run, for its log */
+    double start_clock, last_log; /* s */
+    double totals[MAX_VAR];       /* at the start */
+    double per_step;              /* s, mean of the recent steps */
+    struct gas_counts counts;     /* at the last entry */
+    long first_step;
+};
+double clock_now(void); /* s, wall */
+double cpu_now(void);   /* s, this process */
+
+struct step_entry { /* what one log entry says */
+    double t, dt, courant, end_time;
+    long step;
+    const char *limit;
+    double place[3]; /* of the cell that limits, if `limit` is the Courant number */
+    bool at_cell;
+};
+status progress_start(struct progress *p, const struct setup *s, struct gas *g);
+/* Collective: prints extremes, totals, counts, speed and what is left. */
+status progress_print(struct progress *p, const struct setup *s, struct gas *g, const struct step_entry *e);
+
+#endif
