@@ -48,6 +48,7 @@ extern const int control_table_size;
 
 /* Has the file changed since it was read? Not collective: ask on the root. */
 bool control_changed(const struct control *c, const char *case_dir);
+void control_stamp(struct control *c, const char *case_dir); /* forgets the change */
 
 /* Reads `writeControl` and `writeInterval` of d; without the first: `standard`. */
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out);

@@ -234,16 +234,26 @@ status initial_read(const char *case_dir, const struct instant *at, const struct
     return OK;
 }
 
+void initial_drop_cells(struct initial *s) {
+    double **all[2 + 3 + MAX_VAR + FIELD_COUNT] = {&s->rho, &s->T};
+    int n = 2;
+    for (int k = 0; k < 3; k++) all[n++] = &s->u[k];
+    for (int v = 0; v < MAX_VAR; v++) all[n++] = &s->conserved[v];
+    for (int i = 0; i < FIELD_COUNT; i++)
+        if (s->field[i]) all[n++] = &s->field[i]->values;
+    while (n--) {
+        free(*all[n]);
+        *all[n] = NULL;
+    }
+}
+
 void initial_free(struct initial *s) {
     if (!s) return;
+    initial_drop_cells(s);
     for (int i = 0; i < FIELD_COUNT; i++) field_free(s->field[i]);
     for (int i = 0; s->values && i < 3 * s->npatches; i++) free(s->values[i]);
-    for (int k = 0; k < 3; k++) free(s->u[k]);
-    for (int v = 0; v < MAX_VAR; v++) free(s->conserved[v]);
     free(s->values);
     free(s->rules);
     free(s->from);
-    free(s->rho);
-    free(s->T);
     free(s);
 }

@@ -19,6 +19,8 @@ struct initial {                       /* on every rank */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const struct gas_models *models, int precision, struct initial **out);
 void initial_free(struct initial *s);
+/* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
+void initial_drop_cells(struct initial *s);
 
 /* p / T of a gas of density rho[n]: the equations of state are linear in T. */
 void pressure_per_temperature(const struct gas_models *m, int n, const double *rho, double *out);

@@ -1,0 +1,129 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+/* caseToVTK: the written times of a case as legacy VTK files. */
+#include "solvers/fields.h"
+#include "solvers/program.h"
+#include "solvers/times.h"
+#include "solvers/vtk.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 64 };
+
+struct conversion {
+    const char *dir;
+    char name[256];
+    const char *times[MOST], *fields[MOST]; /* asked for; none: all */
+    int ntimes, nfields;
+    bool ascii;
+    struct polymesh *mesh;
+    struct vtk_grid *grid;
+};
+
+static const char usage[] =
+    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-ascii]\n\n"
+    "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
+    "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named.\n";
+
+static status take_list(char *text, const char **out, int *n) {
+    for (char *word = strtok(text, ", "); word; word = strtok(NULL, ", ")) {
+        if (*n == MOST) return fail(ERR_INPUT, "more than %d names in a list", MOST);
+        out[(*n)++] = word;
+    }
+    return OK;
+}
+
+static status read_options(int argc, char **argv, struct conversion *c) {
+    for (int i = 1; i < argc; i++) {
+        bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
+        if (!strcmp(argv[i], "-ascii")) c->ascii = true;
+        else if (!strcmp(argv[i], "-case") && i + 1 < argc) c->dir = argv[++i];
+        else if ((time || field) && i + 1 < argc)
+            TRY(take_list(argv[++i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
+        else if (argv[i][0] == '-' || c->dir) return fail(ERR_INPUT, "unknown argument '%s'\n%s", argv[i], usage);
+        else c->dir = argv[i];
+    }
+    return c->dir ? OK : fail(ERR_INPUT, "which case?\n%s", usage);
+}
+
+static bool asked(const struct conversion *c, const struct instant *at) {
+    bool wanted = !c->ntimes;
+    for (int i = 0; i < c->ntimes; i++)
+        wanted |= !strcmp(c->times[i], at->name) || strtod(c->times[i], NULL) == strtod(at->name, NULL);
+    return wanted;
+}
+
+static status read_one(const struct conversion *c, const struct instant *at, const char *field, struct vtk_field *list,
+                       int *n) {
+    char path[TIME_PATH];
+    double *values;
+    snprintf(path, sizeof path, "%s/%s/%s", c->dir, at->name, field);
+    if (!field_exists(path)) {
+        if (!c->nfields) return OK;
+        return fail(ERR_INPUT, "%s: no such field", path);
+    }
+    TRY(field_read_values(path, c->mesh->ncells, &list[*n].components, &values));
+    list[*n].name = field;
+    list[(*n)++].values = values;
+    return OK;
+}
+
+static status convert(const struct conversion *c, const struct instant *at) {
+    struct vtk_field list[MOST];
+    int n = 0;
+    char path[TIME_PATH];
+    status s = OK;
+    if (c->nfields)
+        for (int i = 0; !s && i < c->nfields; i++) s = read_one(c, at, c->fields[i], list, &n);
+    else
+        for (int i = 0; !s && i < FIELD_COUNT; i++) s = read_one(c, at, field_kinds[i].name, list, &n);
+    snprintf(path, sizeof path, "%s/VTK/%s_%s.vtk", c->dir, c->name, at->name);
+    if (!s) s = vtk_write(c->grid, path, c->ascii, at->t, at->step, n, list);
+    if (!s) printf("%s\n", path);
+    for (int i = 0; i < n; i++) free((void *)(uintptr_t)list[i].values);
+    return s;
+}
+
+static status convert_all(struct conversion *c) {
+    char path[TIME_PATH], full[PATH_MAX];
+    struct instant *times = NULL;
+    int n = 0, done = 0;
+    double latest = -HUGE_VAL;
+    const char *resolved = realpath(c->dir, full), *slash = resolved ? strrchr(full, '/') : NULL;
+    snprintf(c->name, sizeof c->name, "%s", slash && slash[1] ? slash + 1 : "case");
+    TRY(times_list(c->dir, &n, &times));
+    snprintf(path, sizeof path, "%s/constant/polyMesh", c->dir);
+    status s = polymesh_read(path, &c->mesh);
+    if (!s) s = vtk_grid_make(c->mesh, &c->grid);
+    snprintf(path, sizeof path, "%s/VTK", c->dir);
+    if (!s) s = make_folders(path);
+    for (int i = 0; !s && i < n; i++) {
+        if (!asked(c, &times[i])) continue;
+        s = convert(c, &times[i]);
+        latest = times[i].t;
+        done++;
+    }
+    if (!s && !done) s = fail(ERR_INPUT, "%s: no such time (%d time folders are there)", c->dir, n);
+    if (!s) s = vtk_series_write(path, c->name, latest);
+    free(times);
+    return s;
+}
+
+int main(int argc, char **argv) {
+    struct conversion c = {.dir = NULL};
+    if (argc == 2 && (!strcmp(argv[1], "-help") || !strcmp(argv[1], "--help"))) {
+        printf("%s", usage);
+        return 0;
+    }
+    status s = read_options(argc, argv, &c);
+    if (!s) s = convert_all(&c);
+    vtk_grid_free(c.grid);
+    polymesh_free(c.mesh);
+    return program_end(NULL, s, false);
+}

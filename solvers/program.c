@@ -1,0 +1,78 @@
+#include "solvers/program.h"
+
+#include "solvers/dict.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static status take_value(int argc, char **argv, int *i, const char **out) {
+    if (*i + 1 >= argc) return fail(ERR_INPUT, "option %s wants a value; see -help", argv[*i]);
+    *out = argv[++*i];
+    return OK;
+}
+
+status options_read(int argc, char **argv, struct options *out) {
+    static const char *const names[] = {"-case", "-np", "-dry-run", "-debug", "-help", "-listModels", "-listBCs"};
+    *out = (struct options){.dir = "."};
+    bool *const flags[] = {NULL,       NULL,       &out->dry_run, &out->debug, &out->help, &out->list_models,
+                           &out->list_boundaries};
+    for (int i = 1; i < argc; i++) {
+        int k = 0;
+        const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
+        if (!strcmp(word, "-h")) word = "-help";
+        while (k < 7 && strcmp(word, names[k])) k++;
+        if (k == 7) {
+            const char *near = nearest_name(argv[i], names, 7);
+            return fail(ERR_INPUT, "unknown option '%s'%s%s%s; known are -case DIR, -np N, -dry-run, -debug, -help, -listModels, "
+                                   "-listBCs",
+                        argv[i], near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        }
+        if (k >= 2) {
+            *flags[k] = true;
+            continue;
+        }
+        TRY(take_value(argc, argv, &i, &value));
+        if (k == 0) out->dir = value;
+        char *end = NULL;
+        long n = k == 1 ? strtol(value, &end, 10) : 1;
+        if (k == 1 && (*end || end == value || n < 1 || n > 1000000))
+            return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
+        if (k == 1) out->ranks = (int)n;
+    }
+    return OK;
+}
+
+status options_relaunch(int argc, char **argv, const struct options *o) {
+    char number[16];
+    char **command = NULL;
+    TRY(allocate(&command, argc + 8L, sizeof *command, "command line"));
+    int n = 0;
+    snprintf(number, sizeof number, "%d", o->ranks);
+    command[n++] = "mpirun";
+    command[n++] = "-np";
+    command[n++] = number;
+    for (int i = 0; i < argc; i++)
+        if (i && (!strcmp(argv[i], "-np") || !strcmp(argv[i], "--np"))) i++;
+        else command[n++] = argv[i];
+    /* Open MPI refuses root and more ranks than cores unless told; neither harms here. */
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+    fflush(NULL);
+    execvp(command[0], command);
+    int reason = errno;
+    free(command);
+    return fail(ERR_SYSTEM, "mpirun cannot be started: %s; on Debian, run  apt-get install openmpi-bin", strerror(reason));
+}
+
+int program_end(struct comm *c, status s, bool debug) {
+    int code = s ? (int)status_kind(s) : 0;
+    fflush(stdout);
+    if (s && (!c || comm_root(c))) code = status_print(s, debug);
+    status_free(s);
+    if (c) comm_finish(c);
+    return code;
+}

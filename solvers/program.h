@@ -1,0 +1,19 @@
+/* What the programs share: the command line of a solver, and how a program ends. */
+#ifndef SOLVERS_PROGRAM_H
+#define SOLVERS_PROGRAM_H
+
+#include "mesh/comm.h"
+
+struct options {
+    const char *dir; /* -case DIR; "." */
+    bool dry_run, debug, help, list_models, list_boundaries;
+    int ranks; /* -np N; 0: not given */
+};
+/* An unknown option is an error that lists the known ones. */
+status options_read(int argc, char **argv, struct options *out);
+/* -np N: replaces this process by mpirun -np N of the same program and options; returns only if that failed. */
+status options_relaunch(int argc, char **argv, const struct options *o);
+/* Prints an error once (on the root), frees it, ends MPI; the exit code. c may be NULL: MPI was not started. */
+int program_end(struct comm *c, status s, bool debug);
+
+#endif

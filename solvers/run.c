@@ -1,0 +1,266 @@
+#include "solvers/run.h"
+
+#include "solvers/functions.h"
+#include "solvers/output.h"
+#include "solvers/params.h"
+#include "solvers/report.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char application[] = "granularGas";
+
+struct run {
+    struct setup *setup;
+    struct gas *gas;
+    struct functions *functions;
+    struct output *output;
+    struct progress progress;
+    struct moment now;
+    double dt;           /* s: the last step */
+    double written_time; /* NAN: none yet */
+    bool stop;
+};
+
+static volatile sig_atomic_t asked_to_stop; /* the one thing a signal handler may touch */
+static void on_signal(int number) {
+    asked_to_stop = number;
+}
+static void catch_signals(void) {
+    const int signals[] = {SIGTERM, SIGINT, SIGUSR1};
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    for (int i = 0; i < 3; i++) sigaction(signals[i], &action, NULL);
+}
+
+static status read_everything(const char *dir, const struct comm *c, struct setup **s, struct functions **f) {
+    *f = NULL;
+    TRY(case_read(dir, application, c, s));
+    if ((*s)->lattice) TRY(functions_make(*s, f));
+    else if ((*s)->control->functions) dict_mark_used((*s)->control->functions);
+    return comm_agree(c, dict_check_used((*s)->control->dict));
+}
+
+static void print_control(const struct setup *s) {
+    const struct control *c = s->control;
+    printf("Keys of system/controlDict\n");
+    for (int i = 0; i < control_table_size; i++) {
+        const struct param *p = &control_table[i];
+        const char *at = (const char *)c + p->offset;
+        double value = p->kind == PARAM_NUMBER ? *(const double *)(const void *)at
+                       : p->kind == PARAM_COUNT ? *(const int *)(const void *)at
+                                                : *(const bool *)(const void *)at;
+        printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default", p->meaning);
+    }
+}
+
+static status check_state(const struct setup *s, double *stable) {
+    struct gas *g = NULL;
+    struct gas_speed speed;
+    TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, s->initial->rules, &g));
+    status e = OK;
+    if (s->initial->conserved[0]) gas_set_conserved(g, (const double *const *)s->initial->conserved);
+    else e = gas_set(g, s->initial->rho, (const double *const *)s->initial->u, s->initial->T);
+    if (!e) e = gas_check(g);
+    if (!e) gas_speed(g, &speed);
+    if (!e) *stable = s->control->max_co / speed.rate;
+    gas_free(g);
+    return e;
+}
+
+static status print_check(const struct setup *s) {
+    double stable = 0;
+    if (s->lattice) TRY(check_state(s, &stable));
+    if (!comm_root(s->comm)) return OK;
+    report_header(stdout, s, true);
+    print_control(s);
+    if (!s->lattice) {
+        printf("\nThe case is sound, but granularGas cannot run it yet: the mesh is no lattice of equal boxes (%s)\n", s->why);
+        return OK;
+    }
+    double dt = s->control->adjust ? fmin(stable, s->control->max_delta_t) : s->control->delta_t;
+    printf("\nfirst time step about %.3g s", dt);
+    if (isfinite(s->control->end_time)) printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
+    printf("\nThe case is sound.\n");
+    return OK;
+}
+
+status run_check(const char *dir, const struct comm *c) {
+    struct setup *s = NULL;
+    struct functions *f = NULL;
+    status e = read_everything(dir, c, &s, &f);
+    if (!e) e = print_check(s);
+    functions_free(f);
+    case_free(s);
+    return e;
+}
+
+static status start(struct run *r) {
+    struct setup *s = r->setup;
+    const struct initial *i = s->initial;
+    if (!s->lattice)
+        return fail(ERR_INPUT, "%s: the mesh is no lattice of equal boxes (%s); granularGas does not yet run on general meshes",
+                    s->dir, s->why);
+    TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, i->rules, &r->gas));
+    if (i->conserved[0]) gas_set_conserved(r->gas, (const double *const *)i->conserved);
+    else TRY(gas_set(r->gas, i->rho, (const double *const *)i->u, i->T));
+    TRY(comm_agree(s->comm, gas_check(r->gas)));
+    initial_drop_cells(s->initial);
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? times_clean(s->dir) : OK));
+    TRY(comm_agree(s->comm, output_make(s, &r->output)));
+    r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
+    r->dt = s->start.delta_t;
+    r->written_time = s->start.t;
+    if (comm_root(s->comm)) report_header(stdout, s, true);
+    TRY(progress_start(&r->progress, s, r->gas));
+    return functions_execute(r->functions, r->gas, NULL, &r->now, s->start.name);
+}
+
+static status write_now(struct run *r, char name[TIME_NAME]) {
+    TRY(output_write(r->output, r->gas, r->now.t, r->now.step, r->dt, name));
+    r->written_time = r->now.t;
+    if (comm_root(r->setup->comm)) printf("    written: %s\n", name);
+    return OK;
+}
+
+/* A changed controlDict replaces the old one; a wrong one is reported and ignored. `functions` stay as they are. */
+static void read_again(struct run *r) {
+    struct setup *s = r->setup;
+    struct control *changed = NULL;
+    status e = control_read(s->dir, application, &changed);
+    if (!e && changed->functions) dict_mark_used(changed->functions);
+    if (!e) e = dict_check_used(changed->dict);
+    e = comm_agree(s->comm, e);
+    if (e) {
+        if (comm_root(s->comm)) {
+            printf("system/controlDict has changed but is wrong; the old one stays in force\n");
+            (void)status_print(e, false);
+        }
+        control_stamp(s->control, s->dir);
+        status_free(e);
+        control_free(changed);
+        return;
+    }
+    control_free(s->control);
+    s->control = changed;
+    if (comm_root(s->comm)) printf("system/controlDict has changed and was read again\n");
+}
+
+/* What the root alone knows, for all ranks: clocks, and whether to log, to stop or to read controlDict again. */
+struct word {
+    double signal, log, changed, cpu, clock;
+};
+static struct word root_says(const struct run *r) {
+    const struct setup *s = r->setup;
+    struct word w = {.signal = asked_to_stop != 0};
+    if (comm_root(s->comm)) {
+        long steps = r->now.step - s->start.step, every = s->control->log_interval;
+        w.clock = clock_now() - r->progress.start_clock;
+        w.cpu = cpu_now();
+        w.log = steps <= 3 || (every ? r->now.step % every == 0 : clock_now() - r->progress.last_log > 1);
+        w.changed = s->control->modifiable && control_changed(s->control, s->dir);
+    }
+    comm_max(s->comm, &w.signal, 5);
+    return w;
+}
+
+/* What is to be written at the end of a step, and whether the run ends here. */
+static status after_step(struct run *r, const struct moment *before, const struct word *w) {
+    const struct control *c = r->setup->control;
+    char name[TIME_NAME];
+    struct moment *now = &r->now;
+    bool ended = control_ended(c, now->t), at_once = w->signal != 0 || c->stop_at == STOP_WRITE_NOW;
+    bool due = trigger_due(&c->write, before, now);
+    r->stop = ended || at_once || c->stop_at == STOP_NO_WRITE_NOW || (due && c->stop_at == STOP_NEXT_WRITE);
+    now->fields = due || at_once || (ended && c->write.control != WRITE_NONE);
+    if (c->stop_at == STOP_NO_WRITE_NOW && !at_once) now->fields = false;
+    if (now->fields) TRY(write_now(r, name));
+    else time_name(c->time_format, c->time_precision, now->t, name);
+    TRY(functions_execute(r->functions, r->gas, before, now, name));
+    if (r->stop && !ended && comm_root(r->setup->comm)) printf("stopped as asked at time %.10g\n", now->t);
+    return OK;
+}
+
+static status step_once(struct run *r) {
+    struct setup *s = r->setup;
+    struct gas_speed speed;
+    struct step_entry e = {.end_time = HUGE_VAL};
+    enum dt_limit limit;
+    double end;
+    gas_speed(r->gas, &speed);
+    const struct control *c = s->control;
+    double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
+    double dt = control_step(c, r->now.t, r->now.step, c->max_co / speed.rate, next, &end, &limit), planned = dt;
+    bool event = limit == DT_WRITE || limit == DT_END;
+    struct word w = root_says(r);
+    if (w.log > 0 && limit == DT_COURANT) {
+        gas_fastest_place(r->gas, &speed, e.place);
+        e.at_cell = true;
+    }
+    TRY(gas_step(r->gas, r->now.t, &dt, c->max_co, c->min_delta_t, s->models->min_fraction, &speed));
+    const struct moment before = r->now;
+    r->now = (struct moment){.t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
+    r->dt = dt;
+    if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) || control_ended(c, r->now.t)) {
+        e.t = r->now.t;
+        e.dt = dt;
+        e.courant = dt * speed.rate;
+        e.step = r->now.step;
+        e.limit = dt < planned ? "the safety net" : dt_limit_name(limit);
+        if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
+        TRY(progress_print(&r->progress, s, r->gas, &e));
+    }
+    if (w.changed > 0) read_again(r);
+    return after_step(r, &before, &w);
+}
+
+/* The gas holds the last good state: it is kept for a look, unless it is on disk already. */
+static status keep_last(struct run *r, status cause) {
+    char name[TIME_NAME];
+    if (status_kind(cause) != ERR_STATE || !r->output || !r->setup->control->write_on_error) return cause;
+    if (r->now.t == r->written_time || r->now.step == r->setup->start.step) return cause;
+    status e = write_now(r, name);
+    if (!e) {
+        r->now.fields = true;
+        e = functions_execute(r->functions, r->gas, NULL, &r->now, name);
+    }
+    status_free(e);
+    return cause;
+}
+
+static status loop(struct run *r) {
+    struct setup *s = r->setup;
+    TRY(start(r));
+    if (control_ended(s->control, r->now.t)) {
+        if (comm_root(s->comm)) printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
+        return OK;
+    }
+    while (!r->stop) {
+        status e = step_once(r);
+        if (e) return keep_last(r, e);
+    }
+    if (comm_root(s->comm)) {
+        double spent = clock_now() - r->progress.start_clock;
+        long steps = r->now.step - s->start.step;
+        printf("end at time %.10g: %ld steps in %.2f s, %.4g million cell steps per second\n", r->now.t, steps, spent,
+               1e-6 * (double)steps * s->mesh->ncells / spent);
+    }
+    return OK;
+}
+
+status run_case(const char *dir, const struct comm *c) {
+    struct run r = {.written_time = NAN};
+    catch_signals();
+    status e = read_everything(dir, c, &r.setup, &r.functions);
+    if (!e) e = loop(&r);
+    output_free(r.output);
+    gas_free(r.gas);
+    functions_free(r.functions);
+    case_free(r.setup);
+    return e;
+}
