@@ -42,12 +42,16 @@ static status take_list(char *text, const char **out, int *n) {
 static status read_options(int argc, char **argv, struct conversion *c) {
     for (int i = 1; i < argc; i++) {
         bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
-        if (!strcmp(argv[i], "-ascii")) c->ascii = true;
-        else if (!strcmp(argv[i], "-case") && i + 1 < argc) c->dir = argv[++i];
+        if (!strcmp(argv[i], "-ascii"))
+            c->ascii = true;
+        else if (!strcmp(argv[i], "-case") && i + 1 < argc)
+            c->dir = argv[++i];
         else if ((time || field) && i + 1 < argc)
             TRY(take_list(argv[++i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
-        else if (argv[i][0] == '-' || c->dir) return fail(ERR_INPUT, "unknown argument '%s'\n%s", argv[i], usage);
-        else c->dir = argv[i];
+        else if (argv[i][0] == '-' || c->dir)
+            return fail(ERR_INPUT, "unknown argument '%s'\n%s", argv[i], usage);
+        else
+            c->dir = argv[i];
     }
     return c->dir ? OK : fail(ERR_INPUT, "which case?\n%s", usage);
 }

@@ -7,8 +7,9 @@
 int main(int argc, char **argv) {
     struct comm *c = NULL;
     if (argc != 2 || !strcmp(argv[1], "-help") || !strcmp(argv[1], "--help")) {
-        fprintf(argc == 2 ? stdout : stderr, "checkCase DIR\n\nReads and checks the whole case: dictionaries, mesh, fields, "
-                                             "function objects. Writes nothing.\nExit code 0: sound; 1: not.\n");
+        fprintf(argc == 2 ? stdout : stderr,
+                "checkCase DIR\n\nReads and checks the whole case: dictionaries, mesh, fields, "
+                "function objects. Writes nothing.\nExit code 0: sound; 1: not.\n");
         return argc != 2;
     }
     status s = comm_start(&argc, &argv, &c);

@@ -10,8 +10,10 @@
 
 enum { PATH = 4096 };
 
-#define SECONDS {0, 0, 1}
-#define NUMBERLESS {0, 0, 0}
+#define SECONDS                                                                                                        \
+    { 0, 0, 1 }
+#define NUMBERLESS                                                                                                     \
+    { 0, 0, 0 }
 #define MEMBER(m) offsetof(struct control, m)
 const struct param control_table[] = {
     {"startTime", PARAM_NUMBER, MEMBER(start_time), 0, -HUGE_VAL, HUGE_VAL, true, SECONDS, "time to start from"},
@@ -57,10 +59,10 @@ static status interval_read(struct dict *d, struct trigger *g) {
 }
 
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out) {
-    static const char *const names[] = {"timeStep", "runTime", "adjustableRunTime", "cpuTime",   "clockTime",
-                                        "none",     "adjustable", "writeTime",     "outputTime"};
-    static const enum write_control kinds[] = {WRITE_TIME_STEP, WRITE_RUN_TIME, WRITE_ADJUSTABLE,
-                                               WRITE_CPU_TIME,  WRITE_CLOCK_TIME, WRITE_NONE, WRITE_ADJUSTABLE};
+    static const char *const names[] = {"timeStep", "runTime",    "adjustableRunTime", "cpuTime",   "clockTime",
+                                        "none",     "adjustable", "writeTime",         "outputTime"};
+    static const enum write_control kinds[] = {WRITE_TIME_STEP,  WRITE_RUN_TIME, WRITE_ADJUSTABLE, WRITE_CPU_TIME,
+                                               WRITE_CLOCK_TIME, WRITE_NONE,     WRITE_ADJUSTABLE};
     *out = *standard;
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval")) return OK;
     int index = WRITE_TIME_STEP;
@@ -76,8 +78,8 @@ static status words_read(struct dict *d, struct control *c) {
     static const char *const formats[] = {"ascii", "binary"};
     static const char *const times[] = {"general", "fixed", "scientific"};
     static const char *const errors[] = {"write", "abort"};
-    static const char *const zips[] = {"off",   "on", "no", "yes", "false",       "true",
-                                       "n",     "y",  "f",  "t",   "uncompressed", "compressed"};
+    static const char *const zips[] = {"off", "on", "no", "yes", "false",        "true",
+                                       "n",   "y",  "f",  "t",   "uncompressed", "compressed"};
     int i;
     TRY(choice_or(d, "startFrom", starts, 3, START_LATEST, &i));
     c->start_from = (enum start_from)i;
@@ -116,8 +118,9 @@ static status read_all(struct control *c, const char *application) {
     const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
     TRY(trigger_read(d, &each_step, false, &c->write));
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval"))
-        return fail(ERR_INPUT, "%s: keyword 'writeControl' is missing; add  writeControl adjustableRunTime;  "
-                               "writeInterval <seconds>;  or  writeControl none;",
+        return fail(ERR_INPUT,
+                    "%s: keyword 'writeControl' is missing; add  writeControl adjustableRunTime;  "
+                    "writeInterval <seconds>;  or  writeControl none;",
                     dict_path(d));
     static const char *const others[] = {"libs", "graphFormat", "DebugSwitches", "InfoSwitches",
                                          "OptimisationSwitches"};
@@ -192,12 +195,18 @@ static double multiples(double value, double interval) {
 bool trigger_due(const struct trigger *g, const struct moment *before, const struct moment *now) {
     if (g->with_fields) return now->fields;
     switch (g->control) {
-    case WRITE_TIME_STEP: return fmod((double)now->step, g->interval) == 0;
-    case WRITE_RUN_TIME: return multiples(now->t, g->interval) > multiples(before->t, g->interval);
-    case WRITE_ADJUSTABLE: return reached(now->t, trigger_next(g, before->t));
-    case WRITE_CPU_TIME: return multiples(now->cpu, g->interval) > multiples(before->cpu, g->interval);
-    case WRITE_CLOCK_TIME: return multiples(now->clock, g->interval) > multiples(before->clock, g->interval);
-    case WRITE_NONE: break;
+    case WRITE_TIME_STEP:
+        return fmod((double)now->step, g->interval) == 0;
+    case WRITE_RUN_TIME:
+        return multiples(now->t, g->interval) > multiples(before->t, g->interval);
+    case WRITE_ADJUSTABLE:
+        return reached(now->t, trigger_next(g, before->t));
+    case WRITE_CPU_TIME:
+        return multiples(now->cpu, g->interval) > multiples(before->cpu, g->interval);
+    case WRITE_CLOCK_TIME:
+        return multiples(now->clock, g->interval) > multiples(before->clock, g->interval);
+    case WRITE_NONE:
+        break;
     }
     return false;
 }
@@ -241,7 +250,7 @@ bool control_ended(const struct control *c, double t) {
 }
 
 const char *dt_limit_name(enum dt_limit limit) {
-    static const char *const names[] = {"Courant", "deltaT", "maxDeltaT", "deltaT of the first step", "write time",
-                                        "endTime"};
+    static const char *const names[] = {"Courant",    "deltaT", "maxDeltaT", "deltaT of the first step",
+                                        "write time", "endTime"};
     return names[limit];
 }

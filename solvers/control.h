@@ -14,7 +14,7 @@ enum time_format { TIME_GENERAL, TIME_FIXED, TIME_SCIENTIFIC };
 
 struct trigger { /* when something is written: the fields, or a function object's output */
     enum write_control control;
-    double interval; /* steps or s */
+    double interval;  /* steps or s */
     bool with_fields; /* writeControl writeTime (outputTime): whenever the fields are written */
 };
 
@@ -23,13 +23,13 @@ struct control {
     struct dict *functions; /* NULL: none; owned by dict */
     enum start_from start_from;
     enum stop_at stop_at;
-    bool adjust;                       /* dt from the Courant number */
-    double start_time, end_time;       /* s */
-    double delta_t;                    /* s: every step's if !adjust, else the most for step 0 */
-    double max_co;                     /* Courant number */
-    double max_delta_t, min_delta_t;   /* s */
+    bool adjust;                     /* dt from the Courant number */
+    double start_time, end_time;     /* s */
+    double delta_t;                  /* s: every step's if !adjust, else the most for step 0 */
+    double max_co;                   /* Courant number */
+    double max_delta_t, min_delta_t; /* s */
     struct trigger write;
-    int purge;                         /* written times kept; 0: all */
+    int purge; /* written times kept; 0: all */
     struct foam_format format;
     enum time_format time_format;
     int time_precision;

@@ -49,8 +49,8 @@ static status read_value(struct dict *d, const char *key, int components, long c
         for (int c = 0; c < components; c++) {
             TRY(lexer_next(&l, &t));
             if (t.kind != TOKEN_NUMBER || !isfinite(t.number))
-                return lexer_fail(&l, &t, "%s of '%s' wants a finite number", components == 3 ? "a vector" : "the value",
-                                  key);
+                return lexer_fail(&l, &t, "%s of '%s' wants a finite number",
+                                  components == 3 ? "a vector" : "the value", key);
             uniform[c] = t.number;
         }
         if (components == 3) TRY(lexer_expect(&l, ')'));
@@ -59,14 +59,11 @@ static status read_value(struct dict *d, const char *key, int components, long c
     if (!token_is(&t, "nonuniform"))
         return lexer_fail(&l, &t, "'%s' is  uniform %s;  or  nonuniform List<%s> N ( ... );", key,
                           components == 3 ? "(x y z)" : "VALUE", components == 3 ? "vector" : "scalar");
-    struct lexer top = lexer_start(l.source);
-    struct foam_header header;
-    TRY(foam_header_read(&top, &header));
     TRY(lexer_next(&l, &t));
     if (!token_is(&t, components == 3 ? "List<vector>" : "List<scalar>"))
         return lexer_fail(&l, &t, "this field takes List<%s>", components == 3 ? "vector" : "scalar");
     long n = 0;
-    TRY(foam_list_read_doubles(&l, &header, components, &n, values));
+    TRY(foam_list_read_doubles(&l, dict_header(d), components, &n, values));
     if (n != count) {
         free(*values);
         *values = NULL;
@@ -131,18 +128,21 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     names[n++] = "cyclic";
     if (kind->components == 1) names[n++] = "calculated";
     for (int i = 0; i < boundary_count && n < TYPES; i++)
-        if (kind->components == 3 ? boundary_table[i].vector : boundary_table[i].scalar) names[n++] = boundary_table[i].name;
+        if (kind->components == 3 ? boundary_table[i].vector : boundary_table[i].scalar)
+            names[n++] = boundary_table[i].name;
     for (int i = 0; i < n; i++) known |= !strcmp(type, names[i]);
     if (!known) { /* the message of dict_choice lists the names and suggests one */
         int index;
         return status_note(dict_choice(d, "type", names, n, &index), "patch %s of field %s", p->name, kind->name);
     }
     if (constraint(p->type) && strcmp(p->type, type))
-        return dict_fail(d, "type", "patch %s is of type %s in constant/polyMesh/boundary; field %s must have type %s there",
+        return dict_fail(d, "type",
+                         "patch %s is of type %s in constant/polyMesh/boundary; field %s must have type %s there",
                          p->name, p->type, kind->name, p->type);
     if (constraint(type) && strcmp(p->type, type))
-        return dict_fail(d, "type", "patch %s is of type %s in constant/polyMesh/boundary; change it there to %s, or give "
-                                    "field %s another type here",
+        return dict_fail(d, "type",
+                         "patch %s is of type %s in constant/polyMesh/boundary; change it there to %s, or give "
+                         "field %s another type here",
                          p->name, p->type, type, kind->name);
     return OK;
 }
@@ -167,9 +167,9 @@ static status read_patches(struct field *f, const struct field_place *at) {
     TRY(dict_sub(f->dict, "boundaryField", &all));
     for (int i = 0; i < m->npatches; i++) {
         if (!dict_has(all, m->patch[i].name))
-            return fail(ERR_INPUT, "%s:%d: boundaryField has no entry for patch '%s' (type %s in constant/polyMesh/boundary)",
-                        dict_path(f->dict), dict_line(f->dict, "boundaryField"), m->patch[i].name,
-                        m->patch[i].type);
+            return fail(ERR_INPUT,
+                        "%s:%d: boundaryField has no entry for patch '%s' (type %s in constant/polyMesh/boundary)",
+                        dict_path(f->dict), dict_line(f->dict, "boundaryField"), m->patch[i].name, m->patch[i].type);
         TRY(dict_sub(all, m->patch[i].name, &one));
         TRY(status_note(read_patch(one, f->kind, &m->patch[i], &f->patch[i]), "%s: patch %s", dict_path(f->dict),
                         m->patch[i].name));
@@ -210,22 +210,15 @@ void field_free(struct field *f) {
 }
 
 status field_read_values(const char *path, int ncells, int *components, double **out) {
-    struct source *text = NULL;
-    struct foam_header header;
     struct dict *d = NULL;
     *out = NULL;
-    TRY(source_open(path, &text));
-    struct lexer l = lexer_start(text);
-    status s = foam_header_read(&l, &header);
-    source_free(text);
-    if (s) return s;
-    bool vector = !strcmp(header.class_name, "volVectorField");
-    if (!vector && strcmp(header.class_name, "volScalarField"))
-        return fail(ERR_INPUT, "%s: class '%s'; this reads volScalarField and volVectorField", path, header.class_name);
-    *components = vector ? 3 : 1;
     TRY(dict_read(path, &d));
+    const char *class = dict_header(d)->class_name;
     double uniform[3];
-    s = read_value(d, "internalField", *components, ncells, uniform, out);
+    *components = !strcmp(class, "volVectorField") ? 3 : 1;
+    status s = *components == 1 && strcmp(class, "volScalarField")
+                   ? fail(ERR_INPUT, "%s: class '%s'; this reads volScalarField and volVectorField", path, class)
+                   : read_value(d, "internalField", *components, ncells, uniform, out);
     dict_free(d);
     if (s || *out) return s;
     TRY(allocate(out, (long)ncells * *components, sizeof(double), path));
@@ -244,8 +237,8 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
     if (f->kind->components == 3)
         return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict),
                     dict_line(f->dict, key), cell, x[0], x[1], x[2], f->kind->name, v[0], v[1], v[2], text);
-    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), dict_line(f->dict, key), cell,
-                x[0], x[1], x[2], f->kind->name, *v, text);
+    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), dict_line(f->dict, key),
+                cell, x[0], x[1], x[2], f->kind->name, *v, text);
 }
 
 status field_check_range(const struct field *f, const struct field_place *place, double low, double high) {
@@ -260,8 +253,9 @@ status field_check_range(const struct field *f, const struct field_place *place,
         for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
             double v = q->values ? q->values[i] : q->uniform[0];
             if (!(v > low && v < high))
-                return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must lie between %g and %g", dict_path(f->dict),
-                            q->line, place->mesh->patch[p].name, type->value, f->kind->name, v, low, high);
+                return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must lie between %g and %g",
+                            dict_path(f->dict), q->line, place->mesh->patch[p].name, type->value, f->kind->name, v, low,
+                            high);
         }
     }
     return OK;

@@ -23,7 +23,7 @@ struct patch_field {
 struct field {
     const struct field_kind *kind;
     struct dict *dict;
-    double *values;            /* [ncells][components] */
+    double *values; /* [ncells][components] */
     int npatches;
     struct patch_field *patch; /* [npatches] */
 };

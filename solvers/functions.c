@@ -25,7 +25,7 @@ static const struct {
     const char *name;
     int components;
 } field_table[GAS_FIELDS] = {
-    [GAS_RHO] = {"rho", 1}, [GAS_ALPHA] = {"alpha", 1}, [GAS_U] = {"U", 3},   [GAS_T] = {"T", 1},
+    [GAS_RHO] = {"rho", 1}, [GAS_ALPHA] = {"alpha", 1}, [GAS_U] = {"U", 3},     [GAS_T] = {"T", 1},
     [GAS_P] = {"p", 1},     [GAS_C] = {"c", 1},         [GAS_MACH] = {"Ma", 1},
 };
 const char *gas_field_name(enum gas_field field) {
@@ -72,8 +72,8 @@ static status read_fields(struct function *f, struct dict *d) {
 
 static status make_one(struct function *f, struct dict *d) {
     static const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
-    static const char *const ignored[] = {"libs", "functionObjectLibs", "writeFields", "enabled", "region", "executeControl",
-                                          "executeInterval"};
+    static const char *const ignored[] = {"libs",   "functionObjectLibs", "writeFields",    "enabled",
+                                          "region", "executeControl",     "executeInterval"};
     const char *names[TYPES];
     int index;
     long largest = 1;
@@ -144,8 +144,8 @@ double functions_next(const struct functions *f, double t) {
     return next;
 }
 
-status functions_execute(struct functions *f, const struct gas *g, const struct moment *before, const struct moment *now,
-                         const char *name) {
+status functions_execute(struct functions *f, const struct gas *g, const struct moment *before,
+                         const struct moment *now, const char *name) {
     for (int i = 0; i < f->n; i++) {
         struct function *one = &f->all[i];
         if (before && !trigger_due(&one->trigger, before, now)) continue;

@@ -69,7 +69,8 @@ status extremes_execute(struct function *f, const struct gas *g, const struct mo
     if (root && !f->file[0]) {
         s = function_open(f, f->setup->start.name, "fieldMinMax.dat", &f->file[0]);
         if (!s)
-            fprintf(f->file[0], "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
+            fprintf(f->file[0],
+                    "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
     }
     for (int k = 0; k < f->nfields; k++) {
         double v[2];
@@ -119,7 +120,9 @@ static status reduce(const struct function *f, const struct gas *g, enum gas_fie
     for (int c = 0; c < m && summed && !s; c++) s = forest_sum(forest, per_tile + (long)c * forest->ntiles, &result[c]);
     if (!summed) comm_min(f->setup->comm, result, m);
     free(per_tile);
-    double scale = f->operation == VOL_INTEGRATE ? forest->volume : f->operation == VOL_AVERAGE ? 1. / forest->ncells_all : 1;
+    double scale = f->operation == VOL_INTEGRATE ? forest->volume
+                   : f->operation == VOL_AVERAGE ? 1. / forest->ncells_all
+                                                 : 1;
     if (f->operation == MAXIMUM) scale = -1;
     for (int x = 0; x < 3; x++) out[x] = 0;
     for (int c = 0; c < m; c++) out[gas_field_components(field) == 3 ? forest->axis[c] : 0] = scale * result[c];
@@ -147,9 +150,13 @@ status integral_execute(struct function *f, const struct gas *g, const struct mo
         status reduced = reduce(f, g, f->field[k], v);
         if (!s) s = reduced;
         if (!root || s) continue;
-        if (gas_field_components(f->field[k]) == 3) fprintf(f->file[0], "\t(%.15g %.15g %.15g)", v[0], v[1], v[2]);
-        else fprintf(f->file[0], "\t%.15g", v[0]);
-        if (f->log) printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[f->operation], gas_field_name(f->field[k]), v[0]);
+        if (gas_field_components(f->field[k]) == 3)
+            fprintf(f->file[0], "\t(%.15g %.15g %.15g)", v[0], v[1], v[2]);
+        else
+            fprintf(f->file[0], "\t%.15g", v[0]);
+        if (f->log)
+            printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[f->operation], gas_field_name(f->field[k]),
+                   v[0]);
     }
     if (root && !s) s = finish_row(f, f->file[0]);
     return comm_agree(f->setup->comm, s);

@@ -67,7 +67,8 @@ status function_sample(const struct function *f, const struct gas *g, enum gas_f
         for (int i = 0; i < f->nspots; i++) {
             if (f->spot[i].tile != t) continue;
             double *to = *out + (long)i * m;
-            if (m == 1) *to = lines[0][f->spot[i].cell];
+            if (m == 1)
+                *to = lines[0][f->spot[i].cell];
             else
                 for (int x = 0; x < 3; x++) to[x] = 0;
             for (int k = 0; m == 3 && k < forest->dim; k++) to[forest->axis[k]] = lines[k][f->spot[i].cell];
@@ -96,8 +97,8 @@ status probes_make(struct function *f, struct dict *d) {
 static status probes_open(struct function *f, int field) {
     TRY(function_open(f, f->setup->start.name, gas_field_name(f->field[field]), &f->file[field]));
     for (int i = 0; i < f->nspots; i++)
-        fprintf(f->file[field], "# Probe %d (%.12g %.12g %.12g)%s\n", i, f->spot[i].x[0], f->spot[i].x[1], f->spot[i].x[2],
-                f->spot[i].inside ? "" : "  # Not Found");
+        fprintf(f->file[field], "# Probe %d (%.12g %.12g %.12g)%s\n", i, f->spot[i].x[0], f->spot[i].x[1],
+                f->spot[i].x[2], f->spot[i].inside ? "" : "  # Not Found");
     fprintf(f->file[field], "#       Time\n");
     return OK;
 }
@@ -113,8 +114,10 @@ status probes_execute(struct function *f, const struct gas *g, const struct mome
             if (!f->file[k]) s = probes_open(f, k);
             if (!s) fprintf(f->file[k], "%.12g", now->t);
             for (int i = 0; !s && i < f->nspots; i++)
-                if (m == 1) fprintf(f->file[k], " %.12g", values[i]);
-                else fprintf(f->file[k], " (%.12g %.12g %.12g)", values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+                if (m == 1)
+                    fprintf(f->file[k], " %.12g", values[i]);
+                else
+                    fprintf(f->file[k], " (%.12g %.12g %.12g)", values[3 * i], values[3 * i + 1], values[3 * i + 2]);
             if (!s && (fprintf(f->file[k], "\n") < 0 || fflush(f->file[k])))
                 s = fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
         }
@@ -145,7 +148,8 @@ static status set_make(struct function *f, const char *name, struct dict *d) {
     for (long i = 0; i < n; i++)
         for (int x = 0; x < 3; x++)
             points[3 * i + x] = i == n - 1 ? end[x] : start[x] + (end[x] - start[x]) * (double)i / (double)(n - 1);
-    status s = function_place(f, d, "start", (int)n, points, true); /* points off the mesh are left out, as OpenFOAM does */
+    status s =
+        function_place(f, d, "start", (int)n, points, true); /* points off the mesh are left out, as OpenFOAM does */
     free(points);
     f->nlines++;
     bool any = false;
@@ -172,8 +176,10 @@ status sets_make(struct function *f, struct dict *d) {
 
 static void print_place(FILE *file, const struct line *l, const struct spot *first, const struct spot *p) {
     double away = hypot(hypot(p->x[0] - first->x[0], p->x[1] - first->x[1]), p->x[2] - first->x[2]);
-    if (l->axis == 4) fprintf(file, "%.12g\t%.12g\t%.12g", p->x[0], p->x[1], p->x[2]);
-    else fprintf(file, "%.12g", l->axis == 3 ? away : p->x[l->axis]);
+    if (l->axis == 4)
+        fprintf(file, "%.12g\t%.12g\t%.12g", p->x[0], p->x[1], p->x[2]);
+    else
+        fprintf(file, "%.12g", l->axis == 3 ? away : p->x[l->axis]);
 }
 
 /* One file for all scalars (a_alpha_T.xy), one for each vector (a_U.xy). */
@@ -197,7 +203,8 @@ static status write_line(const struct function *f, const struct line *l, double 
         fprintf(file, "\n");
     }
     bool bad = ferror(file);
-    return fclose(file) || bad ? fail(ERR_SYSTEM, "postProcessing/%s/%s/%s: cannot be written", f->name, time, name) : OK;
+    return fclose(file) || bad ? fail(ERR_SYSTEM, "postProcessing/%s/%s/%s: cannot be written", f->name, time, name)
+                               : OK;
 }
 
 status sets_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {

@@ -7,12 +7,12 @@
 struct spot { /* a point and the cell that holds it */
     double x[3];
     bool inside;
-    int tile; /* -1: on another rank, or outside */
+    int tile;  /* -1: on another rank, or outside */
     long cell; /* in the tile, axis 0 fastest */
 };
 struct line { /* one entry of `sets` */
     char name[128];
-    int axis; /* 0 x, 1 y, 2 z, 3 distance, 4 xyz */
+    int axis;     /* 0 x, 1 y, 2 z, 3 distance, 4 xyz */
     int first, n; /* spots */
 };
 struct function {
@@ -28,11 +28,11 @@ struct function {
     struct spot *spot;
     int nlines;
     struct line *line;
-    bool ascii;              /* vtk */
-    struct vtk_grid *grid;   /* vtk, on the root */
-    FILE *file[GAS_FIELDS];  /* root; opened by the first execution */
-    double *tile_values;     /* [3][largest tile] */
-    double *all_values;      /* vtk: root's [nfields][3 ncells] */
+    bool ascii;             /* vtk */
+    struct vtk_grid *grid;  /* vtk, on the root */
+    FILE *file[GAS_FIELDS]; /* root; opened by the first execution */
+    double *tile_values;    /* [3][largest tile] */
+    double *all_values;     /* vtk: root's [nfields][3 ncells] */
 };
 struct function_type {
     const char *name, *about;

@@ -4,16 +4,19 @@
 #include "solvers/run.h"
 
 static void help(void) {
-    printf("granularGas -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
-           "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
-           "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
-           "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
-           "  -listModels  models, schemes and function objects with their parameters\n"
-           "  -listBCs     boundary conditions\n"
-           "  -debug       the way an error took through the program\n\n"
-           "SIGTERM, SIGINT, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written and the run ends.\n"
-           "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 the gas\n"
-           "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or MPI.\n");
+    printf(
+        "granularGas -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+        "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
+        "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
+        "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+        "  -listModels  models, schemes and function objects with their parameters\n"
+        "  -listBCs     boundary conditions\n"
+        "  -debug       the way an error took through the program\n\n"
+        "SIGTERM, SIGINT, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written and the run ends.\n"
+        "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 the "
+        "gas\n"
+        "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
+        "MPI.\n");
 }
 
 int main(int argc, char **argv) {

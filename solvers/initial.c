@@ -23,19 +23,22 @@ static bool there(const struct reader *r, const char *name) {
     return field_exists(path);
 }
 
-/* Of rho and alpha, and of T and p, a case gives one; a folder that this program wrote has all, told by uniform/time. */
+/* Of rho and alpha, and of T and p, a case gives one; a folder that this program wrote has all, told by uniform/time.
+ */
 static status read_files(const struct reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
     for (int i = 0; i < 2; i++) {
         const char *a = field_kinds[pairs[i][0]].name, *b = field_kinds[pairs[i][1]].name;
         if (there(r, a) && there(r, b) && !written)
-            return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other", r->case_dir,
-                        r->at->name, a, b);
+            return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other",
+                        r->case_dir, r->at->name, a, b);
         if (!there(r, a) && !there(r, b))
-            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->name, a, b);
+            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->name, a,
+                        b);
     }
-    if (!there(r, "U")) return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->name);
+    if (!there(r, "U"))
+        return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->name);
     for (int i = 0; i < FIELD_COUNT; i++) {
         char path[TIME_PATH];
         path_of(r, field_kinds[i].name, path);
@@ -74,7 +77,8 @@ static status take_velocity(const struct reader *r, struct initial *s) {
     for (int x = 0; x < 3; x++)
         for (int i = 0; i < n && !solved[x]; i++)
             if (U->values[3 * (long)i + x] != 0)
-                return field_fail(U, r->place, i, "its %c component must be 0: 'empty' patches take that axis away", "xyz"[x]);
+                return field_fail(U, r->place, i, "its %c component must be 0: 'empty' patches take that axis away",
+                                  "xyz"[x]);
     return OK;
 }
 
@@ -83,7 +87,8 @@ static status take_state(const struct reader *r, struct initial *s) {
     double per = packing_per_density(&r->models->material);
     TRY(allocate(&s->rho, n, sizeof(double), "density"));
     TRY(allocate(&s->T, n, sizeof(double), "temperature"));
-    if (s->field[FIELD_RHO]) memcpy(s->rho, s->field[FIELD_RHO]->values, (size_t)n * sizeof(double));
+    if (s->field[FIELD_RHO])
+        memcpy(s->rho, s->field[FIELD_RHO]->values, (size_t)n * sizeof(double));
     else
         for (int i = 0; i < n; i++) s->rho[i] = s->field[FIELD_ALPHA]->values[i] / per;
     if (s->field[FIELD_T]) {
@@ -114,8 +119,8 @@ static status check_agreement(const struct reader *r, const struct initial *s, i
         }
         double E = q[1 + r->dim][i] / q[0][i], T = (gamma - 1) * (E - kinetic);
         if (s->field[FIELD_T] && fabs(T - s->T[i]) > tolerance * T + 1e-13 * E)
-            return field_fail(s->field[FIELD_T], r->place, i, "rhoE says %g; to start from a changed T remove rhoU and rhoE",
-                              T);
+            return field_fail(s->field[FIELD_T], r->place, i,
+                              "rhoE says %g; to start from a changed T remove rhoU and rhoE", T);
     }
     return OK;
 }
@@ -140,8 +145,7 @@ static status take_conserved(const struct reader *r, struct initial *s, int prec
     status e = OK;
     for (int k = 0; !e && k < 1 + r->dim; k++) {
         e = allocate(&s->conserved[k], n, sizeof(double), "conserved variables");
-        for (int i = 0; !e && i < n; i++)
-            s->conserved[k][i] = k ? momentum[3 * (long)i + r->axis[k - 1]] : s->rho[i];
+        for (int i = 0; !e && i < n; i++) s->conserved[k][i] = k ? momentum[3 * (long)i + r->axis[k - 1]] : s->rho[i];
     }
     free(momentum);
     TRY(e);
@@ -154,12 +158,14 @@ static status take_rule(const struct reader *r, const struct field *f, int p, do
     const struct patch_field *q = &f->patch[p];
     int m = f->kind->components == 3 ? r->dim : 1, nfaces = r->place->mesh->patch[p].nfaces;
     rule->type = boundary_find(q->type);
-    for (int k = 0; k < m; k++) rule->uniform[k] = scale * q->uniform[m == 1 && f->kind->components == 1 ? 0 : r->axis[k]];
+    for (int k = 0; k < m; k++)
+        rule->uniform[k] = scale * q->uniform[m == 1 && f->kind->components == 1 ? 0 : r->axis[k]];
     if (!q->values) return OK;
     TRY(allocate(values, (long)nfaces * m, sizeof(double), "boundary values"));
     for (int i = 0; i < nfaces; i++)
         for (int k = 0; k < m; k++)
-            (*values)[(long)i * m + k] = scale * (f->kind->components == 1 ? q->values[i] : q->values[3 * (long)i + r->axis[k]]);
+            (*values)[(long)i * m + k] =
+                scale * (f->kind->components == 1 ? q->values[i] : q->values[3 * (long)i + r->axis[k]]);
     rule->values = *values;
     return OK;
 }
@@ -199,7 +205,8 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *scalar = boundary_find(f->patch[p].type);
         if (scalar && scalar->value)
-            return fail(ERR_INPUT, "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient",
+            return fail(ERR_INPUT,
+                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient",
                         dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
                         f->kind->name, scalar->name);
     }

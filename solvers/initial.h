@@ -6,14 +6,14 @@
 #include "solvers/fields.h"
 #include "solvers/times.h"
 
-struct initial {                       /* on every rank */
-    struct field *field[FIELD_COUNT];  /* NULL: no such file */
-    enum field_id (*from)[3];          /* [npatches] the fields that give its rules: rho or alpha, U, T or p */
-    double *rho, *T, *u[3];            /* [ncells]; u along computational axes */
-    double *conserved[MAX_VAR];        /* [ncells] rho, rho u.., E: exact restart; NULL where the folder has none */
+struct initial {                      /* on every rank */
+    struct field *field[FIELD_COUNT]; /* NULL: no such file */
+    enum field_id (*from)[3];         /* [npatches] the fields that give its rules: rho or alpha, U, T or p */
+    double *rho, *T, *u[3];           /* [ncells]; u along computational axes */
+    double *conserved[MAX_VAR];       /* [ncells] rho, rho u.., E: exact restart; NULL where the folder has none */
     int npatches;
-    struct patch_rules *rules;         /* [npatches] */
-    double **values;                   /* [3 npatches] nonuniform values of the rules */
+    struct patch_rules *rules; /* [npatches] */
+    double **values;           /* [3 npatches] nonuniform values of the rules */
 };
 /* precision: digits of the written U and T that must agree with the conserved fields. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,

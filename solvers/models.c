@@ -10,13 +10,27 @@
 enum { PATH = 4096, NAMES = 32 };
 
 static const struct param shaking_param[] = {
-    {"amplitude", PARAM_NUMBER, offsetof(struct sources, amplitude), NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0},
+    {"amplitude",
+     PARAM_NUMBER,
+     offsetof(struct sources, amplitude),
+     NAN,
+     -HUGE_VAL,
+     HUGE_VAL,
+     true,
+     {0, 0, 0},
      "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase))"},
     {"frequency", PARAM_NUMBER, offsetof(struct sources, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
     {"phase", PARAM_NUMBER, offsetof(struct sources, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
 };
 static const struct param limits_param[] = {
-    {"minDeltaTFraction", PARAM_NUMBER, offsetof(struct case_models, min_fraction), 1e-3, 0, 1, true, {0, 0, 0},
+    {"minDeltaTFraction",
+     PARAM_NUMBER,
+     offsetof(struct case_models, min_fraction),
+     1e-3,
+     0,
+     1,
+     true,
+     {0, 0, 0},
      "the run has collapsed when dt falls below this part of what calm cells allow"},
 };
 static const char *const cooling_names[] = {"none", "Haff"};
@@ -68,7 +82,8 @@ static status read_properties(struct dict *d, struct gas_models *m) {
     int i;
     TRY(read_grains(d, m));
     if (!dict_has(d, "cooling") && m->material.restitution < 1)
-        return fail(ERR_INPUT, "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
+        return fail(ERR_INPUT,
+                    "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
                     dict_path(d), m->material.restitution);
     TRY(choice_or(d, "cooling", cooling_names, COUNT(cooling_names), "none", &i));
     m->source.cooling = i == 1;
@@ -217,7 +232,10 @@ void models_list(FILE *f) {
 void boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++) {
         const struct boundary_type *b = &boundary_table[i];
-        fprintf(f, "  %-14s %-16s %s%s%s\n", b->name, b->scalar && b->vector ? "scalars, U" : b->vector ? "U" : "scalars",
+        fprintf(f, "  %-14s %-16s %s%s%s\n", b->name,
+                b->scalar && b->vector ? "scalars, U"
+                : b->vector            ? "U"
+                                       : "scalars",
                 b->about, b->value ? "; needs " : "", b->value ? b->value : "");
     }
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
@@ -229,10 +247,14 @@ static void print_values(FILE *f, const struct param *table, int n, const void *
     for (int i = 0; i < n; i++) {
         const char *p = (const char *)base + table[i].offset;
         fprintf(f, "    %-22s ", table[i].name);
-        if (table[i].kind == PARAM_NUMBER) fprintf(f, "%.10g\n", *(const double *)(const void *)p);
-        else if (table[i].kind == PARAM_COUNT) fprintf(f, "%d\n", *(const int *)(const void *)p);
-        else if (table[i].kind == PARAM_SWITCH) fprintf(f, "%s\n", *(const bool *)(const void *)p ? "yes" : "no");
-        else fprintf(f, "\n");
+        if (table[i].kind == PARAM_NUMBER)
+            fprintf(f, "%.10g\n", *(const double *)(const void *)p);
+        else if (table[i].kind == PARAM_COUNT)
+            fprintf(f, "%d\n", *(const int *)(const void *)p);
+        else if (table[i].kind == PARAM_SWITCH)
+            fprintf(f, "%s\n", *(const bool *)(const void *)p ? "yes" : "no");
+        else
+            fprintf(f, "\n");
     }
 }
 

@@ -8,8 +8,8 @@
 
 struct case_models {
     struct gas_models gas;
-    double gravity[3];    /* m/s^2, physical axes */
-    double min_fraction;  /* of the calm time step: below it the gas has collapsed */
+    double gravity[3];   /* m/s^2, physical axes */
+    double min_fraction; /* of the calm time step: below it the gas has collapsed */
     struct dict *properties, *schemes, *solution;
     struct dict *g, *shaking; /* NULL: no such file */
 };
@@ -17,8 +17,8 @@ struct case_models {
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out);
 void models_free(struct case_models *m);
 
-void models_list(FILE *f);     /* every model with its line and parameters */
-void boundaries_list(FILE *f); /* every boundary condition */
+void models_list(FILE *f);                               /* every model with its line and parameters */
+void boundaries_list(FILE *f);                           /* every boundary condition */
 void models_print(FILE *f, const struct case_models *m); /* what was chosen, value by value */
 
 #endif

@@ -9,10 +9,10 @@
 
 struct output {
     const struct setup *setup;
-    double *values;    /* root: [ncells][3] */
+    double *values;        /* root: [ncells][3] */
     double *line[MAX_VAR]; /* root: [ncells] each */
-    double last_time;  /* written; NAN: none */
-    int precision;     /* of time names, widened where needed */
+    double last_time;      /* written; NAN: none */
+    int precision;         /* of time names, widened where needed */
     int nnames, room;
     char (*name)[TIME_NAME]; /* written by this run, oldest first */
 };
@@ -66,7 +66,7 @@ status output_gather(const struct setup *s, const struct gas *g, enum gas_field 
 
 struct printing { /* context of a patch entry */
     const struct initial *initial;
-    int field;            /* enum field_id, or -1: derived on every patch */
+    int field; /* enum field_id, or -1: derived on every patch */
     int components;
     const double *values; /* of the cells */
 };
@@ -80,9 +80,12 @@ static void print_list(struct sink *s, const struct field_writer *w, int p, int 
 static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key, int components,
                         const struct patch_field *q) {
     sink_printf(s, "        %-15s ", key);
-    if (q->values) print_list(s, w, p, components, q->values);
-    else if (components == 3) sink_printf(s, "uniform (%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
-    else sink_printf(s, "uniform %.17g;\n", q->uniform[0]);
+    if (q->values)
+        print_list(s, w, p, components, q->values);
+    else if (components == 3)
+        sink_printf(s, "uniform (%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
+    else
+        sink_printf(s, "uniform %.17g;\n", q->uniform[0]);
 }
 
 /* The value of the cell behind each face. */
@@ -119,8 +122,8 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     if (!given || (b && b->value && strcmp(b->value, "value"))) print_inner(s, w, p, c);
 }
 
-static status write_one(const struct output *o, const struct field_writer *w, const char *name, int field, int components,
-                        const signed char dimensions[7]) {
+static status write_one(const struct output *o, const struct field_writer *w, const char *name, int field,
+                        int components, const signed char dimensions[7]) {
     const struct printing c = {o->setup->initial, field, components, o->values};
     return field_write(w, name, components, dimensions, o->values, print_patch, &c);
 }

@@ -17,8 +17,8 @@ static status take_value(int argc, char **argv, int *i, const char **out) {
 status options_read(int argc, char **argv, struct options *out) {
     static const char *const names[] = {"-case", "-np", "-dry-run", "-debug", "-help", "-listModels", "-listBCs"};
     *out = (struct options){.dir = "."};
-    bool *const flags[] = {NULL,       NULL,       &out->dry_run, &out->debug, &out->help, &out->list_models,
-                           &out->list_boundaries};
+    bool *const flags[] = {
+        NULL, NULL, &out->dry_run, &out->debug, &out->help, &out->list_models, &out->list_boundaries};
     for (int i = 1; i < argc; i++) {
         int k = 0;
         const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
@@ -26,8 +26,9 @@ status options_read(int argc, char **argv, struct options *out) {
         while (k < 7 && strcmp(word, names[k])) k++;
         if (k == 7) {
             const char *near = nearest_name(argv[i], names, 7);
-            return fail(ERR_INPUT, "unknown option '%s'%s%s%s; known are -case DIR, -np N, -dry-run, -debug, -help, -listModels, "
-                                   "-listBCs",
+            return fail(ERR_INPUT,
+                        "unknown option '%s'%s%s%s; known are -case DIR, -np N, -dry-run, -debug, -help, -listModels, "
+                        "-listBCs",
                         argv[i], near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
         }
         if (k >= 2) {
@@ -46,26 +47,27 @@ status options_read(int argc, char **argv, struct options *out) {
 }
 
 status options_relaunch(int argc, char **argv, const struct options *o) {
-    char number[16];
+    char number[16], wrapper[4096];
     char **command = NULL;
+    const char *slash = strrchr(argv[0], '/'); /* the mpirun beside this program, which needs no flags, or any */
+    snprintf(wrapper, sizeof wrapper, "%.*smpirun", slash ? (int)(slash + 1 - argv[0]) : 0, argv[0]);
     TRY(allocate(&command, argc + 8L, sizeof *command, "command line"));
     int n = 0;
     snprintf(number, sizeof number, "%d", o->ranks);
-    command[n++] = "mpirun";
+    command[n++] = slash && !access(wrapper, X_OK) ? wrapper : "mpirun";
     command[n++] = "-np";
     command[n++] = number;
     for (int i = 0; i < argc; i++)
-        if (i && (!strcmp(argv[i], "-np") || !strcmp(argv[i], "--np"))) i++;
-        else command[n++] = argv[i];
-    /* Open MPI refuses root and more ranks than cores unless told; neither harms here. */
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+        if (i && (!strcmp(argv[i], "-np") || !strcmp(argv[i], "--np")))
+            i++;
+        else
+            command[n++] = argv[i];
     fflush(NULL);
     execvp(command[0], command);
     int reason = errno;
     free(command);
-    return fail(ERR_SYSTEM, "mpirun cannot be started: %s; on Debian, run  apt-get install openmpi-bin", strerror(reason));
+    return fail(ERR_SYSTEM, "mpirun cannot be started: %s; on Debian, run  apt-get install openmpi-bin",
+                strerror(reason));
 }
 
 int program_end(struct comm *c, status s, bool debug) {

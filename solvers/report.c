@@ -60,12 +60,13 @@ static void print_mesh(FILE *f, const struct setup *s) {
     const struct lattice *l = s->lattice;
     fprintf(f, "    lattice, %dD:", l->dim);
     for (int k = 0; k < l->dim; k++)
-        fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l->n[k], l->width[k], l->periodic[k] ? " (periodic)" : "");
+        fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l -> n[k], l -> width[k],
+                l -> periodic[k] ? " (periodic)" : "");
     fprintf(f, " %d tiles\n", s->forest ? s->forest->ntiles_all : 0);
 }
 
 static void print_dictionaries(FILE *f, const struct setup *s) {
-    const struct dict *all[] = {s->control->dict,     s->models->schemes, s->models->solution,
+    const struct dict *all[] = {s->control->dict,      s->models->schemes, s->models->solution,
                                 s->models->properties, s->models->g,       s->models->shaking};
     for (int i = 0; i < 6; i++) {
         char *text = all[i] ? dict_print(all[i]) : NULL;
@@ -82,8 +83,8 @@ void report_header(FILE *f, const struct setup *s, bool dictionaries) {
             build_compiler(), date, host, comm_size(s->comm), comm_size(s->comm) == 1 ? "" : "s", s->dir);
     print_mesh(f, s);
     models_print(f, s->models);
-    fprintf(f, "Control\n    from time %s (step %ld) to %g, maxCo %g\n", s->start.name, s->start.step, s->control->end_time,
-            s->control->max_co);
+    fprintf(f, "Control\n    from time %s (step %ld) to %g, maxCo %g\n", s->start.name, s->start.step,
+            s->control->end_time, s->control->max_co);
     if (dict_has(s->control->dict, "libs")) fprintf(f, "    'libs' is ignored: nothing is loaded at run time\n");
     fprintf(f, "    memory about %.3g MB\n", case_memory(s) / 1e6);
     if (dictionaries) print_dictionaries(f, s);
@@ -98,7 +99,8 @@ status provenance_write(const char *path, const char *location, const struct set
     TRY(sink_open(path, false, &o));
     foam_header_write(o, &ascii, "dictionary", location, "provenance", NULL);
     sink_printf(o, "version         \"%s\";\ncompiler        \"%s\";\n", build_version(), build_compiler());
-    sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date, comm_size(s->comm));
+    sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date,
+                comm_size(s->comm));
     sink_printf(o, "meshChecksum    \"%016lx\";\n", s->checksum);
     sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\nreconstruct     %s;\ntimeScheme      %s;\n",
                 s->models->gas.eos->name, s->models->gas.flux->name, s->models->gas.reconstruct->name,
@@ -165,13 +167,15 @@ status progress_print(struct progress *p, const struct setup *s, struct gas *g, 
     printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
     if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
     printf(")  Courant %.4f\n", e->courant);
-    printf("    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0], mach[1]);
+    printf("    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
+           mach[1]);
     print_totals(stdout, p, s, totals);
     if (n.first_order > was.first_order || n.rusanov > was.rusanov || n.rejected > was.rejected)
-        printf("    safety net: %ld cells redone at first order, %ld with Rusanov, %ld steps rejected (in all %ld, %ld, "
-               "%ld)\n",
-               n.first_order - was.first_order, n.rusanov - was.rusanov, n.rejected - was.rejected, n.first_order,
-               n.rusanov, n.rejected);
+        printf(
+            "    safety net: %ld cells redone at first order, %ld with Rusanov, %ld steps rejected (in all %ld, %ld, "
+            "%ld)\n",
+            n.first_order - was.first_order, n.rusanov - was.rusanov, n.rejected - was.rejected, n.first_order,
+            n.rusanov, n.rejected);
     print_pace(stdout, p, e);
     fflush(stdout);
     return OK;

@@ -13,7 +13,7 @@ void report_header(FILE *f, const struct setup *s, bool dictionaries);
 /* CASE/TIME/uniform/provenance at `path`: the same as a dictionary. */
 status provenance_write(const char *path, const char *location, const struct setup *s);
 
-struct progress { /* of a run, for its log */
+struct progress {                 /* of a run, for its log */
     double start_clock, last_log; /* s */
     double totals[MAX_VAR];       /* at the start */
     double per_step;              /* s, mean of the recent steps */

@@ -41,8 +41,10 @@ static void catch_signals(void) {
 static status read_everything(const char *dir, const struct comm *c, struct setup **s, struct functions **f) {
     *f = NULL;
     TRY(case_read(dir, application, c, s));
-    if ((*s)->lattice) TRY(functions_make(*s, f));
-    else if ((*s)->control->functions) dict_mark_used((*s)->control->functions);
+    if ((*s)->lattice)
+        TRY(functions_make(*s, f));
+    else if ((*s)->control->functions)
+        dict_mark_used((*s)->control->functions);
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
 
@@ -52,10 +54,11 @@ static void print_control(const struct setup *s) {
     for (int i = 0; i < control_table_size; i++) {
         const struct param *p = &control_table[i];
         const char *at = (const char *)c + p->offset;
-        double value = p->kind == PARAM_NUMBER ? *(const double *)(const void *)at
+        double value = p->kind == PARAM_NUMBER  ? *(const double *)(const void *)at
                        : p->kind == PARAM_COUNT ? *(const int *)(const void *)at
                                                 : *(const bool *)(const void *)at;
-        printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default", p->meaning);
+        printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default",
+               p->meaning);
     }
 }
 
@@ -64,8 +67,10 @@ static status check_state(const struct setup *s, double *stable) {
     struct gas_speed speed;
     TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, s->initial->rules, &g));
     status e = OK;
-    if (s->initial->conserved[0]) gas_set_conserved(g, (const double *const *)s->initial->conserved);
-    else e = gas_set(g, s->initial->rho, (const double *const *)s->initial->u, s->initial->T);
+    if (s->initial->conserved[0])
+        gas_set_conserved(g, (const double *const *)s->initial->conserved);
+    else
+        e = gas_set(g, s->initial->rho, (const double *const *)s->initial->u, s->initial->T);
     if (!e) e = gas_check(g);
     if (!e) gas_speed(g, &speed);
     if (!e) *stable = s->control->max_co / speed.rate;
@@ -80,12 +85,14 @@ static status print_check(const struct setup *s) {
     report_header(stdout, s, true);
     print_control(s);
     if (!s->lattice) {
-        printf("\nThe case is sound, but granularGas cannot run it yet: the mesh is no lattice of equal boxes (%s)\n", s->why);
+        printf("\nThe case is sound, but granularGas cannot run it yet: the mesh is no lattice of equal boxes (%s)\n",
+               s->why);
         return OK;
     }
     double dt = s->control->adjust ? fmin(stable, s->control->max_delta_t) : s->control->delta_t;
     printf("\nfirst time step about %.3g s", dt);
-    if (isfinite(s->control->end_time)) printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
+    if (isfinite(s->control->end_time))
+        printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
     printf("\nThe case is sound.\n");
     return OK;
 }
@@ -104,11 +111,14 @@ static status start(struct run *r) {
     struct setup *s = r->setup;
     const struct initial *i = s->initial;
     if (!s->lattice)
-        return fail(ERR_INPUT, "%s: the mesh is no lattice of equal boxes (%s); granularGas does not yet run on general meshes",
+        return fail(ERR_INPUT,
+                    "%s: the mesh is no lattice of equal boxes (%s); granularGas does not yet run on general meshes",
                     s->dir, s->why);
     TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, i->rules, &r->gas));
-    if (i->conserved[0]) gas_set_conserved(r->gas, (const double *const *)i->conserved);
-    else TRY(gas_set(r->gas, i->rho, (const double *const *)i->u, i->T));
+    if (i->conserved[0])
+        gas_set_conserved(r->gas, (const double *const *)i->conserved);
+    else
+        TRY(gas_set(r->gas, i->rho, (const double *const *)i->u, i->T));
     TRY(comm_agree(s->comm, gas_check(r->gas)));
     initial_drop_cells(s->initial);
     TRY(comm_agree(s->comm, comm_root(s->comm) ? times_clean(s->dir) : OK));
@@ -179,8 +189,10 @@ static status after_step(struct run *r, const struct moment *before, const struc
     r->stop = ended || at_once || c->stop_at == STOP_NO_WRITE_NOW || (due && c->stop_at == STOP_NEXT_WRITE);
     now->fields = due || at_once || (ended && c->write.control != WRITE_NONE);
     if (c->stop_at == STOP_NO_WRITE_NOW && !at_once) now->fields = false;
-    if (now->fields) TRY(write_now(r, name));
-    else time_name(c->time_format, c->time_precision, now->t, name);
+    if (now->fields)
+        TRY(write_now(r, name));
+    else
+        time_name(c->time_format, c->time_precision, now->t, name);
     TRY(functions_execute(r->functions, r->gas, before, now, name));
     if (r->stop && !ended && comm_root(r->setup->comm)) printf("stopped as asked at time %.10g\n", now->t);
     return OK;
@@ -204,9 +216,11 @@ static status step_once(struct run *r) {
     }
     TRY(gas_step(r->gas, r->now.t, &dt, c->max_co, c->min_delta_t, s->models->min_fraction, &speed));
     const struct moment before = r->now;
-    r->now = (struct moment){.t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
+    r->now = (struct moment){
+        .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
     r->dt = dt;
-    if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) || control_ended(c, r->now.t)) {
+    if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
+        control_ended(c, r->now.t)) {
         e.t = r->now.t;
         e.dt = dt;
         e.courant = dt * speed.rate;
@@ -237,7 +251,8 @@ static status loop(struct run *r) {
     struct setup *s = r->setup;
     TRY(start(r));
     if (control_ended(s->control, r->now.t)) {
-        if (comm_root(s->comm)) printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
+        if (comm_root(s->comm))
+            printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
         return OK;
     }
     while (!r->stop) {

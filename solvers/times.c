@@ -54,8 +54,10 @@ status times_list(const char *case_dir, int *n, struct instant **out) {
         s = stamp_read(case_dir, &at);
         if (!s && *n == room) {
             struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
-            if (more) *out = more;
-            else s = fail(ERR_SYSTEM, "out of memory");
+            if (more)
+                *out = more;
+            else
+                s = fail(ERR_SYSTEM, "out of memory");
         }
         if (!s) (*out)[(*n)++] = at;
     }
@@ -86,15 +88,19 @@ status times_start(const char *case_dir, const struct control *c, struct instant
     int n;
     struct instant *list;
     TRY(times_list(case_dir, &n, &list));
-    if (!n) return fail(ERR_INPUT, "%s: no time folder to start from; the initial fields belong in %s/0", case_dir, case_dir);
+    if (!n)
+        return fail(ERR_INPUT, "%s: no time folder to start from; the initial fields belong in %s/0", case_dir,
+                    case_dir);
     int found = c->start_from == START_LATEST ? n - 1 : c->start_from == START_FIRST ? 0 : -1;
     for (int i = 0; i < n && c->start_from == START_TIME; i++)
         if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
             strtod(list[i].name, NULL) == c->start_time)
             found = i;
     status s = OK;
-    if (found >= 0) *out = list[found];
-    else s = no_such_time(case_dir, c, n, list);
+    if (found >= 0)
+        *out = list[found];
+    else
+        s = no_such_time(case_dir, c, n, list);
     free(list);
     return s;
 }
@@ -144,7 +150,8 @@ status make_folders(const char *path) {
         if (*slash && *slash != '/') continue;
         char kept = *slash;
         *slash = 0;
-        if (mkdir(part, 0777) && errno != EEXIST) return fail(ERR_SYSTEM, "%s: cannot be made: %s", part, strerror(errno));
+        if (mkdir(part, 0777) && errno != EEXIST)
+            return fail(ERR_SYSTEM, "%s: cannot be made: %s", part, strerror(errno));
         *slash = kept;
         if (!kept) return OK;
     }
@@ -164,7 +171,8 @@ status time_commit(const char *case_dir, const char *name) {
     hidden(case_dir, name, "old", old);
     snprintf(path, sizeof path, "%s/%s", case_dir, name);
     TRY(remove_folder(old));
-    if (rename(path, old) && errno != ENOENT) return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
+    if (rename(path, old) && errno != ENOENT)
+        return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
     if (rename(tmp, path)) {
         int reason = errno;
         (void)rename(old, path);
@@ -181,7 +189,8 @@ status time_stamp_write(const char *path, const struct instant *at) {
     snprintf(location, sizeof location, "%s/uniform", at->name);
     TRY(sink_open(file, false, &s));
     foam_header_write(s, &ascii, "dictionary", location, "time", NULL);
-    sink_printf(s, "value           %.17g;\nname            \"%s\";\nindex           %ld;\n", at->t, at->name, at->step);
+    sink_printf(s, "value           %.17g;\nname            \"%s\";\nindex           %ld;\n", at->t, at->name,
+                at->step);
     sink_printf(s, "deltaT          %.17g;\ndeltaT0         %.17g;\n", at->delta_t, at->delta_t);
     return sink_close(s);
 }
@@ -203,8 +212,10 @@ status times_clean(const char *case_dir) {
         /* A run that was killed between the two renames of time_commit left its only copy here. */
         char place[TIME_PATH];
         snprintf(place, sizeof place, "%s/%s", case_dir, name);
-        if (!strcmp(entry->d_name + length - 4, ".old") && access(place, F_OK)) (void)rename(path, place);
-        else s = remove_folder(path);
+        if (!strcmp(entry->d_name + length - 4, ".old") && access(place, F_OK))
+            (void)rename(path, place);
+        else
+            s = remove_folder(path);
     }
     closedir(folder);
     return s;

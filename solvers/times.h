@@ -20,7 +20,8 @@ status times_start(const char *case_dir, const struct control *c, struct instant
 
 /* The folder's name for time t. */
 void time_name(enum time_format format, int precision, double t, char name[TIME_NAME]);
-/* The same, with as many more digits as tell t from `other` (a time written before; NAN: none). Returns the precision. */
+/* The same, with as many more digits as tell t from `other` (a time written before; NAN: none). Returns the precision.
+ */
 int time_name_apart(enum time_format format, int precision, double t, double other, char name[TIME_NAME]);
 
 /* Makes the hidden folder CASE/.NAME.tmp (empty) with a `uniform` folder in it; its path in tmp. */

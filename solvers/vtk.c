@@ -53,13 +53,18 @@ static int kind_of(const struct vtk_grid *g, int c, int *base) {
     *base = faces[0];
     for (int i = 0; i < n; i++) {
         int size = face_size(m, faces[i]);
-        if (size == 3) triangles++;
-        else if (size == 4) quads++;
-        else return POLYHEDRON;
+        if (size == 3)
+            triangles++;
+        else if (size == 4)
+            quads++;
+        else
+            return POLYHEDRON;
     }
     if (n == 4 && triangles == 4) return TETRAHEDRON;
     if (n == 6 && quads == 6) return HEXAHEDRON;
-    int type = n == 5 && triangles == 4 && quads == 1 ? PYRAMID : n == 5 && triangles == 2 && quads == 3 ? WEDGE : POLYHEDRON;
+    int type = n == 5 && triangles == 4 && quads == 1   ? PYRAMID
+               : n == 5 && triangles == 2 && quads == 3 ? WEDGE
+                                                        : POLYHEDRON;
     for (int i = n; i--;)
         if (type != POLYHEDRON && face_size(m, faces[i]) == (type == PYRAMID ? 4 : 3)) *base = faces[i];
     return type;
@@ -120,8 +125,10 @@ static status build_cells(struct vtk_grid *g) {
         int base, *ids = g->ids + g->start[c], simple[8];
         int type = kind_of(g, c, &base), n = type == POLYHEDRON ? 0 : simple_cell(g, c, type, base, simple);
         g->type[c] = n ? type : POLYHEDRON;
-        if (n) memcpy(ids, simple, (size_t)n * sizeof(int));
-        else n = polyhedron(g, c, ids);
+        if (n)
+            memcpy(ids, simple, (size_t)n * sizeof(int));
+        else
+            n = polyhedron(g, c, ids);
         g->start[c + 1] = g->start[c] + n;
     }
     return OK;
@@ -167,14 +174,18 @@ static void put_big_endian(struct out *o, uint64_t bits, int bytes) {
     for (int i = 0; i < bytes; i++) o->bytes[o->used++] = (unsigned char)(bits >> 8 * (bytes - 1 - i));
 }
 static void put_int(struct out *o, int value, char after) {
-    if (o->ascii) sink_printf(o->sink, "%d%c", value, after);
-    else put_big_endian(o, (uint32_t)value, 4);
+    if (o->ascii)
+        sink_printf(o->sink, "%d%c", value, after);
+    else
+        put_big_endian(o, (uint32_t)value, 4);
 }
 static void put_double(struct out *o, double value, char after) {
     uint64_t bits;
     memcpy(&bits, &value, 8);
-    if (o->ascii) sink_printf(o->sink, "%.17g%c", value, after);
-    else put_big_endian(o, bits, 8);
+    if (o->ascii)
+        sink_printf(o->sink, "%.17g%c", value, after);
+    else
+        put_big_endian(o, bits, 8);
 }
 static void put_doubles(struct out *o, long n, int per_line, const double *values) {
     for (long i = 0; i < n; i++) put_double(o, values[i], (i + 1) % per_line ? ' ' : '\n');
@@ -216,8 +227,10 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
     write_grid(g, &o);
     sink_printf(o.sink, "CELL_DATA %ld\n", n);
     for (int i = 0; i < nfields; i++) {
-        if (fields[i].components == 3) sink_printf(o.sink, "VECTORS %s double\n", fields[i].name);
-        else sink_printf(o.sink, "SCALARS %s double 1\nLOOKUP_TABLE default\n", fields[i].name);
+        if (fields[i].components == 3)
+            sink_printf(o.sink, "VECTORS %s double\n", fields[i].name);
+        else
+            sink_printf(o.sink, "SCALARS %s double 1\nLOOKUP_TABLE default\n", fields[i].name);
         put_doubles(&o, n * fields[i].components, fields[i].components, fields[i].values);
     }
     return sink_close(o.sink);
@@ -253,15 +266,17 @@ static status find_files(const char *folder, const char *name, double latest, in
     for (struct dirent *e; !s && (e = readdir(d));) {
         size_t length = strlen(e->d_name);
         struct entry found;
-        if (length < stem + 6 || length >= sizeof found.name || strncmp(e->d_name, name, stem) || e->d_name[stem] != '_' ||
-            strcmp(e->d_name + length - 4, ".vtk") || !file_time(folder, e->d_name, &found.t) ||
-            found.t > latest + 1e-12 * fabs(latest))
+        if (length < stem + 6 || length >= sizeof found.name || strncmp(e->d_name, name, stem) ||
+            e->d_name[stem] != '_' || strcmp(e->d_name + length - 4, ".vtk") ||
+            !file_time(folder, e->d_name, &found.t) || found.t > latest + 1e-12 * fabs(latest))
             continue;
         memcpy(found.name, e->d_name, length + 1);
         if (*n == room) {
             struct entry *more = realloc(*list, (size_t)(room = 2 * room + 16) * sizeof *more);
-            if (more) *list = more;
-            else s = fail(ERR_SYSTEM, "out of memory");
+            if (more)
+                *list = more;
+            else
+                s = fail(ERR_SYSTEM, "out of memory");
         }
         if (!s) (*list)[(*n)++] = found;
     }
@@ -281,7 +296,8 @@ status vtk_series_write(const char *folder, const char *name, double latest) {
     if (!s) {
         sink_printf(o, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");
         for (int i = 0; i < n; i++)
-            sink_printf(o, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n", list[i].name, list[i].t, i + 1 < n ? "," : "");
+            sink_printf(o, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n", list[i].name, list[i].t,
+                        i + 1 < n ? "," : "");
         sink_printf(o, "  ]\n}\n");
         s = sink_close(o);
     }
