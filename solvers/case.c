@@ -29,7 +29,8 @@ static status read_mesh(struct setup *s) {
 }
 
 static status read_all(struct setup *s, const char *application) {
-    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 512, 64, 16};
+    /* a row of a tile and one face more fit a batch of the core */
+    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 60, 60, 20};
     TRY(control_read(s->dir, application, &s->control));
     TRY(read_mesh(s));
     int dim = s->lattice ? s->lattice->dim : 3;

@@ -230,7 +230,7 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
         if (fields[i].components == 3)
             sink_printf(o.sink, "VECTORS %s double\n", fields[i].name);
         else
-            sink_printf(o.sink, "SCALARS %s double 1\nLOOKUP_TABLE default\n", fields[i].name);
+            sink_printf(o.sink, "SCALARS %s double\nLOOKUP_TABLE default\n", fields[i].name);
         put_doubles(&o, n * fields[i].components, fields[i].components, fields[i].values);
     }
     return sink_close(o.sink);
