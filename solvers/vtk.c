@@ -225,12 +225,9 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
     flush(&o);
     sink_printf(o.sink, "\n");
     write_grid(g, &o);
-    sink_printf(o.sink, "CELL_DATA %ld\n", n);
+    sink_printf(o.sink, "CELL_DATA %ld\nFIELD attributes %d\n", n, nfields);
     for (int i = 0; i < nfields; i++) {
-        if (fields[i].components == 3)
-            sink_printf(o.sink, "VECTORS %s double\n", fields[i].name);
-        else
-            sink_printf(o.sink, "SCALARS %s double\nLOOKUP_TABLE default\n", fields[i].name);
+        sink_printf(o.sink, "%s %d %ld double\n", fields[i].name, fields[i].components, n);
         put_doubles(&o, n * fields[i].components, fields[i].components, fields[i].values);
     }
     return sink_close(o.sink);
