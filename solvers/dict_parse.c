@@ -47,18 +47,18 @@ static struct entry *find_macro(struct dict *d, const char *name) {
         }
     }
     for (; d; d = upwards ? d->parent : NULL) {
-        struct entry *e = dict_find(d, name);
+        struct entry *e = dict_find_exact(d, name);
         if (e) return e;
         const struct dict *in = d;
         char part[256];
         const char *rest = name;
         for (const char *dot; (dot = strchr(rest, '.')); rest = dot + 1) {
             snprintf(part, sizeof part, "%.*s", (int)(dot - rest), rest);
-            e = dict_find(in, part);
+            e = dict_find_exact(in, part);
             if (!e || !e->sub || e->open) break;
             in = e->sub;
         }
-        if (rest != name && !strchr(rest, '.') && (e = dict_find(in, rest))) return e;
+        if (rest != name && !strchr(rest, '.') && (e = dict_find_exact(in, rest))) return e;
     }
     return NULL;
 }

@@ -69,6 +69,7 @@ static void test_macros(void **state) {
     refused("a 1;\n$a;", "T:2:|dictionary");
     refused("a { }\nb 1 $a;", "T:2:|'$a' is a dictionary");
     refused("a ${{ 2*3 }};", "T:1:|#eval");
+    refused("\"(a|b)\" 1; t $a;", "T:1:|$a"); /* patterns are no names, as in OpenFOAM */
     refused("a { $:a; }", "T:1:|:a");
 }
 
