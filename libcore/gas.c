@@ -6,7 +6,7 @@
 static status make_blocks(const struct forest *f, int nvar, double ***out) {
     TRY(allocate(out, f->ntiles, sizeof(double *), "tiles"));
     for (int t = 0; t < f->ntiles; t++) {
-        TRY(allocate(&(*out)[t], nvar * f->size, sizeof(double), "the state of a tile"));
+        TRY(allocate(&(*out)[t], nvar * f->size + SLACK, sizeof(double), "the state of a tile"));
         for (long i = 0; i < f->size; i++) (*out)[t][i] = (*out)[t][(nvar - 1) * f->size + i] = nvar > 1;
     }
     return OK;
@@ -20,11 +20,11 @@ static void free_blocks(const struct forest *f, double **blocks) {
 static status make_work(struct gas *g) {
     struct work *w = &g->work;
     double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
-    for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size, sizeof(double), "scratch"));
-    for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size, sizeof(double), "scratch"));
+    for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
+    for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int v = 0; v < g->nvar; v++) {
-        TRY(allocate(&w->flux[v], g->forest->size, sizeof(double), "scratch"));
-        TRY(allocate(&w->residual[v], g->forest->size, sizeof(double), "scratch"));
+        TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
+        TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
     }
     return OK;
 }

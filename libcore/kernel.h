@@ -17,7 +17,7 @@ enum {
 };
 
 /* One clone per instruction set, chosen when the program starts; sums stay in program order, so the bits agree. */
-#if defined(__x86_64__) && !defined(HAFF_SANITIZE)
+#if defined(__x86_64__) && !defined(HAFF_NO_CLONES)
 #define KERNEL __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define KERNEL

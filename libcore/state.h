@@ -6,6 +6,8 @@
 
 enum { LEVEL_FIRST_ORDER = 1, LEVEL_RUSANOV = 2 }; /* of a cell's flag: how its faces are redone */
 
+enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
+
 struct work { /* scratch of one tile, [size] each: stays in L2 through a stage */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
