@@ -15,19 +15,18 @@ static long cell_in_tile(const struct forest *f, int tile, long offset) {
     return place[0] + n[0] * (place[1] + n[1] * place[2]);
 }
 
-/* forest_locate looks at the solved axes only. */
-static bool within_thickness(const struct setup *s, const double x[3]) {
-    const struct polymesh *m = s->mesh;
+static void bounding_box(const struct polymesh *m, double low[3], double high[3]) {
     for (int a = 0; a < 3; a++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
+        low[a] = HUGE_VAL;
+        high[a] = -HUGE_VAL;
         for (int i = 0; i < m->npoints; i++) {
-            low = fmin(low, m->points[3 * i + a]);
-            high = fmax(high, m->points[3 * i + a]);
+            low[a] = fmin(low[a], m->points[3 * (long)i + a]);
+            high[a] = fmax(high[a], m->points[3 * (long)i + a]);
         }
-        double slack = 1e-9 * (high - low);
-        if (x[a] < low - slack || x[a] > high + slack) return false;
+        double slack = 1e-9 * (high[a] - low[a]);
+        low[a] -= slack;
+        high[a] += slack;
     }
-    return true;
 }
 
 status function_place(struct function *f, struct dict *d, const char *key, int n, const double *points,
@@ -36,12 +35,16 @@ status function_place(struct function *f, struct dict *d, const char *key, int n
     struct spot *more = realloc(f->spot, (size_t)(f->nspots + n + 1) * sizeof *more);
     if (!more) return fail(ERR_SYSTEM, "out of memory");
     f->spot = more;
+    double low[3], high[3]; /* forest_locate looks at the solved axes only */
+    bounding_box(f->setup->mesh, low, high);
     for (int i = 0; i < n; i++) {
         struct spot *p = &f->spot[f->nspots++];
         long offset;
         memcpy(p->x, points + 3 * (long)i, sizeof p->x);
         forest_locate(forest, p->x, &p->tile, &offset);
-        double found = p->tile >= 0 && within_thickness(f->setup, p->x);
+        double found = p->tile >= 0;
+        for (int a = 0; a < 3; a++)
+            if (p->x[a] < low[a] || p->x[a] > high[a]) found = 0;
         if (found == 0) p->tile = -1;
         comm_max(f->setup->comm, &found, 1);
         p->inside = found > 0;
