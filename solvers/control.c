@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
 enum { PATH = 4096 };
 
@@ -167,9 +168,14 @@ void control_free(struct control *c) {
     free(c);
 }
 
+/* A file that was written to within the last half second may be half written. */
 bool control_changed(const struct control *c, const char *case_dir) {
     long stamp[2];
-    return stamp_of(case_dir, stamp) && (stamp[0] != c->stamp[0] || stamp[1] != c->stamp[1]);
+    struct timespec now;
+    if (!stamp_of(case_dir, stamp) || (stamp[0] == c->stamp[0] && stamp[1] == c->stamp[1])) return false;
+    clock_gettime(CLOCK_REALTIME, &now);
+    double age = (double)(now.tv_sec - stamp[0]) + 1e-9 * (double)(now.tv_nsec - stamp[1]);
+    return age < 0 || age > 0.5;
 }
 
 void control_stamp(struct control *c, const char *case_dir) {

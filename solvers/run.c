@@ -142,6 +142,7 @@ static status write_now(struct run *r, char name[TIME_NAME]) {
 static void read_again(struct run *r) {
     struct setup *s = r->setup;
     struct control *changed = NULL;
+    control_stamp(s->control, s->dir); /* a wrong file is told of once */
     status e = control_read(s->dir, application, &changed);
     if (!e && changed->functions) dict_mark_used(changed->functions);
     if (!e) e = dict_check_used(changed->dict);
@@ -151,7 +152,6 @@ static void read_again(struct run *r) {
             printf("system/controlDict has changed but is wrong; the old one stays in force\n");
             (void)status_print(e, false);
         }
-        control_stamp(s->control, s->dir);
         status_free(e);
         control_free(changed);
         return;

@@ -1,19 +1,19 @@
 /* controlDict: time steps, write times, names, choices. */
-#include <cmocka.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "solvers/control.h"
 #include "solvers/times.h"
 
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <cmocka.h> /* last: it needs the standard headers, and its macro `fail` would hide ours */
 
 static char folder[] = "/tmp/haff_control_XXXXXX";
 
