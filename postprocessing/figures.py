@@ -11,11 +11,11 @@ COLOURS = ["#1f4e79", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e"]
 AXES = {
     "x": "$x$ (cm)",
     "alpha": r"volume fraction $\nu$",
-    "T": r"granular temperature $T$ (cm$^2$ s$^{-2}$)",
+    "T": r"temperature $T$ (cm$^2$ s$^{-2}$)",
     "p": r"pressure $P$ (cm$^{-1}$ s$^{-2}$)",
     "U": r"velocity $u$ (cm s$^{-1}$)",
     "Ma": "Mach number",
-    "impedance": r"acoustic impedance $\rho c_s$ (cm$^{-2}$ s$^{-1}$)",
+    "impedance": r"impedance $\rho c_s$ (cm$^{-2}$ s$^{-1}$)",
 }
 
 plt.rcParams.update({
