@@ -19,7 +19,7 @@ def program(name, *arguments, ranks=1, check=True, timeout=900):
     """Runs a program of haff; a failure shows its output."""
     command = [os.path.join(BIN, name), *arguments]
     if ranks > 1:
-        command = ["mpirun", "-np", str(ranks), *command]
+        command = [os.path.join(BIN, "mpirun"), "-np", str(ranks), *command]
     done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
     if check and done.returncode:
         raise AssertionError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
