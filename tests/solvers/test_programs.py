@@ -255,6 +255,39 @@ functions
             self.assertEqual(len(f.read().splitlines()), 2 + 2 * 11)
         self.assertEqual(len([n for n in os.listdir(os.path.join(case, "VTK")) if n.endswith(".vtk")]), 11)
 
+    def test_general_mesh(self):
+        """Prisms and tetrahedra: converted, checked, and refused by the solver only."""
+        import vtk
+        for shape, extrude, points in (("prism", "Layers{2}; Recombine;", 6), ("tetra", "", 4)):
+            case = small(os.path.join(self.folder, shape))
+            geo = os.path.join(case, "m.geo")
+            with open(geo, "w") as f:
+                f.write('SetFactory("OpenCASCADE"); Rectangle(1) = {0, 0, 0, 1, 1}; Mesh.MeshSizeMax = 0.4;\n'
+                        "Extrude {0, 0, 0.5} { Surface{1}; %s }\n" % extrude +
+                        'Physical Volume("gas") = {1}; b[] = Boundary{ Volume{1}; }; Physical Surface("wall") = {b[]};\n')
+            subprocess.run(["gmsh", "-3", "-v", "1", geo, "-o", case + "/m.msh"], check=True, capture_output=True)
+            harness.program("gmshToCase", case + "/m.msh", "-case", case)
+            cells = harness.haff.Mesh(os.path.join(case, "constant", "polyMesh")).cells
+            for name, values in (("rho", np.full(cells, 50.0)), ("p", np.full(cells, 2000.0)), ("U", np.zeros((cells, 3)))):
+                boxes.write_field(case, name, values, "wall " + ("slip" if name == "U" else "zeroGradient"))
+            self.assertIn("no lattice", harness.program("checkCase", case).stdout)
+            done = harness.program("granularGas", "-case", case, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("no lattice", done.stderr)
+            for option in ([], ["-ascii"]):
+                harness.program("caseToVTK", case, "-fields", "rho,U", *option)
+                reader = vtk.vtkUnstructuredGridReader()
+                reader.SetFileName(os.path.join(case, "VTK", shape + "_0.vtk"))
+                reader.ReadAllScalarsOn()
+                sizes = vtk.vtkCellSizeFilter()
+                sizes.SetInputConnection(reader.GetOutputPort())
+                sizes.Update()
+                grid = sizes.GetOutput()
+                self.assertEqual({grid.GetCell(i).GetNumberOfPoints() for i in range(cells)}, {points})
+                volume = [grid.GetCellData().GetArray("Volume").GetValue(i) for i in range(cells)]
+                self.assertAlmostEqual(sum(volume), 0.5, 12)
+                self.assertGreater(min(volume), 0)
+
     def test_boundary_values_survive_a_restart(self):
         """fixedValue of p and inletOutlet of U are written so that the next start reads the same rules."""
         case = small(os.path.join(self.folder, "rules"))
