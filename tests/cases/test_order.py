@@ -67,11 +67,11 @@ class Order(harness.Folder, unittest.TestCase):
                 self.assertLess(error, known)
 
     def test_diagonal(self):
-        cells = (32, 128)
-        for reconstruct, least in (("PHM", 1.9), ("WPENO5", 3.0)):
+        """WPENO5 shows its order late: its limiter acts at inflection points (3.2 from 32 to 128 cells)."""
+        for reconstruct, cells in (("PHM", (32, 64)), ("WPENO5", (120, 240)), ("WENO5", (64, 128))):
             with self.subTest(reconstruct):
                 errors = self.wave_errors(0.0, cells, np.array((1, 1, 0)), reconstruct)
-                self.assertGreater(order(errors, cells), least, f"errors {errors}")
+                self.assertGreater(order(errors, cells), LEAST[reconstruct], f"errors {errors}")
 
     def test_monotone(self):
         """A smooth front of density that flies in a perfect gas of constant u and p: one field only varies, and is
