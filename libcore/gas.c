@@ -41,6 +41,10 @@ static status fill(struct gas *g) {
 status gas_make(struct forest *f, const struct gas_models *models, int npatches, const struct patch_rules *rules,
                 struct gas **out) {
     struct gas *g;
+    for (int t = 0; t < f->ntiles; t++)
+        if (f->tile[t].n[0] >= BATCH)
+            return fail(ERR_SYSTEM, "a tile has rows of %d cells; at most %d fit a batch: choose smaller tiles",
+                        f->tile[t].n[0], BATCH - 1);
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
     *g = (struct gas){.forest = f,
                       .models = *models,
