@@ -377,6 +377,17 @@ static status read_sub(struct reading *r, struct file *f, struct dict *d, const 
     return OK;
 }
 
+/* Does a list of dictionaries follow: `( name { ... } ... )`? It is read as a dictionary. */
+static bool is_named_list(struct lexer l) {
+    struct token t[3];
+    for (int i = 0; i < 3; i++) {
+        status s = lexer_next(&l, &t[i]);
+        status_free(s);
+        if (s) return false;
+    }
+    return token_is(&t[0], "(") && t[1].kind == TOKEN_WORD && token_is(&t[2], "{");
+}
+
 /* `key $base;` where base is a dictionary makes a copy of it. */
 static status copy_sub(struct reading *r, struct file *f, struct dict *d, const char *key, bool pattern,
                        const struct token *t, bool *done) {
@@ -408,6 +419,11 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
     TRY(document_copy(r->document, key->text, key->length, &name));
     TRY(lexer_peek(&f->l, &t));
     if (t.kind == TOKEN_PUNCTUATION && *t.text == '{') return read_sub(r, f, d, name, pattern, key->line);
+    if (is_named_list(f->l)) {
+        struct entry list = {.key = name, .line = key->line};
+        TRY(read_sub(r, f, d, name, pattern, key->line));
+        return expect_end(f, &list);
+    }
     TRY(copy_sub(r, f, d, name, pattern, &t, &done));
     if (done) return OK;
     /* The old value stays in place while the new one is read: `a #eval{ 2*$a };` */
@@ -639,16 +655,19 @@ static status read_directive(struct reading *r, struct file *f, struct dict *d, 
                       "#endif, and #eval #calc in values; no code is run");
 }
 
-/* Up to the '}' of `opening`, or to the end of the file if that is NULL. */
+/* Up to the '}' or ')' of `opening`, or to the end of the file if that is NULL. */
 static status read_entries(struct reading *r, struct file *f, struct dict *d, const struct token *opening) {
     int ifs = 0;
+    char closing = opening && *opening->text == '(' ? ')' : '}';
     if (++r->depth > DEPTH) return lexer_fail(&f->l, opening, "dictionaries are nested deeper than %d", DEPTH);
     for (;;) {
         struct token t;
         TRY(lexer_next(&f->l, &t));
-        bool ends = t.kind == TOKEN_END || (opening && t.kind == TOKEN_PUNCTUATION && *t.text == '}');
+        bool ends = t.kind == TOKEN_END || (opening && t.kind == TOKEN_PUNCTUATION && *t.text == closing);
         if (ends && t.kind == TOKEN_END && opening)
-            return complain(f, opening->line, "the '{' of '%s' is not closed", d->name);
+            return complain(f, opening->line,
+                            closing == ')' ? "the '(' of '%s' is not closed" : "the '{' of '%s' is not closed",
+                            d->name);
         if (ends && ifs) return complain(f, t.line, "an %s has no #endif", "#if");
         if (ends) break;
         if (t.kind == TOKEN_PUNCTUATION && *t.text == ';') continue;

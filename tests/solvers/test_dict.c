@@ -138,7 +138,7 @@ static void test_brackets(void **state) {
     refused("a (", "T:1:|ends|'('");
     refused("1 2;", "T:1:|'1'|keyword");
     refused("a 'x';", "T:1:|double quotes");
-    reads("sets ( a { type uniform; } b { n 3; } );", "sets (a { type uniform; } b { n 3; }); ");
+    reads("sets ( a { type uniform; } b { n 3; } );", "sets { a { type uniform; } b { n 3; } } ");
     char deep[1000] = "";
     for (int i = 0; i < 100; i++) strcat(deep, "a {");
     refused(deep, "T:1:|deeper");
@@ -415,6 +415,15 @@ static void test_missing_file(void **state) {
     refused_file("/nowhere/controlDict", "/nowhere/controlDict|No such file");
 }
 
+/* OpenFOAM's lists of dictionaries are read as dictionaries. */
+static void test_named_lists(void **state) {
+    (void)state;
+    reads("sets ( a { x 1; } b { x 2; } ); y 3;", "sets { a { x 1; } b { x 2; } } y 3; ");
+    reads("v ( a b ); w ( { } );", "v (a b); w ({ }); ");
+    refused("sets ( a { x 1; } b { x 2; }\ny 3;", "T:1|'(' of 'sets' is not closed");
+    refused("sets ( a { x 1; } )\ny 3;", "T:1|missing ';'");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_macros),
@@ -427,6 +436,7 @@ int main(void) {
         cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_words_and_lists),
         cmocka_unit_test(test_unused),
+        cmocka_unit_test(test_named_lists),
         cmocka_unit_test_setup_teardown(test_include, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_raw, set_up, tear_down),
         cmocka_unit_test(test_missing_file),

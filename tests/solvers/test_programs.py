@@ -234,7 +234,7 @@ functions
     mm { type fieldMinMax; fields (T U); writeControl writeTime; }
     mass { type volFieldValue; fields (rho); operation volIntegrate; regionType all; }
     cl { type sets; setFormat raw; fields (rho U); writeControl writeTime;
-         sets { a { type uniform; axis x; start (0 0.05 0.05); end (1 0.05 0.05); nPoints 9; } } }
+         sets ( a { type uniform; axis x; start (0 0.05 0.05); end (1 0.05 0.05); nPoints 9; } ); }
     vtk { type vtk; fields (T U); writeControl writeTime; }
 }
 """)
