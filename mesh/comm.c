@@ -12,8 +12,20 @@ struct comm {
     int rank, size;
 };
 
+/* A program started without mpirun needs no daemon and no network: Open MPI then starts in 0.1 s instead of 0.4 s. The
+ * user's own settings stand; other MPIs do not read these. */
+static void settle_alone(void) {
+    static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"};
+    for (int i = 0; i < (int)(sizeof launched / sizeof *launched); i++)
+        if (getenv(launched[i])) return;
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_btl", "self", 0);
+    setenv("OMPI_MCA_pml", "ob1", 0);
+}
+
 status comm_start(int *argc, char ***argv, struct comm **out) {
     *out = NULL;
+    settle_alone();
     if (MPI_Init(argc, argv) != MPI_SUCCESS)
         return fail(ERR_SYSTEM, "MPI did not start; check the installation with: mpirun -np 1 true");
     struct comm *c;
