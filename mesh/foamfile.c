@@ -344,7 +344,10 @@ static status read_header_entry(struct lexer *l, const struct token *key, struct
     } else if (token_is(key, "note")) {
         TRY(copy_text(l, &value, h->note, sizeof h->note, "note"));
     }
-    return lexer_expect(l, ';');
+    struct token end;
+    TRY(lexer_next(l, &end));
+    if (token_is(&end, ";")) return OK;
+    return lexer_fail(l, &value, "expected one value of '%.*s' and ';' behind it", key->length, key->text);
 }
 
 status foam_header_read(struct lexer *l, struct foam_header *h) {

@@ -185,6 +185,9 @@ static status check_cells(const char *dir, const struct polymesh *m) {
     int n = c < m->ncells ? count[c] : 0;
     free(count);
     if (c == m->ncells) return OK;
+    if (n == 0)
+        return fail(ERR_INPUT, "%s: no face belongs to cell %d, but owner and neighbour number cells up to %d", dir, c,
+                    m->ncells - 1);
     return fail(ERR_INPUT, "%s/owner: cell %d has %d faces; a cell has at least 4", dir, c, n);
 }
 

@@ -2,13 +2,17 @@
 #include "solvers/case.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static status read_mesh(struct setup *s) {
     char path[TIME_PATH];
     snprintf(path, sizeof path, "%.4000s/constant/polyMesh", s->dir);
+    if (access(path, F_OK))
+        return fail(ERR_INPUT, "%s: no mesh; make it with  gmshToCase MESH.msh -case %.1000s", path, s->dir);
     TRY(polymesh_read(path, &s->mesh));
     const struct polymesh *m = s->mesh;
     TRY(status_note(polymesh_check(m), "%s", path));
@@ -37,6 +41,8 @@ static status read_all(struct setup *s, const char *application) {
     const int *axis = s->lattice ? s->lattice->axis : every_axis;
     TRY(models_read(s->dir, dim, axis, &s->models));
     TRY(times_start(s->dir, s->control, &s->start));
+    if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
+        return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, s->control->format.precision, &s->initial));
     return s->lattice ? forest_make(s->lattice, s->mesh, s->comm, tile_size[dim], &s->forest) : OK;

@@ -19,10 +19,10 @@ enum { PATH = 4096 };
 const struct param control_table[] = {
     {"startTime", PARAM_NUMBER, MEMBER(start_time), 0, -HUGE_VAL, HUGE_VAL, true, SECONDS, "time to start from"},
     {"endTime", PARAM_NUMBER, MEMBER(end_time), HUGE_VAL, -HUGE_VAL, HUGE_VAL, false, SECONDS, "time to stop at"},
-    {"deltaT", PARAM_NUMBER, MEMBER(delta_t), HUGE_VAL, 1e-300, HUGE_VAL, false, SECONDS,
+    {"deltaT", PARAM_NUMBER, MEMBER(delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS,
      "time step; with adjustTimeStep the most for the first"},
     {"maxCo", PARAM_NUMBER, MEMBER(max_co), 0.5, 1e-6, 1, false, NUMBERLESS, "largest Courant number"},
-    {"maxDeltaT", PARAM_NUMBER, MEMBER(max_delta_t), HUGE_VAL, 1e-300, HUGE_VAL, false, SECONDS, "largest time step"},
+    {"maxDeltaT", PARAM_NUMBER, MEMBER(max_delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS, "largest time step"},
     {"minDeltaT", PARAM_NUMBER, MEMBER(min_delta_t), 0, 0, HUGE_VAL, false, SECONDS,
      "a smaller step than this (not one that hits a write time) ends the run"},
     {"purgeWrite", PARAM_COUNT, MEMBER(purge), 0, 0, 1e9, false, NUMBERLESS, "written times to keep (0: all)"},
@@ -101,7 +101,7 @@ static status together(struct dict *d, const struct control *c) {
         return fail(ERR_INPUT, "%s: keyword 'endTime' is missing; add  endTime <seconds>;  or another stopAt",
                     dict_path(d));
     if (!c->adjust && !dict_has(d, "deltaT"))
-        return fail(ERR_INPUT, "%s: keyword 'deltaT' is missing; adjustTimeStep no needs it", dict_path(d));
+        return dict_fail(d, "adjustTimeStep", "then the time step must be given: add  deltaT <seconds>;");
     if (c->start_from == START_TIME && dict_has(d, "endTime") && c->end_time < c->start_time)
         return dict_fail(d, "endTime", "it lies before startTime %g", c->start_time);
     if (c->min_delta_t > c->max_delta_t)

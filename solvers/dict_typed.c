@@ -29,10 +29,12 @@ static status missing(const struct dict *d, const char *key, const char *what) {
         if (!d->entry[i].used) keys[n++] = d->entry[i].key;
     if (keys) near = nearest_name(key, keys, n);
     char hint[200] = "", where[200] = "";
-    if (near) snprintf(hint, sizeof hint, "; line %d has '%.100s': did you mean '%s'?", dict_line(d, near), near, key);
+    if (near) snprintf(hint, sizeof hint, "; this line has '%.100s': did you mean '%s'?", near, key);
     if (*d->name) snprintf(where, sizeof where, " in '%s'", d->name);
     free(keys);
-    return fail(ERR_INPUT, "%s:%d: %s '%s' is missing%s%s", d->path, d->line, what, key, where, hint);
+    const struct entry *e = near ? dict_find(d, near) : NULL;
+    return fail(ERR_INPUT, "%s:%d: %s '%s' is missing%s%s", e ? e->path : d->path, e ? e->line : d->line, what, key,
+                where, hint);
 }
 
 /* The value of a key that must be there. */
@@ -206,7 +208,9 @@ status dict_choice(struct dict *d, const char *key, const char *const *names, in
     if (!e) {
         TRY(status_note(missing(d, key, "key"), "'%s' is one of: %s", key, list));
     }
-    TRY(one_word(d, key, "one word", &word));
+    char what[1000];
+    snprintf(what, sizeof what, "one of: %s", list);
+    TRY(one_word(d, key, what, &word));
     for (int i = 0; i < count; i++)
         if (!strcmp(word, names[i])) {
             *index = i;

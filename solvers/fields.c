@@ -153,6 +153,7 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     out->line = dict_line(d, "type");
     TRY(check_type(d, kind, p, out->type));
     const struct boundary_type *type = boundary_find(out->type);
+    if (type && type->value) out->value_line = dict_line(d, type->value);
     if (type && type->value) TRY(read_value(d, type->value, kind->components, p->nfaces, out->uniform, &out->values));
     static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes them known */
     for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
@@ -165,12 +166,11 @@ static status read_patches(struct field *f, const struct field_place *at) {
     TRY(allocate(&f->patch, m->npatches, sizeof *f->patch, "patches of a field"));
     f->npatches = m->npatches;
     TRY(dict_sub(f->dict, "boundaryField", &all));
+    for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name); /* what is left may be misspelt */
     for (int i = 0; i < m->npatches; i++) {
-        if (!dict_has(all, m->patch[i].name))
-            return fail(ERR_INPUT,
-                        "%s:%d: boundaryField has no entry for patch '%s' (type %s in constant/polyMesh/boundary)",
-                        dict_path(f->dict), dict_line(f->dict, "boundaryField"), m->patch[i].name, m->patch[i].type);
-        TRY(dict_sub(all, m->patch[i].name, &one));
+        TRY(status_note(dict_sub(all, m->patch[i].name, &one),
+                        "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)", dict_path(f->dict),
+                        m->patch[i].name, m->patch[i].type));
         TRY(status_note(read_patch(one, f->kind, &m->patch[i], &f->patch[i]), "%s: patch %s", dict_path(f->dict),
                         m->patch[i].name));
     }
@@ -226,6 +226,28 @@ status field_read_values(const char *path, int ncells, int *components, double *
     return OK;
 }
 
+/* Where the value of a cell stands; of a binary list, an expression or a uniform value: the entry. */
+static int cell_line(const struct field *f, int cell) {
+    const char *key = dict_has(f->dict, "expression") ? "expression" : "internalField";
+    int line = dict_line(f->dict, key);
+    long wanted = (long)cell * f->kind->components;
+    struct lexer l;
+    struct token t = {.kind = TOKEN_WORD};
+    bool inside = false;
+    status s = !strcmp(key, "expression") || dict_header(f->dict)->binary ? OK : dict_raw(f->dict, key, &l);
+    if (s || !strcmp(key, "expression") || dict_header(f->dict)->binary) {
+        status_free(s);
+        return line;
+    }
+    while (!s && t.kind != TOKEN_END && !token_is(&t, ";")) {
+        s = lexer_next(&l, &t);
+        inside |= !s && token_is(&t, "(");
+        if (!s && inside && t.kind == TOKEN_NUMBER && !wanted--) return t.line;
+    }
+    status_free(s);
+    return line;
+}
+
 status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...) {
     char text[1024];
     va_list args;
@@ -233,12 +255,12 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     const double *x = place->centre + 3 * cell, *v = f->values + (long)cell * f->kind->components;
-    const char *key = dict_has(f->dict, "expression") ? "expression" : "internalField";
+    int line = cell_line(f, cell);
     if (f->kind->components == 3)
-        return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict),
-                    dict_line(f->dict, key), cell, x[0], x[1], x[2], f->kind->name, v[0], v[1], v[2], text);
-    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), dict_line(f->dict, key),
-                cell, x[0], x[1], x[2], f->kind->name, *v, text);
+        return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict), line, cell,
+                    x[0], x[1], x[2], f->kind->name, v[0], v[1], v[2], text);
+    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), line, cell, x[0], x[1],
+                x[2], f->kind->name, *v, text);
 }
 
 status field_check_range(const struct field *f, const struct field_place *place, double low, double high) {
@@ -252,10 +274,11 @@ status field_check_range(const struct field *f, const struct field_place *place,
         if (!type || !type->value) continue;
         for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
             double v = q->values ? q->values[i] : q->uniform[0];
-            if (!(v > low && v < high))
-                return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must lie between %g and %g",
-                            dict_path(f->dict), q->line, place->mesh->patch[p].name, type->value, f->kind->name, v, low,
-                            high);
+            if (v > low && v < high) continue;
+            char allowed[100];
+            snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g", low, high);
+            return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
+                        place->mesh->patch[p].name, type->value, f->kind->name, v, allowed);
         }
     }
     return OK;

@@ -18,7 +18,7 @@ struct patch_field {
     const char *type;  /* owned by the dictionary */
     double uniform[3]; /* its value, inletValue where it needs one */
     double *values;    /* [faces][components], or NULL */
-    int line;
+    int line, value_line;
 };
 struct field {
     const struct field_kind *kind;

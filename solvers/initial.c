@@ -30,6 +30,11 @@ static status read_files(const struct reader *r, struct initial *s) {
     bool written = there(r, "uniform/time");
     for (int i = 0; i < 2; i++) {
         const char *a = field_kinds[pairs[i][0]].name, *b = field_kinds[pairs[i][1]].name;
+        if (there(r, a) && there(r, b) && !written && there(r, "rhoE"))
+            return fail(ERR_INPUT,
+                        "%s/%s: uniform/time is missing, but a run wrote the rest; start from another time, or keep U "
+                        "and one of %s, %s only",
+                        r->case_dir, r->at->name, a, b);
         if (there(r, a) && there(r, b) && !written)
             return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other",
                         r->case_dir, r->at->name, a, b);
@@ -137,7 +142,10 @@ static status read_raw(const struct reader *r, const char *name, int components,
 }
 
 static status take_conserved(const struct reader *r, struct initial *s, int precision) {
-    if (!there(r, "uniform/time") || !there(r, "rho") || !there(r, "rhoU") || !there(r, "rhoE")) return OK;
+    if (there(r, "rhoU") != there(r, "rhoE"))
+        return fail(ERR_INPUT, "%s/%s: %s is there without %s; remove it to start from U and T", r->case_dir,
+                    r->at->name, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
+    if (!there(r, "uniform/time") || !there(r, "rho") || !there(r, "rhoU")) return OK;
     int n = r->place->mesh->ncells;
     double *momentum = NULL;
     TRY(read_raw(r, "rhoE", 1, &s->conserved[1 + r->dim]));

@@ -7,17 +7,26 @@
 static status check_range(const struct dict *d, const struct param *p, double v) {
     bool inside = p->open ? v > p->low && v < p->high : v >= p->low && v <= p->high;
     if (inside) return OK;
+    if (isinf(p->high) && isfinite(p->low))
+        return fail(ERR_INPUT, "%s:%d: %s is %g; it must be %s %g", dict_path(d), dict_line(d, p->name), p->name, v,
+                    p->open ? "greater than" : "at least", p->low);
     const char *edges = p->open ? " (both excluded)" : "";
     return fail(ERR_INPUT, "%s:%d: %s is %g; allowed is %g .. %g%s", dict_path(d), dict_line(d, p->name), p->name, v,
                 p->low, p->high, edges);
 }
 
+static status missing(struct dict *d, const struct param *p) {
+    double none;
+    status cause = dict_number(d, p->name, p->unit, &none); /* it says where, and what it may be misspelt as */
+    status s = fail(ERR_INPUT, "%s (%s)", status_text(cause), p->meaning);
+    status_free(cause);
+    return s;
+}
+
 static status read_one(struct dict *d, const struct param *p, void *member) {
     bool given = dict_has(d, p->name);
     double v[3] = {p->standard, p->standard, p->standard};
-    if (!given && isnan(p->standard))
-        return fail(ERR_INPUT, "%s:%d: '%s' is missing (%s); allowed is %g .. %g", dict_path(d), dict_line(d, p->name),
-                    p->name, p->meaning, p->low, p->high);
+    if (!given && isnan(p->standard)) return missing(d, p);
     if (p->kind == PARAM_SWITCH) return dict_switch_or(d, p->name, p->standard != 0, member);
     if (given && p->kind == PARAM_VECTOR)
         TRY(dict_vector(d, p->name, p->unit, v));

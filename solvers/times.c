@@ -16,15 +16,24 @@ static bool time_value(const char *name, double *t) {
     return end != name && !*end && isfinite(*t) && !strpbrk(name, "xXpP");
 }
 
+/* Half a unit of the last digit of a time's name: the value was rounded to it. */
+static double name_slack(const char *name) {
+    const char *dot = strchr(name, '.'), *exponent = strpbrk(name, "eE");
+    double decimals = dot ? (double)strspn(dot + 1, "0123456789") : 0;
+    return 0.51 * pow(10, (exponent ? strtod(exponent + 1, NULL) : 0) - decimals);
+}
+
 static status stamp_read(const char *case_dir, struct instant *at) {
     char path[TIME_PATH];
     snprintf(path, sizeof path, "%s/%s/uniform/time", case_dir, at->name);
     if (access(path, F_OK)) return OK;
     struct dict *d = NULL;
     TRY(dict_read(path, &d));
-    double index = 0;
-    status s = dict_number_or(d, "value", NULL, at->t, &at->t);
-    if (!s) s = dict_number_or(d, "index", NULL, 0, &index);
+    double index = 0, named = at->t;
+    status s = dict_number(d, "value", NULL, &at->t);
+    if (!s && fabs(at->t - named) > name_slack(at->name))
+        s = dict_fail(d, "value", "the folder is that of time %s", at->name);
+    if (!s) s = dict_number(d, "index", NULL, &index);
     if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &at->delta_t);
     at->step = (long)index;
     dict_free(d);
