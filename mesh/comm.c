@@ -19,6 +19,7 @@ static void settle_alone(void) {
     for (int i = 0; i < (int)(sizeof launched / sizeof *launched); i++)
         if (getenv(launched[i])) return;
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_orte_create_session_dirs", "0", 0); /* all such programs would share one, and remove it */
     setenv("OMPI_MCA_btl", "self", 0);
     setenv("OMPI_MCA_pml", "ob1", 0);
 }

@@ -347,7 +347,8 @@ static status read_header_entry(struct lexer *l, const struct token *key, struct
     struct token end;
     TRY(lexer_next(l, &end));
     if (token_is(&end, ";")) return OK;
-    return lexer_fail(l, &value, "expected one value of '%.*s' and ';' behind it", key->length, key->text);
+    return lexer_fail(l, &value, "expected ';' behind this value of '%.*s', not '%.*s'", key->length, key->text,
+                      end.length, end.text);
 }
 
 status foam_header_read(struct lexer *l, struct foam_header *h) {

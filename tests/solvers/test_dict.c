@@ -262,7 +262,7 @@ static void test_unused(void **state) {
     (void)state;
     struct dict *d = parse("maxC0 0.2;\nsub { a 1;\n b 2; }\nother { x 1; }"), *sub;
     double v;
-    says(dict_number(d, "maxCo", NULL, &v), "'maxCo' is missing|line 1 has 'maxC0'");
+    says(dict_number(d, "maxCo", NULL, &v), "'maxCo' is missing|this line has 'maxC0'");
     says(dict_check_used(d), "T:1:|'maxC0' is not used; did you mean 'maxCo'?");
     assert_true(dict_has(d, "maxC0"));
     says(dict_check_used(d), "T:2:|'sub' is not used");
