@@ -1,6 +1,6 @@
 """Contour lines of a field on a two-dimensional lattice with holes, with the walls drawn: Fig. 8 of Serna & Marquina.
 
-    contours.py CASE [CASE ...] FIGURE.png      one row per case: the whole domain, the corner
+    contours.py CASE [CASE ...] FIGURE.png      the whole domain and the corner of each
 """
 import sys
 
@@ -58,16 +58,18 @@ def draw(axes, case, time, window, levels=30, name="alpha"):
 
 
 def figure(cases, path):
-    """Fig. 8: one row per case, the whole domain and the corner; the last time of each."""
+    """The whole domain and the corner at the last time: side by side for one case, for more as in Fig. 8, a column each."""
     from matplotlib.ticker import MaxNLocator
-    fig, axes = figures.panels(len(cases), 2, width=7.4, height=3.5)
-    for row, case in zip(axes, cases):
+    n = len(cases)
+    fig, axes = figures.panels(2 if n > 1 else 1, max(n, 2), width=7.4, height=3.5)
+    for pair, case in zip(axes.T if n > 1 else axes, cases):
         time = case.times[-1]
-        tint = draw(row[0], case, time, (0, 10, 0, 10))
-        row[0].set_title(rf"$t$ = {time} s, $\nu_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
-        draw(row[1], case, time, (3.5, 6.5, 3.5, 6.5))
-        row[1].set_title("near the corner", fontsize=9)
-        fig.colorbar(tint, ax=row[1], label=figures.AXES["alpha"], ticks=MaxNLocator(8), shrink=0.9)
+        tint = draw(pair[0], case, time, (0, 10, 0, 10))
+        pair[0].set_title(rf"$t$ = {time} s, $\nu_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
+        draw(pair[1], case, time, (3.5, 6.5, 3.5, 6.5))
+        pair[1].set_title("near the corner", fontsize=9)
+        where = {"ax": pair[1]} if n == 1 else {"ax": pair[1], "location": "bottom"}
+        fig.colorbar(tint, **where, label=figures.AXES["alpha"], ticks=MaxNLocator(8 if n == 1 else 6), shrink=0.9)
     figures.save(fig, path)
 
 

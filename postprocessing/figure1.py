@@ -25,6 +25,6 @@ for panel, (name, function) in zip(axes[0], QUANTITIES):
         panel.plot(nu, function(GoldshteinShapiro(e), nu), mark, markersize=2.5, markerfacecolor="none",
                    markeredgewidth=0.5, label=f"$e$ = {e}")
     figures.label(panel, "alpha", name)
-    panel.set(xlim=(0, 0.55), ylim=(0, None))
+    panel.set(xlim=(0, 0.56), ylim=(0, None))
 axes[0][0].legend(loc="upper left")
 figures.save(fig, sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "figure1.png"))

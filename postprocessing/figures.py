@@ -30,7 +30,7 @@ plt.rcParams.update({
     "xtick.top": True,
     "ytick.right": True,
     "legend.frameon": False,
-    "savefig.dpi": 200,
+    "savefig.dpi": 150,
 })
 
 

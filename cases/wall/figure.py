@@ -17,6 +17,7 @@ for panel, name, values in zip(axes.flat, ("alpha", "T", "p", "Ma"), (alpha, T, 
     panel.plot(x, values)
     figures.label(panel, "x", name)
     panel.set_xlim(0, 10)
+    panel.ticklabel_format(scilimits=(-3, 4), useMathText=True)
 axes[0][0].axhline(0.65, linestyle=":", linewidth=0.6, color="0.4")
 axes[0][0].set_title(rf"$t$ = {time} s, at the wall $\nu$ = {alpha[-1]:.6f}", fontsize=9)
 figures.save(fig, os.path.join(figures.folder(), "wall.png"))
