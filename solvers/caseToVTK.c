@@ -40,27 +40,50 @@ static status take_list(char *text, const char **out, int *n) {
 }
 
 static status read_options(int argc, char **argv, struct conversion *c) {
+    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-ascii", "-help"};
+    const char *value;
     for (int i = 1; i < argc; i++) {
         bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
         if (!strcmp(argv[i], "-ascii"))
             c->ascii = true;
-        else if (!strcmp(argv[i], "-case") && i + 1 < argc)
-            c->dir = argv[++i];
-        else if ((time || field) && i + 1 < argc)
-            TRY(take_list(argv[++i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
-        else if (argv[i][0] == '-' || c->dir)
-            return fail(ERR_INPUT, "unknown argument '%s'\n%s", argv[i], usage);
+        else if (!strcmp(argv[i], "-case"))
+            TRY(option_value(argc, argv, &i, &c->dir));
+        else if (time || field) {
+            TRY(option_value(argc, argv, &i, &value));
+            TRY(take_list(argv[i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
+        } else if (argv[i][0] == '-' || c->dir)
+            return option_unknown(argv[i], names, 6);
         else
             c->dir = argv[i];
     }
-    return c->dir ? OK : fail(ERR_INPUT, "which case?\n%s", usage);
+    return c->dir ? case_folder(c->dir) : fail(ERR_INPUT, "which case? usage: caseToVTK DIR (more with -help)");
+}
+
+static bool same_time(const char *word, const struct instant *at) {
+    char *end;
+    double t = strtod(word, &end);
+    return !strcmp(word, at->name) || (end != word && !*end && t == strtod(at->name, NULL));
 }
 
 static bool asked(const struct conversion *c, const struct instant *at) {
     bool wanted = !c->ntimes;
-    for (int i = 0; i < c->ntimes; i++)
-        wanted |= !strcmp(c->times[i], at->name) || strtod(c->times[i], NULL) == strtod(at->name, NULL);
+    for (int i = 0; i < c->ntimes; i++) wanted |= same_time(c->times[i], at);
     return wanted;
+}
+
+static status check_times(const struct conversion *c, int n, const struct instant *list) {
+    char names[512] = "";
+    for (int i = 0; i < n; i++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, " %s", list[i].name);
+    }
+    if (!n) return fail(ERR_INPUT, "%s: it has no time folders; nothing to convert", c->dir);
+    for (int k = 0; k < c->ntimes; k++) {
+        bool found = false;
+        for (int i = 0; i < n; i++) found |= same_time(c->times[k], &list[i]);
+        if (!found) return fail(ERR_INPUT, "%s: there is no time '%s'; there are:%s", c->dir, c->times[k], names);
+    }
+    return OK;
 }
 
 static status read_one(const struct conversion *c, const struct instant *at, const char *field, struct vtk_field *list,
@@ -70,7 +93,11 @@ static status read_one(const struct conversion *c, const struct instant *at, con
     snprintf(path, sizeof path, "%s/%s/%s", c->dir, at->name, field);
     if (!field_exists(path)) {
         if (!c->nfields) return OK;
-        return fail(ERR_INPUT, "%s: no such field", path);
+        const char *names[FIELD_COUNT];
+        for (int i = 0; i < FIELD_COUNT; i++) names[i] = field_kinds[i].name;
+        const char *near = nearest_name(field, names, FIELD_COUNT);
+        return fail(ERR_INPUT, "%s: no such field%s%s%s", path, near ? "; did you mean '" : "", near ? near : "",
+                    near ? "'?" : "");
     }
     TRY(field_read_values(path, c->mesh->ncells, &list[*n].components, &values));
     list[*n].name = field;
@@ -87,6 +114,8 @@ static status convert(const struct conversion *c, const struct instant *at) {
         for (int i = 0; !s && i < c->nfields; i++) s = read_one(c, at, c->fields[i], list, &n);
     else
         for (int i = 0; !s && i < FIELD_COUNT; i++) s = read_one(c, at, field_kinds[i].name, list, &n);
+    snprintf(path, sizeof path, "%s/VTK", c->dir);
+    if (!s) s = make_folders(path);
     snprintf(path, sizeof path, "%s/VTK/%s_%s.vtk", c->dir, c->name, at->name);
     if (!s) s = vtk_write(c->grid, path, c->ascii, at->t, at->step, n, list);
     if (!s) printf("%s\n", path);
@@ -97,23 +126,21 @@ static status convert(const struct conversion *c, const struct instant *at) {
 static status convert_all(struct conversion *c) {
     char path[TIME_PATH], full[PATH_MAX];
     struct instant *times = NULL;
-    int n = 0, done = 0;
+    int n = 0;
     double latest = -HUGE_VAL;
     const char *resolved = realpath(c->dir, full), *slash = resolved ? strrchr(full, '/') : NULL;
     snprintf(c->name, sizeof c->name, "%s", slash && slash[1] ? slash + 1 : "case");
     TRY(times_list(c->dir, &n, &times));
     snprintf(path, sizeof path, "%s/constant/polyMesh", c->dir);
-    status s = polymesh_read(path, &c->mesh);
+    status s = check_times(c, n, times);
+    if (!s) s = polymesh_read(path, &c->mesh);
     if (!s) s = vtk_grid_make(c->mesh, &c->grid);
-    snprintf(path, sizeof path, "%s/VTK", c->dir);
-    if (!s) s = make_folders(path);
     for (int i = 0; !s && i < n; i++) {
         if (!asked(c, &times[i])) continue;
         s = convert(c, &times[i]);
         latest = times[i].t;
-        done++;
     }
-    if (!s && !done) s = fail(ERR_INPUT, "%s: no such time (%d time folders are there)", c->dir, n);
+    snprintf(path, sizeof path, "%s/VTK", c->dir);
     if (!s) s = vtk_series_write(path, c->name, latest);
     free(times);
     return s;

@@ -4,15 +4,34 @@
 
 #include <string.h>
 
+static const char HELP[] = "checkCase DIR\n\nReads and checks the whole case: dictionaries, mesh, fields, function "
+                           "objects. Writes nothing.\nExit code 0: sound; 1: not.\n";
+
+static status parse(int argc, char **argv, const char **dir, bool *help) {
+    static const char *const names[] = {"DIR", "-case", "-help"};
+    for (int i = 1; i < argc; i++)
+        if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help"))
+            *help = true;
+        else if (!strcmp(argv[i], "-case"))
+            TRY(option_value(argc, argv, &i, dir));
+        else if (*argv[i] == '-' || *dir)
+            return option_unknown(argv[i], names, 3);
+        else
+            *dir = argv[i];
+    if (*help) return OK;
+    return *dir ? case_folder(*dir) : fail(ERR_INPUT, "which case? usage: checkCase DIR");
+}
+
 int main(int argc, char **argv) {
     struct comm *c = NULL;
-    if (argc != 2 || !strcmp(argv[1], "-help") || !strcmp(argv[1], "--help")) {
-        fprintf(argc == 2 ? stdout : stderr,
-                "checkCase DIR\n\nReads and checks the whole case: dictionaries, mesh, fields, "
-                "function objects. Writes nothing.\nExit code 0: sound; 1: not.\n");
-        return argc != 2;
+    const char *dir = NULL;
+    bool help = false;
+    status s = parse(argc, argv, &dir, &help);
+    if (!s && help) {
+        printf("%s", HELP);
+        return 0;
     }
-    status s = comm_start(&argc, &argv, &c);
-    if (!s) s = run_check(argv[1], c);
+    if (!s) s = comm_start(&argc, &argv, &c);
+    if (!s) s = run_check(dir, c);
     return program_end(c, s, false);
 }

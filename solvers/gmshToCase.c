@@ -2,6 +2,7 @@
 #include "mesh/gmsh.h"
 #include "mesh/lattice.h"
 #include "solvers/meshrules.h"
+#include "solvers/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -29,18 +30,19 @@ static const char HELP[] =
 
 enum { PATH = 4096 };
 
-struct options {
+struct request {
     const char *mesh, *dir;
     struct foam_format format;
     bool help;
 };
 
-static status parse(int argc, char **argv, struct options *o) {
-    *o = (struct options){.format = {.precision = 17}};
+static status parse(int argc, char **argv, struct request *o) {
+    static const char *const names[] = {"MESH.msh", "-case", "-ascii", "-binary", "-compress", "-help"};
+    *o = (struct request){.format = {.precision = 17}};
     for (int i = 1; i < argc; i++) {
         const char *a = argv[i];
-        if (strcmp(a, "-case") == 0 && i + 1 < argc)
-            o->dir = argv[++i];
+        if (strcmp(a, "-case") == 0)
+            TRY(option_value(argc, argv, &i, &o->dir));
         else if (strcmp(a, "-ascii") == 0)
             o->format.binary = false;
         else if (strcmp(a, "-binary") == 0)
@@ -50,8 +52,7 @@ static status parse(int argc, char **argv, struct options *o) {
         else if (strcmp(a, "-help") == 0)
             o->help = true;
         else if (*a == '-' || o->mesh)
-            return fail(ERR_INPUT,
-                        "argument '%s'; allowed are one MESH.msh, -case DIR, -ascii, -binary, -compress, -help", a);
+            return option_unknown(a, names, 6);
         else
             o->mesh = a;
     }
@@ -133,7 +134,7 @@ static status touch_foam(const char *dir) {
     return OK;
 }
 
-static status write_case(const struct options *o, const struct polymesh *m) {
+static status write_case(const struct request *o, const struct polymesh *m) {
     char why[256] = "", mesh_dir[PATH];
     struct lattice *l = NULL;
     TRY(polymesh_check(m));
@@ -151,7 +152,7 @@ static status write_case(const struct options *o, const struct polymesh *m) {
     return touch_foam(o->dir);
 }
 
-static status run(const struct options *o) {
+static status run(const struct request *o) {
     struct mesh_rules *rules = NULL;
     struct polymesh *m = NULL;
     status s = mesh_rules_read(o->dir, &rules);
@@ -163,7 +164,7 @@ static status run(const struct options *o) {
 }
 
 int main(int argc, char **argv) {
-    struct options o;
+    struct request o;
     status s = parse(argc, argv, &o);
     if (!s && o.help) {
         fputs(HELP, stdout);

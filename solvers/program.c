@@ -6,9 +6,27 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-static status take_value(int argc, char **argv, int *i, const char **out) {
+status option_unknown(const char *word, const char *const *names, int n) {
+    const char *near = nearest_name(word, names, n);
+    char known[512] = "";
+    for (int i = 0; i < n; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, " %s", names[i]);
+    }
+    return fail(ERR_INPUT, "unknown argument '%s'%s%s%s; known are%s (more with -help)", word,
+                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "", known);
+}
+
+status case_folder(const char *dir) {
+    struct stat info;
+    if (stat(dir, &info)) return fail(ERR_INPUT, "%s: no such folder; give that of a case", dir);
+    return S_ISDIR(info.st_mode) ? OK : fail(ERR_INPUT, "%s: is no folder; give that of a case", dir);
+}
+
+status option_value(int argc, char **argv, int *i, const char **out) {
     if (*i + 1 >= argc) return fail(ERR_INPUT, "option %s wants a value; see -help", argv[*i]);
     *out = argv[++*i];
     return OK;
@@ -25,17 +43,13 @@ status options_read(int argc, char **argv, struct options *out) {
         if (!strcmp(word, "-h")) word = "-help";
         while (k < 7 && strcmp(word, names[k])) k++;
         if (k == 7) {
-            const char *near = nearest_name(argv[i], names, 7);
-            return fail(ERR_INPUT,
-                        "unknown option '%s'%s%s%s; known are -case DIR, -np N, -dry-run, -debug, -help, -listModels, "
-                        "-listBCs",
-                        argv[i], near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+            return option_unknown(argv[i], names, 7);
         }
         if (k >= 2) {
             *flags[k] = true;
             continue;
         }
-        TRY(take_value(argc, argv, &i, &value));
+        TRY(option_value(argc, argv, &i, &value));
         if (k == 0) out->dir = value;
         char *end = NULL;
         long n = k == 1 ? strtol(value, &end, 10) : 1;
@@ -43,7 +57,7 @@ status options_read(int argc, char **argv, struct options *out) {
             return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
         if (k == 1) out->ranks = (int)n;
     }
-    return OK;
+    return out->help || out->list_models || out->list_boundaries ? OK : case_folder(out->dir);
 }
 
 status options_relaunch(int argc, char **argv, const struct options *o) {

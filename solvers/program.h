@@ -10,6 +10,11 @@ struct options {
     int ranks; /* -np N; 0: not given */
 };
 /* An unknown option is an error that lists the known ones. */
+/* For the arguments of any program. option_value takes the word behind argv[*i]. */
+status option_unknown(const char *word, const char *const *names, int n);
+status option_value(int argc, char **argv, int *i, const char **out);
+status case_folder(const char *dir); /* is it there? */
+
 status options_read(int argc, char **argv, struct options *out);
 /* -np N: replaces this process by mpirun -np N of the same program and options; returns only if that failed. */
 status options_relaunch(int argc, char **argv, const struct options *o);

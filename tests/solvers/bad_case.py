@@ -137,6 +137,8 @@ def write(case):
         os.makedirs(os.path.join(case, folder), exist_ok=True)
         with open(os.path.join(case, path), "w") as f:
             f.write(boxes.header(kind, name, folder) + text)
+    with open(os.path.join(case, "mesh.msh"), "w") as f:
+        f.write(MSH2)
 
 
 # Two quadrangles side by side, as gmsh writes them.

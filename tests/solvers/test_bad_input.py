@@ -458,6 +458,109 @@ def line_of_field(case, path, cell, text):
         f.write("\n".join(lines) + "\n")
 
 
+def two_layers(case):
+    """The squares of the file, made into two layers of boxes between patches that are to be empty."""
+    points = "".join(f"{1 + p + 6 * k} {p % 3} {p // 3} {k}\n" for k in range(3) for p in range(6))
+    cells, low, high, side = [], [], [], []
+    for k in range(2):
+        for a in (1, 2):
+            square = [a + 6 * k, a + 1 + 6 * k, a + 4 + 6 * k, a + 3 + 6 * k]
+            cells.append("5 2 4 1 " + " ".join(map(str, square + [p + 6 for p in square])))
+            low.append("3 2 1 1 " + " ".join(map(str, square)) if k == 0 else "")
+            high.append("3 2 2 2 " + " ".join(str(p + 6) for p in square) if k == 1 else "")
+        for a, b in ((1, 2), (2, 3), (4, 5), (5, 6), (1, 4), (3, 6)):
+            side.append("3 2 3 3 " + " ".join(str(p + 6 * k) for p in (a, b, b + 6, a + 6)))
+    elements = [e for e in low + high + side + cells if e]
+    write("mesh.msh", '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 "emptyLow"\n2 2 "emptyHigh"\n'
+          '2 3 "side"\n3 4 "gas"\n$EndPhysicalNames\n$Nodes\n18\n' + points + f"$EndNodes\n$Elements\n{len(elements)}\n"
+          + "".join(f"{i + 1} {e}\n" for i, e in enumerate(elements)) + "$EndElements\n")(case)
+
+
+MESH_FILE = [
+    Row("msh: no file", remove("mesh.msh"), "No such file", where="mesh.msh"),
+    Row("msh: no mesh at all", write("mesh.msh", "solid cube\n"), "is this a .msh file?", where="mesh.msh"),
+    Row("msh: empty", write("mesh.msh", ""), "empty", "2.2 or 4.1", where="mesh.msh"),
+    Row("msh: version 3", ("mesh.msh", "2.2 0 8", "3 0 8"), "3", "2.2", "4.1"),
+    Row("msh: version 4.0", ("mesh.msh", "2.2 0 8", "4 0 8"), "4", "2.2", "4.1"),
+    Row("msh: cut in the nodes", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("5 1 1 0"):], "5 1"), "6 nodes", "truncated",
+        at="6\n1 0 0 0"),
+    Row("msh: cut in the elements", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("8 3 2"):], "8 3 2"), "the file ends",
+        "truncated"),
+    Row("msh: no elements", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("$Elements"):], ""), "no elements", at=""),
+    Row("msh: node that is not there", ("mesh.msh", "8 3 2 3 1 2 3 6 5", "8 3 2 3 1 2 3 6 9"), "node 9", "6 of $Nodes"),
+    Row("msh: node that is no number", ("mesh.msh", "5 1 1 0\n6 2", "5 one 1 0\n6 2"), "'one'", "number"),
+    Row("msh: nan", ("mesh.msh", "5 1 1 0\n6 2", "5 nan 1 0\n6 2"), "'nan'", "finite number"),
+    Row("msh: wrong count", ("mesh.msh", "$Nodes\n6", "$Nodes\n5"), "$EndNodes", "count", at="6 2 1 0"),
+    Row("msh: no physical groups", write("mesh.msh", re.sub(r" 2 (\d) \d ", r" 2 0 \1 ", re.sub(
+        r"\$PhysicalNames.*EndPhysicalNames\n", "", bad_case.MSH2, flags=re.S))), "no physical groups",
+        "Physical Curve", where="mesh.msh"),
+    Row("msh: part of the boundary without a group", ("mesh.msh", "4 1 2 2 3 2 3", "4 1 2 0 3 2 3"),
+        "1 of 10 boundary faces", "no physical group", "(1.5, 0, ", at=""),
+    Row("msh: group without a name", ("mesh.msh", '1 2 "sides"', '1 3 "sides"'), "no name", "Physical Curve", at=""),
+    Row("msh: name with a blank", ("mesh.msh", '"sides"', '"both sides"'), "letters, digits", "both_sides", at=""),
+    Row("msh: second order", ("mesh.msh", "3 1 2 2 3 1 2\n", "3 8 2 2 3 1 2 4\n"), "line of 3 nodes",
+        "Mesh.ElementOrder = 1"),
+    Row("msh: not in a plane", ("mesh.msh", "6 2 1 0", "6 2 1 0.5"), "plane", at=""),
+    Row("msh: two layers", two_layers, "one cell thick", "Layers{1}"),
+    Row("meshDict: unknown patch", write("system/meshDict", "patches\n{\n    side { type wall; }\n}\n"),
+        "no patch 'side'", "sides", where="system/meshDict", at="    side"),
+    Row("meshDict: unknown type", write("system/meshDict", "patches\n{\n    sides { type wal; }\n}\n"), "'wal'",
+        "allowed are patch wall", where="system/meshDict", at="    sides"),
+    Row("meshDict: no ;", write("system/meshDict", "patches\n{\n    sides { type wall }\n}\n"), "missing ';'",
+        where="system/meshDict", at="    sides"),
+    Row("meshDict: unpaired cyclic", write("system/meshDict",
+                                           "patches\n{\n    sides { type cyclic; neighbourPatch ends; }\n}\n"),
+        "cyclic", "'ends'"),
+    Row("meshDict: cyclic without its half", write("system/meshDict", "patches\n{\n    sides { type cyclic; }\n}\n"),
+        "neighbourPatch", where="system/meshDict", at="    sides"),
+    Row("meshDict: unknown key", write("system/meshDict", "patches\n{\n    sides { type wall; colour red; }\n}\n"),
+        "'colour' is not used", where="system/meshDict", at="    sides"),
+]
+
+# program and arguments (CASE: a sound case that has run; MSH: a sound mesh file), what the message holds
+COMMANDS = [
+    (["granularGas", "-cse", "CASE"], "'-cse'", "did you mean '-case'?"),
+    (["granularGas", "-case", "CASE", "-dryrun"], "'-dryrun'", "did you mean '-dry-run'?"),
+    (["granularGas", "-case"], "-case wants a value"),
+    (["granularGas", "CASE"], "unknown argument", "-case"),
+    (["granularGas", "-case", "CASE/nowhere"], "CASE/nowhere: no such folder"),
+    (["granularGas", "-case", "CASE/0/T"], "CASE/0/T: is no folder"),
+    (["granularGas", "-case", "CASE", "-np", "two"], "-np two", "whole number"),
+    (["granularGas", "-case", "CASE", "-np", "0"], "-np 0", "from 1"),
+    (["granularGas", "-case", "CASE", "-listModel"], "did you mean '-listModels'?"),
+    (["granularGas", "-case", "CASE/system"], "system/controlDict", "cannot open"),
+    (["checkCase"], "usage: checkCase DIR"),
+    (["checkCase", "CASE/nowhere"], "CASE/nowhere: no such folder"),
+    (["checkCase", "-hepl"], "'-hepl'", "did you mean '-help'?"),
+    (["checkCase", "CASE", "CASE"], "unknown argument"),
+    (["gmshToCase"], "usage: gmshToCase MESH.msh -case DIR"),
+    (["gmshToCase", "MSH"], "usage: gmshToCase MESH.msh -case DIR"),
+    (["gmshToCase", "MSH", "-case"], "-case wants a value"),
+    (["gmshToCase", "MSH", "-case", "CASE/nowhere"], "no such folder"),
+    (["gmshToCase", "MSH", "-case", "CASE", "-binry"], "'-binry'", "did you mean '-binary'?"),
+    (["gmshToCase", "CASE/0/T", "-case", "CASE"], "CASE/0/T:1:", ".msh"),
+    (["gmshToCase", "CASE", "-case", "CASE"], "CASE: is no file"),
+    (["caseToVTK"], "usage: caseToVTK DIR"),
+    (["caseToVTK", "CASE/nowhere"], "no such folder"),
+    (["caseToVTK", "CASE/system"], "no time folders"),
+    (["caseToVTK", "CASE", "-tim", "0"], "'-tim'", "did you mean '-time'?"),
+    (["caseToVTK", "CASE", "-time"], "-time wants a value"),
+    (["caseToVTK", "CASE", "-time", "7"], "no time '7'", "there are: 0 0.001 0.002"),
+    (["caseToVTK", "CASE", "-time", "last"], "no time 'last'"),
+    (["caseToVTK", "CASE", "-fields", "alpa"], "0/alpa: no such field", "did you mean 'alpha'?"),
+]
+
+CONVERSION = [
+    Row("VTK: no mesh", remove(MESH + "faces"), "No such file", where=MESH + "faces", base="ascii"),
+    Row("VTK: cut field", cut("0/alpha", 0.5), where="0/alpha", base="ascii"),
+    Row("VTK: wrong count", ("0/alpha", "24\n(", "25\n("), "25 entries", "has 24", at="", base="ascii"),
+    Row("VTK: nan", ("0/alpha", "0.207", "nan"), "'nan'", "expected a number", base="ascii"),
+    Row("VTK: class of a field", ("0/T", "volScalarField", "surfaceScalarField"), "surfaceScalarField", "volScalarField",
+        at="", base="ascii"),
+    Row("VTK: other number of cells", mesh((5, 4, 1)), "24 values", "20", where="0/alpha", base="ascii"),
+]
+
+
 def snapshot(folder):
     """Every folder and file below, with the size and hash of its contents."""
     out = {}
@@ -506,24 +609,24 @@ class Folder(harness.Folder, unittest.TestCase):
 
 
 class BadInput(Folder):
-    def outcome(self, row):
-        """A fresh case with the mistake, tried by both programs: [(result, what changed in the folder)]."""
+    def outcome(self, row, commands):
+        """A fresh case with the mistake, tried by the programs: [(result, what changed in the folder)]."""
         case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
         shutil.copytree(self.base(row.base), case)
         place = row.spoil(case)
         before, tried = snapshot(case), []
-        for command in (["checkCase", case], ["granularGas", "-case", case]):
-            done = self.call(*command)
+        for command in commands:
+            done = self.call(*(word.replace("CASE", case) for word in command))
             tried.append((done, set(before.items()) ^ set(snapshot(case).items())))
         shutil.rmtree(os.path.dirname(case))
         return place, tried
 
-    def check(self, rows):
+    def check(self, rows, commands=(("checkCase", "CASE"), ("granularGas", "-case", "CASE"))):
         self.assertEqual(len({row.name for row in rows}), len(rows))
         for name in {row.base for row in rows}:
             self.base(name)
         with ThreadPoolExecutor(4) as pool:
-            outcomes = [pool.submit(self.outcome, row) for row in rows]
+            outcomes = [pool.submit(self.outcome, row, commands) for row in rows]
         for row, outcome in zip(rows, outcomes):
             with self.subTest(row.name):
                 place, tried = outcome.result()
@@ -542,6 +645,59 @@ class BadInput(Folder):
 
     def test_restart(self):
         self.check(RESTART)
+
+    def test_mesh_files(self):
+        self.check(MESH_FILE, [("gmshToCase", "CASE/mesh.msh", "-case", "CASE")])
+
+    def test_conversion(self):
+        self.check(CONVERSION, [("caseToVTK", "CASE")])
+
+    def test_command_lines(self):
+        case, msh = self.base("ascii"), os.path.join(self.folder, "sound.msh")
+        with open(msh, "w") as f:
+            f.write(bad_case.MSH2)
+        before = snapshot(case)
+        for command, *says in COMMANDS:
+            with self.subTest(" ".join(command)):
+                done = self.call(*(word.replace("CASE", case).replace("MSH", msh) for word in command))
+                self.refuse(done, None, [text.replace("CASE", case) for text in says])
+                self.assertEqual(snapshot(case), before, "the case was changed")
+
+    def test_defaults_are_listed(self):
+        """checkCase of the sound case names each key of controlDict as read or default, and writes nothing."""
+        case = self.base("box")
+        before = snapshot(case)
+        said = harness.program("checkCase", case).stdout
+        self.assertRegex(said, r"maxCo +0.5 +read ")
+        self.assertRegex(said, r"minDeltaT +0 +default ")
+        self.assertRegex(said, r"logInterval +0 +default ")
+        self.assertIn("The case is sound.", said)
+        self.assertEqual(snapshot(case), before)
+
+    def test_triangles(self):
+        """A mesh that is no lattice: checked, with its summary, but not run."""
+        case = tempfile.mkdtemp(dir=self.folder)
+        shutil.copytree(self.base("box"), case, dirs_exist_ok=True)
+        msh = os.path.join(case, "mesh.msh")
+        with open(msh, "w") as f:
+            f.write(bad_case.MSH2.replace("8 3 2 3 1 2 3 6 5", "8 2 2 3 1 2 3 6\n9 2 2 3 1 2 6 5").replace(
+                "$Elements\n8", "$Elements\n9"))
+        harness.program("gmshToCase", msh, "-case", case)
+        for name in ("alpha", "T", "U"):
+            path = os.path.join(case, "0", name)
+            with open(path) as f:
+                text = f.read().replace(bad_case.LIST, "uniform 0.2;\n")
+            patches = "\n".join(f"{p} {{ type {t}; }}" for p, t in (
+                ("ends", "zeroGradient"), ("sides", "slip"), ("front", "empty"), ("back", "empty")))
+            with open(path, "w") as f:
+                f.write(text[:text.index("boundaryField")] + "boundaryField\n{\n" + patches + "\n}\n")
+        before = snapshot(case)
+        said = harness.program("checkCase", case).stdout
+        self.assertRegex(said, r"faces \(2 internal\), 3 cells")
+        self.assertRegex(said, r"patch ends +patch +2 faces")
+        self.assertRegex(said, r"no lattice: cell \d+ at \(.*\) is no box")
+        self.refuse(self.call("granularGas", "-case", case), case, ("no lattice of equal boxes", "does not yet run"))
+        self.assertEqual(snapshot(case), before)
 
 
 if __name__ == "__main__":
