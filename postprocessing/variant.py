@@ -3,9 +3,8 @@
     variant.py FOLDER CASE [cells=N] [DICTIONARY_KEY=VALUE ...]
 
 copies the case to FOLDER/CASE-..., sets the first entry of each key in its dictionaries (VTK output is dropped), makes
-the mesh, runs granularGas (found in PATH or build/bin) on one core and appends a line of JSON to FOLDER/runs.json: case, settings,
-exit code, steps, CPU seconds, counts of the safety net, last line of the log, and what cases/CASE/expected.json measures
-at each time written.
+the mesh, runs granularGas of build/bin on one rank and appends a line of JSON to FOLDER/runs.json: case, settings, exit
+code, CPU seconds, steps, counts of the safety net as last printed, last line of the log.
 """
 import json
 import os
