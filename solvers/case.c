@@ -44,7 +44,7 @@ static status read_all(struct setup *s, const char *application) {
     if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
-    TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, s->control->format.precision, &s->initial));
+    TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, &s->initial));
     return s->lattice ? forest_make(s->lattice, s->mesh, s->comm, tile_size[dim], &s->forest) : OK;
 }
 

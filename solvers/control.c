@@ -30,6 +30,7 @@ const struct param control_table[] = {
     {"timePrecision", PARAM_COUNT, MEMBER(time_precision), 6, 1, 17, false, NUMBERLESS, "digits of time names"},
     {"adjustTimeStep", PARAM_SWITCH, MEMBER(adjust), 1, 0, 1, false, NUMBERLESS, "time step from maxCo"},
     {"runTimeModifiable", PARAM_SWITCH, MEMBER(modifiable), 1, 0, 1, false, NUMBERLESS, "re-read this file on change"},
+    {"writeProcessors", PARAM_SWITCH, MEMBER(write_processors), 0, 0, 1, false, NUMBERLESS, "processorN folders too"},
     {"logInterval", PARAM_COUNT, MEMBER(log_interval), 0, 0, 1e9, false, NUMBERLESS,
      "steps between log entries (0: about one a second)"},
 };

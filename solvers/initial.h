@@ -15,9 +15,9 @@ struct initial {                      /* on every rank */
     struct patch_rules *rules; /* [npatches] */
     double **values;           /* [3 npatches] nonuniform values of the rules */
 };
-/* precision: digits of the written U and T that must agree with the conserved fields. */
+/* Where the folder has conserved fields they are the state; U and T must agree with them to at->digits. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
-                    const int axis[3], const struct gas_models *models, int precision, struct initial **out);
+                    const int axis[3], const struct gas_models *models, struct initial **out);
 void initial_free(struct initial *s);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);

@@ -1,5 +1,6 @@
 #include "solvers/output.h"
 
+#include "solvers/decompose.h"
 #include "solvers/report.h"
 
 #include <math.h>
@@ -9,13 +10,37 @@
 
 struct output {
     const struct setup *setup;
-    double *values;        /* root: [ncells][3] */
-    double *line[MAX_VAR]; /* root: [ncells] each */
-    double last_time;      /* written; NAN: none */
-    int precision;         /* of time names, widened where needed */
+    double *values;              /* root: [ncells][3] */
+    double *line[MAX_VAR];       /* root: [ncells] each */
+    double last_time;            /* written; NAN: none */
+    int precision;               /* of time names, widened where needed */
+    struct decomposition *parts; /* NULL: no processorN folders; root */
+    double *part_values;         /* root: [ncells][3] */
+    double *patch_values;        /* root: [faces of the largest patch][3] */
     int nnames, room;
     char (*name)[TIME_NAME]; /* written by this run, oldest first */
 };
+
+/* A restarted run goes on with the digits that the run before it had come to. */
+static int start_precision(const struct setup *s) {
+    const struct control *c = s->control;
+    char name[TIME_NAME];
+    for (int digits = c->time_precision; digits <= 17; digits++) {
+        time_name(c->time_format, digits, s->start.t, name);
+        if (!strcmp(name, s->start.name)) return digits;
+    }
+    return c->time_precision;
+}
+
+static int largest_patch(const struct setup *s, const struct decomposition *d) {
+    int n = 0;
+    for (int k = -1; k < (d ? d->n : 0); k++) {
+        const struct polymesh *m = k < 0 ? s->mesh : d->part[k].mesh;
+        for (int p = 0; p < m->npatches; p++)
+            if (m->patch[p].nfaces > n) n = m->patch[p].nfaces;
+    }
+    return n;
+}
 
 status output_make(const struct setup *s, struct output **out) {
     struct output *o = NULL;
@@ -24,15 +49,21 @@ status output_make(const struct setup *s, struct output **out) {
     *out = o;
     o->setup = s;
     o->last_time = s->start.t;
-    o->precision = s->control->time_precision;
+    o->precision = start_precision(s);
+    if (s->control->write_processors) TRY(decompose_make(s, &o->parts));
     if (!comm_root(s->comm)) return OK;
     TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
+    TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
+    if (o->parts) TRY(allocate(&o->part_values, 3 * n, sizeof(double), "a field to write"));
     for (int v = 0; v < 2 + s->forest->dim; v++) TRY(allocate(&o->line[v], n, sizeof(double), "a field to write"));
     return OK;
 }
 
 void output_free(struct output *o) {
     if (!o) return;
+    decompose_free(o->parts);
+    free(o->part_values);
+    free(o->patch_values);
     free(o->values);
     for (int v = 0; v < MAX_VAR; v++) free(o->line[v]);
     free(o->name);
@@ -68,40 +99,50 @@ struct printing { /* context of a patch entry */
     const struct initial *initial;
     int field; /* enum field_id, or -1: derived on every patch */
     int components;
-    const double *values; /* of the cells */
+    const double *values;        /* of the cells of the mesh that is written */
+    const struct part *part;     /* of a decomposed case, or NULL */
+    const double *all;           /* with part: of the case's cells */
+    const struct patch *patches; /* of the case */
+    double *room;                /* [largest patch][3] */
 };
 
-static void print_list(struct sink *s, const struct field_writer *w, int p, int components, const double *values) {
+static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
     sink_printf(s, "nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
-    foam_list_write_doubles(s, w->format, components, w->mesh->patch[p].nfaces, values);
+    foam_list_write_doubles(s, f, components, n, values);
     sink_printf(s, ";\n");
 }
 
-static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key, int components,
-                        const struct patch_field *q) {
+/* With all digits: the next start reads them. */
+static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key,
+                        const struct patch_field *q, const struct printing *c) {
+    const struct foam_format exact = {.binary = w->format->binary, .precision = 17};
+    const struct patch *patch = &w->mesh->patch[p];
+    int m = c->components;
     sink_printf(s, "        %-15s ", key);
-    if (q->values)
-        print_list(s, w, p, components, q->values);
-    else if (components == 3)
+    if (!q->values && m == 3)
         sink_printf(s, "uniform (%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
-    else
+    else if (!q->values)
         sink_printf(s, "uniform %.17g;\n", q->uniform[0]);
+    if (!q->values) return;
+    for (int i = 0; i < patch->nfaces; i++) {
+        int from = c->part ? c->part->face[patch->start + i] - c->patches[p].start : i;
+        memcpy(c->room + (long)i * m, q->values + (long)from * m, (size_t)m * sizeof(double));
+    }
+    print_list(s, &exact, m, patch->nfaces, c->room);
 }
 
-/* The value of the cell behind each face. */
-static void print_inner(struct sink *s, const struct field_writer *w, int p, const struct printing *c) {
+/* The value of the cell behind each face, or before it: across a processor patch. */
+static void print_cells(struct sink *s, const struct field_writer *w, int p, const struct printing *c, bool across) {
     const struct patch *patch = &w->mesh->patch[p];
-    double *inner = malloc((size_t)patch->nfaces * (size_t)c->components * sizeof *inner + 1);
-    sink_printf(s, "        %-15s ", "value");
-    if (!inner) { /* an entry OpenFOAM can read all the same */
-        sink_printf(s, "$internalField;\n");
-        return;
+    int m = c->components;
+    for (int i = 0; i < patch->nfaces; i++) {
+        int face = patch->start + i;
+        const double *v =
+            across ? c->all + (long)c->part->across[face] * m : c->values + (long)w->mesh->owner[face] * m;
+        memcpy(c->room + (long)i * m, v, (size_t)m * sizeof *v);
     }
-    for (int i = 0; i < patch->nfaces; i++)
-        memcpy(inner + (long)i * c->components, c->values + (long)w->mesh->owner[patch->start + i] * c->components,
-               (size_t)c->components * sizeof *inner);
-    print_list(s, w, p, c->components, inner);
-    free(inner);
+    sink_printf(s, "        %-15s ", "value");
+    print_list(s, w->format, m, patch->nfaces, c->room);
 }
 
 static void print_patch(struct sink *s, const struct field_writer *w, int p, const void *context) {
@@ -113,19 +154,37 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
             sink_printf(s, "        %-15s %s;\n", "type", type);
             return;
         }
+    if (c->part && p >= c->part->npatches) {
+        sink_printf(s, "        %-15s %s;\n", "type", type);
+        print_cells(s, w, p, c, true);
+        return;
+    }
     const enum field_id *from = c->initial->from[p];
     bool given = c->field >= 0 && ((int)from[0] == c->field || (int)from[1] == c->field || (int)from[2] == c->field);
     const struct patch_field *q = given ? &c->initial->field[c->field]->patch[p] : NULL;
     sink_printf(s, "        %-15s %s;\n", "type", given ? q->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(q->type) : NULL;
-    if (b && b->value) print_given(s, w, p, b->value, c->components, q);
-    if (!given || (b && b->value && strcmp(b->value, "value"))) print_inner(s, w, p, c);
+    if (b && b->value) print_given(s, w, p, b->value, q, c);
+    if (!given || (b && b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false);
 }
 
+/* o->values in the case's folder, then each part's in its own. */
 static status write_one(const struct output *o, const struct field_writer *w, const char *name, int field,
                         int components, const signed char dimensions[7]) {
-    const struct printing c = {o->setup->initial, field, components, o->values};
-    return field_write(w, name, components, dimensions, o->values, print_patch, &c);
+    struct printing c = {o->setup->initial,     field,          components, o->values, NULL, o->values,
+                         o->setup->mesh->patch, o->patch_values};
+    TRY(field_write(w, name, components, dimensions, o->values, print_patch, &c));
+    for (int k = 0; o->parts && k < o->parts->n; k++) {
+        const struct part *part = &o->parts->part[k];
+        const struct field_writer there = {part->mesh, w->format, part->tmp, w->location};
+        for (int i = 0; i < part->mesh->ncells; i++)
+            memcpy(o->part_values + (long)i * components, o->values + (long)part->cell[i] * components,
+                   (size_t)components * sizeof(double));
+        c.part = part;
+        c.values = o->part_values;
+        TRY(field_write(&there, name, components, dimensions, o->part_values, print_patch, &c));
+    }
+    return OK;
 }
 
 /* Derived fields with the user's digits, the conserved ones with all: they restart the run bit by bit. */
@@ -168,9 +227,8 @@ static status purge(struct output *o, const char *name) {
     }
     memcpy(o->name[o->nnames++], name, TIME_NAME);
     while (keep > 0 && o->nnames > keep) {
-        char path[TIME_PATH + TIME_NAME];
-        snprintf(path, sizeof path, "%s/%s", o->setup->dir, o->name[0]);
-        TRY(remove_folder(path));
+        TRY(time_remove(o->setup->dir, o->name[0]));
+        TRY(decompose_remove(o->parts, o->name[0]));
         memmove(o->name, o->name + 1, (size_t)--o->nnames * sizeof *o->name);
     }
     return OK;
@@ -182,24 +240,43 @@ static status finish(struct output *o, const char *folder, const struct instant 
     snprintf(location, sizeof location, "%s/uniform", at->name);
     TRY(provenance_write(path, location, o->setup));
     TRY(time_stamp_write(folder, at));
+    TRY(decompose_commit(o->parts, at)); /* first: a time of the case is in all its parts */
     TRY(time_commit(o->setup->dir, at->name));
     return purge(o, at->name);
+}
+
+static status begin(struct output *o, const char *name, char folder[TIME_PATH]) {
+    TRY(time_begin(o->setup->dir, name, folder));
+    return decompose_begin(o->parts, name);
+}
+
+static status write_all(struct output *o, const struct gas *g, const struct instant *at, char folder[TIME_PATH]) {
+    const struct setup *s = o->setup;
+    bool root = comm_root(s->comm);
+    const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
+    TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
+    TRY(write_fields(o, g, &w));
+    return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
 status output_write(struct output *o, const struct gas *g, double t, long step, double delta_t,
                     char written[TIME_NAME]) {
     const struct setup *s = o->setup;
     const struct control *c = s->control;
-    struct instant at = {.t = t, .step = step, .delta_t = delta_t};
-    char folder[TIME_PATH];
+    struct instant at = {
+        .t = t, .step = step, .delta_t = delta_t, .digits = c->format.binary ? 17 : c->format.precision};
+    char folder[TIME_PATH] = "";
     int digits = time_name_apart(c->time_format, o->precision, t, o->last_time, at.name);
     if (digits > o->precision && comm_root(s->comm))
         printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
     o->precision = digits;
-    const struct field_writer w = {s->mesh, &c->format, folder, at.name};
-    TRY(comm_agree(s->comm, comm_root(s->comm) ? time_begin(s->dir, at.name, folder) : OK));
-    TRY(status_note(write_fields(o, g, &w), "while writing time %s; earlier times are intact", at.name));
-    TRY(comm_agree(s->comm, comm_root(s->comm) ? finish(o, folder, &at) : OK));
+    status e = write_all(o, g, &at, folder);
+    if (e) { /* room on a full disk; the next run would do it too */
+        if (*folder) status_free(remove_folder(folder));
+        for (int k = 0; o->parts && k < o->parts->n; k++)
+            if (*o->parts->part[k].tmp) status_free(remove_folder(o->parts->part[k].tmp));
+        return status_note(e, "while writing time %s; earlier times are intact", at.name);
+    }
     o->last_time = t;
     memcpy(written, at.name, TIME_NAME);
     return OK;

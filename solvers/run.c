@@ -36,6 +36,9 @@ static void catch_signals(void) {
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     for (int i = 0; i < 3; i++) sigaction(signals[i], &action, NULL);
+    /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
+    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGPIPE, SIG_IGN);
 }
 
 static status read_everything(const char *dir, const struct comm *c, struct setup **s, struct functions **f) {
@@ -121,7 +124,6 @@ static status start(struct run *r) {
         TRY(gas_set(r->gas, i->rho, (const double *const *)i->u, i->T));
     TRY(comm_agree(s->comm, gas_check(r->gas)));
     initial_drop_cells(s->initial);
-    TRY(comm_agree(s->comm, comm_root(s->comm) ? times_clean(s->dir) : OK));
     TRY(comm_agree(s->comm, output_make(s, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
@@ -271,7 +273,9 @@ static status loop(struct run *r) {
 status run_case(const char *dir, const struct comm *c) {
     struct run r = {.written_time = NAN};
     catch_signals();
-    status e = read_everything(dir, c, &r.setup, &r.functions);
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    status e = comm_agree(c, comm_root(c) ? times_clean(dir) : OK);
+    if (!e) e = read_everything(dir, c, &r.setup, &r.functions);
     if (!e) e = loop(&r);
     output_free(r.output);
     gas_free(r.gas);

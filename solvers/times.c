@@ -29,13 +29,16 @@ static status stamp_read(const char *case_dir, struct instant *at) {
     if (access(path, F_OK)) return OK;
     struct dict *d = NULL;
     TRY(dict_read(path, &d));
+    long digits = at->digits;
     double index = 0, named = at->t;
     status s = dict_number(d, "value", NULL, &at->t);
     if (!s && fabs(at->t - named) > name_slack(at->name))
         s = dict_fail(d, "value", "the folder is that of time %s", at->name);
     if (!s) s = dict_number(d, "index", NULL, &index);
+    if (!s) s = dict_count_or(d, "writePrecision", digits, &digits);
     if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &at->delta_t);
     at->step = (long)index;
+    at->digits = (int)digits;
     dict_free(d);
     return s;
 }
@@ -53,7 +56,7 @@ status times_list(const char *case_dir, int *n, struct instant **out) {
     status s = OK;
     int room = 0;
     for (struct dirent *entry; !s && (entry = readdir(folder));) {
-        struct instant at = {.step = 0};
+        struct instant at = {.digits = 6};
         char path[TIME_PATH];
         struct stat info;
         if (!time_value(entry->d_name, &at.t)) continue;
@@ -190,6 +193,16 @@ status time_commit(const char *case_dir, const char *name) {
     return remove_folder(old);
 }
 
+status time_remove(const char *case_dir, const char *name) {
+    char tmp[TIME_PATH], path[TIME_PATH];
+    hidden(case_dir, name, "tmp", tmp);
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    TRY(remove_folder(tmp));
+    if (rename(path, tmp) && errno != ENOENT)
+        return fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+    return remove_folder(tmp);
+}
+
 status time_stamp_write(const char *path, const struct instant *at) {
     char file[TIME_PATH + 16], location[TIME_NAME + 16];
     struct sink *s;
@@ -201,12 +214,13 @@ status time_stamp_write(const char *path, const struct instant *at) {
     sink_printf(s, "value           %.17g;\nname            \"%s\";\nindex           %ld;\n", at->t, at->name,
                 at->step);
     sink_printf(s, "deltaT          %.17g;\ndeltaT0         %.17g;\n", at->delta_t, at->delta_t);
+    sink_printf(s, "writePrecision  %d;\n", at->digits);
     return sink_close(s);
 }
 
 status times_clean(const char *case_dir) {
     DIR *folder = opendir(case_dir);
-    if (!folder) return fail(ERR_INPUT, "%s: %s", case_dir, strerror(errno));
+    if (!folder) return OK; /* times_list says so */
     status s = OK;
     for (struct dirent *entry; !s && (entry = readdir(folder));) {
         char name[TIME_NAME], path[TIME_PATH];

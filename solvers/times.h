@@ -12,6 +12,7 @@ struct instant { /* a time folder */
     double t;       /* s: from uniform/time where that is, else the name */
     long step;      /* 0 without uniform/time */
     double delta_t; /* s: the last step; 0 without uniform/time */
+    int digits;     /* of ascii numbers; 6 without uniform/time */
 };
 /* All time folders of the case, ascending. *out is malloc'd. */
 status times_list(const char *case_dir, int *n, struct instant **out);
@@ -32,7 +33,9 @@ status time_commit(const char *case_dir, const char *name);
 status time_stamp_write(const char *path, const struct instant *at);
 
 status remove_folder(const char *path); /* with all in it; missing is fine */
-status make_folders(const char *path);  /* with its parents; there already is fine */
+/* CASE/NAME goes, at once for whoever looks. */
+status time_remove(const char *case_dir, const char *name);
+status make_folders(const char *path); /* with its parents; there already is fine */
 /* Hidden folders that a killed run left behind. */
 status times_clean(const char *case_dir);
 
