@@ -109,7 +109,7 @@ def entries(name, **wanted):
 
 CONTROL = """application granularGas; startFrom latestTime; startTime 0; stopAt endTime; endTime {end!r};
 deltaT {step!r}; adjustTimeStep {adjust}; maxCo 0.5; writeControl {control}; writeInterval {interval!r};
-writeFormat binary; writePrecision 17; writeCompression off; timeFormat general; timePrecision 12;
+writeFormat {format}; writePrecision {digits}; writeCompression {compression}; timeFormat general; timePrecision 12;
 runTimeModifiable no;
 """
 PROPERTIES = """grain {{ diameter 0.1; mass 1; restitution {e!r}; }}
@@ -119,7 +119,7 @@ cooling {cooling}; transport none;
 """
 SCHEMES = "fluxScheme {flux}; reconstruct {reconstruct}; timeScheme SSPRK3;\n"
 STANDARD = {"eos": "GoldshteinShapiro", "e": 1.0, "cooling": "none", "flux": "common", "reconstruct": "PHM", "adjust": "yes", "step": 1e-6,
-            "control": "adjustableRunTime", "interval": None, "types": None, "slip": ()}
+            "control": "adjustableRunTime", "interval": None, "format": "binary", "digits": 17, "compression": "off", "types": None, "slip": ()}
 
 
 def write_dictionary(case, location, name, text):

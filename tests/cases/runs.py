@@ -1,0 +1,105 @@
+"""Small cases that make every kind of wave, and comparison of what runs of them have written, byte by byte."""
+import os
+import re
+import shutil
+
+import numpy as np
+
+from tests.cases import boxes, harness
+
+FIELDS = ("rho", "alpha", "U", "T", "p", "rhoU", "rhoE")
+TABLES = """functions
+{{
+    points  {{ type probes; fields (alpha U); probeLocations (({0}) ({1})); }}
+    extreme {{ type fieldMinMax; fields (T U); }}
+    mass    {{ type volFieldValue; fields (rho U); operation volIntegrate; }}
+    mean    {{ type volFieldValue; fields (p); operation volAverage; writeControl timeStep; writeInterval 3; }}
+    line    {{ type sets; fields (rho U); writeControl writeTime;
+               sets {{ a {{ type uniform; axis distance; start ({0}); end ({1}); nPoints 31; }} }} }}
+    pictures {{ type vtk; fields (alpha U); writeControl writeTime; }}
+}}
+"""
+
+
+def make(path, n, end, hole=False, tables=False, types=None, **options):
+    """A hot bubble in a cooling gas that falls on slip walls; n: cells, 0.1 wide. hole: a step in the low corner."""
+    n, size = np.array(n), np.where(np.array(n) > 1, 0.1 * np.array(n), 0.1)
+    at = boxes.centres(n, size)
+    away = sum(((at[:, k] - 0.6 * size[k]) / size[k]) ** 2 for k in range(3) if n[k] > 1)
+    rho, p = 100 + 20 * np.cos(3 * at[:, 0]), np.where(away < 0.04, 20000.0, 2000.0)
+    u = np.stack([2 * np.sin(at[:, 0] + at[:, 1]) if n[0] > 1 else 0 * rho, 0 * rho, 0 * rho], axis=1)
+    gravity = [(-3.0, -20.0, -5.0)[k] if n[k] > 1 else 0.0 for k in range(3)]
+    harness.box_case(path, n, size, rho, u, p, end, types=types, e=0.9, cooling="Haff", gravity=tuple(gravity), **options)
+    if hole:
+        gone = np.all([(at[:, k] < 0.4 * size[k]) | (n[k] == 1) for k in range(3)], axis=0)
+        boxes.write_mesh(path, n, size, types, hole=gone)
+        at, rho, p, u = (values[~gone] for values in (at, rho, p, u))
+    rules = "\n".join(f"{a}Empty empty" for a, k in zip("xyz", n) if k == 1)
+    rules += "".join(f"\n{name} cyclic" for name in (a + s for a in types or "" for s in ("Low", "High")))
+    for name, values in (("rho", rho), ("p", p), ("U", u)):
+        boxes.write_field(path, name, values, f'".*" {"slip" if name == "U" else "zeroGradient"}\n{rules}'.strip())
+    add(path, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n")
+    if tables:
+        ends = [" ".join("%.3f" % v for v in at[i] + 1e-3) for i in (0, -1)]
+        add(path, "system/controlDict", TABLES.format(*ends))
+    return path
+
+
+def add(case, file, text):
+    with open(os.path.join(case, file), "a") as f:
+        f.write(text)
+
+
+def times(case):
+    """Names of the time folders, ascending."""
+    return sorted((n for n in os.listdir(case) if re.fullmatch(r"[-+.\de]+", n) and n[0].isdigit()), key=float)
+
+
+def contents(folder, ignore=("provenance",)):
+    """Every file in a folder: relative path -> bytes. Provenance holds date and ranks."""
+    found = {}
+    for base, _, names in os.walk(folder):
+        for name in names:
+            if name not in ignore:
+                with open(os.path.join(base, name), "rb") as f:
+                    found[os.path.relpath(os.path.join(base, name), folder)] = f.read()
+    return found
+
+
+def results(case):
+    """All that a run writes: times after 0, postProcessing, VTK."""
+    folders = [t for t in times(case) if float(t)] + [n for n in ("postProcessing", "VTK") if os.path.isdir(os.path.join(case, n))]
+    return {os.path.join(n, k): v for n in folders for k, v in contents(os.path.join(case, n)).items()}
+
+
+def same(test, one, other, message=""):
+    """Fails with the names of the files that differ."""
+    test.assertTrue(one)
+    differ = sorted(k for k in one.keys() | other.keys() if one.get(k) != other.get(k))
+    test.assertEqual(differ, [], message)
+
+
+def until(case, target, time):
+    """A copy of the case as a stop at that written time leaves it."""
+    shutil.copytree(case, target, ignore=shutil.ignore_patterns("postProcessing", "VTK"))
+    for name in times(target):
+        if float(name) > float(time):
+            shutil.rmtree(os.path.join(target, name))
+    return target
+
+
+def complete(test, case, name):
+    """The time folder can be read in full: sizes, stamp, finite values; no temporary file in it."""
+    folder = os.path.join(case, name)
+    result = harness.haff.Case(case)
+    for field in FIELDS:
+        values = result.field(field, name)
+        test.assertEqual(len(values), result.mesh.cells, f"{folder}/{field}")
+        test.assertTrue(np.isfinite(values).all(), f"{folder}/{field}")
+    with open(os.path.join(folder, "uniform", "time")) as f:
+        test.assertRegex(f.read(), r"writePrecision +\d+;\s*$")
+    test.assertEqual([k for k in contents(folder) if k.endswith(".tmp")], [])
+
+
+def hidden(case):
+    return [n for n in os.listdir(case) if n.startswith(".")]

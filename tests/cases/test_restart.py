@@ -1,0 +1,268 @@
+"""Stops and restarts give the bytes of a run that went through; kills and failed writes leave whole times only."""
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+
+GAS = os.path.join(harness.BIN, "granularGas")
+CONTROL = "system/controlDict"
+
+
+def start(case, stderr=subprocess.STDOUT):
+    return subprocess.Popen([GAS, "-case", case], stdout=subprocess.PIPE, stderr=stderr, text=True)
+
+
+class Restart(harness.Folder, unittest.TestCase):
+    def through(self, name, n=(60, 40, 1), end=0.04, **options):
+        case = runs.make(os.path.join(self.folder, name), n, end, **options)
+        harness.program("granularGas", "-case", case)
+        return case
+
+    def continued(self, case, **control):
+        """The same run taken up at every written time but the last, on one and two ranks in turn."""
+        names = runs.times(case)
+        self.assertGreater(len(names), 3)
+        for k, name in enumerate(names[1:-1]):
+            with self.subTest(os.path.basename(case), start=name):
+                part = runs.until(case, f"{case}_{k}", name)
+                if control:
+                    harness.edit(part, CONTROL, **control)
+                harness.program("granularGas", "-case", part, ranks=1 + k % 2)
+                self.assertEqual(runs.times(part), names)
+                for later in names[k + 2:]:
+                    runs.same(self, runs.contents(os.path.join(case, later)), runs.contents(os.path.join(part, later)), later)
+
+    def test_adjustable(self):
+        self.continued(self.through("adjustable", interval=0.01))
+
+    def test_time_step_ascii(self):
+        """Six digits in the files, all of them in the conserved fields; compressed; a hole."""
+        self.continued(self.through("ascii", hole=True, interval=12, control="timeStep", format="ascii", digits=6,
+                                    compression="on"))
+
+    def test_run_time_fixed_step(self):
+        self.continued(self.through("fixed", n=(20, 16, 12), end=0.02, interval=0.005, control="runTime", adjust="no",
+                                    step=2e-4))
+
+    def test_other_digits(self):
+        """Written with 6 digits, taken up with 17: the conserved fields are the state, whatever U and T were cut to."""
+        case = self.through("digits", n=(60, 1, 1), interval=0.01, format="ascii", digits=3)
+        part = runs.until(case, case + "_part", "0.02")
+        for c in (case, part):
+            harness.edit(c, CONTROL, endTime=0.06, writePrecision=17)
+            harness.program("granularGas", "-case", c)
+        runs.same(self, runs.contents(case + "/0.06"), runs.contents(part + "/0.06"))
+
+    def test_boundary_values(self):
+        """Nonuniform values on a patch keep all their digits in an ascii file of 6."""
+        case = runs.make(os.path.join(self.folder, "patch"), (40, 30, 1), 0.02, interval=0.005, format="ascii", digits=6)
+        values = "\n".join("%.17g" % (2000 + 100 * np.sin(k)) for k in range(30))
+        for name, rule in (("p", f"type fixedValue; value nonuniform List<scalar>\n30\n(\n{values}\n);"), ("U", "type zeroGradient;")):
+            path = os.path.join(case, "0", name)
+            with open(path) as f:
+                text = f.read()
+            with open(path, "w") as f:
+                f.write(text.replace("boundaryField\n{", "boundaryField\n{\n    xLow { %s }" % rule))
+        harness.program("granularGas", "-case", case)
+        self.continued(case)
+
+    def test_next_write(self):
+        """stopAt nextWrite, again and again, makes the same times."""
+        case = self.through("next", n=(60, 1, 1), interval=0.01)
+        part = runs.until(case, case + "_part", "0")
+        harness.edit(part, CONTROL, stopAt="nextWrite")
+        for name in runs.times(case)[1:]:
+            harness.program("granularGas", "-case", part)
+            self.assertEqual(runs.times(part)[-1], name)
+            runs.same(self, runs.contents(os.path.join(case, name)), runs.contents(os.path.join(part, name)))
+
+    def test_signals(self):
+        """SIGTERM at any moment (in a pipe that nobody reads, too): exit code 0, and the end is the same."""
+        options = {"n": (100, 80, 1), "end": 0.05, "interval": 0.05, "hole": True}
+        case = self.through("signals", **options)
+        part = runs.until(case, case + "_part", "0")
+        stops = 0
+        for number in (signal.SIGTERM, signal.SIGUSR1, signal.SIGINT, signal.SIGTERM) * 20:
+            run = start(part)
+            for line in run.stdout:
+                if line.startswith("Time ="):
+                    break
+            time.sleep(random.random() * 0.05)
+            run.send_signal(number)
+            run.stdout.close()
+            self.assertEqual(run.wait(60), 0)
+            stops += "0.05" not in runs.times(part)
+            if "0.05" in runs.times(part):
+                break
+        self.assertGreater(stops, 1)
+        self.assertEqual(runs.hidden(part), [])
+        for name in runs.times(part):
+            if float(name):
+                runs.complete(self, part, name)
+        runs.same(self, runs.contents(case + "/0.05"), runs.contents(part + "/0.05"))
+
+    def test_signal_to_ranks(self):
+        """SIGTERM to mpirun reaches the ranks, which write before they go."""
+        case = runs.make(os.path.join(self.folder, "ranks"), (100, 80, 1), 100.0)
+        run = subprocess.Popen([os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS, "-case", case], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+        for line in run.stdout:
+            if line.startswith("Time ="):
+                break
+        run.send_signal(signal.SIGTERM)
+        text = run.communicate(timeout=60)[0]
+        (_, last) = runs.times(case)
+        runs.complete(self, case, last)
+        self.assertIn(f"written: {last}", text)
+
+    def test_tables(self):
+        """The tables of a restarted run stand in a folder of its start time and go on where the others stopped."""
+        case = self.through("tables", n=(60, 40, 1), interval=0.01, tables=True)
+        part = runs.until(case, case + "_part", "0.02")
+        harness.program("granularGas", "-case", part, ranks=2)
+        whole, rest = (runs.contents(os.path.join(c, "postProcessing")) for c in (case, part))
+        self.assertEqual({k.split("/")[1] for k in rest}, {"0.02", "0.03", "0.04"})
+        for name in ("points/{}/alpha", "points/{}/U", "extreme/{}/fieldMinMax.dat", "mass/{}/volFieldValue.dat", "mean/{}/volFieldValue.dat"):
+            a, b = whole[name.format("0")].splitlines(), rest[name.format("0.02")].splitlines()
+            head = sum(line.startswith(b"#") for line in a)
+            self.assertEqual(a[:head], b[:head])
+            a, b = (([line for line in t[head:] if float(line.split()[0]) > 0.02]) for t in (a, b))
+            self.assertGreater(len(a), 4)
+            self.assertEqual(a, b, name)
+        for time_name in ("0.03", "0.04"):
+            for file in ("a_rho.xy", "a_U.xy"):
+                name = f"line/{time_name}/{file}"
+                self.assertEqual(whole[name], rest[name])
+
+
+class Faults(harness.Folder, unittest.TestCase):
+    def writer(self, name, n=(40, 30, 1), end=0.1, **options):
+        """A case that writes at every step."""
+        return runs.make(os.path.join(self.folder, name), n, end, adjust="no", step=2e-4, control="timeStep", interval=1, **options)
+
+    def test_kill(self):
+        """kill -9 while it writes at every step: what is there is whole, each next run goes on from it."""
+        case = self.writer("kill", n=(30, 20, 1), end=0.06, format="ascii")
+        straight = shutil.copytree(case, case + "_straight")
+        for c in (case, straight):
+            runs.add(c, CONTROL, "purgeWrite 4;\n")
+        harness.program("granularGas", "-case", straight)
+        checked, begun = 0, time.monotonic()
+        for _ in range(40):
+            run = start(case)
+            text = ""
+            for line in run.stdout:
+                text += line
+                if line.startswith("    written"):
+                    break
+            else:
+                break  # it has reached the end
+            time.sleep(random.random() * 0.03)
+            run.kill()
+            run.stdout.close()
+            self.assertEqual(run.wait(), -signal.SIGKILL)
+            for name in runs.times(case):
+                if float(name):
+                    runs.complete(self, case, name)
+                    checked += 1
+            for name in runs.times(case)[1:-2]:
+                shutil.rmtree(os.path.join(case, name))
+        print(f"kills: {checked} times checked in {time.monotonic() - begun:.1f} s", flush=True)
+        self.assertGreater(checked, 40)
+        harness.program("granularGas", "-case", case)
+        self.assertEqual(runs.hidden(case), [])
+        runs.same(self, runs.contents(straight + "/0.06"), runs.contents(case + "/0.06"))
+
+    def test_leftovers(self):
+        """What a kill can leave between two renames: the old folder is put back, half-written ones go."""
+        case = self.writer("left")
+        harness.edit(case, CONTROL, stopAt="nextWrite")
+        harness.program("granularGas", "-case", case)
+        whole = runs.contents(case + "/0.0002")
+        shutil.copytree(case + "/0.0002", case + "/.0.0004.tmp")
+        os.remove(case + "/.0.0004.tmp/rhoE")
+        shutil.copytree(case + "/0.0002", case + "/.0.0001.old")
+        os.rename(case + "/0.0002", case + "/.0.0002.old")
+        shutil.copytree(case + "/.0.0002.old", case + "/.0.0002.tmp")
+        os.mkdir(case + "/.git")
+        harness.program("granularGas", "-case", case)
+        self.assertIn("0.0004", runs.times(case))
+        runs.same(self, whole, runs.contents(case + "/0.0002"))
+        self.assertEqual(runs.hidden(case), [".git"])
+
+    def failing(self, case, done):
+        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+        self.assertIn("earlier times are intact", done.stderr)
+        self.assertEqual(runs.hidden(case), [])
+        names = runs.times(case)
+        for name in names[1:]:
+            runs.complete(self, case, name)
+        return names
+
+    def test_file_size_limit(self):
+        """Fields larger than ulimit -f allows: exit code 3 with the file's name, nothing half written."""
+        case = self.writer("limit", n=(60, 40, 1), digits=17, format="ascii")
+        run = start(case, stderr=subprocess.PIPE)
+        for line in run.stdout:
+            if line.startswith("    written"):
+                resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (20000, 20000))
+                break
+        text, error = run.communicate(timeout=60)
+        self.assertIn("File too large", error)
+        self.assertGreater(len(self.failing(case, subprocess.CompletedProcess([], run.returncode, text, error))), 1)
+
+    def test_full_disk(self):
+        """On a full disk the last time stays; with room again the run goes on."""
+        place = os.path.join(self.folder, "small")
+        os.mkdir(place)
+        if os.geteuid() or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", place], capture_output=True).returncode:
+            self.skipTest("no small file system can be mounted")
+        try:
+            case = shutil.copytree(self.writer("disk"), os.path.join(place, "disk"))
+            done = subprocess.run([GAS, "-case", case], capture_output=True, text=True)
+            self.assertIn("No space left", done.stderr)
+            names = self.failing(case, done)
+            self.assertGreater(len(names), 3)
+            for name in names[1:-1]:
+                shutil.rmtree(os.path.join(case, name))
+            harness.edit(case, CONTROL, stopAt="nextWrite")
+            harness.program("granularGas", "-case", case)
+            self.assertEqual(len(runs.times(case)), 3)
+        finally:
+            subprocess.run(["umount", place], check=True)
+
+    def test_collapse(self):
+        """Gas falls on a wall until it packs: message, exit code 2, a last state that can be read and taken up."""
+        case = harness.copy("wall", self.folder)
+        harness.mesh(case, 50)
+        harness.drop_vtk(case)
+        harness.edit(case, CONTROL, endTime=1, writeInterval=0.1, writeFormat="ascii", writePrecision=6)
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"inelastic collapse at t = 0\.3\d+, \(9\.\d+ \d")
+        names = runs.times(case)
+        self.assertEqual(names[:4], ["0", "0.1", "0.2", "0.3"])
+        self.assertEqual(len(names), 5)
+        runs.complete(self, case, names[-1])
+        alpha = harness.haff.Case(case).field("rho", names[-1]) * np.pi * 0.1**3 / 6
+        self.assertTrue(0.64 < alpha.max() < 0.65)
+        harness.program("checkCase", case)
+        harness.program("caseToVTK", case)
+        before = runs.contents(os.path.join(case, names[-1]))
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(runs.times(case), names)
+        runs.same(self, before, runs.contents(os.path.join(case, names[-1])))
+        self.assertRegex(harness.program("granularGas", "-help").stdout, r"2 the gas\s+left the admissible states")
+
+
+if __name__ == "__main__":
+    unittest.main()
