@@ -1,6 +1,5 @@
-"""What must not depend on the axis, the number of axes, the number of ranks or a stop on the way; and conservation."""
+"""What must not depend on the axis or the number of axes; and conservation. Ranks and stops: test_parallel, test_restart."""
 import os
-import shutil
 import unittest
 
 import numpy as np
@@ -78,33 +77,6 @@ class Invariance(harness.Folder, unittest.TestCase):
                 if name == "periodic":
                     momentum = (rho[:, None] * u).sum(axis=0), (new_rho[:, None] * new_u).sum(axis=0)
                     np.testing.assert_allclose(momentum[1], momentum[0], atol=1e-12 * np.abs(rho[:, None] * u).sum())
-
-    def same_bits(self, one, other):
-        self.assertEqual(one.times[-1], other.times[-1])
-        for field in FIELDS:
-            np.testing.assert_array_equal(one.field(field), other.field(field), err_msg=field)
-
-    def test_ranks(self):
-        """The wedge at 96 cells a side, a quarter of the way: 1, 2 and 4 ranks."""
-        case = harness.copy("wedge", self.folder)
-        harness.mesh(case, 96)
-        results = []
-        for ranks in (1, 2, 4):
-            copy = shutil.copytree(case, f"{case}_{ranks}")
-            results.append(harness.run(copy, ranks=ranks, endTime=0.01, writeInterval=0.01))
-        for other in results[1:]:
-            self.same_bits(results[0], other)
-
-    def test_restart(self):
-        """Straight through, and stopped at a write and taken up again (on two ranks): shaken layer and wedge."""
-        for name, cells, middle, end in (("vibratedLayer", 300, 0.001, 0.002), ("wedge", 48, 0.01, 0.02)):
-            case = harness.copy(name, self.folder)
-            harness.mesh(case, cells)
-            straight = harness.run(shutil.copytree(case, case + "_straight"), endTime=end, writeInterval=middle)
-            stopped = shutil.copytree(case, case + "_stopped")
-            harness.run(stopped, endTime=middle, writeInterval=middle)
-            with self.subTest(name):
-                self.same_bits(straight, harness.run(stopped, ranks=2, endTime=end))
 
 
 if __name__ == "__main__":
