@@ -29,12 +29,26 @@ static status make_work(struct gas *g) {
     return OK;
 }
 
+static status make_activity(struct gas *g) {
+    struct activity *a = &g->activity;
+    int rows[2] = {0, 0};
+    for (int t = 0; t < g->forest->ntiles; t++)
+        for (int k = 0; k < 2; k++)
+            if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
+    a->rows = rows[0] + 2 * GHOSTS;
+    struct span **spans[] = {&a->differ, &a->active, &a->needed};
+    for (int i = 0; i < 3; i++)
+        TRY(allocate(spans[i], (long)a->rows * (rows[1] + 2 * GHOSTS), sizeof(struct span), "spans"));
+    return OK;
+}
+
 static status fill(struct gas *g) {
     double ***blocks[] = {&g->U, &g->U0, &g->V, &g->W};
     for (int i = 0; i < 4; i++) TRY(make_blocks(g->forest, g->nvar, blocks[i]));
     TRY(make_blocks(g->forest, 1, &g->flag));
     TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
+    TRY(make_activity(g));
     return make_work(g);
 }
 
@@ -68,6 +82,9 @@ void gas_free(struct gas *g) {
     for (int i = 0; i < 5; i++) free_blocks(g->forest, blocks[i]);
     free(g->flagged);
     free(g->sums);
+    free(g->activity.differ);
+    free(g->activity.active);
+    free(g->activity.needed);
     double *single[] = {g->work.eps, g->work.p, g->work.c, g->work.gruneisen};
     for (int i = 0; i < 4; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(g->work.velocity[k]);
@@ -118,41 +135,49 @@ struct reading { /* of one field, row by row */
     const struct tile *tile;
 };
 
+static void scale_row(int n, double factor, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = factor * q[i];
+}
+
+/* Only what the field needs: the equation of state costs most. */
 static void field_visit(void *context, long offset, int n) {
     struct reading *r = context;
     const struct gas *g = r->g;
     const struct work *w = &g->work;
     const struct material *m = &g->models.material;
-    primitives_of_row(g, r->U, offset, n);
-    for (int i = 0; i < n; i++) {
-        long cell = offset + i, at = r->at + i;
-        double square = 0;
-        for (int k = 0; k < g->dim; k++) square += w->velocity[k][cell] * w->velocity[k][cell];
-        switch (r->field) {
-        case GAS_RHO:
-            r->out[0][at] = r->U[cell];
-            break;
-        case GAS_ALPHA:
-            r->out[0][at] = packing_per_density(m) * r->U[cell];
-            break;
-        case GAS_T:
-            r->out[0][at] = (m->gamma - 1) * w->eps[cell];
-            break;
-        case GAS_P:
-            r->out[0][at] = w->p[cell];
-            break;
-        case GAS_C:
-            r->out[0][at] = w->c[cell];
-            break;
-        case GAS_MACH:
-            r->out[0][at] = sqrt(square) / w->c[cell];
-            break;
-        case GAS_U:
-            for (int k = 0; k < g->dim; k++) r->out[k][at] = w->velocity[k][cell];
-            break;
-        case GAS_FIELDS:
-            break;
+    double *out = r->out[0] + r->at;
+    if (r->field >= GAS_P)
+        primitives_of_row(g, r->U, offset, n);
+    else if (r->field >= GAS_U)
+        velocities_of_row(g, r->U, offset, n);
+    switch (r->field) {
+    case GAS_RHO:
+        scale_row(n, 1, r->U + offset, out);
+        break;
+    case GAS_ALPHA:
+        scale_row(n, packing_per_density(m), r->U + offset, out);
+        break;
+    case GAS_T:
+        scale_row(n, m->gamma - 1, w->eps + offset, out);
+        break;
+    case GAS_P:
+        scale_row(n, 1, w->p + offset, out);
+        break;
+    case GAS_C:
+        scale_row(n, 1, w->c + offset, out);
+        break;
+    case GAS_U:
+        for (int k = 0; k < g->dim; k++) scale_row(n, 1, w->velocity[k] + offset, r->out[k] + r->at);
+        break;
+    case GAS_MACH:
+        for (int i = 0; i < n; i++) {
+            double square = 0;
+            for (int k = 0; k < g->dim; k++) square += w->velocity[k][offset + i] * w->velocity[k][offset + i];
+            out[i] = sqrt(square) / w->c[offset + i];
         }
+        break;
+    case GAS_FIELDS:
+        break;
     }
     r->at += n;
 }
@@ -290,7 +315,9 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
     struct speeds s = {.g = g, .found = -1};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U[t];
-        rows_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
+        activity_find(g, t, s.U, 0);
+        if (g->activity.reference >= 0) speed_visit(&s, g->activity.reference, 1); /* stands for all that equal it */
+        spans_visit(g, t, g->activity.differ, 0, speed_visit, &s);
     }
     double all[5] = {s.rate, s.calm, s.axis[0], s.axis[1], s.axis[2]};
     comm_max(g->forest->comm, all, 5);

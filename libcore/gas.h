@@ -29,6 +29,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
     struct sources source;
+    bool skip_uniform; /* leave out what is exactly zero (libcore/activity.c): the same bits, less work */
 };
 
 struct gas_counts {   /* of the safety net, since gas_make; the same on all ranks */

@@ -39,11 +39,15 @@ KERNEL static void root_row(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
 }
 
-void primitives_of_row(const struct gas *g, double *const U, long offset, int n) {
-    const struct work *w = &g->work;
+void velocities_of_row(const struct gas *g, const double *U, long offset, int n) {
     double *velocity[MAX_DIM];
-    for (int k = 0; k < g->dim; k++) velocity[k] = w->velocity[k] + offset;
-    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, w->eps + offset);
+    for (int k = 0; k < g->dim; k++) velocity[k] = g->work.velocity[k] + offset;
+    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, g->work.eps + offset);
+}
+
+void primitives_of_row(const struct gas *g, const double *U, long offset, int n) {
+    const struct work *w = &g->work;
+    velocities_of_row(g, U, offset, n);
     g->models.eos->state(&g->models.material, n, U + offset, w->eps + offset, w->p + offset, w->c + offset,
                          w->gruneisen + offset);
     root_row(n, w->c + offset);
@@ -57,7 +61,7 @@ struct pass { /* what a row visitor of this file needs */
 
 static void primitive_visit(void *context, long offset, int n) {
     const struct pass *p = context;
-    primitives_of_row(p->g, (double *)p->U, offset, n);
+    primitives_of_row(p->g, p->U, offset, n);
 }
 
 /* F = u_k U + p (0, e_k, u_k) */
@@ -92,8 +96,10 @@ static int whole_vectors(int n) {
     return (n + 7) / 8 * 8;
 }
 
-/* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order. */
-static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH]) {
+/* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order, filled
+ * from `column` on. */
+static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
+                             int column) {
     const struct work *w = &g->work;
     struct faces f = {.n = whole_vectors(n),
                       .dim = g->dim,
@@ -108,7 +114,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
         if (v >= 1 && v <= g->dim) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
         f.state[v] = U + from * g->forest->size + offset;
         f.flux[v] = w->flux[from] + offset;
-        f.out[v] = out[from];
+        f.out[v] = out[from] + column;
         if (v >= 1 && v <= g->dim) f.velocity[v - 1] = w->velocity[from - 1] + offset;
     }
     return f;
@@ -116,10 +122,10 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
 
 /* Replaces the fluxes through faces of flagged cells by first-order ones, or by Rusanov's: the safety net. */
 static void redo_flagged(const struct gas *g, const double *U, int axis, long offset, int n, const double *flag,
-                         double (*out)[BATCH]) {
+                         double (*out)[BATCH], int column) {
     const struct gas_models *m = &g->models;
     double lower[MAX_VAR][BATCH];
-    struct faces f = faces_at(g, U, axis, offset, n, lower);
+    struct faces f = faces_at(g, U, axis, offset, n, lower, 0);
     for (int level = LEVEL_FIRST_ORDER; level <= LEVEL_RUSANOV; level++) {
         bool face[BATCH], any = false;
         for (int i = 0; i < n; i++) any |= face[i] = (int)larger(flag[i], flag[i + f.stride]) == level;
@@ -130,15 +136,15 @@ static void redo_flagged(const struct gas *g, const double *U, int axis, long of
             m->flux->through(&f, m->eos, &m->material, g->first_order);
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < n; i++)
-                if (face[i]) out[v][i] = lower[v][i];
+                if (face[i]) out[v][column + i] = lower[v][i];
     }
 }
 
 static void face_fluxes(const struct gas *g, int tile, const double *U, int axis, long offset, int n,
-                        double (*out)[BATCH]) {
-    struct faces f = faces_at(g, U, axis, offset, n, out);
+                        double (*out)[BATCH], int column) {
+    struct faces f = faces_at(g, U, axis, offset, n, out, column);
     g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
-    if (g->flagged[tile]) redo_flagged(g, U, axis, offset, n, g->flag[tile] + offset, out);
+    if (g->flagged[tile]) redo_flagged(g, U, axis, offset, n, g->flag[tile] + offset, out, column);
 }
 
 KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
@@ -149,33 +155,50 @@ KERNEL static void difference_row(int n, double inverse, const double *restrict 
         for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
 }
 
-/* residual = or += -(F_high - F_low)/width along one axis. Along axis 0 a row holds its faces side by side; along the
- * others a row of faces lies between rows of cells, and the last one is kept. */
-static void sweep_axis(const struct gas *g, int tile, const double *U, int axis) {
+/* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
+static void sweep_rows(const struct gas *g, int tile, const double *U) {
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[tile];
-    double buffer[2][MAX_VAR][BATCH];
-    double inverse = 1 / f->width[axis];
-    int other = axis == 1 ? 2 : 1; /* the axis of the outer loop: for axis 0 both 1 and 2 are walked */
-    int rows = axis == 0 ? t->n[1] * t->n[2] : t->n[other], last = axis == 0 ? 0 : t->n[axis] - 1;
-    for (int row = 0; row < rows; row++) {
-        long base = f->first +
-                    (axis == 0 ? row % t->n[1] * f->stride[1] + row / t->n[1] * f->stride[2] : row * f->stride[other]);
-        if (axis > 0) face_fluxes(g, tile, U, axis, base - f->stride[axis], t->n[0], buffer[0]);
-        for (int j = 0; j <= last; j++) {
-            long offset = base + j * f->stride[axis];
-            double(*low)[BATCH] = buffer[j % 2], (*high)[BATCH] = buffer[(j + 1) % 2];
-            if (axis == 0) {
-                face_fluxes(g, tile, U, 0, base - 1, t->n[0] + 1, low);
-                offset = base;
-            } else {
-                face_fluxes(g, tile, U, axis, offset, t->n[0], high);
-            }
+    double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span s = *activity_row(&g->activity, g->activity.active, j, k);
+            if (span_empty(s)) continue;
+            long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
+            face_fluxes(g, tile, U, 0, offset - 1, s.high - s.low + 1, faces, 0);
             for (int v = 0; v < g->nvar; v++)
-                difference_row(t->n[0], inverse, low[v], axis == 0 ? low[v] + 1 : high[v], axis > 0,
-                               g->work.residual[v] + offset);
+                difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
         }
+}
+
+/* residual += the same along a column of rows on another axis: the faces between rows j and j + 1 cover both rows'
+ * active spans; those of the row before are kept. row(j) is at `base` + j strides. */
+static void sweep_column(const struct gas *g, int tile, const double *U, int axis, int outer, long base) {
+    const struct forest *f = g->forest;
+    const struct activity *a = &g->activity;
+    double faces[2][MAX_VAR][BATCH], inverse = 1 / f->width[axis];
+    struct span below = SPAN_EMPTY;
+    int n = f->tile[tile].n[axis];
+    for (int j = -1; j < n; j++) {
+        struct span above = SPAN_EMPTY;
+        if (j + 1 < n) above = *activity_row(a, a->active, axis == 1 ? j + 1 : outer, axis == 1 ? outer : j + 1);
+        struct span s = span_join(below, above);
+        double(*low)[BATCH] = faces[(j + 1) % 2], (*high)[BATCH] = faces[(j + 2) % 2];
+        long row = base + j * f->stride[axis];
+        if (!span_empty(s)) face_fluxes(g, tile, U, axis, row + s.low, s.high - s.low, high, s.low);
+        for (int v = 0; v < g->nvar && !span_empty(below); v++)
+            difference_row(below.high - below.low, inverse, low[v] + below.low, high[v] + below.low, true,
+                           g->work.residual[v] + row + below.low);
+        below = above;
     }
+}
+
+static void sweep_axis(const struct gas *g, int tile, const double *U, int axis) {
+    const struct forest *f = g->forest;
+    int other = axis == 1 ? 2 : 1;
+    if (axis == 0) sweep_rows(g, tile, U);
+    for (int outer = 0; axis > 0 && outer < f->tile[tile].n[other]; outer++)
+        sweep_column(g, tile, U, axis, outer, f->first + outer * f->stride[other]);
 }
 
 KERNEL static void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
@@ -229,15 +252,39 @@ static void update_visit(void *context, long offset, int n) {
     u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
 }
 
+/* The update of cells whose residual is exactly zero, with the bits of update_row. */
+KERNEL static void settle_row(int n, double a, const double *restrict U0, const double *restrict from,
+                              double *restrict to) {
+    for (int i = 0; i < n; i++) to[i] = from[i] + a * (U0[i] - from[i]);
+}
+
+static void settle(const struct update *u, int tile) {
+    const struct forest *f = u->g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span s = *activity_row(&u->g->activity, u->g->activity.active, j, k);
+            if (span_empty(s)) s = (struct span){t->n[0], t->n[0]};
+            for (int v = 0; v < u->g->nvar; v++) {
+                long row = v * f->size + f->first + j * f->stride[1] + k * f->stride[2], high = row + s.high;
+                settle_row(s.low, u->a, u->U0 + row, u->from + row, u->to + row);
+                settle_row(t->n[0] - s.high, u->a, u->U0 + high, u->from + high, u->to + high);
+            }
+        }
+}
+
 int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from, double *to, double a, double dt) {
-    const struct tile *t = &g->forest->tile[tile];
     struct pass pass = {.g = g, .U = from};
-    rows_visit(g->forest, t, GHOSTS, primitive_visit, &pass);
-    for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
-        rows_visit(g->forest, t, GHOSTS, nodal_visit, &pass);
-        sweep_axis(g, tile, from, pass.axis);
-    }
     struct update update = {.g = g, .U0 = U0, .from = from, .to = to, .flag = g->flag[tile], .a = a, .dt = dt};
-    rows_visit(g->forest, t, 0, update_visit, &update);
+    activity_find(g, tile, from, GHOSTS);
+    if (activity_spread(g, tile)) {
+        spans_visit(g, tile, g->activity.needed, GHOSTS, primitive_visit, &pass);
+        for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
+            spans_visit(g, tile, g->activity.needed, GHOSTS, nodal_visit, &pass);
+            sweep_axis(g, tile, from, pass.axis);
+        }
+        spans_visit(g, tile, g->activity.active, 0, update_visit, &update);
+    }
+    if (g->activity.reference >= 0) settle(&update, tile);
     return update.bad;
 }

@@ -13,6 +13,21 @@ struct work { /* scratch of one tile, [size] each: stays in L2 through a stage *
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F */
 };
+struct span { /* columns low <= i < high of a row */
+    int low, high;
+};
+#define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
+static inline bool span_empty(struct span s) {
+    return s.low >= s.high;
+}
+static inline struct span span_join(struct span a, struct span b) {
+    return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
+struct activity { /* of the tile in hand: what differs, what a stage computes, what it needs for that */
+    int rows;     /* of a tile with its ghosts, along axis 1: spans are [rows * rows along axis 2] */
+    struct span *differ, *active, *needed;
+    long reference; /* offset of the cell that all others equal, or -1: all are computed */
+};
 struct gas {
     struct forest *forest;
     struct gas_models models;
@@ -26,6 +41,7 @@ struct gas {
     bool *flagged;   /* [ntiles] does the tile, or its ghost layer, hold a flag? */
     double *sums;    /* [ntiles] */
     struct work work;
+    struct activity activity;
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
     double limit;            /* rho < limit */
     struct gas_counts counts;
@@ -36,8 +52,19 @@ struct gas {
 typedef void row_visitor(void *context, long offset, int n);
 void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context);
 
-/* U, and what follows from it, for n cells at `offset`: velocity, eps, p, c, gruneisen of the workspace. */
-void primitives_of_row(const struct gas *g, double *const U, long offset, int n);
+/* Finds the spans of U's cells that differ from the tile's reference; margin 0: its own cells, or GHOSTS: with ghosts.
+ */
+void activity_find(struct gas *g, int tile, const double *U, int margin);
+/* After activity_find with ghosts: the cells that differ from their stencil somewhere (active), and the cells that the
+ * fluxes of those need. Returns false if there are none. */
+bool activity_spread(struct gas *g, int tile);
+struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
+/* As rows_visit, for the spans of rows. */
+void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context);
+
+/* What follows from U for n cells at `offset`, into the workspace: velocity and eps; p, c and gruneisen, too. */
+void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
+void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
 
 /* Ghost layers of one tile's sides that are patches. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);

@@ -31,6 +31,36 @@ static void source_visit(void *context, long offset, int n) {
     source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, h->dt, h->kick, U);
 }
 
+/* Gives all cells outside the differing spans what the sources make of the reference cell. */
+static void copy_reference(const struct gas *g, int tile, const double values[MAX_VAR], double *U) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span s = *activity_row(&g->activity, g->activity.differ, j, k);
+            if (span_empty(s)) s = (struct span){t->n[0], t->n[0]};
+            for (int v = 0; v < g->nvar; v++) {
+                double *row = U + v * f->size + f->first + j * f->stride[1] + k * f->stride[2];
+                for (int i = 0; i < s.low; i++) row[i] = values[v];
+                for (int i = s.high; i < t->n[0]; i++) row[i] = values[v];
+            }
+        }
+}
+
+static void sources_of_tile(struct gas *g, int tile, struct half_step *h) {
+    double values[MAX_VAR], *U[MAX_VAR];
+    activity_find(g, tile, h->from, 0);
+    long reference = g->activity.reference;
+    for (int v = 0; v < g->nvar && reference >= 0; v++) {
+        values[v] = h->from[v * g->forest->size + reference];
+        U[v] = &values[v];
+    }
+    spans_visit(g, tile, g->activity.differ, 0, source_visit, h);
+    if (reference < 0) return;
+    source_apply(&g->models.source, g->models.eos, &g->models.material, 1, g->dim, h->dt, h->kick, U);
+    copy_reference(g, tile, values, h->to);
+}
+
 /* to = the sources applied to from, over dt from t on */
 static void apply_sources(struct gas *g, double t, double dt, double *const *from, double *const *to) {
     struct half_step h = {.g = g, .dt = dt};
@@ -38,7 +68,7 @@ static void apply_sources(struct gas *g, double t, double dt, double *const *fro
     for (int i = 0; i < g->forest->ntiles; i++) {
         h.from = from[i];
         h.to = to[i];
-        rows_visit(g->forest, &g->forest->tile[i], 0, source_visit, &h);
+        sources_of_tile(g, i, &h);
     }
 }
 

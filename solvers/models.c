@@ -33,6 +33,17 @@ static const struct param limits_param[] = {
      {0, 0, 0},
      "the run has collapsed when dt falls below this part of what calm cells allow"},
 };
+static const struct param solution_param[] = {
+    {"skipUniform",
+     PARAM_SWITCH,
+     offsetof(struct case_models, gas.skip_uniform),
+     1,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "leave out cells whose surroundings are uniform to the bit; the result has the same bits"},
+};
 static const char *const cooling_names[] = {"none", "Haff"};
 static const char *const transport_names[] = {"none"};
 static const char *const shaking_names[] = {"none", "sinusoidal"};
@@ -118,6 +129,7 @@ static status read_schemes(struct dict *d, struct gas_models *m) {
 static status read_solution(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
     struct dict *limits, *none = NULL;
+    TRY(params_read(d, solution_param, COUNT(solution_param), m));
     TRY(dict_sub_optional(d, "limits", &limits));
     if (!limits) TRY(dict_from_text("limits", "", &none));
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);
@@ -225,6 +237,8 @@ void models_list(FILE *f) {
     LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count);
     LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count);
     LIST_TABLE(f, "system/fvSchemes: timeScheme", stepper_table, stepper_count);
+    fprintf(f, "\nsystem/fvSolution\n");
+    params_print(f, solution_param, COUNT(solution_param));
     fprintf(f, "\nsystem/fvSolution: limits { }\n");
     params_print(f, limits_param, COUNT(limits_param));
 }
@@ -266,6 +280,7 @@ void models_print(FILE *f, const struct case_models *m) {
     fprintf(f, "    %-22s %s\n", "fluxScheme", m->gas.flux->name);
     fprintf(f, "    %-22s %s\n", "reconstruct", m->gas.reconstruct->name);
     fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
+    print_values(f, solution_param, COUNT(solution_param), m);
     print_values(f, limits_param, COUNT(limits_param), m);
     fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
     if (m->gas.source.amplitude != 0) print_values(f, shaking_param, COUNT(shaking_param), &m->gas.source);
