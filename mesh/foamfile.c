@@ -214,8 +214,8 @@ static status read_string(struct lexer *l, const char *p, struct token *t) {
         if (*p == '\\' && p[1])
             p++;
         else if (*p == '\n' || !*p)
-            return fail(ERR_INPUT, "%s:%d: the string \"%.30s... is not closed on its line", l->source->path, t->line,
-                        t->text);
+            return fail(ERR_INPUT, "%s:%d: the string \"%.*s is not closed on its line", l->source->path, t->line,
+                        (int)strcspn(t->text, "\r\n"), t->text);
         l->line += *p == '\n';
     }
     t->length = (int)(p - t->text);

@@ -349,7 +349,9 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
         else if (p[0] == '/' && p[1] == '*')
             for (p++; p[1] && !(p[0] == '*' && p[1] == '/'); p++) line += p[1] == '\n';
     }
-    if (depth) return fail(ERR_INPUT, "%s:%d: the list is not closed", l->source->path, o.line);
+    if (depth)
+        return fail(ERR_INPUT, "%s:%d: the list is not closed: the file was cut, or 'format' of its header is wrong",
+                    l->source->path, o.line);
     l->position = (size_t)(p - text);
     l->line = l->last_line = line;
     return OK;

@@ -213,7 +213,7 @@ const char *nearest_name(const char *word, const char *const *names, int count) 
     for (int i = 0; i < count; i++) {
         int d = distance(word, names[i]), shorter = (int)strlen(names[i]);
         if (length < shorter) shorter = length;
-        if (d < least && d < shorter) {
+        if (d < least && 2 * d <= shorter) {
             least = d;
             best = names[i];
         }

@@ -61,7 +61,7 @@ void dict_mark_used(struct dict *d); /* d and all below: for what is left to oth
 /* The whole dictionary as text, macros expanded (provenance); malloc'd. */
 char *dict_print(const struct dict *d);
 
-/* The name nearest to `word` (edit distance at most 3), or NULL: for "did you mean". */
+/* The name nearest to `word` (edit distance at most 3 and half of the shorter one), or NULL: for "did you mean". */
 const char *nearest_name(const char *word, const char *const *names, int count);
 
 #endif

@@ -1,5 +1,7 @@
 #include "solvers/expr.h"
+
 #include "mesh/foamfile.h"
+#include "solvers/dict.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -167,6 +169,17 @@ static status name(struct compiler *c) {
             c->p += length;
             return call(c, &functions[i]);
         }
+    const char *names[sizeof functions / sizeof *functions];
+    char text[32];
+    int n = 0;
+    for (; n < (int)(sizeof functions / sizeof *functions); n++) names[n] = functions[n].name;
+    snprintf(text, sizeof text, "%.*s", length, word);
+    const char *near = length > 2 ? nearest_name(text, names, n) : NULL;
+    if (near) {
+        char question[64];
+        snprintf(question, sizeof question, "did you mean '%s'?", near);
+        return complain(c, question);
+    }
     return complain(
         c, "known are x y z t pi e exp log log10 sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "
            "min max abs floor ceil round sign pos neg mod hypot");

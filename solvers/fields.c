@@ -133,7 +133,7 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     for (int i = 0; i < n; i++) known |= !strcmp(type, names[i]);
     if (!known) { /* the message of dict_choice lists the names and suggests one */
         int index;
-        return status_note(dict_choice(d, "type", names, n, &index), "patch %s of field %s", p->name, kind->name);
+        return dict_choice(d, "type", names, n, &index);
     }
     if (constraint(p->type) && strcmp(p->type, type))
         return dict_fail(d, "type",

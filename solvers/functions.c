@@ -51,7 +51,7 @@ static status read_fields(struct function *f, struct dict *d) {
         memcpy(f->field, five, sizeof five);
         return OK;
     }
-    TRY(dict_words(d, "fields", &n, &words));
+    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of rho alpha U T p c Ma"));
     for (int i = 0; i < n; i++) {
         const char *names[GAS_FIELDS];
         int k;

@@ -80,10 +80,30 @@ def cut(path, share):
     return change
 
 
+def cut_list(path):
+    """Ends the file within the bytes of its list."""
+    def change(case):
+        with open(os.path.join(case, path), "rb") as f:
+            start = f.read().index(b"\n24\n(")
+        os.truncate(os.path.join(case, path), start + 5 + 24 * 4)
+    return change
+
+
 def both(*changes):
     def change(case):
         for one in changes:
             one(case)
+    return change
+
+
+def change_bytes(path, old, new, dropped=0):
+    """`dropped` bytes behind `old` go, too."""
+    def change(case):
+        with open(os.path.join(case, path), "rb") as f:
+            data = f.read()
+        start = data.index(old)
+        with open(os.path.join(case, path), "wb") as f:
+            f.write(data[:start] + new + data[start + len(old) + dropped:])
     return change
 
 
@@ -173,7 +193,7 @@ DICTIONARIES = [
     Row("unknown field of a function object", (CONTROL, "fields (p);", "fields (p alpa);"), "no field 'alpa'",
         "did you mean 'alpha'?"),
     Row("field listed twice", (CONTROL, "fields (p);", "fields (p p);"), "'p' is listed twice"),
-    Row("no fields", (CONTROL, "fields (p); ", ""), "'fields' is missing in 'functions.extremes'",
+    Row("no fields", (CONTROL, "fields (p); ", ""), "'fields' is missing in 'functions.extremes'", "rho alpha U T p c Ma",
         at="extremes { type fieldMinMax;"),
     Row("unknown operation", (CONTROL, "operation volIntegrate;", "operation volIntegral;"), "volIntegral",
         "did you mean 'volIntegrate'?"),
@@ -299,7 +319,8 @@ FIELDS = [
     Row("alpha > alphaMax at a patch", ("0/alpha", "value uniform 0.2;", "value uniform 0.66;"), "patch xLow", "0.66",
         "0.65", at="value uniform 0.66;"),
     Row("expression: syntax", ("0/T", "internalField", 'expression "25 + * x";\ninternalField'), "25 + * x", "column"),
-    Row("expression: function", ("0/T", "internalField", 'expression "25 + sinn(x)";\ninternalField'), "sinn", "sin"),
+    Row("expression: function", ("0/T", "internalField", 'expression "25 + sinn(x)";\ninternalField'), "'sinn'",
+        "did you mean 'sin'?"),
     Row("expression: variable", ("0/T", "internalField", 'expression "25 + r";\ninternalField'), "'r'", "x y z t"),
     Row("expression: not finite", ("0/T", "internalField", 'expression "25/(x - 1.5)";\ninternalField'), "cell 1 at",
         "gives inf"),
@@ -425,8 +446,14 @@ def swap(case):
 
 
 RESTART = [
-    Row("restart: cut field", cut("0.002/rho", 0.6), where="0.002/rho", base="binary"),
-    Row("restart: cut conserved field", cut("0.002/rhoE", 0.5), where="0.002/rhoE", base="binary"),
+    Row("restart: cut field", cut_list("0.002/rho"), "binary list of 24 entries", "the file was cut", where="0.002/rho", base="binary"),
+    Row("restart: cut conserved field", cut_list("0.002/rhoE"), "binary list of 24 entries", where="0.002/rhoE", base="binary"),
+    Row("restart: wrong count of a binary list", change_bytes("0.002/U", b"\n24\n(", b"\n25\n("),
+        "binary list of 25 entries", "count", where="0.002/U", base="binary"),
+    Row("restart: nan in a binary list", change_bytes("0.002/T", b"\n24\n(", b"\n24\n(\0\0\0\0\0\0\xf8\x7f", 8),
+        "entry 0 of the binary list is nan", "finite", where="0.002/T", base="binary"),
+    Row("restart: ascii header on a binary file", change_bytes("0.002/p", b"binary;", b"ascii;"), "format",
+        where="0.002/p", base="binary"),
     Row("restart: cut ascii field", cut("0.002/U", 0.5), where="0.002/U", base="ascii"),
     Row("restart: no uniform/time", remove("0.002/uniform/time"), "uniform/time is missing", "start from another time",
         where="0.002", base="ascii"),
@@ -651,6 +678,19 @@ class BadInput(Folder):
 
     def test_conversion(self):
         self.check(CONVERSION, [("caseToVTK", "CASE")])
+
+    def test_ranks(self):
+        """On two ranks a mistake is reported once, and mpirun adds nothing to it."""
+        case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
+        shutil.copytree(self.base("box"), case)
+        place = Row("", (CONTROL, "maxCo 0.5;", "maxC0 0.5;")).spoil(case)
+        before = snapshot(case)
+        for command in (["mpirun", "-np", "2", os.path.join(harness.BIN, "granularGas"), "-case", case],
+                        ["granularGas", "-np", "2", "-case", case]):
+            done = self.call(*command)
+            self.refuse(done, place, ("did you mean 'maxCo'?",))
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertEqual(snapshot(case), before)
 
     def test_command_lines(self):
         case, msh = self.base("ascii"), os.path.join(self.folder, "sound.msh")
