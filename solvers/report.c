@@ -110,6 +110,8 @@ status provenance_write(const char *path, const char *location, const struct set
 
 status progress_start(struct progress *p, const struct setup *s, struct gas *g) {
     *p = (struct progress){.start_clock = clock_now(), .last_log = -HUGE_VAL, .first_step = s->start.step};
+    p->mark_clock = p->start_clock;
+    p->mark_time = s->start.t;
     p->counts = gas_counts(g);
     return gas_totals(g, p->totals);
 }
@@ -136,21 +138,48 @@ static status extremes(const struct setup *s, const struct gas *g, enum gas_fiel
     return OK;
 }
 
+/* What must stay, drifts; what flows in or out or is taken by a source, changes. */
+static const char *word_for(const struct setup *s, bool energy) {
+    for (int p = 0; p < s->mesh->npatches; p++) {
+        const struct boundary_type *type = s->initial->rules[p].velocity.type;
+        if (type && !type->reflects) return "change";
+    }
+    return energy && source_active(&s->models->gas.source, &s->models->gas.material) ? "change" : "drift";
+}
+
 static void print_totals(FILE *f, const struct progress *p, const struct setup *s, const double now[MAX_VAR]) {
     int dim = s->forest->dim;
     const double *was = p->totals;
-    fprintf(f, "    mass %.10g (drift %.2e)  momentum (", now[0], now[0] / was[0] - 1);
+    fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(s, false), now[0] / was[0] - 1);
     for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);
-    fprintf(f, ")  energy %.10g (drift %.2e)\n", now[1 + dim], now[1 + dim] / was[1 + dim] - 1);
+    fprintf(f, ")  energy %.10g (%s %+.2e)\n", now[1 + dim], word_for(s, true), now[1 + dim] / was[1 + dim] - 1);
 }
 
+static void print_duration(FILE *f, double seconds) {
+    long n = lround(fmin(seconds, 1e15));
+    if (n < 120)
+        fprintf(f, "%ld s", n);
+    else if (n < 7200)
+        fprintf(f, "%ld min %02ld s", n / 60, n % 60);
+    else
+        fprintf(f, "%ld h %02ld min", n / 3600, n % 3600 / 60);
+}
+
+/* The first steps are no measure: set-up, a deltaT of their own. */
 static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) {
-    double spent = clock_now() - p->start_clock;
+    double clock = clock_now(), spent = clock - p->start_clock;
     long steps = e->step - p->first_step;
     if (steps < 1) return;
     fprintf(f, "    wall %.1f s, %.3g s/step", spent, spent / (double)steps);
-    if (isfinite(e->end_time) && e->dt > 0 && e->end_time > e->t)
-        fprintf(f, ", ETA %.0f s", (e->end_time - e->t) / e->dt * spent / (double)steps);
+    if (clock - p->mark_clock > 0.5 || steps <= 10) {
+        p->pace = (clock - p->mark_clock) / (e->t - p->mark_time);
+        p->mark_clock = clock;
+        p->mark_time = e->t;
+    }
+    if (isfinite(e->end_time) && e->end_time > e->t && steps > 1) {
+        fprintf(f, ", ETA ");
+        print_duration(f, (e->end_time - e->t) * p->pace);
+    }
     fprintf(f, "\n");
 }
 

@@ -16,7 +16,8 @@ status provenance_write(const char *path, const char *location, const struct set
 struct progress {                 /* of a run, for its log */
     double start_clock, last_log; /* s */
     double totals[MAX_VAR];       /* at the start */
-    double per_step;              /* s, mean of the recent steps */
+    double mark_clock, mark_time; /* s: where the present pace was measured from */
+    double pace;                  /* s of the clock for a second of the run, lately */
     struct gas_counts counts;     /* at the last entry */
     long first_step;
 };
