@@ -78,6 +78,8 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);
+/* Share of the cells times stages since gas_make that were computed and not left out as uniform; collective. */
+double gas_computed_share(const struct gas *g);
 
 /* Sums over the domain of volume * (rho, rho u .., E): mass, momentum, energy; rank-independent bits. Volume per
  * thickness of the empty axes is struct forest's `volume`. */

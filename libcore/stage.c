@@ -250,6 +250,7 @@ static void update_visit(void *context, long offset, int n) {
         update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset, g->work.residual[v] + offset,
                    u->to + v * size + offset);
     u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
+    u->g->computed += n;
 }
 
 /* The update of cells whose residual is exactly zero, with the bits of update_row. */
@@ -286,5 +287,7 @@ int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from,
         spans_visit(g, tile, g->activity.active, 0, update_visit, &update);
     }
     if (g->activity.reference >= 0) settle(&update, tile);
+    const int *n = g->forest->tile[tile].n;
+    g->all += (long)n[0] * n[1] * n[2];
     return update.bad;
 }

@@ -45,6 +45,7 @@ struct gas {
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
     double limit;            /* rho < limit */
     struct gas_counts counts;
+    long computed, all; /* cells times stages on this rank */
 };
 
 /* Rows: the runs of cells along axis 0 that a pass over a tile visits. margin: ghost cells to include on each active

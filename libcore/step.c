@@ -205,3 +205,9 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
 struct gas_counts gas_counts(const struct gas *g) {
     return g->counts;
 }
+
+double gas_computed_share(const struct gas *g) {
+    long count[2] = {g->computed, g->all};
+    comm_sum_long(g->forest->comm, count, 2);
+    return count[1] ? (double)count[0] / (double)count[1] : 1;
+}

@@ -261,11 +261,13 @@ static status loop(struct run *r) {
         status e = step_once(r);
         if (e) return keep_last(r, e);
     }
+    double share = gas_computed_share(r->gas);
     if (comm_root(s->comm)) {
         double spent = clock_now() - r->progress.start_clock;
         long steps = r->now.step - s->start.step;
         printf("end at time %.10g: %ld steps in %.2f s, %.4g million cell steps per second\n", r->now.t, steps, spent,
                1e-6 * (double)steps * s->mesh->ncells / spent);
+        if (share < 1) printf("%.1f %% of the cell updates were computed; the rest was uniform\n", 100 * share);
     }
     return OK;
 }
