@@ -27,4 +27,4 @@ for panel, (name, function) in zip(axes[0], QUANTITIES):
     figures.label(panel, "alpha", name)
     panel.set(xlim=(0, 0.56), ylim=(0, None))
 axes[0][0].legend(loc="upper left")
-figures.save(fig, sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "figure1.png"))
+figures.save(fig, sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "reports", "figure1.png"))
