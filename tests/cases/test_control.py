@@ -45,7 +45,7 @@ class Control(harness.Folder, unittest.TestCase):
         self.assertEqual(self.stamp(case, "0.003")["value"], 3 * 1e-3)
 
     def test_clocks(self):
-        """A write each tenth of a second of clock or processor time."""
+        """A write each fifth of a second of clock or processor time."""
         for kind in ("clockTime", "cpuTime"):
             case = self.make(kind, n=(80, 60, 1), end=1e3, control=kind, interval=0.2)
             run = subprocess.Popen([GAS, "-case", case], stdout=subprocess.PIPE, text=True)
