@@ -93,15 +93,19 @@ void activity_find(struct gas *g, int tile, const double *U, int margin) {
         }
 }
 
-/* A row's span joined with those of the rows within GHOSTS along the axes above 0. */
-static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int inside) {
+static bool within(int i, int n, int margin) {
+    return i >= -margin && i < n + margin;
+}
+
+/* The spans within GHOSTS rows of row (j, k) along the axes above 0, joined; rows up to `margin` outside the tile
+ * count. */
+static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
     const struct activity *a = &g->activity;
     struct span s = SPAN_EMPTY;
     for (int m = -GHOSTS; m <= GHOSTS; m++) {
-        int low = inside ? 0 : -GHOSTS;
-        if (g->dim > 1 && j + m >= low && j + m < t->n[1] - low && (!inside || (k >= 0 && k < t->n[2])))
+        if (g->dim > 1 && within(j + m, t->n[1], margin) && within(k, t->n[2], 0))
             s = span_join(s, *activity_row(a, from, j + m, k));
-        if (g->dim > 2 && k + m >= low && k + m < t->n[2] - low && (!inside || (j >= 0 && j < t->n[1])))
+        if (g->dim > 2 && within(k + m, t->n[2], margin) && within(j, t->n[1], 0))
             s = span_join(s, *activity_row(a, from, j, k + m));
     }
     return s;
@@ -114,7 +118,7 @@ bool activity_spread(struct gas *g, int tile) {
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
             struct span s =
-                span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, 0));
+                span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));
             s.low = s.low < 0 ? 0 : s.low / BLOCK * BLOCK;
             s.high = (s.high + BLOCK - 1) / BLOCK * BLOCK;
             if (s.high > t->n[0]) s.high = t->n[0];
@@ -125,10 +129,9 @@ bool activity_spread(struct gas *g, int tile) {
     int reach1 = g->dim > 1 ? GHOSTS : 0, reach2 = g->dim > 2 ? GHOSTS : 0;
     for (int k = -reach2; any && k < t->n[2] + reach2; k++)
         for (int j = -reach1; j < t->n[1] + reach1; j++) {
-            bool out_j = j < 0 || j >= t->n[1], out_k = k < 0 || k >= t->n[2];
-            struct span s = SPAN_EMPTY;
-            if (!(out_j && out_k)) s = gather(g, t, a->active, j, k, 1);
-            if (!out_j && !out_k) s = span_join(s, widen(*activity_row(a, a->active, j, k), GHOSTS));
+            struct span s = gather(g, t, a->active, j, k, 0);
+            if (within(j, t->n[1], 0) && within(k, t->n[2], 0))
+                s = span_join(s, widen(*activity_row(a, a->active, j, k), GHOSTS));
             *activity_row(a, a->needed, j, k) = s;
         }
     return any;
