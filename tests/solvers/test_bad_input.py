@@ -607,8 +607,11 @@ class Folder(harness.Folder, unittest.TestCase):
         cls.bases = {}
 
     def call(self, program, *arguments, cwd=None):
-        return subprocess.run([os.path.join(harness.BIN, program), *arguments], capture_output=True, text=True,
+        done = subprocess.run([os.path.join(harness.BIN, program), *arguments], capture_output=True, text=True,
                               timeout=60, cwd=cwd, errors="replace")
+        # where /sys is missing (bare containers) a library of MPI says so first
+        done.stderr = "".join(line for line in done.stderr.splitlines(True) if not line.startswith("[hwloc/"))
+        return done
 
     def base(self, name):
         """The sound case, alone or after a run; made once."""
