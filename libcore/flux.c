@@ -25,20 +25,7 @@ static int family(int field, int dim) {
     return field == 0 ? MINUS : field == dim + 1 ? PLUS : ENTROPY;
 }
 
-/* b2 = 1 + b1 (u^2 - H) and the inverses */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
-ALWAYS_INLINE void complete_bases(int n, const int dim, struct bases *restrict b) {
-    for (int i = 0; i < n; i++) {
-        double t = 0;
-        for (int k = 1; k < dim; k++) t += b->u[k][i] * b->u[k][i];
-        double inverse_c = 1 / b->c[i];
-        double b1 = b->b1[i] * inverse_c * inverse_c; /* holds the Grueneisen coefficient until here */
-        b->inverse_b1[i] = 1 / b1;
-        b->b1[i] = b1;
-        b->b2[i] = 1 + b1 * (b->u[0][i] * b->u[0][i] + t - b->h[i]);
-        b->half_inverse_c[i] = 0.5 * inverse_c;
-    }
-}
 
 /* With s = (b2 q0 - b1 (u.q - q_E))/2 and d = (q_n - u_n q0)/(2c), the rows of L (physics 1.1) are
  *   l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+ q = s + d. */
@@ -178,17 +165,27 @@ KERNEL static void cell_bases(const struct faces *f, long offset, struct bases *
     }
 }
 
-/* h += u^2/2, then the rest; from here on h is the total enthalpy */
-KERNEL static void close_bases(int n, int dim, struct bases *restrict b) {
+/* From h = eps + p/rho and the Grueneisen coefficient in b1: total enthalpy h, b1 = p_eps/(rho c^2),
+ * b2 = 1 + b1 (u^2 - h). */
+ALWAYS_INLINE void close_dim(int n, const int dim, struct bases *restrict b) {
     for (int i = 0; i < n; i++) {
         double t = 0;
         if (dim > 1) t = b->u[1][i] * b->u[1][i];
         if (dim > 2) t += b->u[2][i] * b->u[2][i];
-        b->h[i] += 0.5 * (b->u[0][i] * b->u[0][i] + t);
+        double square = b->u[0][i] * b->u[0][i] + t, inverse_c = 1 / b->c[i];
+        double h = b->h[i] + 0.5 * square, b1 = b->b1[i] * inverse_c * inverse_c;
+        b->h[i] = h;
+        b->b1[i] = b1;
+        b->inverse_b1[i] = 1 / b1;
+        b->b2[i] = 1 + b1 * (square - h);
+        b->half_inverse_c[i] = 0.5 * inverse_c;
     }
-    if (dim == 1) complete_bases(n, 1, b);
-    if (dim == 2) complete_bases(n, 2, b);
-    if (dim == 3) complete_bases(n, 3, b);
+}
+
+KERNEL static void close_bases(int n, int dim, struct bases *b) {
+    if (dim == 1) close_dim(n, 1, b);
+    if (dim == 2) close_dim(n, 2, b);
+    if (dim == 3) close_dim(n, 3, b);
 }
 
 /* Bases of given states (rho, u, eps lines); u is in b->u already. */
