@@ -118,10 +118,6 @@ void comm_broadcast(const struct comm *c, void *data, long bytes) {
     }
 }
 
-void comm_barrier(const struct comm *c) {
-    if (c->size > 1) MPI_Barrier(c->world);
-}
-
 status comm_agree(const struct comm *c, status mine) {
     if (c->size == 1) return mine;
     int first = mine ? c->rank : c->size;

@@ -25,7 +25,6 @@ void comm_sum_long(const struct comm *c, long *value, int n);
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total);
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total);
 void comm_broadcast(const struct comm *c, void *data, long bytes); /* from root */
-void comm_barrier(const struct comm *c);
 
 /* If any rank failed, every rank returns an error (the first failing rank's text); else OK. */
 status comm_agree(const struct comm *c, status mine);

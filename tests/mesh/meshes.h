@@ -4,30 +4,12 @@
 
 #include "mesh/polymesh.h"
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h> /* last: its macro `fail` would hide ours */
-
-static inline void ok(status s) {
-    if (s) fail_msg("%s", status_text(s));
-}
-
-/* The error must hold every part of `parts`, which '|' separates. */
-static inline void says(status s, const char *parts) {
-    char copy[512];
-    if (!s) fail_msg("no error; expected '%s'", parts);
-    snprintf(copy, sizeof copy, "%s", parts);
-    for (char *p = strtok(copy, "|"); p; p = strtok(NULL, "|"))
-        if (!strstr(status_text(s), p)) fail_msg("'%s' does not hold '%s'", status_text(s), p);
-    status_free(s);
-}
+#include "tests/checks.h" /* last */
 
 struct recipe {
     int n[3];
