@@ -83,7 +83,6 @@ void sink_printf(struct sink *s, const char *format, ...) __attribute__((format(
 void sink_write(struct sink *s, const void *data, size_t bytes);
 /* Flushes and renames; any error since sink_open (full disk) is returned here, and the old file is left. */
 status sink_close(struct sink *s);
-void sink_abandon(struct sink *s); /* removes the temporary file */
 
 /* `FoamFile { version 2.0; format ...; arch ...; class ...; note (if not NULL); location ...; object ...; }` */
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,

@@ -134,13 +134,6 @@ status sink_close(struct sink *s) {
     return e;
 }
 
-void sink_abandon(struct sink *s) {
-    if (!s) return;
-    shut(s);
-    unlink(s->temporary);
-    sink_free(s);
-}
-
 /* ---- headers and lists ---- */
 
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,

@@ -182,9 +182,6 @@ int dict_count(const struct dict *d) {
 const char *dict_key(const struct dict *d, int i) {
     return d->entry[i].key;
 }
-bool dict_is_sub(const struct dict *d, int i) {
-    return d->entry[i].sub != NULL;
-}
 
 /* ---- names ---- */
 

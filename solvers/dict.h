@@ -51,7 +51,6 @@ status dict_raw(struct dict *d, const char *key, struct lexer *out);
 /* Entries in order, for dictionaries whose keys are names (patches, functions). */
 int dict_count(const struct dict *d);
 const char *dict_key(const struct dict *d, int i);
-bool dict_is_sub(const struct dict *d, int i);
 
 /* Error for the first key, in d and below, that no read asked for: "FILE:LINE: keyword 'maxC0' is not used; did you
  * mean 'maxCo'?" from the keys that were asked for in that dictionary. */
