@@ -13,10 +13,12 @@
 #include "libcore/source.h"
 #include "mesh/forest.h"
 
-struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - a[s]) (U + dt L(U)) for each stage */
+struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) each stage */
     const char *name, *about;
     int stages;
-    double a[4];
+    int exchange;   /* after so many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
+    double courant; /* largest maxCo that preserves what the Euler step does at 1 */
+    double a[10], b[10];
 };
 extern const struct stepper stepper_table[];
 extern const int stepper_count;

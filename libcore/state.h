@@ -74,6 +74,9 @@ void ghosts_of_patches(const struct gas *g, int tile, double *U);
  * admissible and raises their flags. */
 int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from, double *to, double a, double dt);
 
+/* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
+void stepper_exchange(const struct gas *g, double *const *start, double *const *next, double *const *state);
+
 /* Is every cell of the row admissible? Returns how many are not; marks[i] (or NULL) is raised by 1 there. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);
 

@@ -1,19 +1,6 @@
 /* One time step: sources, Runge-Kutta stages with their safety net, rejection. */
 #include "libcore/state.h"
 
-const struct stepper stepper_table[] = {
-    {"SSPRK3", "three stages, third order (Shu & Osher 1988)", 3, {0, 3. / 4, 1. / 3}},
-    {"SSPRK2", "two stages, second order (Heun)", 2, {0, 1. / 2}},
-    {"Euler", "one stage, first order", 1, {0}},
-};
-const int stepper_count = sizeof stepper_table / sizeof *stepper_table;
-
-const struct stepper *stepper_find(const char *name) {
-    for (int i = 0; i < stepper_count; i++)
-        if (!strcmp(name, stepper_table[i].name)) return &stepper_table[i];
-    return NULL;
-}
-
 struct half_step {
     const struct gas *g;
     const double *from;
@@ -162,12 +149,15 @@ static void swap(double ***a, double ***b) {
     *b = c;
 }
 
-/* The stages from U0 (left as it is) to V; false: some state could not be mended. */
+/* The stages from U0 (left as it is, if it is not g->U0) to V; false: some state could not be mended. */
 static bool do_stages(struct gas *g, double **U0, double dt) {
     const struct stepper *s = g->models.stepper;
     for (int stage = 0; stage < s->stages; stage++) {
-        if (!do_stage(g, U0, stage ? g->V : U0, g->W, s->a[stage], dt)) return false;
+        if (!do_stage(g, U0, stage ? g->V : U0, g->W, s->a[stage], s->b[stage] * dt)) return false;
         swap(&g->V, &g->W);
+        if (stage + 1 != s->exchange) continue;
+        stepper_exchange(g, U0, g->U0, g->V);
+        U0 = g->U0;
     }
     return true;
 }

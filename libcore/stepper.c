@@ -1,0 +1,46 @@
+/* The Runge-Kutta rows, and what they need beside the stages of step.c. */
+#include "libcore/state.h"
+
+#define ALL(x)                                                                                                         \
+    { x, x, x, x, x, x, x, x, x, x }
+
+/* a, b: struct stepper. Ketcheson's two registers are the state and the start, which the fifth stage exchanges for
+ * 0.1 start + 0.9 state, the state becoming 0.6 start + 0.4 state: all are convex, so admissible. */
+const struct stepper stepper_table[] = {
+    {"SSPRK3", "three stages, third order, maxCo up to 1 (Shu & Osher 1988)", 3, 0, 1, {0, 3. / 4, 1. / 3}, ALL(1)},
+    {"SSPRK43", "four stages, third order, maxCo up to 2 (Spiteri & Ruuth 2002)", 4, 0, 2, {0, 0, 2. / 3}, ALL(0.5)},
+    {"SSPRK104", "ten stages, fourth order, maxCo up to 6 (Ketcheson 2008)", 10, 5, 6, {[9] = 0.4}, ALL(1. / 6)},
+    {"SSPRK2", "two stages, second order, maxCo up to 1 (Heun)", 2, 0, 1, {0, 1. / 2}, ALL(1)},
+    {"Euler", "one stage, first order, maxCo up to 1", 1, 0, 1, {0}, ALL(1)},
+};
+const int stepper_count = sizeof stepper_table / sizeof *stepper_table;
+
+const struct stepper *stepper_find(const char *name) {
+    for (int i = 0; i < stepper_count; i++)
+        if (!strcmp(name, stepper_table[i].name)) return &stepper_table[i];
+    return NULL;
+}
+
+struct exchange {
+    long size;
+    int nvar;
+    const double *start;
+    double *next, *state;
+};
+
+static void exchange_visit(void *context, long offset, int n) {
+    const struct exchange *x = context;
+    for (int v = 0; v < x->nvar; v++)
+        for (long i = v * x->size + offset; i < v * x->size + offset + n; i++) {
+            double start = x->start[i], state = x->state[i];
+            x->next[i] = start + 0.9 * (state - start);
+            x->state[i] = start + 0.4 * (state - start);
+        }
+}
+
+void stepper_exchange(const struct gas *g, double *const *start, double *const *next, double *const *state) {
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct exchange x = {g->forest->size, g->nvar, start[t], next[t], state[t]};
+        rows_visit(g->forest, &g->forest->tile[t], 0, exchange_visit, &x);
+    }
+}
