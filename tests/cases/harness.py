@@ -10,9 +10,10 @@ SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirn
 BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
+import boxes  # noqa: E402
 import expected  # noqa: E402
 import haff  # noqa: E402
-from tests.cases import boxes  # noqa: E402
+from boxes import box_case, write_dictionary  # noqa: E402, F401
 
 
 def program(name, *arguments, ranks=1, check=True, timeout=900):
@@ -105,46 +106,3 @@ def entries(name, **wanted):
     """The short entries of a case's expected.json that have these properties (or do not mention them)."""
     path = os.path.join(SOURCE, "cases", name)
     return [e for e in expected.load(path, "short") if all(e.get(k, v) == v for k, v in wanted.items())]
-
-
-CONTROL = """application granularGas; startFrom latestTime; startTime 0; stopAt endTime; endTime {end!r};
-deltaT {step!r}; adjustTimeStep {adjust}; maxCo 0.5; writeControl {control}; writeInterval {interval!r};
-writeFormat {format}; writePrecision {digits}; writeCompression {compression}; timeFormat general; timePrecision 12;
-runTimeModifiable no;
-"""
-PROPERTIES = """grain {{ diameter 0.1; mass 1; restitution {e!r}; }}
-equationOfState {eos};
-{eos}Coeffs {{ gamma 1.6666666666666667; }}
-cooling {cooling}; transport none;
-"""
-SCHEMES = "fluxScheme {flux}; reconstruct {reconstruct}; timeScheme SSPRK3;\n"
-STANDARD = {"eos": "GoldshteinShapiro", "e": 1.0, "cooling": "none", "flux": "common", "reconstruct": "PHM", "adjust": "yes", "step": 1e-6,
-            "control": "adjustableRunTime", "interval": None, "format": "binary", "digits": 17, "compression": "off", "types": None, "slip": ()}
-
-
-def write_dictionary(case, location, name, text):
-    os.makedirs(os.path.join(case, location), exist_ok=True)
-    with open(os.path.join(case, location, name), "w") as f:
-        f.write(boxes.header("dictionary", name, location) + text)
-
-
-def box_case(case, n, size, rho, u, p, end, **options):
-    """A case on a box of n cells from arrays in the cells (u: [cells][3]). options: see STANDARD; types is for
-    boxes.write_mesh, patches in `slip` are slip walls, all others are zero gradient, cyclic or empty."""
-    o = {**STANDARD, **options}
-    boxes.write_mesh(case, n, size, o["types"])
-    rules = {"scalar": [], "U": []}
-    for name, (kind, _, _) in haff.Mesh(os.path.join(case, "constant", "polyMesh")).patches.items():
-        kind = kind if kind in ("empty", "cyclic") else "zeroGradient"
-        rules["scalar"].append(f"{name} {kind}")
-        rules["U"].append(f"{name} {'slip' if name in o['slip'] else kind}")
-    for name, values in (("rho", rho), ("p", p), ("U", u)):
-        boxes.write_field(case, name, values, "\n".join(rules.get(name, rules["scalar"])))
-    o["interval"] = o["interval"] or end
-    write_dictionary(case, "system", "controlDict", CONTROL.format(end=end, **o))
-    write_dictionary(case, "system", "fvSchemes", SCHEMES.format(**o))
-    write_dictionary(case, "system", "fvSolution", "")
-    write_dictionary(case, "constant", "granularProperties", PROPERTIES.format(**o))
-    if "gravity" in o:
-        write_dictionary(case, "constant", "g", "dimensions [0 1 -2 0 0 0 0];\nvalue (%r %r %r);\n" % o["gravity"])
-    return case

@@ -5,7 +5,8 @@ import shutil
 
 import numpy as np
 
-from tests.cases import boxes, harness
+from tests.cases import harness
+from tests.cases.harness import boxes
 
 FIELDS = ("rho", "alpha", "U", "T", "p", "rhoU", "rhoE")
 TABLES = """functions

@@ -4,7 +4,8 @@ import unittest
 
 import numpy as np
 
-from tests.cases import boxes, harness
+from tests.cases import harness
+from tests.cases.harness import boxes
 from riemann import BLAST
 
 LENGTH, CELLS, END = 10.0, 60, 1.5

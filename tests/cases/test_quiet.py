@@ -4,7 +4,8 @@ import unittest
 
 import numpy as np
 
-from tests.cases import boxes, harness
+from tests.cases import harness
+from tests.cases.harness import boxes
 from eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)

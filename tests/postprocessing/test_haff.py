@@ -7,7 +7,8 @@ import unittest
 
 import numpy as np
 
-from tests.cases import boxes, harness
+from tests.cases import harness
+from tests.cases.harness import boxes
 from tests.cases.harness import haff
 
 

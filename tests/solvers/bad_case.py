@@ -1,7 +1,7 @@
 """A small sound case for test_bad_input.py: 6 x 4 cells with an inlet, a wall, a cyclic pair and an empty patch."""
 import os
 
-from tests.cases import boxes
+from tests.cases.harness import boxes
 
 CELLS, SIZE = (6, 4, 1), (6.0, 4.0, 1.0)
 TYPES = {"xLow": "patch", "xHigh": "wall", "y": "cyclic", "z": "empty"}

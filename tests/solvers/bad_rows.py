@@ -3,7 +3,7 @@ import os
 import re
 import shutil
 
-from tests.cases import boxes
+from tests.cases.harness import boxes
 from tests.solvers import bad_case
 
 

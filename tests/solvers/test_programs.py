@@ -9,7 +9,8 @@ import unittest
 
 import numpy as np
 
-from tests.cases import boxes, harness
+from tests.cases import harness
+from tests.cases.harness import boxes
 
 CELLS, SIZE = 8, (1.0, 0.1, 0.1)
 CONTROL, PROPERTIES, SCHEMES = "system/controlDict", "constant/granularProperties", "system/fvSchemes"
