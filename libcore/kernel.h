@@ -1,7 +1,8 @@
 /* What every kernel shares: the batch, the instruction sets, and a power function with the same bits everywhere.
  *
  * A kernel works on lines of at most BATCH numbers: variables outside, faces (or cells) inside. It cannot fail, calls
- * no library function in a loop but sqrt and fabs (both exact to the last bit), and selects where others branch. */
+ * no library function in a loop but sqrt, fabs and fma (all exact to the last bit), and selects where others branch.
+ * Terms that a swap of axes or a mirror exchanges are added without fma, which would tell them apart. */
 #ifndef LIBCORE_KERNEL_H
 #define LIBCORE_KERNEL_H
 
@@ -22,6 +23,7 @@ enum {
 #else
 #define KERNEL
 #endif
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 static inline double select_double(bool condition, double yes, double no) {
     return condition ? yes : no;

@@ -1,8 +1,11 @@
-#include "libcore/reconstruct.h"
-#include "libcore/kernel.h"
+#include "libcore/characteristic.h"
 
-static void first_order(int n, const double *const q[5], double *restrict out) {
-    memcpy(out, q[2], (size_t)n * sizeof *out);
+/* A row of the table is a function of the five cells of a stencil; ROW makes its loops: over lines, and over faces
+ * with the projection on their eigenbases. */
+
+ALWAYS_INLINE double first_order(double a, double b, double c, double d, double e) {
+    (void)a, (void)b, (void)d, (void)e;
+    return c;
 }
 
 /* Piecewise hyperbolic method, Marquina (1994); physics 1.2. With differences l, r of one sign, harmonic mean
@@ -10,93 +13,110 @@ static void first_order(int n, const double *const q[5], double *restrict out) {
  *   r(1/2) = q + d/2 [1/(1 - z) - (atanh(z)/z - 1)/z],   (atanh(z)/z - 1)/z = z (1/3 + z^2/5 + z^4/7 ..)
  * With s = l + r and the root in z: 1/(1 - z) = s (2 + root)/(2 (s + l)) if |l| <= |r|, else s root/(2 l).
  * The series is a Chebyshev fit on z^2 <= (sqrt 2 - 1)^2, error 6e-15: no logarithm, no cancellation at z = 0. */
-KERNEL static void phm(int n, const double *const q[5], double *restrict out) {
-    const double *restrict a = q[1], *restrict b = q[2], *restrict c = q[3];
-    double big[BATCH], below[BATCH], sign[BATCH]; /* chosen in a loop of their own: else both choices are carried on */
-    for (int i = 0; i < n; i++) {
-        double l = b[i] - a[i], r = c[i] - b[i];
-        bool right_larger = fabs(l) <= fabs(r);
-        big[i] = right_larger ? r : l;
-        below[i] = right_larger ? l + r + l : l;
-        sign[i] = right_larger ? 1 : -1;
-    }
-    for (int i = 0; i < n; i++) {
-        double l = b[i] - a[i], r = c[i] - b[i], sum = l + r;
-        double inverse = 1 / (sum * below[i]); /* one division for 1/sum and 1/(1 - z) */
-        double root = sqrt(2 * big[i] * (below[i] * inverse));
-        double z = sign[i] * (root - 1), w = z * z, w2 = w * w, w4 = w2 * w2;
-        double series =
-            ((0.33333333333332907 + 0.20000000000496251 * w) + (0.14285714190649538 + 0.11111118149621544 * w) * w2) +
-            (((0.090906456173762298 + 0.076979387131951564 * w) +
-              (0.065940553207767167 + 0.064531900997139819 * w) * w2) +
-             (0.026302098770333701 + 0.10997920174382668 * w) * w4) *
-                w4;
-        double pole = 0.5 * (sum * sum) * inverse * (1 + sign[i] + root); /* 1/(1 - z) */
-        double change = l * r * (below[i] * inverse) * (pole - z * series);
-        out[i] = l * r > 0 ? b[i] + change : b[i];
-    }
+ALWAYS_INLINE double phm(double a, double b, double c, double d, double e) {
+    (void)a, (void)e;
+    double l = c - b, r = d - c, sum = l + r;
+    double wide = fabs(l) <= fabs(r) ? 1 : 0, big = wide > 0 ? r : l, sign = fma(2, wide, -1);
+    double below = fma(wide, sum, l);   /* s + l or l */
+    double inverse = 1 / (sum * below); /* one division for 1/sum and 1/(1 - z) */
+    double inverse_sum = below * inverse, root = sqrt(2 * big * inverse_sum);
+    double z = sign * (root - 1), w = z * z, w2 = w * w, w4 = w2 * w2;
+    double s0 = fma(0.20000000000496251, w, 0.33333333333332907);
+    double s1 = fma(0.11111118149621544, w, 0.14285714190649538);
+    double s2 = fma(0.076979387131951564, w, 0.090906456173762298);
+    double s3 = fma(0.064531900997139819, w, 0.065940553207767167);
+    double s4 = fma(0.10997920174382668, w, 0.026302098770333701);
+    double series = fma(fma(s4, w4, fma(s3, w2, s2)), w4, fma(s1, w2, s0));
+    double pole = 0.5 * (sum * sum) * inverse * (1 + sign + root); /* 1/(1 - z) */
+    double change = l * r * inverse_sum * fma(-z, series, pole);
+    return l * r > 0 ? c + change : c;
 }
 
 /* Squared scale of a stencil times 1e-6: the epsilon of the weights, so that they do not depend on the unit. */
-static inline double weight_epsilon(double a, double b, double c, double d, double e) {
-    return 2e-7 * (a * a + b * b + c * c + d * d + e * e) + 1e-40;
+ALWAYS_INLINE double weight_epsilon(double a, double b, double c, double d, double e) {
+    return fma(2e-7, fma(a, a, b * b) + fma(c, c, d * d) + e * e, 1e-40);
 }
 
 /* WENO5 of Jiang & Shu (1996), linear weights 1/10, 6/10, 3/10, written in differences (constants are kept exactly)
- * with the three weights on one denominator. */
-KERNEL static void weno5(int n, const double *const q[5], double *restrict out) {
-    const double *restrict qa = q[0], *restrict qb = q[1], *restrict qc = q[2], *restrict qd = q[3],
-                           *restrict qe = q[4];
-    for (int i = 0; i < n; i++) {
-        double a = qa[i], b = qb[i], c = qc[i], d = qd[i], e = qe[i];
-        double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d, epsilon = weight_epsilon(a, b, c, d, e);
-        double t0 = e2 - e1, t1 = e3 - e2, t2 = e4 - e3;
-        double s0 = 3 * e2 - e1, s1 = e2 + e3, s2 = 3 * e3 - e4;
-        double b0 = epsilon + 13. / 12 * (t0 * t0) + 0.25 * (s0 * s0);
-        double b1 = epsilon + 13. / 12 * (t1 * t1) + 0.25 * (s1 * s1);
-        double b2 = epsilon + 13. / 12 * (t2 * t2) + 0.25 * (s2 * s2);
-        b0 *= b0;
-        b1 *= b1;
-        b2 *= b2;
-        double n0 = b1 * b2, n1 = 6 * (b0 * b2), n2 = 3 * (b0 * b1);
-        double sum = n0 * (5 * e2 - 2 * e1) + n1 * (e2 + 2 * e3) + n2 * (4 * e3 - e4);
-        out[i] = c + sum / (6 * (n0 + n1 + n2));
-    }
+ * with the three weights on one denominator; smoothness indicators times 12/13. */
+ALWAYS_INLINE double weno5(double a, double b, double c, double d, double e) {
+    double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d;
+    double epsilon = weight_epsilon(a, b, c, d, e);
+    double t0 = e2 - e1, t1 = e3 - e2, t2 = e4 - e3;
+    double s0 = fma(3, e2, -e1), s1 = e2 + e3, s2 = fma(3, e3, -e4);
+    double b0 = fma(t0, t0, fma(3. / 13 * s0, s0, epsilon));
+    double b1 = fma(t1, t1, fma(3. / 13 * s1, s1, epsilon));
+    double b2 = fma(t2, t2, fma(3. / 13 * s2, s2, epsilon));
+    b0 *= b0;
+    b1 *= b1;
+    b2 *= b2;
+    double n0 = b1 * b2, n1 = 6 * (b0 * b2), n2 = 3 * (b0 * b1);
+    double sum = fma(n0, fma(5, e2, -2 * e1), fma(n1, fma(2, e3, e2), n2 * fma(4, e3, -e4)));
+    return c + sum / (6 * (n0 + n1 + n2));
 }
 
 /* power_3 limiter of Serna & Marquina (2004): the mean of x and y of one sign, reduced by 1 - |(x - y)/(x + y)|^3. */
-static inline double power3(double x, double y) {
+ALWAYS_INLINE double power3(double x, double y) {
     double sum = x + y, t = fabs((x - y) / sum);
-    return select_double((x > 0 && y > 0) || (x < 0 && y < 0), 0.5 * sum * (1 - t * t * t), 0);
+    return x * y > 0 ? 0.5 * sum * fma(-t * t, t, 1) : 0;
 }
 
 /* Weighted PowerENO5, Serna & Marquina (2004); physics 1.2: linear weights 1/5, 1/5, 3/5 of the left, central and right
  * parabola, whose second differences are limited by power_3. */
-KERNEL static void wpeno5(int n, const double *const q[5], double *restrict out) {
-    const double *restrict qa = q[0], *restrict qb = q[1], *restrict qc = q[2], *restrict qd = q[3],
-                           *restrict qe = q[4];
-    for (int i = 0; i < n; i++) {
-        double a = qa[i], b = qb[i], c = qc[i], d = qd[i], e = qe[i];
-        double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d, epsilon = weight_epsilon(a, b, c, d, e);
-        double D = e3 - e2, PL = power3(e2 - e1, D), PR = power3(D, e4 - e3);
-        double sl = e2 + 0.5 * PL, sc = 0.5 * (e2 + e3), sr = e3 - 0.5 * PR;
-        double bl = epsilon + 13. / 12 * (PL * PL) + sl * sl;
-        double bc = epsilon + 13. / 12 * (D * D) + sc * sc;
-        double br = epsilon + 13. / 12 * (PR * PR) + sr * sr;
-        bl *= bl;
-        bc *= bc;
-        br *= br;
-        double nl = bc * br, nc = bl * br, nr = 3 * (bl * bc);
-        double sum = nl * (3 * e2 + 2 * PL) + nc * (e2 + 2 * e3) + nr * (3 * e3 - PR);
-        out[i] = c + sum / (6 * (nl + nc + nr));
-    }
+ALWAYS_INLINE double wpeno5(double a, double b, double c, double d, double e) {
+    double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d, epsilon = weight_epsilon(a, b, c, d, e);
+    double D = e3 - e2, PL = power3(e2 - e1, D), PR = power3(D, e4 - e3);
+    double sl = fma(0.5, PL, e2), sc = 0.5 * (e2 + e3), sr = fma(-0.5, PR, e3);
+    double bl = fma(13. / 12 * PL, PL, fma(sl, sl, epsilon));
+    double bc = fma(13. / 12 * D, D, fma(sc, sc, epsilon));
+    double br = fma(13. / 12 * PR, PR, fma(sr, sr, epsilon));
+    bl *= bl;
+    bc *= bc;
+    br *= br;
+    double nl = bc * br, nc = bl * br, nr = 3 * (bl * bc);
+    double sum = fma(nl, fma(3, e2, 2 * PL), fma(nc, fma(2, e3, e2), nr * fma(3, e3, -PR)));
+    return c + sum / (6 * (nl + nc + nr));
 }
 
+ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], double *restrict out) {
+    const double *a = q[0], *b = q[1], *c = q[2], *d = q[3], *e = q[4];
+    for (int i = 0; i < n; i++) out[i] = value(a[i], b[i], c[i], d[i], e[i]);
+}
+
+#define LOOPS(value)                                                                                                   \
+    KERNEL static void value##_line(int n, const double *const q[5], double *restrict out) {                           \
+        line(value, n, q, out);                                                                                        \
+    }                                                                                                                  \
+    KERNEL static void value##_upwind(int from, int to, const struct faces *f, const struct bases *restrict b,         \
+                                      const struct winds *restrict w, double drop, double(*restrict a)[BATCH]) {       \
+        if (f->dim == 1) upwind(1, value, from, to, f, b, w, drop, a);                                                 \
+        if (f->dim == 2) upwind(2, value, from, to, f, b, w, drop, a);                                                 \
+        if (f->dim == 3) upwind(3, value, from, to, f, b, w, drop, a);                                                 \
+    }                                                                                                                  \
+    KERNEL static void value##_split(int from, int to, const struct faces *f, const struct bases *restrict b,          \
+                                     const struct winds *restrict w, double(*restrict a)[BATCH]) {                     \
+        if (f->dim == 1) split(1, value, from, to, f, b, w, a);                                                        \
+        if (f->dim == 2) split(2, value, from, to, f, b, w, a);                                                        \
+        if (f->dim == 3) split(3, value, from, to, f, b, w, a);                                                        \
+    }                                                                                                                  \
+    KERNEL static void value##_sided(int from, int to, const struct faces *f, const struct bases *restrict b,          \
+                                     const struct winds *restrict w, double side, double(*restrict a)[BATCH]) {        \
+        if (f->dim == 1) sided(1, value, from, to, f, b, w, side, a);                                                  \
+        if (f->dim == 2) sided(2, value, from, to, f, b, w, side, a);                                                  \
+        if (f->dim == 3) sided(3, value, from, to, f, b, w, side, a);                                                  \
+    }
+LOOPS(phm)
+LOOPS(wpeno5)
+LOOPS(weno5)
+LOOPS(first_order)
+#define ROW(name, about, reach, value)                                                                                 \
+    { name, about, reach, value##_line, value##_upwind, value##_split, value##_sided }
+
 const struct reconstruct reconstruct_table[] = {
-    {"PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm},
-    {"WPENO5", "Weighted PowerENO5 (Serna & Marquina 2004)", 2, wpeno5},
-    {"WENO5", "WENO5 with the weights of Jiang & Shu (1996)", 2, weno5},
-    {"firstOrder", "the cell's value", 0, first_order},
+    ROW("PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm),
+    ROW("WPENO5", "Weighted PowerENO5 (Serna & Marquina 2004)", 2, wpeno5),
+    ROW("WENO5", "WENO5 with the weights of Jiang & Shu (1996)", 2, weno5),
+    ROW("firstOrder", "the cell's value", 0, first_order),
 };
 const int reconstruct_count = sizeof reconstruct_table / sizeof *reconstruct_table;
 
