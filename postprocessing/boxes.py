@@ -34,8 +34,9 @@ def corner_points(axis, n):
     return np.array([0, a, a + b, b]), step[axis]
 
 
-def write_mesh(case, n, size, types=None, hole=None, binary=False):
-    """hole: boolean [cells] of the full box, True where there is no cell. Returns {patch: type}."""
+def write_mesh(case, n, size, types=None, hole=None, hole_patch=None, binary=False):
+    """hole: boolean [cells] of the full box, True where there is no cell; its faces belong to the patches of their
+    axis, or to one patch named hole_patch. Returns {patch: type}."""
     n = np.array(n)
     number = np.full(n[::-1], -1)
     keep = np.ones(n.prod(), bool) if hole is None else ~hole
@@ -57,6 +58,10 @@ def write_mesh(case, n, size, types=None, hole=None, binary=False):
         for side, missing, points in (("Low", below < 0, (base[:, None] + offset)[:, [0, 3, 2, 1]]),
                                       ("High", above < 0, base[:, None] + offset + step)):
             name = AXES[axis] + ("Empty" if n[axis] == 1 else side)
+            inside = missing & (at[:, axis] != (0 if side == "Low" else n[axis] - 1))
+            if hole_patch and inside.any():
+                outer.setdefault(hole_patch, []).append((me[inside], points[inside]))
+                missing = missing & ~inside
             outer.setdefault(name, []).append((me[missing], points[missing]))
     owner, neighbour, faces = (np.concatenate(v) for v in zip(*inner))
     order = np.lexsort((neighbour, owner))
@@ -67,6 +72,7 @@ def write_mesh(case, n, size, types=None, hole=None, binary=False):
         owner.append(cells)
         faces.append(points)
         kind = "empty" if name.endswith("Empty") else (types or {}).get(name, (types or {}).get(name[0], "patch"))
+        kind = "wall" if name == hole_patch else kind
         patches.append((name, kind, len(cells), start))
         start += len(cells)
     write_files(os.path.join(case, "constant", "polyMesh"), n, size, np.concatenate(owner), neighbour,
@@ -155,7 +161,7 @@ SCHEMES = "fluxScheme {flux}; reconstruct {reconstruct}; timeScheme {stepper};\n
 STANDARD = {"eos": "GoldshteinShapiro", "gamma": 5 / 3, "e": 1.0, "cooling": "none", "flux": "common", "reconstruct": "PHM",
             "stepper": "SSPRK3", "adjust": "yes", "step": 1e-6, "courant": 0.5, "control": "adjustableRunTime", "interval": None,
             "purge": 0, "format": "binary", "digits": 17, "compression": "off", "types": None, "slip": (), "hole": None,
-            "binary": False}
+            "hole_patch": None, "binary": False}
 
 
 def box_case(case, n, size, rho, u, p, end, **options):
@@ -163,7 +169,7 @@ def box_case(case, n, size, rho, u, p, end, **options):
     write_mesh, patches in `slip` are slip walls, all others are zero gradient, cyclic or empty; binary: mesh and fields."""
     o = {**STANDARD, **options}
     rules = {"scalar": [], "U": []}
-    for name, kind in write_mesh(case, n, size, o["types"], o["hole"], o["binary"]).items():
+    for name, kind in write_mesh(case, n, size, o["types"], o["hole"], o["hole_patch"], o["binary"]).items():
         kind = kind if kind in ("empty", "cyclic") else "zeroGradient"
         rules["scalar"].append(f"{name} {kind}")
         rules["U"].append(f"{name} {'slip' if name in o['slip'] else kind}")

@@ -1,0 +1,116 @@
+"""workPrecision --quick through the real programs: rows, errors that fall with the grid, and the time of rhoCentralFoam."""
+import csv
+import os
+import shutil
+import subprocess
+import unittest
+
+import numpy as np
+
+from tests.cases import harness
+
+TOOL = os.path.join(harness.SOURCE, "postprocessing", "workPrecision")
+
+
+def tool(*arguments):
+    return subprocess.run([TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
+
+
+class Quick(harness.Folder, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.done = tool("--quick", "--out", cls.folder)
+        with open(os.path.join(cls.folder, "workPrecision.csv"), newline="") as f:
+            cls.rows = list(csv.DictReader(f))
+
+    def series(self, **wanted):
+        """{(problem, code, scheme): [(cells, CPU seconds, error)] by cells}."""
+        found = {}
+        for r in self.rows:
+            if all(r[k] == v for k, v in wanted.items()):
+                key = tuple(r[k] for k in ("problem", "code", "flux", "reconstruct", "stepper", "courant"))
+                found.setdefault(key, []).append((int(r["cells"]), float(r["cpu"]), float(r["error"])))
+        return {k: sorted(v) for k, v in found.items()}
+
+    def test_files(self):
+        self.assertEqual(self.done.returncode, 0, self.done.stdout[-2000:] + self.done.stderr[-2000:])
+        with open(os.path.join(self.folder, "workPrecision.md")) as f:
+            text = f.read()
+        for problem in ("vortex", "wave", "shear", "sod", "blast"):
+            self.assertIn(f"## {problem}:", text)
+        with open(os.path.join(self.folder, "workPrecision.png"), "rb") as f:
+            self.assertEqual(f.read(4), b"\x89PNG")
+
+    def test_errors_fall(self):
+        series = self.series(code="haff")
+        self.assertGreaterEqual(len(series), 15)  # five problems, three reconstructions
+        for key, points in series.items():
+            with self.subTest(" ".join(key)):
+                self.assertGreaterEqual(len(points), 2)
+                for (_, _, coarse), (_, _, fine) in zip(points, points[1:]):
+                    self.assertLess(fine, coarse)
+                self.assertTrue(all(cpu > 0 for _, cpu, _ in points))
+
+    def test_orders(self):
+        """WENO5 on the smooth problems gains more than third order, on Sod's tube less than first, which a wrong exact
+        solution or a wrong norm would not show."""
+        for problem, low, high in (("vortex", 3, 6), ("wave", 2.8, 6), ("sod", 0.6, 1.0)):
+            with self.subTest(problem):
+                (n0, _, e0), *_, (n1, _, e1) = self.series(problem=problem, reconstruct="WENO5")[
+                    problem, "haff", "common", "WENO5", "SSPRK3", "1"]
+                order = np.log(e0 / e1) / np.log(n1 / n0)
+                self.assertGreater(order, low)
+                self.assertLess(order, high)
+
+    @unittest.skipUnless(shutil.which("rhoCentralFoam"), "rhoCentralFoam (package openfoam) is not installed: no comparison")
+    def test_sooner_than_rhoCentralFoam(self):
+        foam = self.series(code="rhoCentralFoam")
+        self.assertEqual({key[0] for key in foam}, {"vortex", "sod"})
+        for (problem, *_), points in foam.items():
+            _, seconds, error = points[-1]
+            with self.subTest(problem):
+                ours = [cpu for series in self.series(code="haff", problem=problem).values() for _, cpu, e in series if e <= error]
+                self.assertTrue(ours, f"no run of ours reaches {error}")
+                self.assertGreater(seconds / min(ours), 1)
+
+    def test_continues(self):
+        """A second call with the same folder runs nothing again."""
+        again = tool("--quick", "--out", self.folder)
+        self.assertEqual(again.returncode, 0, again.stderr[-2000:])
+        self.assertNotIn("cpu", again.stdout)
+        with open(os.path.join(self.folder, "workPrecision.csv"), newline="") as f:
+            self.assertEqual(len(list(csv.DictReader(f))), len(self.rows))
+
+
+class Arguments(unittest.TestCase):
+    def test_help_and_mistakes(self):
+        self.assertIn("--quick", tool("-help").stdout)
+        wrong = tool("--problems", "vortex,sodd")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("no problem sodd", wrong.stderr)
+
+
+class References(harness.Folder, unittest.TestCase):
+    def test_kept(self):
+        """What is kept of two fine runs: block averages of their mean to 1e-6, the gap, and holes."""
+        from workPrecisionProblems import Step
+        step = Step()
+        step.fine = 20
+        values = np.random.default_rng(5).uniform(1, 2, int(step.kept(20).sum()))
+        step.keep(self.folder, [values, values + 0.1])
+        other = Step()
+        self.assertTrue(other.load([self.folder]))
+        self.assertEqual(other.fine, 20)
+        self.assertAlmostEqual(other.gap * step.scale, 0.1, delta=1e-7)
+        np.testing.assert_allclose(other.known(20), values + 0.05, rtol=2e-6)
+        square = np.full((20, 20), np.nan)
+        square.ravel()[step.kept(20)] = values + 0.05
+        np.testing.assert_allclose(other.known(4), square.reshape(4, 5, 4, 5).mean(axis=(1, 3)).ravel()[step.kept(4)], rtol=2e-6)
+        # 20 cells on 8: two and a half each
+        fine = np.repeat(np.repeat(square, 2, 0), 2, 1)
+        np.testing.assert_allclose(other.known(8), fine.reshape(8, 5, 8, 5).mean(axis=(1, 3)).ravel()[step.kept(8)], rtol=2e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
