@@ -36,19 +36,34 @@ static status make_activity(struct gas *g) {
         for (int k = 0; k < 2; k++)
             if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
     a->rows = rows[0] + 2 * GHOSTS;
+    a->nspans = a->rows * (rows[1] + 2 * GHOSTS);
     struct span **spans[] = {&a->differ, &a->active, &a->needed};
-    for (int i = 0; i < 3; i++)
-        TRY(allocate(spans[i], (long)a->rows * (rows[1] + 2 * GHOSTS), sizeof(struct span), "spans"));
+    for (int i = 0; i < 3; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));
+    return allocate(&a->quiet, 6L * g->forest->ntiles, sizeof(bool), "tiles");
+}
+
+static status make_state(const struct gas *g, struct state *s) {
+    const struct forest *f = g->forest;
+    TRY(make_blocks(f, g->nvar, &s->block));
+    TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
+    for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], g->activity.nspans, sizeof(struct span), "spans"));
+    activity_reset(g, s);
     return OK;
 }
 
+static void free_state(const struct forest *f, struct state *s) {
+    free_blocks(f, s->block);
+    for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
+    free(s->varied);
+}
+
 static status fill(struct gas *g) {
-    double ***blocks[] = {&g->U, &g->U0, &g->V, &g->W};
-    for (int i = 0; i < 4; i++) TRY(make_blocks(g->forest, g->nvar, blocks[i]));
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    TRY(make_activity(g));
+    for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
     TRY(make_blocks(g->forest, 1, &g->flag));
     TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
-    TRY(make_activity(g));
     return make_work(g);
 }
 
@@ -78,13 +93,15 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
 
 void gas_free(struct gas *g) {
     if (!g) return;
-    double **blocks[] = {g->U, g->U0, g->V, g->W, g->flag};
-    for (int i = 0; i < 5; i++) free_blocks(g->forest, blocks[i]);
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
+    free_blocks(g->forest, g->flag);
     free(g->flagged);
     free(g->sums);
     free(g->activity.differ);
     free(g->activity.active);
     free(g->activity.needed);
+    free(g->activity.quiet);
     double *single[] = {g->work.eps, g->work.p, g->work.c, g->work.gruneisen};
     for (int i = 0; i < 4; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(g->work.velocity[k]);
@@ -100,7 +117,8 @@ int gas_variables(const struct gas *g) {
 }
 
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) forest_scatter(g->forest, U[v], v, g->U);
+    for (int v = 0; v < g->nvar; v++) forest_scatter(g->forest, U[v], v, g->U.block);
+    activity_reset(g, &g->U);
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
@@ -123,7 +141,8 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
 }
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U, v, U[v]));
+    for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
+    for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, v, U[v]));
     return OK;
 }
 
@@ -184,7 +203,8 @@ static void field_visit(void *context, long offset, int n) {
 
 void gas_tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
     int components = field == GAS_U ? g->dim : 1;
-    struct reading r = {.g = g, .U = g->U[tile], .field = field};
+    struct reading r = {.g = g, .U = g->U.block[tile], .field = field};
+    activity_store_all(g, tile, &g->U);
     for (int c = 0; c < components; c++) r.out[c] = out[c];
     rows_visit(g->forest, &g->forest->tile[tile], 0, field_visit, &r);
 }
@@ -209,13 +229,13 @@ status gas_field(const struct gas *g, enum gas_field field, double *const out[3]
         double *lines[3] = {values, values + f->size, values + 2 * f->size};
         gas_tile_field(g, t, field, lines);
         for (int c = 0; c < components; c++) {
-            struct placing p = {.values = lines[c], .block = g->W[t] + c * f->size};
+            struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
             rows_visit(f, &f->tile[t], 0, place_visit, &p);
         }
     }
     free(values);
     for (int c = 0; c < components; c++)
-        TRY(forest_gather(f, (const double *const *)g->W, c, comm_root(f->comm) ? out[c] : NULL));
+        TRY(forest_gather(f, (const double *const *)g->W.block, c, comm_root(f->comm) ? out[c] : NULL));
     return OK;
 }
 
@@ -248,16 +268,16 @@ static void check_visit(void *context, long offset, int n) {
 status gas_check(const struct gas *g) {
     status s = OK;
     for (int t = 0; t < g->forest->ntiles && !s; t++) {
-        struct checking c = {.g = g, .U = g->U[t], .bad = -1};
+        struct checking c = {.g = g, .U = g->U.block[t], .bad = -1};
+        activity_store_all(g, t, &g->U);
         rows_visit(g->forest, &g->forest->tile[t], 0, check_visit, &c);
         if (c.bad < 0) continue;
         double place[3];
         cell_place(g, &g->forest->tile[t], c.bad, place);
-        primitives_of_row(g, g->U[t], c.bad, 1);
-        s = fail(ERR_STATE,
-                 "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
-                 place[0], place[1], place[2], g->U[t][c.bad], g->limit,
-                 (g->models.material.gamma - 1) * g->work.eps[c.bad]);
+        primitives_of_row(g, c.U, c.bad, 1);
+        s = fail(
+            ERR_STATE, "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
+            place[0], place[1], place[2], c.U[c.bad], g->limit, (g->models.material.gamma - 1) * g->work.eps[c.bad]);
     }
     return comm_agree(g->forest->comm, s);
 }
@@ -314,10 +334,9 @@ static void speed_visit(void *context, long offset, int n) {
 void gas_speed(struct gas *g, struct gas_speed *speed) {
     struct speeds s = {.g = g, .found = -1};
     for (int t = 0; t < g->forest->ntiles; t++) {
-        s.U = g->U[t];
-        activity_find(g, t, s.U, 0);
-        if (g->activity.reference >= 0) speed_visit(&s, g->activity.reference, 1); /* stands for all that equal it */
-        spans_visit(g, t, g->activity.differ, 0, speed_visit, &s);
+        s.U = g->U.block[t];
+        if (activity_find(g, t, &g->U)) speed_visit(&s, 0, 1); /* the background */
+        spans_visit(g, t, g->U.varied[t], 0, speed_visit, &s);
     }
     double all[5] = {s.rate, s.calm, s.axis[0], s.axis[1], s.axis[2]};
     comm_max(g->forest->comm, all, 5);
@@ -327,7 +346,8 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
     double best[4] = {HUGE_VAL, 0, 0, 0}; /* order in space decides between equals, not the rank */
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct speeds s = {.g = g, .U = g->U[t], .wanted = speed->rate, .found = -1};
+        struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
+        activity_store_all(g, t, &g->U);
         rows_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
         if (s.found < 0) continue;
         double here[3];
@@ -354,7 +374,8 @@ static void sum_visit(void *context, long offset, int n) {
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
     for (int v = 0; v < g->nvar; v++) {
         for (int t = 0; t < g->forest->ntiles; t++) {
-            struct summing s = {.q = g->U[t] + v * g->forest->size};
+            struct summing s = {.q = g->U.block[t] + v * g->forest->size};
+            activity_store_all(g, t, &g->U);
             rows_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
             g->sums[t] = s.sum;
         }

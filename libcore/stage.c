@@ -253,40 +253,37 @@ static void update_visit(void *context, long offset, int n) {
     u->g->computed += n;
 }
 
-/* The update of cells whose residual is exactly zero, with the bits of update_row. */
-KERNEL static void settle_row(int n, double a, const double *restrict U0, const double *restrict from,
-                              double *restrict to) {
-    for (int i = 0; i < n; i++) to[i] = from[i] + a * (U0[i] - from[i]);
-}
-
-static void settle(const struct update *u, int tile) {
-    const struct forest *f = u->g->forest;
-    const struct tile *t = &f->tile[tile];
-    for (int k = 0; k < t->n[2]; k++)
-        for (int j = 0; j < t->n[1]; j++) {
-            struct span s = *activity_row(&u->g->activity, u->g->activity.active, j, k);
-            if (span_empty(s)) s = (struct span){t->n[0], t->n[0]};
-            for (int v = 0; v < u->g->nvar; v++) {
-                long row = v * f->size + f->first + j * f->stride[1] + k * f->stride[2], high = row + s.high;
-                settle_row(s.low, u->a, u->U0 + row, u->from + row, u->to + row);
-                settle_row(t->n[0] - s.high, u->a, u->U0 + high, u->from + high, u->to + high);
-            }
-        }
-}
-
-int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from, double *to, double a, double dt) {
-    struct pass pass = {.g = g, .U = from};
-    struct update update = {.g = g, .U0 = U0, .from = from, .to = to, .flag = g->flag[tile], .a = a, .dt = dt};
-    activity_find(g, tile, from, GHOSTS);
-    if (activity_spread(g, tile)) {
-        spans_visit(g, tile, g->activity.needed, GHOSTS, primitive_visit, &pass);
-        for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
-            spans_visit(g, tile, g->activity.needed, GHOSTS, nodal_visit, &pass);
-            sweep_axis(g, tile, from, pass.axis);
-        }
-        spans_visit(g, tile, g->activity.active, 0, update_visit, &update);
+/* The update of a cell whose residual is exactly zero, with the bits of update_row. */
+static void settle_background(const struct update *u) {
+    for (int v = 0; v < u->g->nvar; v++) {
+        long at = v * u->g->forest->size;
+        u->to[at] = u->from[at] + u->a * (u->U0[at] - u->from[at]);
     }
-    if (g->activity.reference >= 0) settle(&update, tile);
+}
+
+int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
+                  double a, double dt) {
+    struct pass pass = {.g = g, .U = from->block[tile]};
+    struct update update = {.g = g,
+                            .U0 = U0->block[tile],
+                            .from = from->block[tile],
+                            .to = to->block[tile],
+                            .flag = g->flag[tile],
+                            .a = a,
+                            .dt = dt};
+    struct activity *active = &g->activity;
+    if (activity_spread(g, tile, U0, from)) {
+        activity_store(g, tile, from, active->needed, GHOSTS);
+        activity_store(g, tile, U0, active->active, 0);
+        spans_visit(g, tile, active->needed, GHOSTS, primitive_visit, &pass);
+        for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
+            spans_visit(g, tile, active->needed, GHOSTS, nodal_visit, &pass);
+            sweep_axis(g, tile, pass.U, pass.axis);
+        }
+        spans_visit(g, tile, active->active, 0, update_visit, &update);
+    }
+    settle_background(&update);
+    memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));
     const int *n = g->forest->tile[tile].n;
     g->all += (long)n[0] * n[1] * n[2];
     return update.bad;

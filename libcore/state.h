@@ -23,10 +23,17 @@ static inline bool span_empty(struct span s) {
 static inline struct span span_join(struct span a, struct span b) {
     return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
 }
-struct activity { /* of the tile in hand: what differs, what a stage computes, what it needs for that */
-    int rows;     /* of a tile with its ghosts, along axis 1: spans are [rows * rows along axis 2] */
+/* The state of all tiles. A tile has a background, the values that many of its cells share (libcore/activity.c), and a
+ * span for each of its rows: the cells outside it equal the background, and their memory is not kept up. */
+struct state {
+    double **block;       /* [ntiles] of [nvar][size]; offset 0 belongs to no cell: it holds the background */
+    struct span **varied; /* [ntiles] of [nspans] */
+};
+struct activity { /* of the tile in hand: what differs from its background, what a stage computes, what that needs */
+    int rows;     /* of a tile with its ghosts, along axis 1 */
+    int nspans;   /* rows * rows along axis 2 */
     struct span *differ, *active, *needed;
-    long reference; /* offset of the cell that all others equal, or -1: all are computed */
+    bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
 struct gas {
     struct forest *forest;
@@ -34,12 +41,12 @@ struct gas {
     int dim, nvar, npatches;
     const struct patch_rules *rules; /* [npatches] */
     const struct reconstruct *first_order;
-    double **U;      /* [ntiles] state, each [nvar][size] */
-    double **U0;     /* after the first half of the sources: the start of the Runge-Kutta step */
-    double **V, **W; /* stages */
-    double **flag;   /* [ntiles] of [size]: 0, LEVEL_* (as numbers, to travel like a variable) */
-    bool *flagged;   /* [ntiles] does the tile, or its ghost layer, hold a flag? */
-    double *sums;    /* [ntiles] */
+    struct state U;
+    struct state U0;   /* after the first half of the sources: the start of the Runge-Kutta step */
+    struct state V, W; /* stages */
+    double **flag;     /* [ntiles] of [size]: 0, LEVEL_* (as numbers, to travel like a variable) */
+    bool *flagged;     /* [ntiles] does the tile, or its ghost layer, hold a flag? */
+    double *sums;      /* [ntiles] */
     struct work work;
     struct activity activity;
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
@@ -53,12 +60,18 @@ struct gas {
 typedef void row_visitor(void *context, long offset, int n);
 void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context);
 
-/* Finds the spans of U's cells that differ from the tile's reference; margin 0: its own cells, or GHOSTS: with ghosts.
- */
-void activity_find(struct gas *g, int tile, const double *U, int margin);
-/* After activity_find with ghosts: the cells that differ from their stencil somewhere (active), and the cells that the
- * fluxes of those need. Returns false if there are none. */
-bool activity_spread(struct gas *g, int tile);
+/* Nothing is background: all cells are in memory. */
+void activity_reset(const struct gas *g, const struct state *s);
+/* Narrows the spans of a tile to the cells that differ; finds a background if there was none. Is there any? */
+bool activity_find(const struct gas *g, int tile, const struct state *s);
+/* Before a ghost fill: finds the quiet sides, and writes the layers that others will read. */
+void activity_prepare(struct gas *g, const struct state *s);
+/* After the ghost fill of `from`: the cells that differ from their stencil somewhere, or in U0 (active), and the cells
+ * that the fluxes of those need. Returns false if there are none. */
+bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from);
+/* Writes the background where it is to be read: in the spans of rows (margin: with ghosts), or in the whole tile. */
+void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
+void activity_store_all(const struct gas *g, int tile, const struct state *s);
 struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
 /* As rows_visit, for the spans of rows. */
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context);
@@ -72,10 +85,12 @@ void ghosts_of_patches(const struct gas *g, int tile, double *U);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */
-int stage_of_tile(struct gas *g, int tile, const double *U0, const double *from, double *to, double a, double dt);
+int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
+                  double a, double dt);
 
 /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
-void stepper_exchange(const struct gas *g, double *const *start, double *const *next, double *const *state);
+void stepper_exchange(const struct gas *g, const struct state *start, const struct state *next,
+                      const struct state *state);
 
 /* Is every cell of the row admissible? Returns how many are not; marks[i] (or NULL) is raised by 1 there. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);

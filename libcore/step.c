@@ -18,45 +18,21 @@ static void source_visit(void *context, long offset, int n) {
     source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, h->dt, h->kick, U);
 }
 
-/* Gives all cells outside the differing spans what the sources make of the reference cell. */
-static void copy_reference(const struct gas *g, int tile, const double values[MAX_VAR], double *U) {
-    const struct forest *f = g->forest;
-    const struct tile *t = &f->tile[tile];
-    for (int k = 0; k < t->n[2]; k++)
-        for (int j = 0; j < t->n[1]; j++) {
-            struct span s = *activity_row(&g->activity, g->activity.differ, j, k);
-            if (span_empty(s)) s = (struct span){t->n[0], t->n[0]};
-            for (int v = 0; v < g->nvar; v++) {
-                double *row = U + v * f->size + f->first + j * f->stride[1] + k * f->stride[2];
-                for (int i = 0; i < s.low; i++) row[i] = values[v];
-                for (int i = s.high; i < t->n[0]; i++) row[i] = values[v];
-            }
-        }
-}
-
-static void sources_of_tile(struct gas *g, int tile, struct half_step *h) {
-    double values[MAX_VAR], *U[MAX_VAR];
-    activity_find(g, tile, h->from, 0);
-    long reference = g->activity.reference;
-    for (int v = 0; v < g->nvar && reference >= 0; v++) {
-        values[v] = h->from[v * g->forest->size + reference];
-        U[v] = &values[v];
-    }
-    spans_visit(g, tile, g->activity.differ, 0, source_visit, h);
-    if (reference < 0) return;
-    source_apply(&g->models.source, g->models.eos, &g->models.material, 1, g->dim, h->dt, h->kick, U);
-    copy_reference(g, tile, values, h->to);
+static void sources_of_tile(struct gas *g, int tile, struct half_step *h, const struct state *from,
+                            const struct state *to) {
+    h->from = from->block[tile];
+    h->to = to->block[tile];
+    if (activity_find(g, tile, from)) source_visit(h, 0, 1); /* the background */
+    spans_visit(g, tile, from->varied[tile], 0, source_visit, h);
+    if (to->varied != from->varied)
+        memcpy(to->varied[tile], from->varied[tile], (size_t)g->activity.nspans * sizeof(struct span));
 }
 
 /* to = the sources applied to from, over dt from t on */
-static void apply_sources(struct gas *g, double t, double dt, double *const *from, double *const *to) {
+static void apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
     struct half_step h = {.g = g, .dt = dt};
     source_kick(&g->models.source, t, dt, h.kick);
-    for (int i = 0; i < g->forest->ntiles; i++) {
-        h.from = from[i];
-        h.to = to[i];
-        sources_of_tile(g, i, &h);
-    }
+    for (int i = 0; i < g->forest->ntiles; i++) sources_of_tile(g, i, &h, from, to);
 }
 
 struct census { /* of the flags of one tile */
@@ -84,7 +60,7 @@ static void share_flags(struct gas *g, long count[3]) {
         for (int i = 0; i < 3; i++) count[i] += c.count[i];
     }
     comm_sum_long(g->forest->comm, count, 3);
-    forest_fill_start(g->forest, 1, g->flag);
+    forest_fill_start(g->forest, 1, g->flag, NULL);
     forest_fill_finish(g->forest);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct census c = {.g = g, .flag = g->flag[t]};
@@ -108,7 +84,8 @@ static long any_rank(const struct gas *g, long mine) {
 }
 
 /* Redoes what stage left inadmissible, first with first-order faces, then with Rusanov's; false: not to be mended. */
-static bool mend_stage(struct gas *g, double *const *U0, double *const *from, double *const *to, double a, double dt) {
+static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                       double a, double dt) {
     long count[3], before[3] = {0, 0, 0}, bad = 1;
     while (bad) {
         share_flags(g, count);
@@ -118,23 +95,25 @@ static bool mend_stage(struct gas *g, double *const *U0, double *const *from, do
         memcpy(before, count, sizeof before);
         bad = 0;
         for (int t = 0; t < g->forest->ntiles; t++)
-            if (g->flagged[t]) bad += stage_of_tile(g, t, U0[t], from[t], to[t], a, dt);
+            if (g->flagged[t]) bad += stage_of_tile(g, t, U0, from, to, a, dt);
         bad = any_rank(g, bad);
     }
     return true;
 }
 
 /* to = the stage of from; ghosts travel while tiles that need none are computed. */
-static bool do_stage(struct gas *g, double *const *U0, double *const *from, double *const *to, double a, double dt) {
+static bool do_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                     double dt) {
     struct forest *f = g->forest;
     long bad = 0;
-    forest_fill_start(f, g->nvar, from);
+    activity_prepare(g, from);
+    forest_fill_start(f, g->nvar, from->block, g->activity.quiet);
     for (int remote = 0; remote < 2; remote++) {
         if (remote) forest_fill_finish(f);
         for (int t = 0; t < f->ntiles; t++) {
             if (f->tile[t].remote != (remote > 0)) continue;
-            ghosts_of_patches(g, t, from[t]);
-            bad += stage_of_tile(g, t, U0[t], from[t], to[t], a, dt);
+            ghosts_of_patches(g, t, from->block[t]);
+            bad += stage_of_tile(g, t, U0, from, to, a, dt);
         }
     }
     if (!any_rank(g, bad)) return true;
@@ -143,21 +122,21 @@ static bool do_stage(struct gas *g, double *const *U0, double *const *from, doub
     return mended;
 }
 
-static void swap(double ***a, double ***b) {
-    double **c = *a;
+static void swap(struct state *a, struct state *b) {
+    struct state c = *a;
     *a = *b;
     *b = c;
 }
 
 /* The stages from U0 (left as it is, if it is not g->U0) to V; false: some state could not be mended. */
-static bool do_stages(struct gas *g, double **U0, double dt) {
+static bool do_stages(struct gas *g, const struct state *U0, double dt) {
     const struct stepper *s = g->models.stepper;
     for (int stage = 0; stage < s->stages; stage++) {
-        if (!do_stage(g, U0, stage ? g->V : U0, g->W, s->a[stage], s->b[stage] * dt)) return false;
+        if (!do_stage(g, U0, stage ? &g->V : U0, &g->W, s->a[stage], s->b[stage] * dt)) return false;
         swap(&g->V, &g->W);
         if (stage + 1 != s->exchange) continue;
-        stepper_exchange(g, U0, g->U0, g->V);
-        U0 = g->U0;
+        stepper_exchange(g, U0, &g->U0, &g->V);
+        U0 = &g->U0;
     }
     return true;
 }
@@ -184,13 +163,13 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     floor = smaller(floor, fraction * *dt);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     for (;;) {
-        if (sources) apply_sources(g, t, 0.5 * *dt, g->U, g->U0);
-        if (do_stages(g, sources ? g->U0 : g->U, *dt)) break;
+        if (sources) apply_sources(g, t, 0.5 * *dt, &g->U, &g->U0);
+        if (do_stages(g, sources ? &g->U0 : &g->U, *dt)) break;
         g->counts.rejected++;
         *dt *= 0.5;
         if (*dt < floor) return collapse(g, t, *dt, speed);
     }
-    if (sources) apply_sources(g, t + 0.5 * *dt, 0.5 * *dt, g->V, g->V);
+    if (sources) apply_sources(g, t + 0.5 * *dt, 0.5 * *dt, &g->V, &g->V);
     swap(&g->U, &g->V);
     return OK;
 }

@@ -38,9 +38,15 @@ static void exchange_visit(void *context, long offset, int n) {
         }
 }
 
-void stepper_exchange(const struct gas *g, double *const *start, double *const *next, double *const *state) {
+void stepper_exchange(const struct gas *g, const struct state *start, const struct state *next,
+                      const struct state *state) {
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct exchange x = {g->forest->size, g->nvar, start[t], next[t], state[t]};
+        struct exchange x = {g->forest->size, g->nvar, start->block[t], next->block[t], state->block[t]};
+        activity_store_all(g, t, start);
+        activity_store_all(g, t, state);
         rows_visit(g->forest, &g->forest->tile[t], 0, exchange_visit, &x);
+        exchange_visit(&x, 0, 1); /* the background */
+        for (int i = 0; i < g->activity.nspans; i++)
+            next->varied[t][i] = state->varied[t][i] = span_join(start->varied[t][i], state->varied[t][i]);
     }
 }

@@ -58,9 +58,11 @@ static int *list_faces(const struct lattice *l, const struct polymesh *m, const 
     return end;
 }
 
-static void describe_sides(struct tile *t, const struct trees_tile *all, const struct lattice *l,
-                           const struct polymesh *m, const int *patch_of, int **face) {
+static void describe_sides(struct tile *t, const struct trees_tile *all, const struct trees *trees,
+                           const struct lattice *l, const struct polymesh *m, const int *patch_of, int **face) {
     for (int side = 0; side < 6; side++) {
+        int neighbour = side < 2 * l->dim ? all->neighbour[side] - trees->first : -1;
+        t->side[side].neighbour = neighbour >= 0 && neighbour < trees->count ? neighbour : -1;
         t->side[side].patch = -1;
         if (side >= 2 * l->dim || all->neighbour[side] >= 0) continue;
         int a = side / 2, step[3] = {1, t->n[0], t->n[0] * t->n[1]};
@@ -92,7 +94,7 @@ static status make_tiles(struct forest *f, const struct lattice *l, const struct
         memcpy(tile->n, all[t].n, sizeof tile->n);
         tile->cell = cell;
         cell = list_cells(l, tile->low, tile->n, cell);
-        describe_sides(tile, &all[t], l, m, patch_of, &face);
+        describe_sides(tile, &all[t], h->trees, l, m, patch_of, &face);
     }
     if (!comm_root(f->comm)) return OK;
     TRY(allocate(&h->order, f->ncells_all, sizeof *h->order, "the order of the cells"));

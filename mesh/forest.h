@@ -14,6 +14,7 @@ enum {
 
 struct side {        /* of a tile: wholly one neighbour tile or wholly one patch */
     int patch;       /* patch of the polyMesh, or -1: a neighbour tile (periodic images included) */
+    int neighbour;   /* that tile, if it is mine; else -1 */
     const int *face; /* [cells of the side] face within the patch, lower axis fastest; NULL for a neighbour */
 };
 struct tile {
@@ -51,8 +52,9 @@ void forest_free(struct forest *f);
 
 /* Fills ghost layers (not the corners) of `nvar` <= FILL_VARIABLES variables from neighbour tiles, periodic images and
  * other ranks. data[t] is tile t's block, variable v at data[t] + v*size. start copies what is local and sends the
- * rest; between start and finish only ghost layers of remote tiles are missing. Sides with a patch are left alone. */
-void forest_fill_start(struct forest *f, int nvar, double *const *data);
+ * rest; between start and finish only ghost layers of remote tiles are missing. Sides with a patch are left alone, and
+ * those between my tiles where leave[6*tile + side] (leave may be NULL). */
+void forest_fill_start(struct forest *f, int nvar, double *const *data, const bool *leave);
 void forest_fill_finish(struct forest *f);
 
 /* Moves values of cells between tiles and the polyMesh's order. gather: root's all[ncells_all] <- every tile's cells

@@ -31,7 +31,7 @@ static void plan_local(const struct forest *f, struct copies *list, int t, int f
     const int *n = f->tile[t].n, *from_n = f->tile[from].n;
     int k = side / 2, ghost = first_ghost(n, side), thick = from_n[k] < GHOSTS ? 1 : GHOSTS;
     for (int layer = 0; layer < GHOSTS; layer += thick) {
-        struct copy c = {.to = t, .from = from, .n = {n[0], n[1], n[2]}};
+        struct copy c = {.to = t, .from = from, .side = side, .n = {n[0], n[1], n[2]}};
         int source = side % 2 ? layer : from_n[k] - GHOSTS + layer;
         c.n[k] = thick;
         c.to_start = layer_offset(f, side, ghost + layer);
@@ -152,10 +152,11 @@ static void pack_strides(const int n[3], long stride[3]) {
     stride[2] = (long)n[0] * n[1];
 }
 
-static void copy_local(const struct forest *f, int nvar, double *const *data) {
+static void copy_local(const struct forest *f, int nvar, double *const *data, const bool *leave) {
     const struct copies *list = &f->hidden->local;
     for (int i = 0; i < list->n; i++) {
         const struct copy *c = &list->item[i];
+        if (leave && leave[6 * c->to + c->side]) continue;
         for (int v = 0; v < nvar; v++)
             copy_box(data[c->to] + v * f->size + c->to_start, f->stride, data[c->from] + v * f->size + c->from_start,
                      f->stride, c->n);
@@ -189,7 +190,7 @@ static void unpack(const struct forest *f, int nvar, double *const *data) {
     }
 }
 
-void forest_fill_start(struct forest *f, int nvar, double *const *data) {
+void forest_fill_start(struct forest *f, int nvar, double *const *data, const bool *leave) {
     struct forest_private *h = f->hidden;
     if (nvar > FILL_VARIABLES) {
         fprintf(stderr, "forest_fill_start: %d variables at once, at most %d\n", nvar, FILL_VARIABLES);
@@ -199,7 +200,7 @@ void forest_fill_start(struct forest *f, int nvar, double *const *data) {
     h->data = data;
     pack(f, nvar, data);
     trees_send(h->trees, nvar * h->packet_size * (long)sizeof *h->leaving, h->packet, h->arriving);
-    copy_local(f, nvar, data);
+    copy_local(f, nvar, data, leave);
 }
 
 void forest_fill_finish(struct forest *f) {

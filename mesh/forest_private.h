@@ -7,6 +7,7 @@
 
 struct copy {      /* a box of cells from one block to another */
     int to, from;  /* tiles of this rank, or mirrors (to) and ghosts (from) of struct trees */
+    int side;      /* of the tile whose ghosts these are, if both are of this rank */
     int n[3];      /* cells along each axis */
     long to_start; /* offset of its first cell in the block */
     long from_start;

@@ -217,7 +217,7 @@ static void ghost_layers_hold_the_cells_beyond(void **state) {
             begin(&x, &scenes[s], nvar);
             set_cells(&x);
             for (int round = 0; round < 2; round++) {
-                forest_fill_start(x.f, nvar, x.data);
+                forest_fill_start(x.f, nvar, x.data, NULL);
                 forest_fill_finish(x.f);
                 check_blocks(&x);
             }
@@ -230,7 +230,7 @@ static void only_remote_tiles_wait_for_finish(void **state) {
     struct fixture x;
     begin(&x, &scenes[8], 2);
     set_cells(&x);
-    forest_fill_start(x.f, 2, x.data);
+    forest_fill_start(x.f, 2, x.data, NULL);
     double **copy = calloc((size_t)x.f->ntiles + 1, sizeof *copy);
     size_t bytes = 2 * (size_t)x.f->size * sizeof **copy;
     for (int t = 0; t < x.f->ntiles; t++) copy[t] = memcpy(malloc(bytes), x.data[t], bytes);
