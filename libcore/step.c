@@ -60,8 +60,7 @@ static void share_flags(struct gas *g, long count[3]) {
         for (int i = 0; i < 3; i++) count[i] += c.count[i];
     }
     comm_sum_long(g->forest->comm, count, 3);
-    forest_fill_start(g->forest, 1, g->flag, NULL);
-    forest_fill_finish(g->forest);
+    forest_fill(g->forest, 1, g->flag);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct census c = {.g = g, .flag = g->flag[t]};
         rows_visit(g->forest, &g->forest->tile[t], 1, census_visit, &c);
@@ -107,11 +106,12 @@ static bool do_stage(struct gas *g, const struct state *U0, const struct state *
     struct forest *f = g->forest;
     long bad = 0;
     activity_prepare(g, from);
-    forest_fill_start(f, g->nvar, from->block, g->activity.quiet);
+    forest_fill_start(f, g->nvar, from->block);
     for (int remote = 0; remote < 2; remote++) {
         if (remote) forest_fill_finish(f);
         for (int t = 0; t < f->ntiles; t++) {
             if (f->tile[t].remote != (remote > 0)) continue;
+            forest_fill_tile(f, t, g->activity.quiet + 6 * t);
             ghosts_of_patches(g, t, from->block[t]);
             bad += stage_of_tile(g, t, U0, from, to, a, dt);
         }

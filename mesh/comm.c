@@ -118,6 +118,41 @@ void comm_broadcast(const struct comm *c, void *data, long bytes) {
     }
 }
 
+struct comm_exchange {
+    MPI_Comm world;
+    int nlinks;
+    const struct comm_link *link; /* borrowed */
+    MPI_Request request[];        /* [2 * nlinks] receiving, sending */
+};
+
+status comm_exchange_make(const struct comm *c, int nlinks, const struct comm_link *link, struct comm_exchange **out) {
+    struct comm_exchange *x;
+    *out = NULL;
+    TRY(allocate(&x, 1, (long)sizeof *x + 2L * nlinks * (long)sizeof *x->request, "messages between the ranks"));
+    x->world = c->world;
+    x->nlinks = nlinks;
+    x->link = link;
+    for (int i = 0; i < 2 * nlinks; i++) x->request[i] = MPI_REQUEST_NULL;
+    *out = x;
+    return OK;
+}
+
+void comm_exchange_free(struct comm_exchange *x) {
+    free(x);
+}
+
+void comm_exchange_start(struct comm_exchange *x, int times) {
+    for (int i = 0; i < x->nlinks; i++) {
+        const struct comm_link *l = &x->link[i];
+        MPI_Irecv(l->in, (int)l->n * times, MPI_DOUBLE, l->rank, 0, x->world, &x->request[i]);
+        MPI_Isend(l->out, (int)l->n * times, MPI_DOUBLE, l->rank, 0, x->world, &x->request[x->nlinks + i]);
+    }
+}
+
+void comm_exchange_finish(struct comm_exchange *x) {
+    if (x->nlinks) MPI_Waitall(2 * x->nlinks, x->request, MPI_STATUSES_IGNORE);
+}
+
 status comm_agree(const struct comm *c, status mine) {
     if (c->size == 1) return mine;
     int first = mine ? c->rank : c->size;

@@ -26,6 +26,19 @@ status comm_gather(const struct comm *c, const double *mine, long n, double **al
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total);
 void comm_broadcast(const struct comm *c, void *data, long bytes); /* from root */
 
+/* Equally long messages to and from some other ranks, again and again. Each rank that is linked to another is linked
+ * back. start sends `times` * n doubles of every link's `out`, to be kept until finish, which waits for `in`. */
+struct comm_link {
+    int rank;
+    long n;
+    double *out, *in;
+};
+struct comm_exchange;
+status comm_exchange_make(const struct comm *c, int nlinks, const struct comm_link *link, struct comm_exchange **out);
+void comm_exchange_free(struct comm_exchange *x);
+void comm_exchange_start(struct comm_exchange *x, int times);
+void comm_exchange_finish(struct comm_exchange *x);
+
 /* If any rank failed, every rank returns an error (the first failing rank's text); else OK. */
 status comm_agree(const struct comm *c, status mine);
 

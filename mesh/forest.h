@@ -51,11 +51,15 @@ status forest_make(const struct lattice *l, const struct polymesh *m, const stru
 void forest_free(struct forest *f);
 
 /* Fills ghost layers (not the corners) of `nvar` <= FILL_VARIABLES variables from neighbour tiles, periodic images and
- * other ranks. data[t] is tile t's block, variable v at data[t] + v*size. start copies what is local and sends the
- * rest; between start and finish only ghost layers of remote tiles are missing. Sides with a patch are left alone, and
- * those between my tiles where leave[6*tile + side] (leave may be NULL). */
-void forest_fill_start(struct forest *f, int nvar, double *const *data, const bool *leave);
+ * other ranks. data[t] is tile t's block, variable v at data[t] + v*size. Sides with a patch are left alone.
+ * start sends what other ranks need; fill_tile fills the layers of one tile, as often as wanted until the next start:
+ * tiles that are not remote at once, the others after finish. data and its cells must stay until then. Sides between my
+ * tiles where leave[side] is set (leave may be NULL) are left alone, too.
+ * forest_fill does all of it. */
+void forest_fill_start(struct forest *f, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
+void forest_fill_tile(const struct forest *f, int t, const bool *leave);
+void forest_fill(struct forest *f, int nvar, double *const *data);
 
 /* Moves values of cells between tiles and the polyMesh's order. gather: root's all[ncells_all] <- every tile's cells
  * (others: NULL). scatter: from an array [ncells_all] that every rank holds; local. */

@@ -1,5 +1,6 @@
-/* Ghost layers: lists of boxes to copy, made once. Boxes between tiles of this rank are copied at once; those for other
- * ranks go through packets, one per tile that faces another rank, with room for the layers of all its sides. */
+/* Ghost layers: lists of boxes to copy, made once. A tile's ghosts are filled just before the tile is computed, while
+ * its rows pass through the cache anyway: from blocks of this rank, or from what another rank sent, one message each.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +32,7 @@ static void plan_local(const struct forest *f, struct copies *list, int t, int f
     const int *n = f->tile[t].n, *from_n = f->tile[from].n;
     int k = side / 2, ghost = first_ghost(n, side), thick = from_n[k] < GHOSTS ? 1 : GHOSTS;
     for (int layer = 0; layer < GHOSTS; layer += thick) {
-        struct copy c = {.to = t, .from = from, .side = side, .n = {n[0], n[1], n[2]}};
+        struct copy c = {.to = t, .from = from, .side = side, .link = -1, .n = {n[0], n[1], n[2]}};
         int source = side % 2 ? layer : from_n[k] - GHOSTS + layer;
         c.n[k] = thick;
         c.to_start = layer_offset(f, side, ghost + layer);
@@ -40,105 +41,103 @@ static void plan_local(const struct forest *f, struct copies *list, int t, int f
     }
 }
 
-/* The layers inside a side of a tile, as others need them: into the tile's packet. */
-static void plan_pack(const struct forest *f, struct copies *list, int mirror, int side) {
-    int t = f->hidden->trees->mirror[mirror], k = side / 2;
-    struct copy c = {.to = mirror, .from = t, .to_start = f->hidden->slab[side]};
-    memcpy(c.n, f->tile[t].n, sizeof c.n);
-    c.from_start = layer_offset(f, side, side % 2 ? c.n[k] - GHOSTS : 0);
-    c.n[k] = GHOSTS;
-    append(list, c);
+/* The number of the link to the rank that has tile `id`. */
+static int link_of(struct forest *f, int id) {
+    struct forest_private *h = f->hidden;
+    int rank = 0, link = 0;
+    while (id >= h->trees->start[rank + 1]) rank++;
+    while (link < h->nlinks && h->link[link].rank != rank) link++;
+    if (link == h->nlinks) h->link[h->nlinks++].rank = rank;
+    return link;
 }
 
-static void plan_unpack(const struct forest *f, struct copies *list, int t, int ghost, int side) {
-    struct copy c = {.to = t, .from = ghost, .from_start = f->hidden->slab[side ^ 1]};
+static long layer_cells(const int n[3], int side) {
+    return (long)GHOSTS * n[(side / 2 + 1) % 3] * n[(side / 2 + 2) % 3];
+}
+
+/* GHOSTS layers beyond a side of my tile t, from what the rank of tile `id` sends. */
+static void plan_unpack(struct forest *f, struct copies *list, int t, int id, int side) {
+    int link = link_of(f, id);
+    struct copy c = {.to = t, .side = side, .link = link, .from_start = f->hidden->arriving[link]};
     memcpy(c.n, f->tile[t].n, sizeof c.n);
     c.to_start = layer_offset(f, side, first_ghost(c.n, side));
     c.n[side / 2] = GHOSTS;
     append(list, c);
+    f->hidden->arriving[link] += layer_cells(c.n, side);
+    f->tile[t].remote = true;
 }
 
-static int find_ghost(const struct trees *t, int id) {
-    for (int low = 0, high = t->nghosts; low < high;) {
-        int middle = (low + high) / 2;
-        if (t->ghost[middle] == id) return middle;
-        if (t->ghost[middle] < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return -1;
+/* The same layers where they leave: the ghosts of tile `id`, beyond `side` of it, are cells of my tile `from`. */
+static void plan_pack(struct forest *f, struct copies *list, int id, int from, int side) {
+    int link = link_of(f, id), k = side / 2;
+    struct copy c = {.from = from, .side = side, .link = link, .to_start = f->hidden->link[link].n};
+    memcpy(c.n, f->tile[from].n, sizeof c.n);
+    c.from_start = layer_offset(f, side, side % 2 ? 0 : c.n[k] - GHOSTS);
+    c.n[k] = GHOSTS;
+    append(list, c);
+    f->hidden->link[link].n += layer_cells(c.n, side);
 }
 
-static bool is_mine(const struct trees *t, int id) {
-    return id >= t->first && id < t->first + t->count;
-}
-
-/* Ids that name neither a tile of mine nor a ghost cannot be: the faces p4est joined are the neighbours used here. */
+/* The layers of a message stand in the order of the tiles that receive them, and of those tiles' sides. */
 static void plan_all(struct forest *f) {
     struct forest_private *h = f->hidden;
-    const struct trees *trees = h->trees;
-    h->local.n = h->pack.n = h->unpack.n = 0;
-    for (int t = 0; t < f->ntiles; t++)
+    const int first = h->trees->first, end = first + h->trees->count;
+    h->fill.n = h->pack.n = h->nlinks = 0;
+    memset(h->link, 0, (size_t)comm_size(f->comm) * sizeof *h->link);
+    memset(h->arriving, 0, (size_t)comm_size(f->comm) * sizeof *h->arriving);
+    for (int id = 0; id < h->nall; id++) {
+        const bool mine = id >= first && id < end;
+        if (mine) h->fill_start[id - first] = h->fill.n;
         for (int side = 0; side < 2 * f->dim; side++) {
-            int id = h->all[trees->first + t].neighbour[side];
-            if (id < 0) continue;
-            if (is_mine(trees, id)) {
-                plan_local(f, &h->local, t, id - trees->first, side);
-            } else {
-                plan_unpack(f, &h->unpack, t, find_ghost(trees, id), side);
-                f->tile[t].remote = true;
-            }
+            int from = h->all[id].neighbour[side];
+            const bool from_mine = from >= first && from < end;
+            if (mine && from_mine)
+                plan_local(f, &h->fill, id - first, from - first, side);
+            else if (mine && from >= 0)
+                plan_unpack(f, &h->fill, id - first, from, side);
+            else if (from_mine)
+                plan_pack(f, &h->pack, id, from - first, side);
         }
-    for (int mirror = 0; mirror < trees->nmirrors; mirror++)
-        for (int side = 0; side < 2 * f->dim; side++) {
-            int id = h->all[trees->first + trees->mirror[mirror]].neighbour[side];
-            if (id >= 0 && !is_mine(trees, id)) plan_pack(f, &h->pack, mirror, side);
-        }
-}
-
-/* A slab per side, each as large as the largest tile needs: the same on all ranks. */
-static void size_packets(struct forest *f) {
-    struct forest_private *h = f->hidden;
-    long most[3] = {1, 1, 1};
-    for (int t = 0; t < h->nall; t++)
-        for (int k = 0; k < 3; k++)
-            if (h->all[t].n[k] > most[k]) most[k] = h->all[t].n[k];
-    for (int side = 0; side < 2 * f->dim; side++) {
-        h->slab[side] = h->packet_size;
-        h->packet_size += GHOSTS * most[(side / 2 + 1) % 3] * most[(side / 2 + 2) % 3];
     }
+    h->fill_start[f->ntiles] = h->fill.n;
 }
 
 status fill_make(struct forest *f) {
     struct forest_private *h = f->hidden;
-    size_packets(f);
+    TRY(allocate(&h->link, comm_size(f->comm), sizeof *h->link, "the ghost exchange"));
+    TRY(allocate(&h->arriving, comm_size(f->comm), sizeof *h->arriving, "the ghost exchange"));
+    TRY(allocate(&h->fill_start, f->ntiles + 1L, sizeof *h->fill_start, "the ghost exchange plan"));
     plan_all(f);
-    struct copies *list[3] = {&h->local, &h->pack, &h->unpack};
-    for (int i = 0; i < 3; i++)
-        TRY(allocate(&list[i]->item, list[i]->n, sizeof *list[i]->item, "the ghost exchange plan"));
+    TRY(allocate(&h->fill.item, h->fill.n, sizeof *h->fill.item, "the ghost exchange plan"));
+    TRY(allocate(&h->pack.item, h->pack.n, sizeof *h->pack.item, "the ghost exchange plan"));
     plan_all(f);
-    long packet = h->packet_size * FILL_VARIABLES;
-    TRY(allocate(&h->leaving, packet * h->trees->nmirrors, sizeof *h->leaving, "the ghost exchange"));
-    TRY(allocate(&h->arriving, packet * h->trees->nghosts, sizeof *h->arriving, "the ghost exchange"));
-    return allocate(&h->packet, h->trees->nmirrors, sizeof *h->packet, "the ghost exchange");
+    for (int i = 0; i < h->nlinks; i++) {
+        long n = h->link[i].n * FILL_VARIABLES; /* what leaves is as much as what arrives */
+        TRY(allocate(&h->link[i].out, n, sizeof *h->link[i].out, "the ghost exchange"));
+        TRY(allocate(&h->link[i].in, n, sizeof *h->link[i].in, "the ghost exchange"));
+    }
+    return comm_exchange_make(f->comm, h->nlinks, h->link, &h->exchange);
 }
 
 void fill_free(struct forest_private *h) {
-    free(h->local.item);
-    free(h->pack.item);
-    free(h->unpack.item);
-    free(h->leaving);
+    comm_exchange_free(h->exchange);
+    for (int i = 0; i < h->nlinks; i++) {
+        free(h->link[i].out);
+        free(h->link[i].in);
+    }
+    free(h->link);
     free(h->arriving);
-    free(h->packet);
+    free(h->fill_start);
+    free(h->fill.item);
+    free(h->pack.item);
 }
 
-static void copy_box(double *to, const long to_stride[3], const double *from, const long from_stride[3],
-                     const int n[3]) {
+static void copy_box(double *restrict to, const long to_stride[3], const double *restrict from,
+                     const long from_stride[3], const int n[3]) {
     for (int j = 0; j < n[2]; j++)
         for (int i = 0; i < n[1]; i++) {
-            double *a = to + j * to_stride[2] + i * to_stride[1];
-            const double *b = from + j * from_stride[2] + i * from_stride[1];
+            double *restrict a = to + j * to_stride[2] + i * to_stride[1];
+            const double *restrict b = from + j * from_stride[2] + i * from_stride[1];
             if (n[0] == GHOSTS)
                 for (int g = 0; g < GHOSTS; g++) a[g] = b[g];
             else
@@ -146,51 +145,17 @@ static void copy_box(double *to, const long to_stride[3], const double *from, co
         }
 }
 
-static void pack_strides(const int n[3], long stride[3]) {
+static void packed_strides(const int n[3], long stride[3]) {
     stride[0] = 1;
     stride[1] = n[0];
     stride[2] = (long)n[0] * n[1];
 }
 
-static void copy_local(const struct forest *f, int nvar, double *const *data, const bool *leave) {
-    const struct copies *list = &f->hidden->local;
-    for (int i = 0; i < list->n; i++) {
-        const struct copy *c = &list->item[i];
-        if (leave && leave[6 * c->to + c->side]) continue;
-        for (int v = 0; v < nvar; v++)
-            copy_box(data[c->to] + v * f->size + c->to_start, f->stride, data[c->from] + v * f->size + c->from_start,
-                     f->stride, c->n);
-    }
+static long cells_of(const int n[3]) {
+    return (long)n[0] * n[1] * n[2];
 }
 
-static void pack(const struct forest *f, int nvar, double *const *data) {
-    struct forest_private *h = f->hidden;
-    for (int m = 0; m < h->trees->nmirrors; m++) h->packet[m] = h->leaving + m * nvar * h->packet_size;
-    for (int i = 0; i < h->pack.n; i++) {
-        const struct copy *c = &h->pack.item[i];
-        double *packet = h->packet[c->to];
-        long stride[3];
-        pack_strides(c->n, stride);
-        for (int v = 0; v < nvar; v++)
-            copy_box(packet + v * h->packet_size + c->to_start, stride, data[c->from] + v * f->size + c->from_start,
-                     f->stride, c->n);
-    }
-}
-
-static void unpack(const struct forest *f, int nvar, double *const *data) {
-    const struct forest_private *h = f->hidden;
-    for (int i = 0; i < h->unpack.n; i++) {
-        const struct copy *c = &h->unpack.item[i];
-        const double *packet = h->arriving + (long)c->from * nvar * h->packet_size;
-        long stride[3];
-        pack_strides(c->n, stride);
-        for (int v = 0; v < nvar; v++)
-            copy_box(data[c->to] + v * f->size + c->to_start, f->stride, packet + v * h->packet_size + c->from_start,
-                     stride, c->n);
-    }
-}
-
-void forest_fill_start(struct forest *f, int nvar, double *const *data, const bool *leave) {
+void forest_fill_start(struct forest *f, int nvar, double *const *data) {
     struct forest_private *h = f->hidden;
     if (nvar > FILL_VARIABLES) {
         fprintf(stderr, "forest_fill_start: %d variables at once, at most %d\n", nvar, FILL_VARIABLES);
@@ -198,13 +163,41 @@ void forest_fill_start(struct forest *f, int nvar, double *const *data, const bo
     }
     h->nvar = nvar;
     h->data = data;
-    pack(f, nvar, data);
-    trees_send(h->trees, nvar * h->packet_size * (long)sizeof *h->leaving, h->packet, h->arriving);
-    copy_local(f, nvar, data, leave);
+    for (int i = 0; i < h->pack.n; i++) {
+        const struct copy *c = &h->pack.item[i];
+        long stride[3];
+        packed_strides(c->n, stride);
+        for (int v = 0; v < nvar; v++)
+            copy_box(h->link[c->link].out + c->to_start * nvar + v * cells_of(c->n), stride,
+                     data[c->from] + v * f->size + c->from_start, f->stride, c->n);
+    }
+    comm_exchange_start(h->exchange, nvar);
 }
 
 void forest_fill_finish(struct forest *f) {
-    struct forest_private *h = f->hidden;
-    trees_receive(h->trees);
-    unpack(f, h->nvar, h->data);
+    comm_exchange_finish(f->hidden->exchange);
+}
+
+void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
+    const struct forest_private *h = f->hidden;
+    for (int i = h->fill_start[t]; i < h->fill_start[t + 1]; i++) {
+        const struct copy *c = &h->fill.item[i];
+        if (leave && c->link < 0 && leave[c->side]) continue;
+        long packed[3];
+        packed_strides(c->n, packed);
+        for (int v = 0; v < h->nvar; v++) {
+            double *to = h->data[t] + v * f->size + c->to_start;
+            if (c->link < 0)
+                copy_box(to, f->stride, h->data[c->from] + v * f->size + c->from_start, f->stride, c->n);
+            else
+                copy_box(to, f->stride, h->link[c->link].in + c->from_start * h->nvar + v * cells_of(c->n), packed,
+                         c->n);
+        }
+    }
+}
+
+void forest_fill(struct forest *f, int nvar, double *const *data) {
+    forest_fill_start(f, nvar, data);
+    forest_fill_finish(f);
+    for (int t = 0; t < f->ntiles; t++) forest_fill_tile(f, t, NULL);
 }

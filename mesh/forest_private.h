@@ -6,10 +6,11 @@
 #include "mesh/trees.h"
 
 struct copy {      /* a box of cells from one block to another */
-    int to, from;  /* tiles of this rank, or mirrors (to) and ghosts (from) of struct trees */
-    int side;      /* of the tile whose ghosts these are, if both are of this rank */
+    int to, from;  /* tiles of this rank */
+    int side;      /* of the tile whose ghosts these are */
+    int link;      /* in place of one of them: the message to or from another rank, or -1 */
     int n[3];      /* cells along each axis */
-    long to_start; /* offset of its first cell in the block */
+    long to_start; /* offset of its first cell in the block, or of the box in the message of one variable */
     long from_start;
 };
 struct copies {
@@ -28,13 +29,13 @@ struct forest_private {
     int *face;  /* what tile[].side[].face points into */
     int *order; /* root: [ncells_all] polyMesh cell, tile by tile; NULL elsewhere */
 
-    struct copies local, pack, unpack;
-    long slab[6];     /* offset of a side's layers in a packet */
-    long packet_size; /* doubles per variable */
-    double *leaving;  /* [nmirrors][nvar][packet_size] */
-    double *arriving; /* [nghosts][nvar][packet_size] */
-    void **packet;    /* [nmirrors] into leaving */
-    int nvar;         /* of the fill under way */
+    struct copies fill, pack; /* into ghost layers, tile by tile; into messages */
+    int *fill_start;          /* [ntiles + 1] where the copies for a tile begin */
+    int nlinks;
+    struct comm_link *link; /* [ranks] one per neighbour rank */
+    long *arriving;         /* [ranks] while the plan is made: doubles of a link's incoming message so far */
+    struct comm_exchange *exchange;
+    int nvar; /* of the fill under way */
     double *const *data;
 };
 

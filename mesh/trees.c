@@ -19,15 +19,6 @@ status trees_make(const struct comm *c, int dim, const struct trees_tile *all, i
 void trees_free(struct trees *t) {
     if (!t) return;
     t->engine->stop(t);
-    free(t->ghost);
-    free(t->mirror);
+    free(t->start);
     free(t);
-}
-
-void trees_send(struct trees *t, long bytes, void **packet, void *arriving) {
-    if (t->nghosts + t->nmirrors > 0) t->engine->send(t, bytes, packet, arriving);
-}
-
-void trees_receive(struct trees *t) {
-    if (t->nghosts + t->nmirrors > 0) t->engine->receive(t);
 }

@@ -1,5 +1,5 @@
-/* What p4est does for the forest: deals the tiles (one tree each, in the order of their ids) to the ranks, finds which
- * of them face another rank, and carries a packet of equal length for each of those. Private to forest*.c. */
+/* What p4est does for the forest: deals the tiles (one tree each, in the order of their ids) to the ranks, so that each
+ * has about as many cells. Private to forest*.c. */
 #ifndef MESH_TREES_H
 #define MESH_TREES_H
 
@@ -13,26 +13,16 @@ struct trees_engine;
 struct trees {
     const struct trees_engine *engine;
     int first, count; /* my tiles: ids first .. first + count - 1 */
-    int nghosts;      /* tiles of other ranks that face mine: */
-    int *ghost;       /* [nghosts] their ids; packets arrive in this order, without gaps */
-    int nmirrors;     /* my tiles that face other ranks: */
-    int *mirror;      /* [nmirrors] their numbers on this rank, ascending */
+    int *start;       /* [ranks + 1] the first tile of each rank */
     struct trees_state *state;
 };
 struct trees_engine { /* p4est in two dimensions (and one), p8est in three */
     status (*start)(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall);
     void (*stop)(struct trees *t);
-    void (*send)(struct trees *t, long bytes, void **packet /* [nmirrors] */, void *arriving);
-    void (*receive)(struct trees *t);
 };
 extern const struct trees_engine trees_flat, trees_solid;
 
 status trees_make(const struct comm *c, int dim, const struct trees_tile *all, int nall, struct trees **out);
 void trees_free(struct trees *t);
-
-/* Sends packet[m], `bytes` long, of every mirror m to the ranks that face it; receive waits until `arriving`
- * [nghosts][bytes] is there. Between the two the caller must keep `arriving`, not the packets. */
-void trees_send(struct trees *t, long bytes, void **packet, void *arriving);
-void trees_receive(struct trees *t);
 
 #endif

@@ -6,20 +6,16 @@
 #ifndef P4_TO_P8
 #include <p4est_bits.h>
 #include <p4est_extended.h>
-#include <p4est_ghost.h>
 #define ENGINE trees_flat
 #else
 #include <p8est_bits.h>
 #include <p8est_extended.h>
-#include <p8est_ghost.h>
 #define ENGINE trees_solid
 #endif
 
 struct trees_state {
     p4est_connectivity_t *connectivity;
     p4est_t *forest;
-    p4est_ghost_t *layer;
-    p4est_ghost_exchange_t *exchange; /* under way, else NULL */
 };
 
 static void make_vertices(p4est_connectivity_t *k, const struct trees_tile *tile, int t) {
@@ -54,10 +50,6 @@ static int weight(p4est_t *forest, p4est_topidx_t tree, p4est_quadrant_t *quadra
     return all[tree].n[0] * all[tree].n[1] * all[tree].n[2];
 }
 
-static int tree_of(sc_array_t *quadrants, int i) {
-    return ((p4est_quadrant_t *)sc_array_index_int(quadrants, i))->p.piggy3.which_tree;
-}
-
 static status start(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall) {
     TRY(comm_agree(c, allocate(&t->state, 1, sizeof *t->state, "the p4est objects")));
     struct trees_state *s = t->state;
@@ -68,36 +60,19 @@ static status start(struct trees *t, const struct comm *c, const struct trees_ti
     s->forest = p4est_new_ext(*(sc_MPI_Comm *)comm_handle(c), s->connectivity, 0, 0, 1, 0, NULL, (void *)all);
     p4est_partition(s->forest, 0, weight);
     s->forest->user_pointer = NULL;
-    s->layer = p4est_ghost_new(s->forest, P4EST_CONNECT_FACE);
     t->count = s->forest->local_num_quadrants;
-    t->first = t->count ? s->forest->first_local_tree : 0;
-    t->nghosts = (int)s->layer->ghosts.elem_count;
-    t->nmirrors = (int)s->layer->mirrors.elem_count;
-    status fault = allocate(&t->ghost, t->nghosts, sizeof *t->ghost, "the tiles of other ranks");
-    if (!fault) fault = allocate(&t->mirror, t->nmirrors, sizeof *t->mirror, "the tiles that face other ranks");
-    TRY(comm_agree(c, fault));
-    for (int i = 0; i < t->nghosts; i++) t->ghost[i] = tree_of(&s->layer->ghosts, i);
-    for (int i = 0; i < t->nmirrors; i++) t->mirror[i] = tree_of(&s->layer->mirrors, i) - t->first;
+    TRY(comm_agree(c, allocate(&t->start, comm_size(c) + 1L, sizeof *t->start, "the first tiles of the ranks")));
+    for (int r = 0; r <= comm_size(c); r++) t->start[r] = (int)s->forest->global_first_quadrant[r];
+    t->first = t->start[comm_rank(c)];
     return OK;
 }
 
 static void stop(struct trees *t) {
     struct trees_state *s = t->state;
     if (!s) return;
-    if (s->layer) p4est_ghost_destroy(s->layer);
     if (s->forest) p4est_destroy(s->forest);
     if (s->connectivity) p4est_connectivity_destroy(s->connectivity);
     free(s);
 }
 
-static void send_packets(struct trees *t, long bytes, void **packet, void *arriving) {
-    struct trees_state *s = t->state;
-    s->exchange = p4est_ghost_exchange_custom_begin(s->forest, s->layer, (size_t)bytes, packet, arriving);
-}
-
-static void receive(struct trees *t) {
-    if (t->state->exchange) p4est_ghost_exchange_custom_end(t->state->exchange);
-    t->state->exchange = NULL;
-}
-
-const struct trees_engine ENGINE = {start, stop, send_packets, receive};
+const struct trees_engine ENGINE = {start, stop};
