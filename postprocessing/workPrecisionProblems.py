@@ -73,7 +73,7 @@ class Vortex(Problem):
 
 class Wave(Problem):
     name, title = "wave", "smooth wave, dense granular gas, volume fraction 0.2, e = 1"
-    grids, quick = (50, 100, 200, 400, 800), (50, 100)
+    grids, quick = (50, 100, 200, 400), (50, 100)
     options = {"types": {"x": "cyclic"}}
 
     def __init__(self):
@@ -94,7 +94,7 @@ class Shear(Problem):
     and T follows Haff's law, exactly; every error of T is heat that a scheme makes of the shear."""
     name, title = "shear", "cooling shear wave along the diagonal, granular gas, e = 0.9; error of T"
     two_dimensional, field = True, "T"
-    grids, quick = (16, 32, 64, 128), (16, 32)
+    grids, quick = (16, 32, 64), (16, 32)
     options = {"types": {"x": "cyclic", "y": "cyclic"}, "e": 0.9, "cooling": "Haff"}
 
     def __init__(self):
@@ -215,7 +215,7 @@ class Step(Referenced):
     """A gas of cases/wedge falls on the step: no sink, no gravity, a perfect gas, so that rhoCentralFoam can."""
     name, title = "step", "a perfect gas at Mach 7.2 falls on a step (the wedge without sink, gravity, density)"
     size, two_dimensional, end = (10.0, 10.0), True, 0.1
-    grids, quick, fine, store = (50, 100, 200, 400), (), 800, 400
+    grids, quick, fine, store = (50, 100, 200), (), 800, 400
     foam = {0.2: (50, 100, 200), 0.1: (50, 100, 200)}
     options = {"eos": "perfectGas", "gamma": 5 / 3}
     scale = 34.3774677
@@ -240,10 +240,10 @@ class Wedge(Step):
 PROBLEMS = [
     Vortex(), Wave(), Shear(),
     Tube("sod", "Sod's shock tube, perfect gas", PerfectGas(1.4), (1, 0, 1), (0.125, 0, 0.1), 0.5, 1.0, 0.2,
-         grids=(100, 200, 400, 800, 1600, 3200), quick=(50, 100, 200), options={"eos": "perfectGas", "gamma": 1.4},
+         grids=(100, 400, 1600, 3200), quick=(50, 100, 200), options={"eos": "perfectGas", "gamma": 1.4},
          foam={0.2: (100, 200, 400, 800, 1600, 3200), 0.1: (100, 200, 400, 800, 1600, 3200), 0.05: (400, 1600, 3200)},
          foam_quick={0.2: (100, 200)}),
     Tube("blast", "granular blast, e = 1, exact Riemann solution", GoldshteinShapiro(1.0), *BLAST, 5.0, 10.0, 5.48,
-         grids=(250, 500, 1000, 2000, 4000), quick=(125, 250), scale=50.0),
+         grids=(250, 1000, 4000), quick=(125, 250), scale=50.0),
     ShuOsher(), Riemann2D(), Step(), Wedge(),
 ]

@@ -32,6 +32,11 @@ static status read_mesh(struct setup *s) {
     return e;
 }
 
+status case_courant(const struct control *c, const struct stepper *stepper) {
+    if (c->max_co <= stepper->courant) return OK;
+    return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->name, stepper->courant);
+}
+
 static status read_all(struct setup *s, const char *application) {
     /* a row of a tile and one face more fit a batch of the core */
     static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 60, 60, 20};
@@ -40,6 +45,7 @@ static status read_all(struct setup *s, const char *application) {
     int dim = s->lattice ? s->lattice->dim : 3;
     const int *axis = s->lattice ? s->lattice->axis : every_axis;
     TRY(models_read(s->dir, dim, axis, &s->models));
+    TRY(case_courant(s->control, s->models->gas.stepper));
     TRY(times_start(s->dir, s->control, &s->start));
     if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);

@@ -22,6 +22,8 @@ struct setup { /* the same on every rank, the forest apart */
     struct instant start;
     struct initial *initial;
 };
+/* Is maxCo one that the time scheme allows? */
+status case_courant(const struct control *c, const struct stepper *stepper);
 /* Collective. tile_size 0: chosen by dimension. A mesh that is no lattice is read and checked as far as it goes. */
 status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out);
 void case_free(struct setup *s);

@@ -148,6 +148,7 @@ static void read_again(struct run *r) {
     status e = control_read(s->dir, application, &changed);
     if (!e && changed->functions) dict_mark_used(changed->functions);
     if (!e) e = dict_check_used(changed->dict);
+    if (!e) e = case_courant(changed, s->models->gas.stepper);
     e = comm_agree(s->comm, e);
     if (e) {
         if (comm_root(s->comm)) {

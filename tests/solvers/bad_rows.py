@@ -218,6 +218,7 @@ DICTIONARIES = [
     Row("alphaMax 0", (PROPERTIES, "alphaMax 0.65;", "alphaMax 0;"), "alphaMax is 0", "allowed is"),
     Row("gamma 1", (PROPERTIES, "gamma 1.6666666666666667;", "gamma 1;"), "gamma is 1", "allowed is 1 .. 3"),
     Row("maxCo -1", (CONTROL, "maxCo 0.5;", "maxCo -1;"), "maxCo is -1", "allowed is"),
+    Row("maxCo 1.5", (CONTROL, "maxCo 0.5;", "maxCo 1.5;"), "SSPRK3 allows 1 at most"),
     Row("deltaT 0", (CONTROL, "deltaT 0.001;", "deltaT 0;"), "deltaT is 0", "greater than 0"),
     Row("no deltaT", (CONTROL, "deltaT 0.001;\n", ""), "time step must be given", "add  deltaT <seconds>;", at="adjustTimeStep no;"),
     Row("writePrecision 99", (CONTROL, "writePrecision 17;", "writePrecision 99;"), "99", "1 .. 17"),
