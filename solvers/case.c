@@ -39,7 +39,7 @@ status case_courant(const struct control *c, const struct stepper *stepper) {
 
 static status read_all(struct setup *s, const char *application) {
     /* a row of a tile and one face more fit a batch of the core */
-    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 60, 60, 20};
+    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 60, 60, 24};
     TRY(control_read(s->dir, application, &s->control));
     TRY(read_mesh(s));
     int dim = s->lattice ? s->lattice->dim : 3;

@@ -1,5 +1,5 @@
 /* Million cell-stages per second of the whole solver on one core: bench_throughput [cells a side, default 400] [steps]
- * [flux reconstruct].
+ * [flux reconstruct [dimensions [tile [skipUniform, 1 or 0]]]].
  *
  * A granular gas (e = 0.97, with cooling and gravity) in a periodic box, disturbed everywhere, subsonic and supersonic,
  * so that no part of the domain is cheaper than another. Times whole steps as granularGas takes them: speed of the
@@ -38,7 +38,7 @@ static status fill(struct gas *g, const int n[3], int dim) {
     return s;
 }
 
-static status time_scheme(const struct comm *c, int dim, int side, int tile, int steps, const char *flux,
+static status time_scheme(const struct comm *c, int dim, int side, int tile, bool skip, int steps, const char *flux,
                           const char *reconstruct) {
     struct box box;
     struct forest *f;
@@ -51,7 +51,8 @@ static status time_scheme(const struct comm *c, int dim, int side, int tile, int
         .flux = flux_find(flux),
         .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK3"),
-        .source = {.cooling = true, .gravity = {980, -980, 0}}};
+        .source = {.cooling = true, .gravity = {980, -980, 0}},
+        .skip_uniform = skip};
     TRY(forest_make(&box.lattice, &box.mesh, c, tile, &f));
     TRY(gas_make(f, &m, 0, NULL, &g));
     TRY(fill(g, n, dim));
@@ -82,18 +83,20 @@ static status all_schemes(const struct comm *c, int side, int steps) {
                               {"common", "WENO5"},      {"LaxFriedrichs", "WENO5"}, {"Marquina", "WPENO5"},
                               {"Rusanov", "firstOrder"}};
     for (int i = 0; i < (int)(sizeof pairs / sizeof *pairs); i++)
-        TRY(time_scheme(c, 2, side, 50, steps, pairs[i][0], pairs[i][1]));
-    TRY(time_scheme(c, 1, side * 100, 50, steps, "common", "PHM"));
-    TRY(time_scheme(c, 3, side / 6 + 1, 24, steps, "common", "PHM"));
-    return time_scheme(c, 3, side / 6 + 1, 24, steps, "LaxFriedrichs", "WENO5");
+        TRY(time_scheme(c, 2, side, 50, true, steps, pairs[i][0], pairs[i][1]));
+    TRY(time_scheme(c, 1, side * 100, 50, true, steps, "common", "PHM"));
+    TRY(time_scheme(c, 3, side / 6 + 1, 24, true, steps, "common", "PHM"));
+    return time_scheme(c, 3, side / 6 + 1, 24, true, steps, "LaxFriedrichs", "WENO5");
 }
 
 int main(int argc, char **argv) {
     struct comm *c;
     status s = comm_start(&argc, &argv, &c);
     int side = argc > 1 ? atoi(argv[1]) : 400, steps = argc > 2 ? atoi(argv[2]) : 20;
+    int dim = argc > 5 ? atoi(argv[5]) : 2, tile = argc > 6 ? atoi(argv[6]) : dim < 3 ? 50 : 24;
+    bool skip = argc < 8 || atoi(argv[7]) != 0;
     if (!s && argc > 4)
-        s = time_scheme(c, 2, side, 50, steps, argv[3], argv[4]);
+        s = time_scheme(c, dim, side, tile, skip, steps, argv[3], argv[4]);
     else if (!s)
         s = all_schemes(c, side, steps);
     int code = status_print(s, true);
