@@ -6,10 +6,11 @@
  * what a face gets does not depend on its run. */
 
 enum { GROUP = 8 };    /* faces of one kind: a vector */
-enum kind {            /* what the faces of a run need beyond their upwind side, in the order of costs */
-            ONE_WAY,   /* nothing: all waves of each face run one way */
+enum kind {            /* of the faces of a run, in the order of what they need */
+            FROM_LEFT, /* all waves run one way: the basis of the upwind cell */
+            FROM_RIGHT,
             BOTH_WAYS, /* a basis between the two cells */
-            SPLIT      /* some fields are split */
+            SPLIT      /* some fields are split, too */
 };
 
 /* Marquina's rule (19)-(23): a field whose speed has one sign on both sides is upwinded, others are split with the
@@ -30,22 +31,26 @@ KERNEL static void find_winds(int n, const double *restrict ul, const double *re
     }
     for (int i = 0; i < n; i++) {
         double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
-        bool one_way = minus == UPWIND_LEFT || plus == UPWIND_RIGHT;
-        kind[i] = larger(larger(minus, entropy), plus) >= 0 ? SPLIT : one_way ? ONE_WAY : BOTH_WAYS;
+        double unsplit = minus == UPWIND_LEFT ? FROM_LEFT : plus == UPWIND_RIGHT ? FROM_RIGHT : BOTH_WAYS;
+        kind[i] = larger(larger(minus, entropy), plus) >= 0 ? SPLIT : unsplit;
     }
 }
 
-/* First group after `from` whose kind differs from that of the run that starts there. */
-static int run_end(int n, const double *kind, int from, enum kind *of) {
-    int end = from;
-    for (double first = -1; end < n; end += GROUP) {
-        double most = ONE_WAY;
-        for (int i = end; i < n && i < end + GROUP; i++) most = larger(most, kind[i]);
-        if (first < 0) first = most;
-        *of = (enum kind)first;
-        if (most != first) return end;
+static enum kind kind_of_group(int n, const double *kind) {
+    double least = SPLIT, most = FROM_LEFT;
+    for (int i = 0; i < n && i < GROUP; i++) {
+        least = smaller(least, kind[i]);
+        most = larger(most, kind[i]);
     }
-    return n;
+    return least < most && most < BOTH_WAYS ? BOTH_WAYS : (enum kind)most;
+}
+
+/* The end of the run of groups of one kind that starts at face `from`. */
+static int run_end(int n, const double *kind, int from, enum kind *of) {
+    int end = from + GROUP;
+    *of = kind_of_group(n - from, kind + from);
+    while (end < n && kind_of_group(n - end, kind + end) == *of) end += GROUP;
+    return end < n ? end : n;
 }
 
 /* The eigenbasis of a state with enthalpy eps + p/rho, as in physics 1.1: total enthalpy h, b1 = p_eps/(rho c^2),
@@ -68,52 +73,73 @@ ALWAYS_INLINE void close_basis(const int dim, double rho, double eps, double p, 
     b->half_inverse_c[i] = 0.5 * inverse_c;
 }
 
-struct means { /* states between two cells, as lines of a batch */
-    double rho[BATCH], eps[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
+struct face_states { /* of n faces */
+    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared at first */, gruneisen[BATCH];
+    double good[BATCH];
 };
 
-KERNEL static void mean_line(int n, const double *restrict l, const double *restrict r, double *restrict out) {
+ALWAYS_INLINE void state_bases_dim(const int dim, int from, int to, const struct face_states *restrict s,
+                                   struct bases *restrict b) {
+    for (int i = from; i < to; i++) {
+        double u[MAX_DIM] = {s->u[0][i], 0, 0};
+        if (dim > 1) u[1] = s->u[1][i];
+        if (dim > 2) u[2] = s->u[2][i];
+        close_basis(dim, s->rho[i], s->eps[i], s->p[i], sqrt(s->c[i]), s->gruneisen[i], u, b, i);
+    }
+}
+
+KERNEL static void state_bases(int dim, int from, int to, const struct face_states *restrict s,
+                               struct bases *restrict b) {
+    if (dim == 1) state_bases_dim(1, from, to, s, b);
+    if (dim == 2) state_bases_dim(2, from, to, s, b);
+    if (dim == 3) state_bases_dim(3, from, to, s, b);
+}
+
+ALWAYS_INLINE void cell_bases_dim(const int dim, int from, int to, const struct faces *f, long cell,
+                                  struct bases *restrict b) {
+    const double *restrict rho = f->state[0] + cell, *restrict eps = f->eps + cell, *restrict p = f->p + cell;
+    const double *restrict c = f->c + cell, *restrict g = f->gruneisen + cell, *restrict u0 = f->velocity[0] + cell;
+    const double *restrict u1 = dim > 1 ? f->velocity[1] + cell : u0, *restrict u2 =
+                                                                          dim > 2 ? f->velocity[2] + cell : u0;
+    for (int i = from; i < to; i++) {
+        double u[MAX_DIM] = {u0[i], u1[i], u2[i]};
+        close_basis(dim, rho[i], eps[i], p[i], c[i], g[i], u, b, i);
+    }
+}
+
+KERNEL static void cell_bases(int from, int to, const struct faces *f, long cell, struct bases *restrict b) {
+    if (f->dim == 1) cell_bases_dim(1, from, to, f, cell, b);
+    if (f->dim == 2) cell_bases_dim(2, from, to, f, cell, b);
+    if (f->dim == 3) cell_bases_dim(3, from, to, f, cell, b);
+}
+
+/* The arithmetic mean of the two cells, or the upwind cell's value where all waves run one way. */
+KERNEL static void between_line(int n, const double *restrict minus, const double *restrict plus,
+                                const double *restrict l, const double *restrict r, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = 0.5 * (l[i] + r[i]);
+    for (int i = 0; i < n; i++) out[i] = minus[i] == UPWIND_LEFT ? l[i] : plus[i] == UPWIND_RIGHT ? r[i] : out[i];
 }
 
 /* One basis a face: that of the arithmetic mean of (rho, u, T); where all speeds have one sign that of the upwind cell,
  * so that nothing downwind of a supersonic face touches its flux, not even by round-off. */
-ALWAYS_INLINE void common_bases(const int dim, const bool means, int from, int to, const struct faces *f,
-                                const struct winds *restrict w, const struct means *restrict m,
-                                struct bases *restrict b) {
-    const long d = f->stride;
-    const double *restrict rho = f->state[0], *restrict eps = f->eps, *restrict p = f->p, *restrict c = f->c;
-    const double *restrict g = f->gruneisen, *restrict u0 = f->velocity[0];
-    const double *restrict u1 = dim > 1 ? f->velocity[1] : u0, *restrict u2 = dim > 2 ? f->velocity[2] : u0;
-    for (int i = from; i < to; i++) {
-        bool left = w->speed[MINUS][i] == UPWIND_LEFT, mean = means && !left && w->speed[PLUS][i] != UPWIND_RIGHT;
-#define CELL(q)       (left ? q[i] : q[i + d])
-#define BETWEEN(q)    (mean ? 0.5 * (q[i] + q[i + d]) : CELL(q))
-#define STATE(q, own) (mean ? own : CELL(q))
-        double u[MAX_DIM] = {BETWEEN(u0), 0, 0};
-        if (dim > 1) u[1] = BETWEEN(u1);
-        if (dim > 2) u[2] = BETWEEN(u2);
-        double root = means ? sqrt(m->c2[i]) : 0;
-        close_basis(dim, STATE(rho, m->rho[i]), STATE(eps, m->eps[i]), STATE(p, m->p[i]), STATE(c, root),
-                    STATE(g, m->gruneisen[i]), u, b, i);
-#undef CELL
-#undef BETWEEN
-#undef STATE
+static void common_bases(enum kind kind, int from, int to, const struct faces *f, const struct eos *eos,
+                         const struct material *m, const struct winds *w, struct bases *b) {
+    if (kind <= FROM_RIGHT) {
+        cell_bases(from, to, f, kind == FROM_LEFT ? 0 : f->stride, b);
+        return;
     }
-}
-
-KERNEL static void one_way_bases(int from, int to, const struct faces *f, const struct winds *restrict w,
-                                 struct bases *restrict b) {
-    if (f->dim == 1) common_bases(1, false, from, to, f, w, NULL, b);
-    if (f->dim == 2) common_bases(2, false, from, to, f, w, NULL, b);
-    if (f->dim == 3) common_bases(3, false, from, to, f, w, NULL, b);
-}
-
-KERNEL static void mean_bases(int from, int to, const struct faces *f, const struct winds *restrict w,
-                              const struct means *restrict m, struct bases *restrict b) {
-    if (f->dim == 1) common_bases(1, true, from, to, f, w, m, b);
-    if (f->dim == 2) common_bases(2, true, from, to, f, w, m, b);
-    if (f->dim == 3) common_bases(3, true, from, to, f, w, m, b);
+    struct face_states s;
+    const double *minus = w->speed[MINUS] + from, *plus = w->speed[PLUS] + from;
+    const double *rho = f->state[0] + from, *eps = f->eps + from;
+    int n = to - from;
+    between_line(n, minus, plus, rho, rho + f->stride, s.rho + from);
+    between_line(n, minus, plus, eps, eps + f->stride, s.eps + from);
+    for (int k = 0; k < f->dim; k++) {
+        const double *u = f->velocity[k] + from;
+        between_line(n, minus, plus, u, u + f->stride, s.u[k] + from);
+    }
+    eos->state(m, n, s.rho + from, s.eps + from, s.p + from, s.c + from, s.gruneisen + from);
+    state_bases(f->dim, from, to, &s, b);
 }
 
 /* The columns of R: F = sum over fields of amplitude times r, added to what is there. */
@@ -151,22 +177,13 @@ static void one_basis(const struct faces *f, const struct eos *eos, const struct
                       const struct reconstruct *r, bool always, double least) {
     struct winds w;
     struct bases b;
-    struct means m;
     double a[MAX_VAR][BATCH], kinds[BATCH];
     enum kind kind = SPLIT;
-    const double *rho = f->state[0], *eps = f->eps;
     long d = f->stride;
     find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, &w, kinds);
     for (int from = 0, to; from < f->n; from = to) {
         to = run_end(f->n, kinds, from, &kind);
-        if (kind == ONE_WAY) {
-            one_way_bases(from, to, f, &w, &b);
-        } else {
-            mean_line(to - from, rho + from, rho + d + from, m.rho + from);
-            mean_line(to - from, eps + from, eps + d + from, m.eps + from);
-            eos->state(material, to - from, m.rho + from, m.eps + from, m.p + from, m.c2 + from, m.gruneisen + from);
-            mean_bases(from, to, f, &w, &m, &b);
-        }
+        common_bases(kind, from, to, f, eos, material, &w, &b);
         if (kind == SPLIT)
             r->split(from, to, f, &b, &w, a);
         else
@@ -188,11 +205,6 @@ static void global_lax_friedrichs(const struct faces *f, const struct eos *eos, 
     one_basis(f, eos, m, r, true, f->fastest);
 }
 
-struct face_states { /* of one side of n faces */
-    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared at first */, gruneisen[BATCH];
-    double good[BATCH];
-};
-
 /* Falls back to the cell's state where the reconstructed one is not admissible. */
 KERNEL static void admit(int n, int dim, double limit, const double *restrict rho, const double *const u[MAX_DIM],
                          const double *restrict eps, struct face_states *restrict s) {
@@ -206,21 +218,6 @@ KERNEL static void admit(int n, int dim, double limit, const double *restrict rh
         const double *restrict uk = u[k];
         for (int i = 0; i < n; i++) s->u[k][i] = s->good[i] > 0 ? s->u[k][i] : uk[i];
     }
-}
-
-ALWAYS_INLINE void close_states(const int dim, int n, struct face_states *restrict s, struct bases *restrict b) {
-    for (int i = 0; i < n; i++) {
-        double u[MAX_DIM] = {s->u[0][i], 0, 0};
-        if (dim > 1) u[1] = s->u[1][i];
-        if (dim > 2) u[2] = s->u[2][i];
-        close_basis(dim, s->rho[i], s->eps[i], s->p[i], sqrt(s->c[i]), s->gruneisen[i], u, b, i);
-    }
-}
-
-KERNEL static void state_bases(int dim, int n, struct face_states *restrict s, struct bases *restrict b) {
-    if (dim == 1) close_states(1, n, s, b);
-    if (dim == 2) close_states(2, n, s, b);
-    if (dim == 3) close_states(3, n, s, b);
 }
 
 static void reconstruct_line(const struct faces *f, const double *q, int side, const struct reconstruct *r,
@@ -245,7 +242,7 @@ static void sided_bases(const struct faces *f, const struct eos *eos, const stru
     }
     admit(n, dim, density_limit(eos, m), f->state[0] + cell, u, f->eps + cell, &s);
     eos->state(m, n, s.rho, s.eps, s.p, s.c, s.gruneisen);
-    state_bases(dim, n, &s, b);
+    state_bases(dim, 0, n, &s, b);
 }
 
 /* Does any face of the run take something from the side whose opposite is `other`? */
