@@ -261,17 +261,17 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     return any;
 }
 
+void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context) {
+    struct span s = *activity_row(&g->activity, spans, j, k);
+    long row = row_offset(g->forest, j, k);
+    for (int i = s.low; i < s.high; i += BATCH) visit(context, row + i, s.high - i < BATCH ? s.high - i : BATCH);
+}
+
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context) {
-    const struct forest *f = g->forest;
-    const struct tile *t = &f->tile[tile];
+    const struct tile *t = &g->forest->tile[tile];
     int reach1 = g->dim > 1 ? margin : 0, reach2 = g->dim > 2 ? margin : 0;
     for (int k = -reach2; k < t->n[2] + reach2; k++)
-        for (int j = -reach1; j < t->n[1] + reach1; j++) {
-            struct span s = *activity_row(&g->activity, spans, j, k);
-            long row = f->first + j * f->stride[1] + k * f->stride[2];
-            for (int i = s.low; i < s.high; i += BATCH)
-                visit(context, row + i, s.high - i < BATCH ? s.high - i : BATCH);
-        }
+        for (int j = -reach1; j < t->n[1] + reach1; j++) row_visit(g, spans, j, k, visit, context);
 }
 
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin) {

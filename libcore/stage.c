@@ -1,4 +1,5 @@
-/* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. */
+/* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. In 2D
+ * row by row. */
 #include "libcore/state.h"
 
 void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context) {
@@ -155,52 +156,6 @@ KERNEL static void difference_row(int n, double inverse, const double *restrict 
         for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
 }
 
-/* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
-static void sweep_rows(const struct gas *g, int tile, const double *U) {
-    const struct forest *f = g->forest;
-    const struct tile *t = &f->tile[tile];
-    double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
-    for (int k = 0; k < t->n[2]; k++)
-        for (int j = 0; j < t->n[1]; j++) {
-            struct span s = *activity_row(&g->activity, g->activity.active, j, k);
-            if (span_empty(s)) continue;
-            long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
-            face_fluxes(g, tile, U, 0, offset - 1, s.high - s.low + 1, faces, 0);
-            for (int v = 0; v < g->nvar; v++)
-                difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
-        }
-}
-
-/* residual += the same along a column of rows on another axis: the faces between rows j and j + 1 cover both rows'
- * active spans; those of the row before are kept. row(j) is at `base` + j strides. */
-static void sweep_column(const struct gas *g, int tile, const double *U, int axis, int outer, long base) {
-    const struct forest *f = g->forest;
-    const struct activity *a = &g->activity;
-    double faces[2][MAX_VAR][BATCH], inverse = 1 / f->width[axis];
-    struct span below = SPAN_EMPTY;
-    int n = f->tile[tile].n[axis];
-    for (int j = -1; j < n; j++) {
-        struct span above = SPAN_EMPTY;
-        if (j + 1 < n) above = *activity_row(a, a->active, axis == 1 ? j + 1 : outer, axis == 1 ? outer : j + 1);
-        struct span s = span_join(below, above);
-        double(*low)[BATCH] = faces[(j + 1) % 2], (*high)[BATCH] = faces[(j + 2) % 2];
-        long row = base + j * f->stride[axis];
-        if (!span_empty(s)) face_fluxes(g, tile, U, axis, row + s.low, s.high - s.low, high, s.low);
-        for (int v = 0; v < g->nvar && !span_empty(below); v++)
-            difference_row(below.high - below.low, inverse, low[v] + below.low, high[v] + below.low, true,
-                           g->work.residual[v] + row + below.low);
-        below = above;
-    }
-}
-
-static void sweep_axis(const struct gas *g, int tile, const double *U, int axis) {
-    const struct forest *f = g->forest;
-    int other = axis == 1 ? 2 : 1;
-    if (axis == 0) sweep_rows(g, tile, U);
-    for (int outer = 0; axis > 0 && outer < f->tile[tile].n[other]; outer++)
-        sweep_column(g, tile, U, axis, outer, f->first + outer * f->stride[other]);
-}
-
 KERNEL static void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
                               const double *restrict residual, double *restrict to) {
     for (int i = 0; i < n; i++) {
@@ -209,28 +164,31 @@ KERNEL static void update_row(int n, double a, double dt, const double *restrict
     }
 }
 
-KERNEL static int64_t count_bad(int n, int dim, long size, double limit, const double *restrict U,
-                                double *restrict bad) {
+/* bad = 1 where a cell is not admissible, else 0; is any? */
+KERNEL static bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
-    double square[BATCH];
-    for (int i = 0; i < n; i++) square[i] = 0;
-    for (int k = 1; k <= dim; k++) {
-        const double *restrict mom = U + k * size;
-        for (int i = 0; i < n; i++) square[i] += mom[i] * mom[i];
-    }
-    int64_t count = 0;
+    const double *restrict m1 = U + size, *restrict m2 = U + 2 * size, *restrict m3 = U + 3 * size;
+    uint64_t any = 0;
     for (int i = 0; i < n; i++) {
-        double internal = E[i] * rho[i] - 0.5 * square[i];
-        bad[i] = rho[i] > 0 && rho[i] < limit && internal > 0 ? 0 : 1; /* NaN is bad */
-        count += bad[i] > 0 ? 1 : 0;
+        double square = m1[i] * m1[i];
+        if (dim > 1) square += m2[i] * m2[i];
+        if (dim > 2) square += m3[i] * m3[i];
+        double internal = E[i] * rho[i] - 0.5 * square;
+        bool good = (rho[i] > 0) & (rho[i] < limit) & (internal > 0); /* NaN is bad */
+        bad[i] = good ? 0 : 1;
+        any |= bits_of(bad[i]);
     }
-    return count;
+    return any != 0;
 }
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
     double bad[BATCH];
-    int count = (int)count_bad(n, g->dim, g->forest->size, g->limit, U + offset, bad);
-    for (int i = 0; count && marks && i < n; i++) marks[offset + i] += bad[i];
+    int count = 0;
+    if (!find_bad(n, g->dim, g->forest->size, g->limit, U + offset, bad)) return 0;
+    for (int i = 0; i < n; i++) {
+        count += bad[i] > 0;
+        if (marks) marks[offset + i] += bad[i];
+    }
     return count;
 }
 
@@ -261,6 +219,82 @@ static void settle_background(const struct update *u) {
     }
 }
 
+/* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
+static void sweep_row(const struct gas *g, int tile, const double *U, int j, int k) {
+    const struct forest *f = g->forest;
+    double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
+    struct span s = *activity_row(&g->activity, g->activity.active, j, k);
+    if (span_empty(s)) return;
+    long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
+    face_fluxes(g, tile, U, 0, offset - 1, s.high - s.low + 1, faces, 0);
+    for (int v = 0; v < g->nvar; v++)
+        difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
+}
+
+struct column { /* of rows along another axis, at place `outer` of the third one */
+    int axis, outer;
+    double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
+};
+
+static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
+    const struct activity *a = &g->activity;
+    if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
+    return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
+}
+
+/* residual += the same for row j of a column, j from -1 on: the faces between rows j and j + 1 cover both rows' active
+ * spans; those of the row before were kept. */
+static void sweep_column(const struct gas *g, int tile, const double *U, struct column *c, int j) {
+    const struct forest *f = g->forest;
+    double inverse = 1 / f->width[c->axis];
+    struct span mine = active_span(g, tile, c, j), s = span_join(mine, active_span(g, tile, c, j + 1));
+    double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
+    long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
+    if (!span_empty(s)) face_fluxes(g, tile, U, c->axis, row + s.low, s.high - s.low, high, s.low);
+    for (int v = 0; v < g->nvar && !span_empty(mine); v++)
+        difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
+                       g->work.residual[v] + row + mine.low);
+}
+
+/* All rows, axis by axis. */
+static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
+    const int *n = g->forest->tile[tile].n;
+    spans_visit(g, tile, g->activity.needed, GHOSTS, primitive_visit, pass);
+    for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
+        spans_visit(g, tile, g->activity.needed, GHOSTS, nodal_visit, pass);
+        int outer = pass->axis == 2 ? 1 : 2, along = 3 - outer;
+        struct column column = {.axis = along};
+        for (column.outer = 0; column.outer < n[outer]; column.outer++)
+            for (int j = pass->axis > 0 ? -1 : 0; j < n[along]; j++)
+                if (pass->axis == 0)
+                    sweep_row(g, tile, pass->U, j, column.outer);
+                else
+                    sweep_column(g, tile, pass->U, &column, j);
+    }
+    spans_visit(g, tile, g->activity.active, 0, update_visit, update);
+}
+
+/* The same for two axes, row by row while a row is in L1: what it needs for both axes, its faces along axis 0, then the
+ * faces along axis 1 whose stencil it completes, and the update of the row below them. */
+static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update *update) {
+    struct activity *a = &g->activity;
+    struct column column = {.axis = 1};
+    int n = g->forest->tile[tile].n[1];
+    for (int top = -GHOSTS; top < n + GHOSTS; top++) {
+        int j = top - GHOSTS;
+        row_visit(g, a->needed, top, 0, primitive_visit, pass);
+        if (top >= 0 && top < n) {
+            pass->axis = 0;
+            row_visit(g, a->needed, top, 0, nodal_visit, pass);
+            sweep_row(g, tile, pass->U, top, 0);
+        }
+        pass->axis = 1;
+        row_visit(g, a->needed, top, 0, nodal_visit, pass);
+        if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
+        if (j >= 0) row_visit(g, a->active, j, 0, update_visit, update);
+    }
+}
+
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
                   double a, double dt) {
     struct pass pass = {.g = g, .U = from->block[tile]};
@@ -275,12 +309,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
-        spans_visit(g, tile, active->needed, GHOSTS, primitive_visit, &pass);
-        for (pass.axis = 0; pass.axis < g->dim; pass.axis++) {
-            spans_visit(g, tile, active->needed, GHOSTS, nodal_visit, &pass);
-            sweep_axis(g, tile, pass.U, pass.axis);
-        }
-        spans_visit(g, tile, active->active, 0, update_visit, &update);
+        (g->dim == 2 ? sweep_rows : sweep_axes)(g, tile, &pass, &update);
     }
     settle_background(&update);
     memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));

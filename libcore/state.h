@@ -73,7 +73,8 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
 void activity_store_all(const struct gas *g, int tile, const struct state *s);
 struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
-/* As rows_visit, for the spans of rows. */
+/* As rows_visit, for the span of one row, or of all. */
+void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context);
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context);
 
 /* What follows from U for n cells at `offset`, into the workspace: velocity and eps; p, c and gruneisen, too. */
