@@ -74,6 +74,33 @@ class Order(harness.Folder, unittest.TestCase):
                 errors = self.wave_errors(0.0, cells, np.array((1, 1, 0)), reconstruct)
                 self.assertGreater(order(errors, cells), LEAST[reconstruct], f"errors {errors}")
 
+    def test_time(self):
+        """Each time scheme on one grid with ever smaller steps, against the smallest steps: its own order, and steady at
+        three quarters of its bound of the Courant number. All waves of the smooth flow run one way."""
+        n, end = 48, 0.1
+        phase = boxes.centres((n, 1, 1), (1.0, 0.1, 0.1))[:, 0]
+        sine = np.sin(2 * np.pi * phase)
+        rho, u, p = 1 + 0.2 * sine, np.outer(3 + 0.2 * sine, (1, 0, 0)), 0.6 + 0.1 * sine
+
+        def run(stepper, steps):
+            case = os.path.join(self.folder, f"{stepper}{steps}")
+            boxes.box_case(case, (n, 1, 1), (1.0, 0.1, 0.1), rho, u, p, end, adjust="no", step=end / steps,
+                           control="runTime", stepper=stepper, eos="perfectGas", reconstruct="WENO5",
+                           types={"x": "cyclic"})
+            harness.program("granularGas", "-case", case)
+            return harness.haff.Case(case).field("rho")
+
+        best = run("SSPRK104", 320)
+        for stepper, steps, least in (("Euler", 160, 0.9), ("SSPRK2", 80, 1.9), ("SSPRK3", 40, 2.9),
+                                      ("SSPRK43", 20, 2.9), ("SSPRK104", 10, 3.8)):
+            with self.subTest(stepper):
+                errors = [np.abs(run(stepper, k) - best).max() for k in (steps, 2 * steps)]
+                self.assertGreater(order(errors, (1, 2)), least, f"errors {errors}")
+        rate = end * 48 * (3.2 + 1.2)
+        for stepper, bound in (("SSPRK3", 1), ("SSPRK43", 2), ("SSPRK104", 6)):
+            error = np.abs(run(stepper, int(np.ceil(rate / (0.75 * bound)))) - best).max()
+            self.assertLess(error, 1e-3, stepper)
+
     def test_monotone(self):
         """A smooth front of density that flies in a perfect gas of constant u and p: one field only varies, and is
         monotone; PHM is of third order. (In a simple wave the projections on the other fields have extrema.)"""

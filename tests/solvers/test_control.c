@@ -60,7 +60,7 @@ static void test_errors(void **state) {
     (void)state;
     expect_error("writeControl none;", "endTime");
     expect_error("endTime 1;", "writeControl");
-    expect_error("endTime 1; writeControl none; maxCo 1.5;", "maxCo");
+    expect_error("endTime 1; writeControl none; maxCo 7;", "maxCo");
     expect_error("endTime 1; writeControl none; maxCo -1;", "maxCo");
     expect_error("endTime 1; writeControl none; adjustTimeStep no;", "deltaT");
     expect_error("endTime 1; writeControl none; startFrom lastTime;", "latestTime");
