@@ -49,10 +49,10 @@ KERNEL static void gs_state(const struct material *m, int n, const double *restr
     const double pairs = 2 * (1 + m->restitution), slope = m->printed_sound ? 0.5 : 1, g1 = m->gamma - 1;
     for (int i = 0; i < n; i++) {
         double nu = k * rho[i], x = gs_x(nu, inverse_max, a), inverse = 1 / (1 - x);
-        double G = nu * inverse, A = 1 + pairs * G, T = g1 * eps[i];
-        double rho_dA = slope * (pairs * G * (1 + a * x * inverse));
+        double G = nu * inverse, dense = pairs * G, A = 1 + dense, T = g1 * eps[i];
+        double rho_dA = slope * dense * fma(a * x, inverse, 1);
         p[i] = rho[i] * T * A;
-        c2[i] = T * (A + rho_dA + g1 * A * A);
+        c2[i] = T * fma(g1 * A, A, A + rho_dA);
         gruneisen[i] = g1 * A;
     }
 }

@@ -37,22 +37,58 @@ ALWAYS_INLINE double weight_epsilon(double a, double b, double c, double d, doub
     return fma(2e-7, fma(a, a, b * b) + fma(c, c, d * d) + e * e, 1e-40);
 }
 
-/* WENO5 of Jiang & Shu (1996), linear weights 1/10, 6/10, 3/10, written in differences (constants are kept exactly)
- * with the three weights on one denominator; smoothness indicators times 12/13. */
-ALWAYS_INLINE double weno5(double a, double b, double c, double d, double e) {
+struct parabolas { /* of the three stencils: smoothness (Jiang & Shu) plus epsilon, and 6 (face value - c) */
+    double b0, b1, b2, v0, v1, v2;
+};
+/* In differences, so that constants are kept exactly; the smoothness is 12/13 of theirs. */
+ALWAYS_INLINE struct parabolas parabolas(double a, double b, double c, double d, double e) {
     double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d;
-    double epsilon = weight_epsilon(a, b, c, d, e);
+    double epsilon = 12. / 13 * weight_epsilon(a, b, c, d, e);
     double t0 = e2 - e1, t1 = e3 - e2, t2 = e4 - e3;
     double s0 = fma(3, e2, -e1), s1 = e2 + e3, s2 = fma(3, e3, -e4);
-    double b0 = fma(t0, t0, fma(3. / 13 * s0, s0, epsilon));
-    double b1 = fma(t1, t1, fma(3. / 13 * s1, s1, epsilon));
-    double b2 = fma(t2, t2, fma(3. / 13 * s2, s2, epsilon));
-    b0 *= b0;
-    b1 *= b1;
-    b2 *= b2;
-    double n0 = b1 * b2, n1 = 6 * (b0 * b2), n2 = 3 * (b0 * b1);
-    double sum = fma(n0, fma(5, e2, -2 * e1), fma(n1, fma(2, e3, e2), n2 * fma(4, e3, -e4)));
-    return c + sum / (6 * (n0 + n1 + n2));
+    return (struct parabolas){.b0 = fma(t0, t0, fma(3. / 13 * s0, s0, epsilon)),
+                              .b1 = fma(t1, t1, fma(3. / 13 * s1, s1, epsilon)),
+                              .b2 = fma(t2, t2, fma(3. / 13 * s2, s2, epsilon)),
+                              .v0 = fma(5, e2, -2 * e1),
+                              .v1 = fma(2, e3, e2),
+                              .v2 = fma(4, e3, -e4)};
+}
+
+/* Weights n0, n1, n2 of the parabolas. */
+ALWAYS_INLINE double weighted(double c, struct parabolas p, double n0, double n1, double n2) {
+    return c + fma(n0, p.v0, fma(n1, p.v1, n2 * p.v2)) / (6 * (n0 + n1 + n2));
+}
+
+/* WENO5 of Jiang & Shu (1996): linear weights 1/10, 6/10, 3/10 over the squared smoothness, on one denominator. */
+ALWAYS_INLINE double weno5(double a, double b, double c, double d, double e) {
+    struct parabolas p = parabolas(a, b, c, d, e);
+    double q0 = p.b0 * p.b0, q1 = p.b1 * p.b1, q2 = p.b2 * p.b2;
+    return weighted(c, p, q1 * q2, 6 * (q0 * q2), 3 * (q0 * q1));
+}
+
+/* WENO-Z of Borges et al. (2008): the linear weights times 1 + (tau/b)^2, tau = |b0 - b2|: power 2, and epsilon 1e-6 of
+ * the stencil's squared scale as in all of these. */
+ALWAYS_INLINE double wenoz(double a, double b, double c, double d, double e) {
+    struct parabolas p = parabolas(a, b, c, d, e);
+    double tau = p.b0 - p.b2, q0 = p.b0 * p.b0, q1 = p.b1 * p.b1, q2 = p.b2 * p.b2;
+    double n0 = fma(tau, tau, q0) * (q1 * q2), n1 = 6 * (fma(tau, tau, q1) * (q0 * q2));
+    return weighted(c, p, n0, n1, 3 * (fma(tau, tau, q2) * (q0 * q1)));
+}
+
+/* TENO5 of Fu, Hu & Adams (2016): a stencil counts with its linear weight, or not at all where its share of
+ * (C + tau/b)^q is below C_T; C = 1, q = 6, C_T = 1e-5, tau and epsilon as in WENO-Z. */
+ALWAYS_INLINE double sixth_power(double x) {
+    return x * x * x * (x * x * x);
+}
+ALWAYS_INLINE double teno5(double a, double b, double c, double d, double e) {
+    struct parabolas p = parabolas(a, b, c, d, e);
+    double tau = fabs(p.b0 - p.b2), g0 = (p.b0 + tau) * (p.b1 * p.b2), g1 = (p.b1 + tau) * (p.b0 * p.b2);
+    double g2 = (p.b2 + tau) * (p.b0 * p.b1), inverse = 1 / (g0 + g1 + g2); /* else the powers overflow */
+    g0 = sixth_power(g0 * inverse);
+    g1 = sixth_power(g1 * inverse);
+    g2 = sixth_power(g2 * inverse);
+    double least = 1e-5 * (g0 + g1 + g2);
+    return weighted(c, p, g0 < least ? 0 : 1, g1 < least ? 0 : 6, g2 < least ? 0 : 3);
 }
 
 /* power_3 limiter of Serna & Marquina (2004): the mean of x and y of one sign, reduced by 1 - |(x - y)/(x + y)|^3. */
@@ -108,6 +144,8 @@ ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], doub
 LOOPS(phm)
 LOOPS(wpeno5)
 LOOPS(weno5)
+LOOPS(wenoz)
+LOOPS(teno5)
 LOOPS(first_order)
 #define ROW(name, about, reach, value)                                                                                 \
     { name, about, reach, value##_line, value##_upwind, value##_split, value##_sided }
@@ -116,6 +154,8 @@ const struct reconstruct reconstruct_table[] = {
     ROW("PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm),
     ROW("WPENO5", "Weighted PowerENO5 (Serna & Marquina 2004)", 2, wpeno5),
     ROW("WENO5", "WENO5 with the weights of Jiang & Shu (1996)", 2, weno5),
+    ROW("WENOZ", "WENO-Z, less dissipative than WENO5 (Borges et al. 2008)", 2, wenoz),
+    ROW("TENO5", "targeted ENO: full order or none of a stencil (Fu, Hu & Adams 2016)", 2, teno5),
     ROW("firstOrder", "the cell's value", 0, first_order),
 };
 const int reconstruct_count = sizeof reconstruct_table / sizeof *reconstruct_table;
