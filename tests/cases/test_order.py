@@ -13,7 +13,7 @@ from tests.cases.harness import boxes
 from eos import GoldshteinShapiro
 from simpleWave import SETTINGS, SimpleWave
 
-LEAST = {"PHM": 1.9, "WPENO5": 3.4, "WENO5": 4.7}
+LEAST = {"PHM": 1.9, "WPENO5": 3.4, "WENO5": 4.7, "WENOZ": 4.7, "TENO5": 4.7}
 SIZE = (1.0, 1.0, 0.1)
 
 
@@ -69,7 +69,8 @@ class Order(harness.Folder, unittest.TestCase):
 
     def test_diagonal(self):
         """WPENO5 shows its order late: its limiter acts at inflection points (3.2 from 32 to 128 cells)."""
-        for reconstruct, cells in (("PHM", (32, 64)), ("WPENO5", (120, 240)), ("WENO5", (64, 128))):
+        for reconstruct, cells in (("PHM", (32, 64)), ("WPENO5", (120, 240)), ("WENO5", (64, 128)),
+                                   ("WENOZ", (64, 128)), ("TENO5", (64, 128))):
             with self.subTest(reconstruct):
                 errors = self.wave_errors(0.0, cells, np.array((1, 1, 0)), reconstruct)
                 self.assertGreater(order(errors, cells), LEAST[reconstruct], f"errors {errors}")
