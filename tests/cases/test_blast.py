@@ -17,7 +17,8 @@ class Blast(harness.Folder, unittest.TestCase):
         """The contact of a scheme of order r is smeared over h^(r/(r+1)), at worst h^(1/2); the shocks converge faster."""
         case = self.short("blastElastic", 500, writeInterval=5.48)  # made once; the runs below only change the scheme
         fluxes = ("common", "Marquina", "LaxFriedrichs", "globalLaxFriedrichs")
-        schemes = [(f, r) for f in fluxes for r in ("PHM", "WPENO5", "WENO5", "firstOrder")] + [("Rusanov", "firstOrder")]
+        schemes = [(f, r) for f in fluxes for r in ("PHM", "WPENO5", "WENO5", "WENOZ", "TENO5", "firstOrder")] + [
+            ("Rusanov", "firstOrder")]
         errors = {}
         for cells in (500, 1000):
             harness.mesh(case.path, cells)
