@@ -203,10 +203,23 @@ static void field_visit(void *context, long offset, int n) {
 
 void gas_tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
     int components = field == GAS_U ? g->dim : 1;
-    struct reading r = {.g = g, .U = g->U.block[tile], .field = field};
-    activity_store_all(g, tile, &g->U);
-    for (int c = 0; c < components; c++) r.out[c] = out[c];
-    rows_visit(g->forest, &g->forest->tile[tile], 0, field_visit, &r);
+    const int *n = g->forest->tile[tile].n;
+    double background[3];
+    struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
+    for (int c = 0; c < components; c++) {
+        r.out[c] = out[c];
+        one.out[c] = &background[c];
+    }
+    field_visit(&one, 0, 1);
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            struct span varied = *activity_row(&g->activity, g->U.varied[tile], j, k);
+            long row = n[0] * (j + (long)n[1] * k);
+            for (int c = 0; c < components; c++)
+                for (int i = 0; i < n[0]; i++) out[c][row + i] = background[c];
+            r.at = row + varied.low;
+            row_visit(g, g->U.varied[tile], j, k, field_visit, &r);
+        }
 }
 
 struct placing { /* writes consecutive values back to a tile's block */
