@@ -98,7 +98,7 @@ class Order(harness.Folder, unittest.TestCase):
                 errors = [np.abs(run(stepper, k) - best).max() for k in (steps, 2 * steps)]
                 self.assertGreater(order(errors, (1, 2)), least, f"errors {errors}")
         rate = end * 48 * (3.2 + 1.2)
-        for stepper, bound in (("SSPRK3", 1), ("SSPRK43", 2), ("SSPRK104", 6)):
+        for stepper, bound in (("SSPRK3", 1), ("SSPRK43", 2), ("SSPRK104", 3)):
             error = np.abs(run(stepper, int(np.ceil(rate / (0.75 * bound)))) - best).max()
             self.assertLess(error, 1e-3, stepper)
 
