@@ -17,7 +17,7 @@ struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - 
     const char *name, *about;
     int stages;
     int exchange;   /* after so many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
-    double courant; /* largest maxCo that preserves what the Euler step does at 1 */
+    double courant; /* largest maxCo allowed (the Euler step: 1) */
     double a[10], b[10];
 };
 extern const struct stepper stepper_table[];
