@@ -33,7 +33,8 @@ void grid_free(struct grid *g);
 /* Root's all[ncells_all] <- values[block][cell of the block]; all is NULL on the other ranks. */
 status grid_gather(const struct grid *g, const double *const *values, double *all);
 
-/* Sum over all ranks of one number per block, in the order of the blocks' ids: the same bits for any number of ranks. */
+/* Sum over all ranks of one number per block, in the order of the blocks' ids: the same bits for any number of ranks.
+ */
 status grid_sum(const struct grid *g, const double *per_block, double *sum);
 
 /* The block and the cell within it that hold a point, or block -1: outside, or not on this rank. A point between

@@ -17,31 +17,32 @@ enum { MOSAIC_MOMENTS = 6 };
 
 struct mosaic_faces { /* internal and cut faces first, then boundary faces: patch by patch, mirrors in the same order */
     int n, ninternal;
-    int nlocal;         /* internal ones whose two cells are inner cells come first: they can be computed before finish */
-    int *left, *right;  /* [n] cells of this rank; right: a mirror at the boundary */
-    int *patch, *place; /* [n - ninternal] of the polyMesh, and the face within the patch */
-    double *area;       /* [n] m^(dim-1) */
-    double *normal[3];  /* [dim][n] unit, from left to right, one a face: areas times normals close every cell */
+    int nlocal; /* internal ones whose two cells are inner cells come first: they can be computed before finish */
+    int *left, *right;     /* [n] cells of this rank; right: a mirror at the boundary */
+    int *patch, *place;    /* [n - ninternal] of the polyMesh, and the face within the patch */
+    double *area;          /* [n] m^(dim-1) */
+    double *normal[3];     /* [dim][n] unit, from left to right, one a face: areas times normals close every cell */
     double *tangent[2][3]; /* [dim - 1][dim][n] with the normal an orthonormal, right-handed frame */
     double *shift[3];      /* [dim][n] to be added to positions of the right cell (cyclic patches), else 0 */
     int *point_start;      /* [n + 1] quadrature points; those of one order are below */
 };
-struct mosaic_points {   /* on faces; order 1: one at the centre; order 3: exact for quadratic functions */
+struct mosaic_points { /* on faces; order 1: one at the centre; order 3: exact for quadratic functions */
     int n;
-    int *face;           /* [n] */
-    double *weight;      /* [n] sums to 1 over a face */
-    double *arm[2][3];   /* [left or right][dim][n] from the centre of the cell on that side, m */
+    int *face;         /* [n] */
+    double *weight;    /* [n] sums to 1 over a face */
+    double *arm[2][3]; /* [left or right][dim][n] from the centre of the cell on that side, m */
 };
 struct mosaic {
     int dim, axis[3];
     double thickness; /* product of the extents of the empty axes */
     int ncells_all;
     int ninner, nown, nnear, ncells, size;
-    int *cell;                       /* [ncells] polyMesh cell; mirrors have none */
-    double *volume;                  /* [size] m^dim */
-    double *centre[3];               /* [dim][size] m; of ghosts across a cyclic patch: their own place */
-    double *moment[MOSAIC_MOMENTS];  /* [dim (dim+1)/2][size] mean of (x-c)_a (x-c)_b, a <= b: xx xy yy or xx xy xz yy .. */
-    int *face_start, *face_of_cell;  /* [nown + 1], -> faces; ~face where the cell is on the right; global order */
+    int *cell;         /* [ncells] polyMesh cell; mirrors have none */
+    double *volume;    /* [size] m^dim */
+    double *centre[3]; /* [dim][size] m; of ghosts across a cyclic patch: their own place */
+    double
+        *moment[MOSAIC_MOMENTS]; /* [dim (dim+1)/2][size] mean of (x-c)_a (x-c)_b, a <= b: xx xy yy or xx xy xz yy .. */
+    int *face_start, *face_of_cell; /* [nown + 1], -> faces; ~face where the cell is on the right; global order */
     struct mosaic_faces face;
     struct mosaic_points point;
 
