@@ -20,9 +20,13 @@ class Quick(harness.Folder, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.done = tool("--quick", "--out", cls.folder)
-        with open(os.path.join(cls.folder, "workPrecision.csv"), newline="") as f:
-            cls.rows = list(csv.DictReader(f))
+        cls.done = tool("--quick", "--out", cls.folder, "--commit", "first")
+        cls.rows = cls.written(cls.folder)
+
+    @classmethod
+    def written(cls, folder=None):
+        with open(os.path.join(folder or cls.folder, "workPrecision.csv"), newline="") as f:
+            return list(csv.DictReader(f))
 
     def series(self, **wanted):
         """{(problem, code, scheme): [(cells, CPU seconds, error)] by cells}."""
@@ -57,8 +61,7 @@ class Quick(harness.Folder, unittest.TestCase):
         solution or a wrong norm would not show."""
         for problem, low, high in (("vortex", 3, 6), ("wave", 2.8, 6), ("sod", 0.6, 1.0)):
             with self.subTest(problem):
-                (n0, _, e0), *_, (n1, _, e1) = self.series(problem=problem, reconstruct="WENO5")[
-                    problem, "haff", "common", "WENO5", "SSPRK3", "1"]
+                [((n0, _, e0), *_, (n1, _, e1))] = self.series(problem=problem, reconstruct="WENO5").values()
                 order = np.log(e0 / e1) / np.log(n1 / n0)
                 self.assertGreater(order, low)
                 self.assertLess(order, high)
@@ -76,11 +79,35 @@ class Quick(harness.Folder, unittest.TestCase):
 
     def test_continues(self):
         """A second call with the same folder runs nothing again."""
-        again = tool("--quick", "--out", self.folder)
+        again = tool("--quick", "--out", self.folder, "--commit", "first")
         self.assertEqual(again.returncode, 0, again.stderr[-2000:])
         self.assertNotIn("cpu", again.stdout)
-        with open(os.path.join(self.folder, "workPrecision.csv"), newline="") as f:
-            self.assertEqual(len(list(csv.DictReader(f))), len(self.rows))
+        self.assertEqual(self.written(), self.rows)
+
+    def test_commit(self):
+        """Rows say what they were measured at; only --fresh measures again, and only the problems asked for."""
+        copy = os.path.join(self.folder, "other")
+        os.mkdir(copy)
+        shutil.copy(os.path.join(self.folder, "workPrecision.csv"), copy)
+        self.assertEqual({r["commit"] for r in self.rows}, {"first"})
+        options = ("--quick", "--no-foam", "--problems", "wave", "--out", copy, "--commit", "second")
+        self.assertNotIn("cpu", tool(*options).stdout)
+        self.assertIn("cpu", tool(*options, "--fresh").stdout)
+        rows = self.written(copy)
+        self.assertEqual({(r["problem"] == "wave", r["commit"]) for r in rows}, {(False, "first"), (True, "second")})
+        known = ("cpu", "user", "loop", "commit")
+        once = [sorted(tuple((k, v) for k, v in r.items() if k not in known) for r in which) for which in (rows, self.rows)]
+        self.assertEqual(*once)
+
+    def test_order_of_runs(self):
+        """From coarse to fine, with rhoCentralFoam neither first nor last of a grid both run on."""
+        for problem, cells in (("vortex", "20"), ("sod", "100"), ("sod", "200")):
+            codes = [r["code"] for r in self.rows if r["problem"] == problem and r["cells"] == cells]
+            if "rhoCentralFoam" in codes:
+                self.assertEqual((codes[0], codes[-1]), ("haff", "haff"))
+        for problem in {r["problem"] for r in self.rows}:
+            cells = [int(r["cells"]) for r in self.rows if r["problem"] == problem]
+            self.assertEqual(cells, sorted(cells))
 
 
 class Arguments(unittest.TestCase):
