@@ -4,22 +4,26 @@
  *
  * Numbering on a rank: cells 0 <= i < nown are mine, those from ninner on read values of other ranks in a stage; then
  * ghosts, cells of other ranks: first those across my faces (< nnear), whose polynomials this rank computes, too, then
- * those that only stencils read (< ncells); then one mirror cell per boundary face (< size), whose values the boundary
- * conditions give. Lists within a cell or face are in an order that does not depend on the ranks, so the results
- * do not either. Arrays of components are [component][size or so], each component in one line. */
+ * those that only stencils read (< ncells); then mirror cells (< size), whose values the boundary conditions give: one
+ * per boundary face of my cells, then one per boundary face of near ghosts, whose stencils need them. A rank may have
+ * no cells. Lists within a cell or face are in an order that does not depend on the ranks, so the results do not
+ * either. Arrays of components are [component][size or so], each component in one line. */
 #ifndef MESH_MOSAIC_H
 #define MESH_MOSAIC_H
 
 #include "mesh/comm.h"
 #include "mesh/polymesh.h"
 
-enum { MOSAIC_MOMENTS = 6 };
+enum {
+    MOSAIC_MOMENTS = 6,
+    MOSAIC_VARIABLES = 8 /* at most, in one fill */
+};
 
 struct mosaic_faces { /* internal and cut faces first, then boundary faces: patch by patch, mirrors in the same order */
     int n, ninternal;
     int nlocal; /* internal ones whose two cells are inner cells come first: they can be computed before finish */
     int *left, *right;     /* [n] cells of this rank; right: a mirror at the boundary */
-    int *patch, *place;    /* [n - ninternal] of the polyMesh, and the face within the patch */
+    int *patch, *place;    /* [n - ninternal] of the polyMesh, and the face within the patch: those of the mirrors */
     double *area;          /* [n] m^(dim-1) */
     double *normal[3];     /* [dim][n] unit, from left to right, one a face: areas times normals close every cell */
     double *tangent[2][3]; /* [dim - 1][dim][n] with the normal an orthonormal, right-handed frame */
@@ -31,6 +35,13 @@ struct mosaic_points { /* on faces; order 1: one at the centre; order 3: exact f
     int *face;         /* [n] */
     double *weight;    /* [n] sums to 1 over a face */
     double *arm[2][3]; /* [left or right][dim][n] from the centre of the cell on that side, m */
+};
+struct mosaic_mirrors { /* mirror i is cell ncells + i; the first face.n - face.ninternal are those of my faces */
+    int n;
+    int *cell;             /* [n] the cell inside: mine, then near ghosts */
+    int *patch, *place;    /* [n] */
+    double *normal[3];     /* [dim][n] unit, out of the cell; the frame is the face's */
+    double *tangent[2][3]; /* [dim - 1][dim][n] */
 };
 struct mosaic {
     int dim, axis[3];
@@ -45,10 +56,12 @@ struct mosaic {
     int *face_start, *face_of_cell; /* [nown + 1], -> faces; ~face where the cell is on the right; global order */
     struct mosaic_faces face;
     struct mosaic_points point;
+    struct mosaic_mirrors mirror; /* centre, volume, moments: the cell's, reflected in the plane of the face */
 
-    /* Stencils of cells < nnear: first the cells across its faces in the order of its faces (mirrors count), then
-     * ring by ring, each ring by polyMesh number (mirrors only in the first ring). offset: from the cell's centre to
-     * the member's, cyclic shifts taken in; moments of a member are those of the cell `stencil` says. */
+    /* Stencils of cells < nnear: first the cells across its faces in the order of its faces (mirrors count; a cell that
+     * shares two faces once), then ring by ring, each ring by polyMesh number (mirrors only in the first ring). In a
+     * short periodic domain a cell may be a member twice, at different offsets. offset: from the cell's centre to the
+     * member's, cyclic shifts taken in; moments of a member are those of the cell `stencil` says. */
     int *stencil_start; /* [nnear + 1] */
     int *stencil;
     double *offset[3]; /* [dim][stencil_start[nnear]] */
@@ -69,13 +82,14 @@ struct mosaic {
 };
 
 /* Collective; every rank holds the whole polyMesh. rings: of stencils, 1 or 2; a stencil grows by further rings until
- * it has 1.5 times as many members as a polynomial of degree `rings` has coefficients. points: order of the quadrature,
+ * it has 1.5 times as many members as a polynomial of degree `rings` has coefficients (without the constant), or the
+ * mesh ends. points: order of the quadrature,
  * 1 for rings 1, 3 for rings 2. Refuses (ERR_INPUT, with cell or face and place) what no finite volume can use. */
 status mosaic_make(const struct polymesh *m, const struct comm *c, int rings, struct mosaic **out);
 void mosaic_free(struct mosaic *m);
 
-/* Fills the ghosts (not the mirrors) of nvar lines data[v][size] from other ranks. start sends; between the two the
- * cells that are sent must stay. Local work in between hides the time. */
+/* Fills the ghosts (not the mirrors) of nvar <= MOSAIC_VARIABLES lines data[v][size] from other ranks. start sends;
+ * between the two the cells that are sent must stay. Local work in between hides the time. */
 void mosaic_fill_start(struct mosaic *m, int nvar, double *const *data);
 void mosaic_fill_finish(struct mosaic *m);
 
