@@ -1,89 +1,16 @@
-/* The gas's state: making it, filling it, and what the outside may ask of it. */
+/* The gas, whatever mesh it is on: what gas.h promises, handed to the engine of the mesh. */
 #include "libcore/state.h"
 
 #include <stdlib.h>
 
-static status make_blocks(const struct forest *f, int nvar, double ***out) {
-    TRY(allocate(out, f->ntiles, sizeof(double *), "tiles"));
-    for (int t = 0; t < f->ntiles; t++) {
-        TRY(allocate(&(*out)[t], nvar * f->size + SLACK, sizeof(double), "the state of a tile"));
-        for (long i = 0; i < f->size; i++) (*out)[t][i] = (*out)[t][(nvar - 1) * f->size + i] = nvar > 1;
-    }
-    return OK;
-}
-
-static void free_blocks(const struct forest *f, double **blocks) {
-    for (int t = 0; blocks && t < f->ntiles; t++) free(blocks[t]);
-    free(blocks);
-}
-
-static status make_work(struct gas *g) {
-    struct work *w = &g->work;
-    double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
-    for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
-    for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
-    for (int v = 0; v < g->nvar; v++) {
-        TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
-        TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
-    }
-    return OK;
-}
-
-static status make_activity(struct gas *g) {
-    struct activity *a = &g->activity;
-    int rows[2] = {0, 0};
-    for (int t = 0; t < g->forest->ntiles; t++)
-        for (int k = 0; k < 2; k++)
-            if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
-    a->rows = rows[0] + 2 * GHOSTS;
-    a->nspans = a->rows * (rows[1] + 2 * GHOSTS);
-    struct span **spans[] = {&a->differ, &a->active, &a->needed};
-    for (int i = 0; i < 3; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));
-    return allocate(&a->quiet, 6L * g->forest->ntiles, sizeof(bool), "tiles");
-}
-
-static status make_state(const struct gas *g, struct state *s) {
-    const struct forest *f = g->forest;
-    TRY(make_blocks(f, g->nvar, &s->block));
-    TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
-    for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], g->activity.nspans, sizeof(struct span), "spans"));
-    activity_reset(g, s);
-    return OK;
-}
-
-static void free_state(const struct forest *f, struct state *s) {
-    free_blocks(f, s->block);
-    for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
-    free(s->varied);
-}
-
-static status fill(struct gas *g) {
-    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
-    TRY(make_activity(g));
-    for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
-    TRY(make_blocks(g->forest, 1, &g->flag));
-    TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
-    TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
-    return make_work(g);
-}
-
-status gas_make(struct forest *f, const struct gas_models *models, int npatches, const struct patch_rules *rules,
-                struct gas **out) {
+static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
-    for (int t = 0; t < f->ntiles; t++)
-        if (f->tile[t].n[0] >= BATCH)
-            return fail(ERR_SYSTEM, "a tile has rows of %d cells; at most %d fit a batch: choose smaller tiles",
-                        f->tile[t].n[0], BATCH - 1);
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
-    *g = (struct gas){.forest = f,
-                      .models = *models,
-                      .dim = f->dim,
-                      .nvar = f->dim + 2,
-                      .npatches = npatches,
-                      .rules = rules,
-                      .first_order = reconstruct_find("firstOrder"),
-                      .limit = density_limit(models->eos, &models->material)};
-    status s = fill(g);
+    *g = *like;
+    g->nvar = g->dim + 2;
+    g->first_order = reconstruct_find("firstOrder");
+    g->limit = density_limit(g->models.eos, &g->models.material);
+    status s = g->engine->make(g);
     if (s)
         gas_free(g);
     else
@@ -91,24 +18,22 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
     return s;
 }
 
+status gas_make(struct forest *f, const struct gas_models *models, int npatches, const struct patch_rules *rules,
+                struct gas **out) {
+    const struct gas g = {.engine = &engine_tiles,
+                          .forest = f,
+                          .comm = f->comm,
+                          .dim = f->dim,
+                          .ncells_all = f->ncells_all,
+                          .models = *models,
+                          .npatches = npatches,
+                          .rules = rules};
+    return make(&g, out);
+}
+
 void gas_free(struct gas *g) {
     if (!g) return;
-    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
-    for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
-    free_blocks(g->forest, g->flag);
-    free(g->flagged);
-    free(g->sums);
-    free(g->activity.differ);
-    free(g->activity.active);
-    free(g->activity.needed);
-    free(g->activity.quiet);
-    double *single[] = {g->work.eps, g->work.p, g->work.c, g->work.gruneisen};
-    for (int i = 0; i < 4; i++) free(single[i]);
-    for (int k = 0; k < MAX_DIM; k++) free(g->work.velocity[k]);
-    for (int v = 0; v < MAX_VAR; v++) {
-        free(g->work.flux[v]);
-        free(g->work.residual[v]);
-    }
+    g->engine->free(g);
     free(g);
 }
 
@@ -117,12 +42,11 @@ int gas_variables(const struct gas *g) {
 }
 
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) forest_scatter(g->forest, U[v], v, g->U.block);
-    activity_reset(g, &g->U);
+    g->engine->set_conserved(g, U);
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
-    long n = g->forest->ncells_all;
+    long n = g->ncells_all;
     double *all, *U[MAX_VAR];
     TRY(allocate(&all, g->nvar * n, sizeof(double), "the initial state"));
     for (int v = 0; v < g->nvar; v++) U[v] = all + v * n;
@@ -141,259 +65,29 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
 }
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
-    for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
-    for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, v, U[v]));
-    return OK;
+    return g->engine->get_conserved(g, U);
 }
 
-struct reading { /* of one field, row by row */
-    const struct gas *g;
-    double *U, *out[3];
-    enum gas_field field;
-    long at;
-    const struct tile *tile;
-};
-
-static void scale_row(int n, double factor, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = factor * q[i];
-}
-
-/* Only what the field needs: the equation of state costs most. */
-static void field_visit(void *context, long offset, int n) {
-    struct reading *r = context;
-    const struct gas *g = r->g;
-    const struct work *w = &g->work;
-    const struct material *m = &g->models.material;
-    double *out = r->out[0] + r->at;
-    if (r->field >= GAS_P)
-        primitives_of_row(g, r->U, offset, n);
-    else if (r->field >= GAS_U)
-        velocities_of_row(g, r->U, offset, n);
-    switch (r->field) {
-    case GAS_RHO:
-        scale_row(n, 1, r->U + offset, out);
-        break;
-    case GAS_ALPHA:
-        scale_row(n, packing_per_density(m), r->U + offset, out);
-        break;
-    case GAS_T:
-        scale_row(n, m->gamma - 1, w->eps + offset, out);
-        break;
-    case GAS_P:
-        scale_row(n, 1, w->p + offset, out);
-        break;
-    case GAS_C:
-        scale_row(n, 1, w->c + offset, out);
-        break;
-    case GAS_U:
-        for (int k = 0; k < g->dim; k++) scale_row(n, 1, w->velocity[k] + offset, r->out[k] + r->at);
-        break;
-    case GAS_MACH:
-        for (int i = 0; i < n; i++) {
-            double square = 0;
-            for (int k = 0; k < g->dim; k++) square += w->velocity[k][offset + i] * w->velocity[k][offset + i];
-            out[i] = sqrt(square) / w->c[offset + i];
-        }
-        break;
-    case GAS_FIELDS:
-        break;
-    }
-    r->at += n;
-}
-
-void gas_tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
-    int components = field == GAS_U ? g->dim : 1;
-    const int *n = g->forest->tile[tile].n;
-    double background[3];
-    struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
-    for (int c = 0; c < components; c++) {
-        r.out[c] = out[c];
-        one.out[c] = &background[c];
-    }
-    field_visit(&one, 0, 1);
-    for (int k = 0; k < n[2]; k++)
-        for (int j = 0; j < n[1]; j++) {
-            struct span varied = *activity_row(&g->activity, g->U.varied[tile], j, k);
-            long row = n[0] * (j + (long)n[1] * k);
-            for (int c = 0; c < components; c++)
-                for (int i = 0; i < n[0]; i++) out[c][row + i] = background[c];
-            r.at = row + varied.low;
-            row_visit(g, g->U.varied[tile], j, k, field_visit, &r);
-        }
-}
-
-struct placing { /* writes consecutive values back to a tile's block */
-    const double *values;
-    double *block;
-};
-
-static void place_visit(void *context, long offset, int n) {
-    struct placing *p = context;
-    memcpy(p->block + offset, p->values, (size_t)n * sizeof(double));
-    p->values += n;
+void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
+    g->engine->block_field(g, block, field, out);
 }
 
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
-    const struct forest *f = g->forest;
-    int components = field == GAS_U ? g->dim : 1;
-    double *values;
-    TRY(allocate(&values, f->size * components, sizeof(double), "a field"));
-    for (int t = 0; t < f->ntiles; t++) { /* W is free between steps: it carries the values to the gather */
-        double *lines[3] = {values, values + f->size, values + 2 * f->size};
-        gas_tile_field(g, t, field, lines);
-        for (int c = 0; c < components; c++) {
-            struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
-            rows_visit(f, &f->tile[t], 0, place_visit, &p);
-        }
-    }
-    free(values);
-    for (int c = 0; c < components; c++)
-        TRY(forest_gather(f, (const double *const *)g->W.block, c, comm_root(f->comm) ? out[c] : NULL));
-    return OK;
-}
-
-static void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]) {
-    const struct forest *f = g->forest;
-    long rest = offset - f->first, at[3] = {0, 0, 0};
-    for (int k = 2; k >= 0; k--) {
-        if (t->n[k] == 1 && k >= g->dim) continue;
-        at[k] = rest / f->stride[k];
-        rest -= at[k] * f->stride[k];
-    }
-    for (int k = 0; k < 3; k++) place[k] = 0;
-    for (int k = 0; k < g->dim; k++)
-        place[f->axis[k]] = f->origin[k] + f->width[k] * ((double)(t->low[k] + at[k]) + 0.5);
-}
-
-struct checking {
-    const struct gas *g;
-    double *U;
-    long bad; /* offset of the first bad cell, or -1 */
-};
-
-static void check_visit(void *context, long offset, int n) {
-    struct checking *c = context;
-    if (c->bad >= 0 || !row_inadmissible(c->g, c->U, offset, n, NULL)) return;
-    for (int i = 0; i < n && c->bad < 0; i++)
-        if (row_inadmissible(c->g, c->U, offset + i, 1, NULL)) c->bad = offset + i;
+    return g->engine->field(g, field, out);
 }
 
 status gas_check(const struct gas *g) {
-    status s = OK;
-    for (int t = 0; t < g->forest->ntiles && !s; t++) {
-        struct checking c = {.g = g, .U = g->U.block[t], .bad = -1};
-        activity_store_all(g, t, &g->U);
-        rows_visit(g->forest, &g->forest->tile[t], 0, check_visit, &c);
-        if (c.bad < 0) continue;
-        double place[3];
-        cell_place(g, &g->forest->tile[t], c.bad, place);
-        primitives_of_row(g, c.U, c.bad, 1);
-        s = fail(
-            ERR_STATE, "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
-            place[0], place[1], place[2], c.U[c.bad], g->limit, (g->models.material.gamma - 1) * g->work.eps[c.bad]);
-    }
-    return comm_agree(g->forest->comm, s);
-}
-
-struct speeds {
-    struct gas *g;
-    double *U, rate, calm, axis[MAX_DIM];
-    double wanted; /* looks for the cell with this rate, if > 0 */
-    long found;
-};
-
-KERNEL static void rate_row(int n, double inverse, const double *restrict u, const double *restrict c,
-                            double *restrict rate) {
-    for (int i = 0; i < n; i++) rate[i] += (fabs(u[i]) + c[i]) * inverse;
-}
-
-/* The maximum, eight lanes at a time; a maximum does not depend on the order. */
-KERNEL static double largest(int n, const double *restrict a) {
-    double lane[8] = {0}, most = 0;
-    int i = 0;
-    for (; i + 8 <= n; i += 8)
-        for (int j = 0; j < 8; j++) lane[j] = a[i + j] > lane[j] ? a[i + j] : lane[j];
-    for (; i < n; i++) most = a[i] > most ? a[i] : most;
-    for (int j = 0; j < 8; j++) most = lane[j] > most ? lane[j] : most;
-    return most;
-}
-
-KERNEL static void fast_row(int n, const double *restrict u, const double *restrict c, double *restrict fast) {
-    for (int i = 0; i < n; i++) fast[i] = fabs(u[i]) + c[i];
-}
-
-KERNEL static void calm_row(int n, double limit, const double *restrict rho, double *restrict rate) {
-    for (int i = 0; i < n; i++) rate[i] = rho[i] < limit ? rate[i] : 0;
-}
-
-static void speed_visit(void *context, long offset, int n) {
-    struct speeds *s = context;
-    struct gas *g = s->g;
-    const struct work *w = &g->work;
-    double rate[BATCH] = {0}, fast[BATCH];
-    primitives_of_row(g, s->U, offset, n);
-    for (int k = 0; k < g->dim; k++) {
-        rate_row(n, 1 / g->forest->width[k], w->velocity[k] + offset, w->c + offset, rate);
-        fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
-        s->axis[k] = larger(s->axis[k], largest(n, fast));
-    }
-    for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
-        if (rate[i] == s->wanted) s->found = offset + i;
-    s->rate = larger(s->rate, largest(n, rate));
-    calm_row(n, 0.99 * g->limit, s->U + offset, rate);
-    s->calm = larger(s->calm, largest(n, rate));
+    return g->engine->check(g);
 }
 
 void gas_speed(struct gas *g, struct gas_speed *speed) {
-    struct speeds s = {.g = g, .found = -1};
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        s.U = g->U.block[t];
-        if (activity_find(g, t, &g->U)) speed_visit(&s, 0, 1); /* the background */
-        spans_visit(g, t, g->U.varied[t], 0, speed_visit, &s);
-    }
-    double all[5] = {s.rate, s.calm, s.axis[0], s.axis[1], s.axis[2]};
-    comm_max(g->forest->comm, all, 5);
-    *speed = (struct gas_speed){.rate = all[0], .calm = all[1], .axis = {all[2], all[3], all[4]}};
+    g->engine->speed(g, speed);
 }
 
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    double best[4] = {HUGE_VAL, 0, 0, 0}; /* order in space decides between equals, not the rank */
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
-        activity_store_all(g, t, &g->U);
-        rows_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
-        if (s.found < 0) continue;
-        double here[3];
-        cell_place(g, &g->forest->tile[t], s.found, here);
-        double order = here[0] + 1e-7 * here[1] + 1e-14 * here[2];
-        if (order < best[0]) best[0] = order, memcpy(best + 1, here, sizeof here);
-    }
-    double least = best[0];
-    comm_min(g->forest->comm, &least, 1);
-    for (int k = 0; k < 3; k++) place[k] = best[0] == least ? best[k + 1] : HUGE_VAL;
-    comm_min(g->forest->comm, place, 3);
-}
-
-struct summing {
-    const double *q;
-    double sum;
-};
-
-static void sum_visit(void *context, long offset, int n) {
-    struct summing *s = context;
-    for (int i = 0; i < n; i++) s->sum += s->q[offset + i];
+    g->engine->fastest_place(g, speed, place);
 }
 
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) {
-        for (int t = 0; t < g->forest->ntiles; t++) {
-            struct summing s = {.q = g->U.block[t] + v * g->forest->size};
-            activity_store_all(g, t, &g->U);
-            rows_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
-            g->sums[t] = s.sum;
-        }
-        TRY(forest_sum(g->forest, g->sums, &totals[v]));
-        totals[v] *= g->forest->volume;
-    }
-    return OK;
+    return g->engine->totals(g, totals);
 }

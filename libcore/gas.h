@@ -61,9 +61,9 @@ void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
 
 enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_FIELDS };
-/* Components: dim for GAS_U, else 1. The values of one field in one tile's cells, axis 0 fastest:
- * out[component][cells]. gas_field gathers a whole field to root in polyMesh order. */
-void gas_tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]);
+/* Components: dim for GAS_U, else 1. The values of one field in the cells of one of this rank's blocks (tiles: axis 0
+ * fastest): out[component][cells]. gas_field gathers a whole field to root in polyMesh order. */
+void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);
 
 /* Checks every cell: rho > 0, T > 0, alpha < alphaMax; the error names field, value, cell and place. */

@@ -1,4 +1,4 @@
-/* Inside of the gas: what gas.c, ghosts.c, stage.c and step.c share. */
+/* Inside of the gas: what its engines and step.c share, and the engine of the tiles. */
 #ifndef LIBCORE_STATE_H
 #define LIBCORE_STATE_H
 
@@ -35,25 +35,68 @@ struct activity { /* of the tile in hand: what differs from its background, what
     struct span *differ, *active, *needed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
+struct gas;
+struct engine {                    /* one kind of mesh: how it holds the state, and its part of what gas.h promises */
+    status (*make)(struct gas *g); /* the states and the work memory of g, all else being set */
+    void (*free)(struct gas *g);   /* of what make made, perhaps in part */
+    void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
+    status (*get_conserved)(const struct gas *g, double *const U[MAX_VAR]);
+    void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
+    status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
+    status (*check)(const struct gas *g);
+    void (*speed)(struct gas *g, struct gas_speed *speed);
+    void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
+    status (*totals)(const struct gas *g, double totals[MAX_VAR]);
+    /* to = the sources applied to from, over dt; kick: the velocity gained */
+    void (*sources)(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+                    const struct state *to);
+    /* One stage: to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank; returns the number of cells
+     * that are not admissible and raises their flags. */
+    long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                  double dt);
+    /* Counts the flagged cells of all ranks at level 1, 2 and beyond, and sends the flags to the neighbours. */
+    void (*share_flags)(struct gas *g, long count[3]);
+    /* The stage again where flags are near, with the faces of flagged cells at their level. */
+    long (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt);
+    void (*clear_flags)(struct gas *g);
+    /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
+    void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
+};
+extern const struct engine engine_tiles;
+
 struct gas {
-    struct forest *forest;
+    const struct engine *engine;
+    const struct comm *comm;
     struct gas_models models;
-    int dim, nvar, npatches;
+    int dim, nvar, npatches, ncells_all;
     const struct patch_rules *rules; /* [npatches] */
     const struct reconstruct *first_order;
     struct state U;
-    struct state U0;   /* after the first half of the sources: the start of the Runge-Kutta step */
-    struct state V, W; /* stages */
-    double **flag;     /* [ntiles] of [size]: 0, LEVEL_* (as numbers, to travel like a variable) */
-    bool *flagged;     /* [ntiles] does the tile, or its ghost layer, hold a flag? */
-    double *sums;      /* [ntiles] */
-    struct work work;
-    struct activity activity;
+    struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
+    struct state V, W;       /* stages */
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
     double limit;            /* rho < limit */
     struct gas_counts counts;
     long computed, all; /* cells times stages on this rank */
+
+    struct forest *forest; /* from here on: of the tiles */
+    double **flag;         /* [ntiles] of [size]: 0, LEVEL_* (as numbers, to travel like a variable) */
+    bool *flagged;         /* [ntiles] does the tile, or its ghost layer, hold a flag? */
+    double *sums;          /* [ntiles] */
+    struct work work;
+    struct activity activity;
 };
+
+void tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+                   const struct state *to);
+long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt);
+void tiles_share_flags(struct gas *g, long count[3]);
+long tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                double dt);
+void tiles_clear_flags(struct gas *g);
+void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 
 /* Rows: the runs of cells along axis 0 that a pass over a tile visits. margin: ghost cells to include on each active
  * axis, but no corners. Calls visit(context, offset, n) with n <= BATCH. */
@@ -88,10 +131,6 @@ void ghosts_of_patches(const struct gas *g, int tile, double *U);
  * admissible and raises their flags. */
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
                   double a, double dt);
-
-/* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
-void stepper_exchange(const struct gas *g, const struct state *start, const struct state *next,
-                      const struct state *state);
 
 /* Is every cell of the row admissible? Returns how many are not; marks[i] (or NULL) is raised by 1 there. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);

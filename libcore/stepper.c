@@ -21,33 +21,3 @@ const struct stepper *stepper_find(const char *name) {
         if (!strcmp(name, stepper_table[i].name)) return &stepper_table[i];
     return NULL;
 }
-
-struct exchange {
-    long size;
-    int nvar;
-    const double *start;
-    double *next, *state;
-};
-
-static void exchange_visit(void *context, long offset, int n) {
-    const struct exchange *x = context;
-    for (int v = 0; v < x->nvar; v++)
-        for (long i = v * x->size + offset; i < v * x->size + offset + n; i++) {
-            double start = x->start[i], state = x->state[i];
-            x->next[i] = start + 0.9 * (state - start);
-            x->state[i] = start + 0.4 * (state - start);
-        }
-}
-
-void stepper_exchange(const struct gas *g, const struct state *start, const struct state *next,
-                      const struct state *state) {
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct exchange x = {g->forest->size, g->nvar, start->block[t], next->block[t], state->block[t]};
-        activity_store_all(g, t, start);
-        activity_store_all(g, t, state);
-        rows_visit(g->forest, &g->forest->tile[t], 0, exchange_visit, &x);
-        exchange_visit(&x, 0, 1); /* the background */
-        for (int i = 0; i < g->activity.nspans; i++)
-            next->varied[t][i] = state->varied[t][i] = span_join(start->varied[t][i], state->varied[t][i]);
-    }
-}

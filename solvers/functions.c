@@ -157,7 +157,7 @@ status functions_execute(struct functions *f, const struct gas *g, const struct 
 void function_tile(const struct function *f, const struct gas *g, int tile, enum gas_field field, double *lines[3]) {
     const int *n = f->setup->forest->tile[tile].n;
     for (int c = 0; c < 3; c++) lines[c] = f->tile_values + c * (long)n[0] * n[1] * n[2];
-    gas_tile_field(g, tile, field, lines);
+    gas_block_field(g, tile, field, lines);
 }
 
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {

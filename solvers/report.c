@@ -125,7 +125,7 @@ static status extremes(const struct setup *s, const struct gas *g, enum gas_fiel
         double *values = NULL;
         TRY(allocate(&values, n, sizeof(double), "a tile's field"));
         double *const out[3] = {values, NULL, NULL};
-        gas_tile_field(g, t, field, out);
+        gas_block_field(g, t, field, out);
         for (long i = 0; i < n; i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);
