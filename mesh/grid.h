@@ -23,6 +23,7 @@ struct grid {
     const struct comm *comm;
     struct forest *forest; /* one of the two, the other NULL; the grid's own */
     struct mosaic *mosaic;
+    struct grid_private *hidden; /* where gathered values belong, the search by place */
 };
 
 /* Collective. With a lattice a forest, with lattice NULL a mosaic of the given rings (struct mosaic). */

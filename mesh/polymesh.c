@@ -47,6 +47,23 @@ unsigned long polymesh_checksum(const struct polymesh *m) {
     return sum;
 }
 
+status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
+    *start = *face = NULL;
+    TRY(allocate(start, m->ncells + 2L, sizeof(int), "faces of cells"));
+    TRY(allocate(face, m->nfaces + (long)m->ninternal, sizeof(int), "faces of cells"));
+    int *next = *start + 1; /* shifted by one, it ends as the start of each cell */
+    for (int f = 0; f < m->nfaces; f++) {
+        next[m->owner[f] + 1]++;
+        if (f < m->ninternal) next[m->neighbour[f] + 1]++;
+    }
+    for (int c = 0; c < m->ncells; c++) next[c + 1] += next[c];
+    for (int f = 0; f < m->nfaces; f++) {
+        (*face)[next[m->owner[f]]++] = f;
+        if (f < m->ninternal) (*face)[next[m->neighbour[f]]++] = f;
+    }
+    return OK;
+}
+
 /* ---- geometry ---------------------------------------------------------------------------------------------------- */
 
 static void triangle_normal(const double *a, const double *b, const double *c, double n[3]) {
@@ -84,6 +101,23 @@ void polymesh_face_geometry(const struct polymesh *m, double *centre, double *ar
     for (int f = 0; f < m->nfaces; f++)
         face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f],
                       centre + 3L * f, area + 3L * f);
+}
+
+int polymesh_axes(const struct polymesh *m, int axis[3]) {
+    bool closed[3] = {false};
+    for (int p = 0; p < m->npatches; p++)
+        for (int f = m->patch[p].start;
+             !strcmp(m->patch[p].type, "empty") && f < m->patch[p].start + m->patch[p].nfaces; f++) {
+            double centre[3], a[3];
+            face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f], centre,
+                          a);
+            int k = fabs(a[1]) > fabs(a[0]) ? 1 : 0;
+            closed[fabs(a[2]) > fabs(a[k]) ? 2 : k] = true;
+        }
+    int dim = 0;
+    for (int x = 0; x < 3; x++)
+        if (!closed[x]) axis[dim++] = x;
+    return dim;
 }
 
 static void add_pyramid(const double *mean, const double *fc, const double *fa, double sign, double *centre,

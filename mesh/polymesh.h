@@ -38,6 +38,12 @@ void polymesh_face_geometry(const struct polymesh *m, double *centre /* [nfaces]
 void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
                             double *centre /* [ncells][3] */, double *volume /* [ncells] */);
 
+/* The faces of every cell, ascending: start[ncells + 1] into face[]; both the caller's to free. */
+status polymesh_cell_faces(const struct polymesh *m, int **start, int **face);
+
+/* The axes that `empty` patches leave, ascending; returns how many. For a mesh that passes polymesh_check. */
+int polymesh_axes(const struct polymesh *m, int axis[3]);
+
 /* Closed cells, positive volumes, face orientation, `empty` patches that cover every cell exactly twice, cyclic halves
  * that match, no left-over defaultFaces: what a run needs and more. Each defect is an error with number and place. */
 status polymesh_check(const struct polymesh *m);

@@ -18,23 +18,6 @@ struct vtk_grid {
     int *ids;                     /* points of each cell; of a polyhedron VTK's face stream */
 };
 
-static status list_faces(struct vtk_grid *g) {
-    const struct polymesh *m = g->mesh;
-    TRY(allocate(&g->cell_start, m->ncells + 2L, sizeof(int), "faces of cells"));
-    TRY(allocate(&g->cell_faces, m->nfaces + (long)m->ninternal, sizeof(int), "faces of cells"));
-    int *next = g->cell_start + 1; /* shifted by one, it ends as the start of each cell */
-    for (int f = 0; f < m->nfaces; f++) {
-        next[m->owner[f] + 1]++;
-        if (f < m->ninternal) next[m->neighbour[f] + 1]++;
-    }
-    for (int c = 0; c < m->ncells; c++) next[c + 1] += next[c];
-    for (int f = 0; f < m->nfaces; f++) {
-        g->cell_faces[next[m->owner[f]]++] = f;
-        if (f < m->ninternal) g->cell_faces[next[m->neighbour[f]]++] = f;
-    }
-    return OK;
-}
-
 static int face_size(const struct polymesh *m, int f) {
     return m->face_start[f + 1] - m->face_start[f];
 }
@@ -139,7 +122,7 @@ status vtk_grid_make(const struct polymesh *m, struct vtk_grid **out) {
     *out = NULL;
     TRY(allocate(&g, 1, sizeof *g, "VTK grid"));
     g->mesh = m;
-    status s = list_faces(g);
+    status s = polymesh_cell_faces(m, &g->cell_start, &g->cell_faces);
     if (!s) s = build_cells(g);
     if (s) {
         vtk_grid_free(g);
