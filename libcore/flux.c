@@ -300,7 +300,7 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 }
 
 const struct flux flux_table[] = {
-    {"common", "characteristic upwind on one eigenbasis a face (default)", common},
+    {"common", "characteristic upwind on one eigenbasis a face", common},
     {"Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996)", marquina},
     {"LaxFriedrichs", "characteristic, every field split with the face's speed", local_lax_friedrichs},
     {"globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed", global_lax_friedrichs},

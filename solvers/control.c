@@ -21,7 +21,7 @@ const struct param control_table[] = {
     {"endTime", PARAM_NUMBER, MEMBER(end_time), HUGE_VAL, -HUGE_VAL, HUGE_VAL, false, SECONDS, "time to stop at"},
     {"deltaT", PARAM_NUMBER, MEMBER(delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS,
      "time step; with adjustTimeStep the most for the first"},
-    {"maxCo", PARAM_NUMBER, MEMBER(max_co), 0.5, 1e-6, 6, false, NUMBERLESS, "largest Courant number"},
+    {"maxCo", PARAM_NUMBER, MEMBER(max_co), 1, 1e-6, 6, false, NUMBERLESS, "largest Courant number"},
     {"maxDeltaT", PARAM_NUMBER, MEMBER(max_delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS, "largest time step"},
     {"minDeltaT", PARAM_NUMBER, MEMBER(min_delta_t), 0, 0, HUGE_VAL, false, SECONDS,
      "a smaller step than this (not one that hits a write time) ends the run"},

@@ -171,6 +171,23 @@ class Running(harness.Folder, unittest.TestCase):
             self.assertIn("sound", done.stdout)
         self.assertEqual(contents(case), before)
 
+    def test_silent_schemes(self):
+        """An empty fvSchemes and no maxCo: what the README and -listModels name."""
+        case = small(os.path.join(self.folder, "silent"))
+        with open(os.path.join(case, SCHEMES), "w") as f:
+            f.write(boxes.header("dictionary", "fvSchemes", "system"))
+        with open(os.path.join(case, CONTROL)) as f:
+            text = f.read().replace("maxCo 0.5;", "")
+        with open(os.path.join(case, CONTROL), "w") as f:
+            f.write(text)
+        said = harness.program("checkCase", case).stdout
+        listed = harness.program("granularGas", "-listModels").stdout
+        for key, name in (("fluxScheme", "common"), ("reconstruct", "WPENO5"), ("timeScheme", "SSPRK43")):
+            self.assertRegex(said, rf"{key} +{name}\n")
+            self.assertRegex(listed, rf"fvSchemes: {key}\n(  .*\n)*  {name} .*\(default\)\n")
+        self.assertEqual(listed.count("(default)"), 3)
+        self.assertRegex(said, r"maxCo +1 +default")
+
     def test_ascii_compressed_restart(self):
         """Restart to the bit from ascii with few digits, compressed: the conserved fields carry all of them."""
         case = small(os.path.join(self.folder, "ascii"), slip=("xLow",))
