@@ -3,7 +3,7 @@
     expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time, value, tolerance (absolute), source; optional
-cells (the grid it holds for: per side in 2D), paper (what Serna & Marquina print). `full` lists what Allrun gives,
+cells (the grid it holds for: per side in 2D, per radius or length of a body), paper (what Serna & Marquina print). `full` lists what Allrun gives,
 `short` what the coarser runs of the tests give.
 """
 import json
@@ -13,9 +13,14 @@ import sys
 
 import numpy as np
 
+import cellmap
 import haff
-from eos import GoldshteinShapiro
+import shocks
+from eos import GoldshteinShapiro, PerfectGas
 from riemann import BLAST, Riemann
+
+REFERENCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "references")
+WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
 
 
 def gas(case):
@@ -27,6 +32,8 @@ def gas(case):
         found = re.search(rf"\b{key}\s+([^;\s]+)\s*;", text)
         return float(found.group(1)) if found else standard
 
+    if re.search(r"equationOfState\s+perfectGas", text):
+        return PerfectGas(value("gamma", 5 / 3))
     return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax", 0.65), value("gamma", 5 / 3))
 
 
@@ -66,6 +73,31 @@ def blast_error(case, field, time):
     return float(np.abs(rho - exact).mean() * 10 / 50)
 
 
+def reference_error(case, field, time):
+    """L1 difference of the density to cell averages of the fine lattice runs of cases/wedge (workPrecision), over the
+    upstream density."""
+    with np.load(os.path.join(REFERENCES, "wedge.npz")) as f:
+        known = f["mean"].astype(float)
+    n = len(known)
+    column, row = np.moveaxis(np.clip((cellmap.spread(case.mesh) / 10 * n).astype(int), 0, n - 1), -1, 0)
+    miss = np.abs(case.field("rho", time) - known[row, column].mean(axis=1))
+    return float(case.volumes @ miss / case.volumes.sum() / known[-1, 0])
+
+
+def shock_angle(case, _, time):
+    """Degrees."""
+    return float(np.degrees(shocks.straight_shock(case, shocks.upstream(case, gas(case), time), WEDGE, time).angle))
+
+
+def behind_shock(case, field, time):
+    """rho, p or mach over the exact value, less 1."""
+    return float(getattr(shocks.behind_wedge(case, shocks.upstream(case, gas(case), time), WEDGE, time), field))
+
+
+def stand_off(case, _, time):
+    return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
+
+
 QUANTITIES = {
     "maximum": lambda case, field, time: float(case.field(field, time).max()),
     "minimum": lambda case, field, time: float(case.field(field, time).min()),
@@ -76,6 +108,10 @@ QUANTITIES = {
     "upstream Mach number": upstream_mach,
     "asymmetry": asymmetry,
     "L1 error": blast_error,
+    "L1 difference to the lattice": reference_error,
+    "shock angle": shock_angle,
+    "error behind the shock": behind_shock,
+    "stand-off distance": stand_off,
 }
 
 
