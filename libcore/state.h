@@ -35,6 +35,11 @@ struct activity { /* of the tile in hand: what differs from its background, what
     struct span *differ, *active, *needed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
+struct ending {               /* of a step, behind its last stage */
+    bool sources;             /* are there any? */
+    double dt, kick[MAX_DIM]; /* their half step */
+    struct gas_speed speed;   /* out: of the final state, of this rank's cells */
+};
 struct gas;
 struct engine {                    /* one kind of mesh: how it holds the state, and its part of what gas.h promises */
     status (*make)(struct gas *g); /* the states and the work memory of g, all else being set */
@@ -44,7 +49,7 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
     status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
     status (*check)(const struct gas *g);
-    void (*speed)(struct gas *g, struct gas_speed *speed);
+    void (*speed)(struct gas *g, struct gas_speed *speed); /* of this rank's cells */
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
     status (*totals)(const struct gas *g, double totals[MAX_VAR]);
     /* to = the sources applied to from, over dt; kick: the velocity gained */
@@ -54,6 +59,10 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
      * that are not admissible and raises their flags. */
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                   double dt);
+    /* The last stage of a step, and the step's ending block by block while a block is in the cache. Like stage, it does
+     * no harm when `from` holds inadmissible cells (NaN, too): all is thrown away then. NULL: none, step.c does it. */
+    long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                       double a, double dt, struct ending *ending);
     /* Counts the flagged cells of all ranks at level 1, 2 and beyond, and sends the flags to the neighbours. */
     void (*share_flags)(struct gas *g, long count[3]);
     /* The stage again where flags are near, with the faces of flagged cells at their level. */
@@ -64,6 +73,9 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 };
 extern const struct engine engine_tiles;
+
+/* The maxima over the ranks to g->speed, unless one of them says that its own are void: then it returns false. */
+bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 
 struct gas {
     const struct engine *engine;
@@ -77,6 +89,9 @@ struct gas {
     struct state V, W;       /* stages */
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
     double limit;            /* rho < limit */
+    struct gas_speed speed;  /* of U, if speed_known */
+    bool speed_known;
+    int guarded; /* so many steps are still looked at stage by stage (libcore/step.c) */
     struct gas_counts counts;
     long computed, all; /* cells times stages on this rank */
 
@@ -92,6 +107,8 @@ void tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const s
                    const struct state *to);
 long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
+long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                      double dt, struct ending *ending);
 void tiles_share_flags(struct gas *g, long count[3]);
 long tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
@@ -123,6 +140,16 @@ void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, 
 /* What follows from U for n cells at `offset`, into the workspace: velocity and eps; p, c and gruneisen, too. */
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
+
+/* Wave speeds: what a row visitor gathers on this rank, U being the tile's block. */
+struct speeds {
+    struct gas *g;
+    double *U;
+    struct gas_speed most;
+    double wanted; /* looks for the cell with this rate, if > 0 */
+    long found;
+};
+void speed_visit(void *context, long offset, int n);
 
 /* Ghost layers of one tile's sides that are patches. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);

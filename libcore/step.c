@@ -1,6 +1,8 @@
 /* One time step: sources, Runge-Kutta stages with their safety net, rejection. */
 #include "libcore/state.h"
 
+enum { GUARDED = 16 }; /* steps after an inadmissible state that are looked at stage by stage from the first */
+
 /* to = the sources applied to from, over dt from t on */
 static void apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
     double kick[MAX_DIM];
@@ -30,30 +32,72 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     return true;
 }
 
-static bool do_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                     double dt) {
-    if (!any_rank(g, g->engine->stage(g, U0, from, to, a, dt))) return true;
-    bool mended = mend_stage(g, U0, from, to, a, dt);
-    g->engine->clear_flags(g);
-    return mended;
-}
-
 static void swap(struct state *a, struct state *b) {
     struct state c = *a;
     *a = *b;
     *b = c;
 }
 
-/* The stages from U0 (left as it is, if it is not g->U0) to V; false: some state could not be mended. */
-static bool do_stages(struct gas *g, const struct state *U0, double dt) {
+/* What the next stage starts from goes to V; returns its U0. */
+static const struct state *after_stage(struct gas *g, const struct state *U0, int stage) {
+    swap(&g->V, &g->W);
+    if (stage + 1 != g->models.stepper->exchange) return U0;
+    g->engine->exchange(g, U0, &g->U0, &g->V);
+    return &g->U0;
+}
+
+bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
+    double all[] = {is_void, mine->rate, mine->calm, mine->axis[0], mine->axis[1], mine->axis[2]};
+    comm_max(g->comm, all, 6);
+    g->speed = (struct gas_speed){.rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}};
+    g->speed_known = all[0] == 0;
+    return g->speed_known;
+}
+
+/* The stages from U0 to V and the second half of the sources. Only then do the ranks ask each other whether all cells
+ * are admissible, so that none waits for all others at every stage. false: some were not, V is of no use, and the step
+ * is to be done again from its start, by guard_stages. */
+static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources) {
+    const struct stepper *s = g->models.stepper;
+    struct ending ending = {.sources = sources, .dt = 0.5 * dt};
+    const bool at_once = g->engine->last_stage;
+    long bad = 0;
+    source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
+    for (int stage = 0; stage < s->stages; stage++) {
+        const struct state *from = stage ? &g->V : U0;
+        double a = s->a[stage], b = s->b[stage] * dt;
+        if (at_once && stage + 1 == s->stages)
+            bad += g->engine->last_stage(g, U0, from, &g->W, a, b, &ending);
+        else
+            bad += g->engine->stage(g, U0, from, &g->W, a, b);
+        U0 = after_stage(g, U0, stage);
+    }
+    if (!speed_share(g, &ending.speed, bad > 0)) {
+        g->guarded = GUARDED;
+        g->engine->clear_flags(g);
+        return false;
+    }
+    g->speed_known = at_once;
+    if (sources && !at_once) g->engine->sources(g, 0.5 * dt, ending.kick, &g->V, &g->V);
+    return true;
+}
+
+/* The same with a look after every stage, whose inadmissible cells are mended at once; the same bits where there are
+ * none. false: some state could not be mended. */
+static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources) {
     const struct stepper *s = g->models.stepper;
     for (int stage = 0; stage < s->stages; stage++) {
-        if (!do_stage(g, U0, stage ? &g->V : U0, &g->W, s->a[stage], s->b[stage] * dt)) return false;
-        swap(&g->V, &g->W);
-        if (stage + 1 != s->exchange) continue;
-        g->engine->exchange(g, U0, &g->U0, &g->V);
-        U0 = &g->U0;
+        const struct state *from = stage ? &g->V : U0;
+        double a = s->a[stage], b = s->b[stage] * dt;
+        if (any_rank(g, g->engine->stage(g, U0, from, &g->W, a, b))) {
+            bool mended = mend_stage(g, U0, from, &g->W, a, b);
+            g->guarded = GUARDED;
+            g->engine->clear_flags(g);
+            if (!mended) return false;
+        }
+        U0 = after_stage(g, U0, stage);
     }
+    if (sources) apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
     return true;
 }
 
@@ -78,14 +122,17 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     if (allowed < floor) return collapse(g, t, allowed, speed);
     floor = smaller(floor, fraction * *dt);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
+    g->speed_known = false;
     for (;;) {
+        const bool guarded = g->guarded > 0;
         if (sources) apply_sources(g, t, 0.5 * *dt, &g->U, &g->U0);
-        if (do_stages(g, sources ? &g->U0 : &g->U, *dt)) break;
+        if ((guarded ? guard_stages : try_stages)(g, sources ? &g->U0 : &g->U, t, *dt, sources)) break;
+        if (!guarded) continue;
         g->counts.rejected++;
         *dt *= 0.5;
         if (*dt < floor) return collapse(g, t, *dt, speed);
     }
-    if (sources) apply_sources(g, t + 0.5 * *dt, 0.5 * *dt, &g->V, &g->V);
+    if (g->guarded) g->guarded--;
     swap(&g->U, &g->V);
     return OK;
 }

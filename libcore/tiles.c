@@ -250,13 +250,6 @@ static status tiles_check(const struct gas *g) {
     return comm_agree(g->forest->comm, s);
 }
 
-struct speeds {
-    struct gas *g;
-    double *U, rate, calm, axis[MAX_DIM];
-    double wanted; /* looks for the cell with this rate, if > 0 */
-    long found;
-};
-
 KERNEL static void rate_row(int n, double inverse, const double *restrict u, const double *restrict c,
                             double *restrict rate) {
     for (int i = 0; i < n; i++) rate[i] += (fabs(u[i]) + c[i]) * inverse;
@@ -281,7 +274,7 @@ KERNEL static void calm_row(int n, double limit, const double *restrict rho, dou
     for (int i = 0; i < n; i++) rate[i] = rho[i] < limit ? rate[i] : 0;
 }
 
-static void speed_visit(void *context, long offset, int n) {
+void speed_visit(void *context, long offset, int n) {
     struct speeds *s = context;
     struct gas *g = s->g;
     const struct work *w = &g->work;
@@ -290,13 +283,13 @@ static void speed_visit(void *context, long offset, int n) {
     for (int k = 0; k < g->dim; k++) {
         rate_row(n, 1 / g->forest->width[k], w->velocity[k] + offset, w->c + offset, rate);
         fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
-        s->axis[k] = larger(s->axis[k], largest(n, fast));
+        s->most.axis[k] = larger(s->most.axis[k], largest(n, fast));
     }
     for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
         if (rate[i] == s->wanted) s->found = offset + i;
-    s->rate = larger(s->rate, largest(n, rate));
+    s->most.rate = larger(s->most.rate, largest(n, rate));
     calm_row(n, 0.99 * g->limit, s->U + offset, rate);
-    s->calm = larger(s->calm, largest(n, rate));
+    s->most.calm = larger(s->most.calm, largest(n, rate));
 }
 
 static void tiles_speed(struct gas *g, struct gas_speed *speed) {
@@ -306,9 +299,7 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
         if (activity_find(g, t, &g->U)) speed_visit(&s, 0, 1); /* the background */
         spans_visit(g, t, g->U.varied[t], 0, speed_visit, &s);
     }
-    double all[5] = {s.rate, s.calm, s.axis[0], s.axis[1], s.axis[2]};
-    comm_max(g->forest->comm, all, 5);
-    *speed = (struct gas_speed){.rate = all[0], .calm = all[1], .axis = {all[2], all[3], all[4]}};
+    *speed = s.most;
 }
 
 static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
@@ -365,6 +356,7 @@ const struct engine engine_tiles = {.make = tiles_make,
                                     .totals = tiles_totals,
                                     .sources = tiles_sources,
                                     .stage = tiles_stage,
+                                    .last_stage = tiles_last_stage,
                                     .share_flags = tiles_share_flags,
                                     .redo = tiles_redo,
                                     .clear_flags = tiles_clear_flags,

@@ -83,9 +83,27 @@ long tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
     return bad;
 }
 
+struct finish { /* sources and wave speeds of a row at once */
+    bool sources;
+    struct half_step half;
+    struct speeds speeds;
+};
+
+static void finish_visit(void *context, long offset, int n) {
+    struct finish *f = context;
+    if (f->sources) source_visit(&f->half, offset, n);
+    speed_visit(&f->speeds, offset, n);
+}
+
+static void finish_tile(struct gas *g, int tile, const struct state *s, struct finish *f) {
+    f->half.from = f->half.to = f->speeds.U = s->block[tile];
+    if (activity_find(g, tile, s)) finish_visit(f, 0, 1); /* the background */
+    spans_visit(g, tile, s->varied[tile], 0, finish_visit, f);
+}
+
 /* Ghosts travel while tiles that need none are computed. */
-long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                 double dt) {
+static long do_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                     double dt, struct finish *finish) {
     struct forest *f = g->forest;
     long bad = 0;
     activity_prepare(g, from);
@@ -97,8 +115,23 @@ long tiles_stage(struct gas *g, const struct state *U0, const struct state *from
             forest_fill_tile(f, t, g->activity.quiet + 6 * t);
             ghosts_of_patches(g, t, from->block[t]);
             bad += stage_of_tile(g, t, U0, from, to, a, dt);
+            if (finish) finish_tile(g, t, to, finish);
         }
     }
+    return bad;
+}
+
+long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt) {
+    return do_stage(g, U0, from, to, a, dt, NULL);
+}
+
+long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                      double dt, struct ending *ending) {
+    struct finish f = {.sources = ending->sources, .half = {.g = g, .dt = ending->dt}, .speeds = {.g = g, .found = -1}};
+    memcpy(f.half.kick, ending->kick, sizeof f.half.kick);
+    long bad = do_stage(g, U0, from, to, a, dt, &f);
+    ending->speed = f.speeds.most;
     return bad;
 }
 
