@@ -60,7 +60,7 @@ class Vortex(Problem):
     name, title = "vortex", "isentropic vortex, perfect gas, one period"
     size, end, two_dimensional = (10.0, 10.0), 10.0, True
     grids, quick = (40, 80, 160), (20, 40)
-    foam, foam_quick = {0.2: (40, 80, 160), 0.1: (40, 80, 160), 0.05: (40, 80)}, {0.2: (20,)}
+    foam, foam_quick = {0.2: (40, 80), 0.1: (40, 80, 160), 0.05: (40, 80)}, {0.2: (20,)}
     options = {"eos": "perfectGas", "gamma": 1.4, "types": {"x": "cyclic", "y": "cyclic"}}
 
     def initial(self, at):
@@ -219,7 +219,7 @@ class Step(Referenced):
     name, title = "step", "a perfect gas at Mach 7.2 falls on a step (the wedge without sink, gravity, density)"
     size, two_dimensional, end = (10.0, 10.0), True, 0.1
     grids, quick, fine, store = (50, 100, 200), (), 800, 400
-    foam = {0.2: (50, 100, 200), 0.1: (50, 100, 200)}
+    foam = {0.2: (50, 100, 200), 0.1: (50, 100)}
     options = {"eos": "perfectGas", "gamma": 5 / 3}
     scale = 34.3774677
     pair = (("common", "WENO5"), ("Marquina", "PHM"))
