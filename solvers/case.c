@@ -38,12 +38,9 @@ status case_courant(const struct control *c, const struct stepper *stepper) {
 }
 
 static status read_all(struct setup *s, const char *application) {
-    /* a row of a tile and one face more fit a batch of the core */
-    static const int every_axis[3] = {0, 1, 2}, tile_size[4] = {0, 60, 60, 24};
     TRY(control_read(s->dir, application, &s->control));
     TRY(read_mesh(s));
-    int dim = s->lattice ? s->lattice->dim : 3;
-    const int *axis = s->lattice ? s->lattice->axis : every_axis;
+    int axis[3] = {0}, dim = polymesh_axes(s->mesh, axis);
     TRY(models_read(s->dir, dim, axis, &s->models));
     TRY(case_courant(s->control, s->models->gas.stepper));
     TRY(times_start(s->dir, s->control, &s->start));
@@ -51,7 +48,7 @@ static status read_all(struct setup *s, const char *application) {
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, &s->initial));
-    return s->lattice ? forest_make(s->lattice, s->mesh, s->comm, tile_size[dim], &s->forest) : OK;
+    return s->lattice ? grid_make(s->lattice, s->mesh, s->centre, s->volume, s->comm, 1, &s->grid) : OK;
 }
 
 static void set_name(struct setup *s) {
@@ -78,7 +75,7 @@ status case_read(const char *dir, const char *application, const struct comm *c,
 
 void case_free(struct setup *s) {
     if (!s) return;
-    forest_free(s->forest);
+    grid_free(s->grid);
     initial_free(s->initial);
     models_free(s->models);
     lattice_free(s->lattice);
@@ -93,6 +90,7 @@ double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
     double mesh = points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
     double fields = cells * 8 * 12;
-    double state = s->forest ? (double)s->forest->ntiles_all * (double)s->forest->size * 5 * 5 * 8 : 0;
+    const struct forest *f = s->grid ? s->grid->forest : NULL;
+    double state = f ? (double)f->ntiles_all * (double)f->size * 5 * 5 * 8 : 0;
     return (mesh + fields) * comm_size(s->comm) + state;
 }

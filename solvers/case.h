@@ -2,12 +2,12 @@
 #ifndef SOLVERS_CASE_H
 #define SOLVERS_CASE_H
 
-#include "mesh/forest.h"
+#include "mesh/grid.h"
 #include "solvers/control.h"
 #include "solvers/initial.h"
 #include "solvers/models.h"
 
-struct setup { /* the same on every rank, the forest apart */
+struct setup { /* the same on every rank, the grid apart */
     const struct comm *comm;
     char dir[TIME_PATH];
     char name[256]; /* of the folder, for file names */
@@ -17,14 +17,14 @@ struct setup { /* the same on every rank, the forest apart */
     unsigned long checksum;
     struct lattice *lattice; /* NULL: the mesh is none, see why */
     char why[256];
-    struct forest *forest; /* NULL without lattice */
+    struct grid *grid; /* NULL without lattice */
     struct case_models *models;
     struct instant start;
     struct initial *initial;
 };
 /* Is maxCo one that the time scheme allows? */
 status case_courant(const struct control *c, const struct stepper *stepper);
-/* Collective. tile_size 0: chosen by dimension. A mesh that is no lattice is read and checked as far as it goes. */
+/* Collective. A mesh that is no lattice is read and checked as far as it goes. */
 status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out);
 void case_free(struct setup *s);
 /* Bytes a run needs on all ranks together, about. */

@@ -283,16 +283,16 @@ static status make_all(const struct setup *s, struct cutter *c, struct decomposi
 
 /* Root: the part of every cell, from the ranks' lists one after the other. */
 static status find_parts(const struct setup *s, struct cutter *c, struct decomposition *d) {
-    const struct forest *f = s->forest;
+    const struct grid *g = s->grid;
     long n = 0, total, ranks;
-    for (int t = 0; t < f->ntiles; t++) n += (long)f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2];
+    for (int b = 0; b < g->nblocks; b++) n += g->block[b].ncells;
     int *mine, *cells = NULL, *counts = NULL, count = (int)n;
     status e = allocate(&mine, n, sizeof(int), "cells");
     e = comm_agree(s->comm, e);
     if (e) return e;
     n = 0;
-    for (int t = 0; t < f->ntiles; t++)
-        for (int i = 0; i < f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2]; i++) mine[n++] = f->tile[t].cell[i];
+    for (int b = 0; b < g->nblocks; b++)
+        for (int i = 0; i < g->block[b].ncells; i++) mine[n++] = g->block[b].cell[i];
     e = comm_gather_int(s->comm, mine, n, &cells, &total);
     if (!e) e = comm_gather_int(s->comm, &count, 1, &counts, &ranks);
     if (!e && comm_root(s->comm)) e = allocate(&c->owner_part, total, sizeof(int), "cells");

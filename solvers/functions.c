@@ -85,11 +85,9 @@ static status make_one(struct function *f, struct dict *d) {
     TRY(dict_switch_or(d, "log", false, &f->log));
     TRY(read_fields(f, d));
     TRY(f->type->make(f, d));
-    for (int t = 0; t < f->setup->forest->ntiles; t++) {
-        const int *n = f->setup->forest->tile[t].n;
-        if ((long)n[0] * n[1] * n[2] > largest) largest = (long)n[0] * n[1] * n[2];
-    }
-    return allocate(&f->tile_values, 3 * largest, sizeof(double), "a tile's field");
+    for (int b = 0; b < f->setup->grid->nblocks; b++)
+        if (f->setup->grid->block[b].ncells > largest) largest = f->setup->grid->block[b].ncells;
+    return allocate(&f->block_values, 3 * largest, sizeof(double), "a block's field");
 }
 
 status functions_make(const struct setup *s, struct functions **out) {
@@ -130,7 +128,7 @@ void functions_free(struct functions *f) {
             if (g->file[k]) fclose(g->file[k]);
         free(g->spot);
         free(g->line);
-        free(g->tile_values);
+        free(g->block_values);
         free(g->all_values);
         vtk_grid_free(g->grid);
     }
@@ -154,10 +152,9 @@ status functions_execute(struct functions *f, const struct gas *g, const struct 
     return OK;
 }
 
-void function_tile(const struct function *f, const struct gas *g, int tile, enum gas_field field, double *lines[3]) {
-    const int *n = f->setup->forest->tile[tile].n;
-    for (int c = 0; c < 3; c++) lines[c] = f->tile_values + c * (long)n[0] * n[1] * n[2];
-    gas_block_field(g, tile, field, lines);
+void function_block(const struct function *f, const struct gas *g, int block, enum gas_field field, double *lines[3]) {
+    for (int c = 0; c < 3; c++) lines[c] = f->block_values + (long)c * f->setup->grid->block[block].ncells;
+    gas_block_field(g, block, field, lines);
 }
 
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {

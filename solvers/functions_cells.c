@@ -8,10 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static long cells_of(const struct tile *t) {
-    return (long)t->n[0] * t->n[1] * t->n[2];
-}
-
 static status finish_row(const struct function *f, FILE *file) {
     if (fprintf(file, "\n") < 0 || fflush(file) || ferror(file))
         return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
@@ -30,23 +26,23 @@ status extremes_make(struct function *f, struct dict *d) {
 /* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
 static void find_extremes(const struct function *f, const struct gas *g, enum gas_field field, double value[2],
                           int cell[2]) {
-    const struct forest *forest = f->setup->forest;
+    const struct grid *grid = f->setup->grid;
     double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], *lines[3];
-    for (int t = 0; t < forest->ntiles; t++) {
-        const struct tile *tile = &forest->tile[t];
-        function_tile(f, g, t, field, lines);
-        for (long i = 0; i < cells_of(tile); i++) {
+    for (int b = 0; b < grid->nblocks; b++) {
+        const struct grid_block *block = &grid->block[b];
+        function_block(f, g, b, field, lines);
+        for (int i = 0; i < block->ncells; i++) {
             double v = lines[0][i];
             if (gas_field_components(field) == 3) {
                 double square = 0;
-                for (int k = 0; k < forest->dim; k++) square += lines[k][i] * lines[k][i];
+                for (int k = 0; k < grid->dim; k++) square += lines[k][i] * lines[k][i];
                 v = sqrt(square);
             }
             for (int end = 0; end < 2; end++) {
                 double w = end ? -v : v;
-                if (w < best[end] || (w == best[end] && tile->cell[i] < where[end])) {
+                if (w < best[end] || (w == best[end] && block->cell[i] < where[end])) {
                     best[end] = w;
-                    where[end] = tile->cell[i];
+                    where[end] = block->cell[i];
                 }
             }
         }
@@ -98,42 +94,61 @@ status integral_make(struct function *f, struct dict *d) {
     return dict_choice(d, "operation", operation_names, OPERATIONS, &f->operation);
 }
 
-/* Sums run cell by cell within a tile and tile by tile over all ranks: the same bits on any number of them. */
-static status reduce(const struct function *f, const struct gas *g, enum gas_field field, double out[3]) {
-    const struct forest *forest = f->setup->forest;
-    int m = gas_field_components(field) == 3 ? forest->dim : 1;
-    bool summed = f->operation <= SUM;
-    double *per_tile, *lines[3], result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    TRY(allocate(&per_tile, 3L * (forest->ntiles + 1), sizeof(double), "sums of tiles"));
-    for (int t = 0; t < forest->ntiles; t++) {
-        function_tile(f, g, t, field, lines);
+/* One block: the sums of a field's m components and, last, of the weights; the extremes. */
+static void reduce_block(const struct function *f, const struct gas *g, enum gas_field field, int b, int m,
+                         double sum[4], double extreme[3]) {
+    const struct grid_block *block = &f->setup->grid->block[b];
+    const double *volume = f->setup->grid->volume;
+    double *lines[3];
+    function_block(f, g, b, field, lines);
+    for (int c = 0; c <= m; c++) sum[c] = 0;
+    for (int i = 0; i < block->ncells; i++) {
+        double weight = f->operation == SUM ? 1 : volume[block->cell[i]];
+        sum[m] += weight;
         for (int c = 0; c < m; c++) {
-            double sum = 0;
-            for (long i = 0; i < cells_of(&forest->tile[t]); i++) {
-                sum += lines[c][i];
-                result[c] = fmin(result[c], f->operation == MAXIMUM ? -lines[c][i] : lines[c][i]);
-            }
-            per_tile[(long)c * forest->ntiles + t] = sum;
+            sum[c] += weight * lines[c][i];
+            extreme[c] = fmin(extreme[c], f->operation == MAXIMUM ? -lines[c][i] : lines[c][i]);
         }
     }
+}
+
+/* Sums run cell by cell within a block and block by block over all ranks: the same bits on any number of them. */
+static status reduce(const struct function *f, const struct gas *g, enum gas_field field, double out[3]) {
+    const struct grid *grid = f->setup->grid;
+    bool vector = gas_field_components(field) == 3;
+    int m = vector ? grid->dim : 1;
+    double *per_block, sum[4] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    TRY(allocate(&per_block, (m + 1L) * (grid->nblocks + 1), sizeof(double), "sums of blocks"));
+    for (int b = 0; b < grid->nblocks; b++) {
+        reduce_block(f, g, field, b, m, sum, result);
+        for (int c = 0; c <= m; c++) per_block[(long)c * grid->nblocks + b] = sum[c];
+    }
     status s = OK;
-    for (int c = 0; c < m && summed && !s; c++) s = forest_sum(forest, per_tile + (long)c * forest->ntiles, &result[c]);
-    if (!summed) comm_min(f->setup->comm, result, m);
-    free(per_tile);
-    double scale = f->operation == VOL_INTEGRATE ? forest->volume
-                   : f->operation == VOL_AVERAGE ? 1. / forest->ncells_all
-                                                 : 1;
-    if (f->operation == MAXIMUM) scale = -1;
+    for (int c = 0; c <= m && f->operation <= SUM && !s; c++)
+        s = grid_sum(grid, per_block + (long)c * grid->nblocks, &sum[c]);
+    free(per_block);
+    if (f->operation > SUM) comm_min(f->setup->comm, result, m);
     for (int x = 0; x < 3; x++) out[x] = 0;
-    for (int c = 0; c < m; c++) out[gas_field_components(field) == 3 ? forest->axis[c] : 0] = scale * result[c];
+    for (int c = 0; c < m; c++)
+        out[vector ? grid->axis[c] : 0] = f->operation == VOL_AVERAGE ? sum[c] / sum[m]
+                                          : f->operation <= SUM       ? sum[c]
+                                          : f->operation == MAXIMUM   ? -result[c]
+                                                                      : result[c];
     return s;
 }
 
 static status integral_open(struct function *f) {
-    const struct forest *forest = f->setup->forest;
+    const struct grid *grid = f->setup->grid;
+    double volume = 0, part = 0;
     TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &f->file[0]));
-    fprintf(f->file[0], "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", forest->ncells_all,
-            forest->volume * forest->ncells_all);
+    for (int i = 0; i < grid->ncells_all; i++) { /* in pieces, which keeps the digits of many equal cells */
+        part += grid->volume[i];
+        if (i % 1000 != 999) continue;
+        volume += part;
+        part = 0;
+    }
+    fprintf(f->file[0], "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", grid->ncells_all,
+            volume + part);
     for (int k = 0; k < f->nfields; k++)
         fprintf(f->file[0], "\t%s(%s)", operation_names[f->operation], gas_field_name(f->field[k]));
     fprintf(f->file[0], "\n");

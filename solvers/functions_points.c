@@ -5,16 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static long cell_in_tile(const struct forest *f, int tile, long offset) {
-    const int *n = f->tile[tile].n;
-    long at = offset - f->first, place[3] = {0, 0, 0};
-    for (int k = f->dim - 1; k >= 0; k--) {
-        place[k] = at / f->stride[k];
-        at -= place[k] * f->stride[k];
-    }
-    return place[0] + n[0] * (place[1] + n[1] * place[2]);
-}
-
 static void bounding_box(const struct polymesh *m, double low[3], double high[3]) {
     for (int a = 0; a < 3; a++) {
         low[a] = HUGE_VAL;
@@ -31,24 +21,21 @@ static void bounding_box(const struct polymesh *m, double low[3], double high[3]
 
 status function_place(struct function *f, struct dict *d, const char *key, int n, const double *points,
                       bool allow_outside) {
-    const struct forest *forest = f->setup->forest;
     struct spot *more = realloc(f->spot, (size_t)(f->nspots + n + 1) * sizeof *more);
     if (!more) return fail(ERR_SYSTEM, "out of memory");
     f->spot = more;
-    double low[3], high[3]; /* forest_locate looks at the solved axes only */
+    double low[3], high[3]; /* grid_locate looks at the solved axes only */
     bounding_box(f->setup->mesh, low, high);
     for (int i = 0; i < n; i++) {
         struct spot *p = &f->spot[f->nspots++];
-        long offset;
         memcpy(p->x, points + 3 * (long)i, sizeof p->x);
-        forest_locate(forest, p->x, &p->tile, &offset);
-        double found = p->tile >= 0;
+        grid_locate(f->setup->grid, p->x, &p->block, &p->cell);
+        double found = p->block >= 0;
         for (int a = 0; a < 3; a++)
             if (p->x[a] < low[a] || p->x[a] > high[a]) found = 0;
-        if (found == 0) p->tile = -1;
+        if (found == 0) p->block = -1;
         comm_max(f->setup->comm, &found, 1);
         p->inside = found > 0;
-        p->cell = p->tile >= 0 ? cell_in_tile(forest, p->tile, offset) : 0;
         if (!p->inside && !allow_outside)
             return dict_fail(d, key, "the point (%g %g %g) lies outside the mesh%s", p->x[0], p->x[1], p->x[2],
                              f->type->make == probes_make ? "; move it, or say  allowOutside yes;" : "");
@@ -57,24 +44,24 @@ status function_place(struct function *f, struct dict *d, const char *key, int n
 }
 
 status function_sample(const struct function *f, const struct gas *g, enum gas_field field, double **out) {
-    const struct forest *forest = f->setup->forest;
+    const struct grid *grid = f->setup->grid;
     int m = gas_field_components(field);
     double *lines[3];
     TRY(allocate(out, (long)(f->nspots + 1) * m, sizeof(double), "samples"));
     for (long i = 0; i < (long)f->nspots * m; i++) (*out)[i] = -HUGE_VAL;
-    for (int t = 0; t < forest->ntiles; t++) {
+    for (int b = 0; b < grid->nblocks; b++) {
         bool wanted = false;
-        for (int i = 0; i < f->nspots; i++) wanted |= f->spot[i].tile == t;
+        for (int i = 0; i < f->nspots; i++) wanted |= f->spot[i].block == b;
         if (!wanted) continue;
-        function_tile(f, g, t, field, lines);
+        function_block(f, g, b, field, lines);
         for (int i = 0; i < f->nspots; i++) {
-            if (f->spot[i].tile != t) continue;
+            if (f->spot[i].block != b) continue;
             double *to = *out + (long)i * m;
             if (m == 1)
                 *to = lines[0][f->spot[i].cell];
             else
                 for (int x = 0; x < 3; x++) to[x] = 0;
-            for (int k = 0; m == 3 && k < forest->dim; k++) to[forest->axis[k]] = lines[k][f->spot[i].cell];
+            for (int k = 0; m == 3 && k < grid->dim; k++) to[grid->axis[k]] = lines[k][f->spot[i].cell];
         }
     }
     comm_max(f->setup->comm, *out, f->nspots * m); /* one rank has each value, the others -infinity */

@@ -7,8 +7,8 @@
 struct spot { /* a point and the cell that holds it */
     double x[3];
     bool inside;
-    int tile;  /* -1: on another rank, or outside */
-    long cell; /* in the tile, axis 0 fastest */
+    int block; /* -1: on another rank, or outside */
+    int cell;  /* in the block */
 };
 struct line { /* one entry of `sets` */
     char name[128];
@@ -31,7 +31,7 @@ struct function {
     bool ascii;             /* vtk */
     struct vtk_grid *grid;  /* vtk, on the root */
     FILE *file[GAS_FIELDS]; /* root; opened by the first execution */
-    double *tile_values;    /* [3][largest tile] */
+    double *block_values;   /* [3][largest block] */
     double *all_values;     /* vtk: root's [nfields][3 ncells] */
 };
 struct function_type {
@@ -42,8 +42,8 @@ struct function_type {
 
 const char *gas_field_name(enum gas_field field);
 int gas_field_components(enum gas_field field); /* 1 or 3 */
-/* Values of a tile's cells in f->tile_values; lines[c] for computational axis c. */
-void function_tile(const struct function *f, const struct gas *g, int tile, enum gas_field field, double *lines[3]);
+/* Values of a block's cells in f->block_values; lines[c] for computational axis c. */
+void function_block(const struct function *f, const struct gas *g, int block, enum gas_field field, double *lines[3]);
 /* postProcessing/<function>/<folder>/<file>, made with its folders; on the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
 /* Appends spots for n points; outside the mesh: an error unless allowed. Collective. */

@@ -55,7 +55,7 @@ status output_make(const struct setup *s, struct output **out) {
     TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
     TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
     if (o->parts) TRY(allocate(&o->part_values, 3 * n, sizeof(double), "a field to write"));
-    for (int v = 0; v < 2 + s->forest->dim; v++) TRY(allocate(&o->line[v], n, sizeof(double), "a field to write"));
+    for (int v = 0; v < 2 + s->grid->dim; v++) TRY(allocate(&o->line[v], n, sizeof(double), "a field to write"));
     return OK;
 }
 
@@ -78,13 +78,13 @@ static void interleave(const struct setup *s, double *const *line, bool vector, 
         return;
     }
     memset(out, 0, (size_t)n * 3 * sizeof *out);
-    for (int k = 0; k < s->forest->dim; k++)
-        for (long i = 0; i < n; i++) out[3 * i + s->forest->axis[k]] = line[k][i];
+    for (int k = 0; k < s->grid->dim; k++)
+        for (long i = 0; i < n; i++) out[3 * i + s->grid->axis[k]] = line[k][i];
 }
 
 status output_gather(const struct setup *s, const struct gas *g, enum gas_field field, double *out) {
     double *line[3] = {NULL, NULL, NULL};
-    int components = field == GAS_U ? s->forest->dim : 1;
+    int components = field == GAS_U ? s->grid->dim : 1;
     status e = OK;
     for (int k = 0; !e && k < components && comm_root(s->comm); k++)
         e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
@@ -211,7 +211,7 @@ static status write_fields(struct output *o, const struct gas *g, const struct f
     e = write_one(o, &all_digits, "rho", FIELD_RHO, 1, field_kinds[FIELD_RHO].dimensions);
     interleave(s, o->line + 1, true, o->values);
     if (!e) e = write_one(o, &all_digits, "rhoU", -1, 3, momentum);
-    interleave(s, o->line + 1 + s->forest->dim, false, o->values);
+    interleave(s, o->line + 1 + s->grid->dim, false, o->values);
     if (!e) e = write_one(o, &all_digits, "rhoE", -1, 1, energy);
     return comm_agree(s->comm, e);
 }

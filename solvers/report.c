@@ -62,7 +62,7 @@ static void print_mesh(FILE *f, const struct setup *s) {
     for (int k = 0; k < l->dim; k++)
         fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l -> n[k], l -> width[k],
                 l -> periodic[k] ? " (periodic)" : "");
-    fprintf(f, " %d tiles\n", s->forest ? s->forest->ntiles_all : 0);
+    fprintf(f, " %d tiles\n", s->grid ? s->grid->nblocks_all : 0);
 }
 
 static void print_dictionaries(FILE *f, const struct setup *s) {
@@ -118,15 +118,15 @@ status progress_start(struct progress *p, const struct setup *s, struct gas *g) 
 
 /* Smallest and largest value of a scalar field over all ranks. */
 static status extremes(const struct setup *s, const struct gas *g, enum gas_field field, double range[2]) {
-    const struct forest *f = s->forest;
+    const struct grid *grid = s->grid;
     double pair[2] = {HUGE_VAL, HUGE_VAL};
-    for (int t = 0; t < f->ntiles; t++) {
-        long n = (long)f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2];
+    for (int b = 0; b < grid->nblocks; b++) {
+        int n = grid->block[b].ncells;
         double *values = NULL;
-        TRY(allocate(&values, n, sizeof(double), "a tile's field"));
+        TRY(allocate(&values, n, sizeof(double), "a block's field"));
         double *const out[3] = {values, NULL, NULL};
-        gas_block_field(g, t, field, out);
-        for (long i = 0; i < n; i++) {
+        gas_block_field(g, b, field, out);
+        for (int i = 0; i < n; i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);
         }
@@ -148,7 +148,7 @@ static const char *word_for(const struct setup *s, bool energy) {
 }
 
 static void print_totals(FILE *f, const struct progress *p, const struct setup *s, const double now[MAX_VAR]) {
-    int dim = s->forest->dim;
+    int dim = s->grid->dim;
     const double *was = p->totals;
     fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(s, false), now[0] / was[0] - 1);
     for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);

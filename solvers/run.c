@@ -68,7 +68,7 @@ static void print_control(const struct setup *s) {
 static status check_state(const struct setup *s, double *stable) {
     struct gas *g = NULL;
     struct gas_speed speed;
-    TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, s->initial->rules, &g));
+    TRY(gas_make(s->grid->forest, &s->models->gas, s->mesh->npatches, s->initial->rules, &g));
     status e = OK;
     if (s->initial->conserved[0])
         gas_set_conserved(g, (const double *const *)s->initial->conserved);
@@ -117,7 +117,7 @@ static status start(struct run *r) {
         return fail(ERR_INPUT,
                     "%s: the mesh is no lattice of equal boxes (%s); granularGas does not yet run on general meshes",
                     s->dir, s->why);
-    TRY(gas_make(s->forest, &s->models->gas, s->mesh->npatches, i->rules, &r->gas));
+    TRY(gas_make(s->grid->forest, &s->models->gas, s->mesh->npatches, i->rules, &r->gas));
     if (i->conserved[0])
         gas_set_conserved(r->gas, (const double *const *)i->conserved);
     else
