@@ -240,6 +240,7 @@ void models_list(FILE *f) {
     fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
     fprintf(f, "\nconstant/shaking, type sinusoidal\n");
     params_print(f, shaking_param, COUNT(shaking_param));
+    fprintf(f, "\nsystem/fvSchemes: defaults by measurement, postprocessing/reports/workPrecision.md\n");
     LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count, flux_standard);
     LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard);
     LIST_TABLE(f, "system/fvSchemes: timeScheme", stepper_table, stepper_count, stepper_standard);
