@@ -15,9 +15,9 @@ void rows_visit(const struct forest *f, const struct tile *tile, int margin, row
         }
 }
 
-/* eps = E/rho - |u|^2/2; the squares are summed from the last axis so that two of three commute under a swap of axes */
-KERNEL static void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity,
-                                double *restrict eps) {
+/* The squares are summed from the last axis so that two of three commute under a swap of axes. */
+KERNEL void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity,
+                         double *restrict eps) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
     double inverse[BATCH], square[BATCH];
     for (int i = 0; i < n; i++) {
@@ -36,7 +36,7 @@ KERNEL static void velocity_row(int n, int dim, long size, const double *restric
     for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
 }
 
-KERNEL static void root_row(int n, double *restrict c) {
+KERNEL void root_row(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
 }
 
@@ -156,16 +156,15 @@ KERNEL static void difference_row(int n, double inverse, const double *restrict 
         for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
 }
 
-KERNEL static void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                              const double *restrict residual, double *restrict to) {
+KERNEL void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                       const double *restrict residual, double *restrict to) {
     for (int i = 0; i < n; i++) {
         double moved = from[i] + dt * residual[i];
         to[i] = moved + a * (U0[i] - moved);
     }
 }
 
-/* bad = 1 where a cell is not admissible, else 0; is any? */
-KERNEL static bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
+KERNEL bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
     const double *restrict m1 = U + size, *restrict m2 = U + 2 * size, *restrict m3 = U + 3 * size;
     uint64_t any = 0;

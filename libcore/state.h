@@ -72,7 +72,7 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 };
-extern const struct engine engine_tiles;
+extern const struct engine engine_tiles, engine_cells;
 
 /* The maxima over the ranks to g->speed, unless one of them says that its own are void: then it returns false. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
@@ -101,6 +101,9 @@ struct gas {
     double *sums;          /* [ntiles] */
     struct work work;
     struct activity activity;
+
+    const struct grid *grid; /* of the mosaic */
+    struct cells *cells;     /* libcore/cells.h */
 };
 
 void tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
@@ -137,6 +140,15 @@ struct span *activity_row(const struct activity *a, struct span *spans, int j, i
 void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context);
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context);
 
+/* Of n <= BATCH states whose variables are `size` apart: velocity and eps = E/rho - |u|^2/2; the roots of c^2; bad = 1
+ * where a state is not admissible, else 0 (is any?). */
+void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps);
+void root_row(int n, double *restrict c);
+bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad);
+/* to = W + a (U0 - W), W = from + dt residual */
+void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                const double *restrict residual, double *restrict to);
+
 /* What follows from U for n cells at `offset`, into the workspace: velocity and eps; p, c and gruneisen, too. */
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
@@ -150,6 +162,24 @@ struct speeds {
     long found;
 };
 void speed_visit(void *context, long offset, int n);
+
+struct patch_line {        /* ghosts along a patch */
+    int n;                 /* <= BATCH */
+    int normal;            /* component along the normal, where the patch reflects */
+    const int *face;       /* [n] within the patch */
+    const double *outflow; /* [n] velocity out of the domain, where the patch needs values */
+};
+bool patch_needs_values(const struct patch_rules *r);
+/* ghost <- the rules of a patch on `inner` (which may be changed): conserved variables [nvar]. */
+void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
+                  double (*ghost)[BATCH]);
+
+/* What struct stepper's exchange does with one number. */
+static inline void stepper_exchange(double start, double *next, double *state) {
+    double s = *state;
+    *next = start + 0.9 * (s - start);
+    *state = start + 0.4 * (s - start);
+}
 
 /* Ghost layers of one tile's sides that are patches. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);
