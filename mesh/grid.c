@@ -3,9 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/search.h"
+
 struct grid_private {
     int *order;       /* root: [ncells_all] polyMesh cells, block by block, rank by rank */
     int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
+
+    int *cell;             /* of a mosaic: what the blocks' lists point into */
+    int *place;            /* [ncells_all] where a cell stands in `cell`, -1: on another rank */
+    struct search *search; /* in the whole mesh: every rank finds the same cell */
 };
 
 static status take_forest(struct grid *g, const struct lattice *l) {
@@ -23,6 +29,33 @@ static status take_forest(struct grid *g, const struct lattice *l) {
         g->block[t] = (struct grid_block){tile->id, tile->n[0] * tile->n[1] * tile->n[2], tile->cell};
     }
     return comm_agree(g->comm, s);
+}
+
+static status list_blocks(struct grid *g) {
+    const struct mosaic *m = g->mosaic;
+    struct grid_private *h = g->hidden;
+    TRY(allocate(&g->block, m->nblocks, sizeof *g->block, "the blocks of the grid"));
+    TRY(allocate(&h->cell, m->nown, sizeof *h->cell, "the cells of the blocks"));
+    TRY(allocate(&h->place, g->ncells_all, sizeof *h->place, "the cells of the blocks"));
+    for (int c = 0; c < g->ncells_all; c++) h->place[c] = -1;
+    for (int i = 0; i < m->nown; i++) {
+        h->cell[i] = m->cell[m->block_cell[i]];
+        h->place[h->cell[i]] = i;
+    }
+    for (int b = 0; b < m->nblocks; b++)
+        g->block[b] =
+            (struct grid_block){m->block_id[b], m->block_start[b + 1] - m->block_start[b], h->cell + m->block_start[b]};
+    return search_make(g->mesh, g->centre, g->dim, g->axis, &h->search);
+}
+
+static status take_mosaic(struct grid *g, int rings) {
+    TRY(mosaic_make(g->mesh, g->comm, rings, &g->mosaic));
+    const struct mosaic *m = g->mosaic;
+    g->dim = m->dim;
+    memcpy(g->axis, m->axis, sizeof g->axis);
+    g->nblocks_all = m->nblocks_all;
+    g->nblocks = m->nblocks;
+    return comm_agree(g->comm, list_blocks(g));
 }
 
 /* What the root must know to put what it gathers in its places. */
@@ -44,16 +77,17 @@ static status find_order(struct grid *g) {
     return s;
 }
 
-static status build(struct grid *g, const struct lattice *l) {
-    if (!l) return fail(ERR_INPUT, "the mesh is no lattice of equal boxes; general meshes cannot be run yet");
-    TRY(take_forest(g, l));
+static status build(struct grid *g, const struct lattice *l, int rings) {
+    if (l)
+        TRY(take_forest(g, l));
+    else
+        TRY(take_mosaic(g, rings));
     return find_order(g);
 }
 
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
                  const struct comm *c, int rings, struct grid **out) {
     struct grid *g = NULL;
-    (void)rings;
     *out = NULL;
     status s = allocate(&g, 1, sizeof *g, "the grid");
     if (!s) s = allocate(&g->hidden, 1, sizeof *g->hidden, "the grid");
@@ -64,7 +98,7 @@ status grid_make(const struct lattice *l, const struct polymesh *m, const double
         g->volume = volume;
         g->comm = c;
         g->ncells_all = m->ncells;
-        s = build(g, l);
+        s = build(g, l, rings);
     }
     if (s) {
         grid_free(g);
@@ -79,9 +113,13 @@ void grid_free(struct grid *g) {
     if (g->hidden) {
         free(g->hidden->order);
         free(g->hidden->block_order);
+        free(g->hidden->cell);
+        free(g->hidden->place);
+        search_free(g->hidden->search);
         free(g->hidden);
     }
     forest_free(g->forest);
+    mosaic_free(g->mosaic);
     free(g->block);
     free(g);
 }
@@ -126,8 +164,21 @@ static int cell_of_offset(const struct forest *f, int tile, long offset) {
     return (int)(place[0] + n[0] * (place[1] + n[1] * place[2]));
 }
 
+static void locate_in_mosaic(const struct grid *g, const double point[3], int *block, int *cell) {
+    int found = search_cell(g->hidden->search, point), place = found < 0 ? -1 : g->hidden->place[found];
+    *block = *cell = -1;
+    if (place < 0) return;
+    const int *start = g->mosaic->block_start;
+    for (*block = 0; start[*block + 1] <= place;) ++*block;
+    *cell = place - start[*block];
+}
+
 void grid_locate(const struct grid *g, const double point[3], int *block, int *cell) {
     long offset;
+    if (g->mosaic) {
+        locate_in_mosaic(g, point, block, cell);
+        return;
+    }
     forest_locate(g->forest, point, block, &offset);
     *cell = *block < 0 ? -1 : cell_of_offset(g->forest, *block, offset);
 }
