@@ -2,7 +2,8 @@
  *
  * U(x) = average + sum_k a_k phi_k(x), phi_k = the monomials of degree 1 (and 2) of (x - c)/h less their means over the
  * cell, h = volume^(1/dim): the average stays. Fits are linear in the averages and their weights are made once;
- * limiters and nonlinear weights act on the coefficients. Constants are reproduced to the last bit. */
+ * limiters and nonlinear weights act on the coefficients. Constants are reproduced to the last bit, and results do not
+ * depend on units: what is small is so against the cell's value. */
 #ifndef LIBCORE_POLYNOMIAL_H
 #define LIBCORE_POLYNOMIAL_H
 
@@ -11,22 +12,24 @@
 
 enum { MAX_COEFFICIENT = 9 }; /* of a quadratic in 3D, without the constant */
 
-struct fit;         /* weights, basis at the face points, and the coefficients of the last poly_fit */
+struct fit;         /* weights, face points, and the values there of the last fit_cells */
 struct polynomial { /* a way to fit */
     const char *name, *about;
     int rings;  /* of the mosaic (mesh/mosaic.h) */
     int degree; /* 0, 1, 2 */
-    /* Coefficients of cells from <= i < to from the averages q[0 .. size) of one variable, mirrors included. */
-    void (*cells)(struct fit *f, int from, int to, const double *q, int variable);
+    /* Fits a batch of cells to the averages U[v][size], mirrors included; NULL: the averages are the values. */
+    void (*cells)(struct fit *f, int batch, const double *const *U);
 };
 extern const struct polynomial polynomial_table[]; /* firstOrder, linear (limited), CWENO3 */
 extern const int polynomial_count;
 const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 
+/* The mosaic must outlive the fit. */
 status fit_make(const struct mosaic *m, const struct polynomial *p, int nvar, struct fit **out);
 void fit_free(struct fit *f);
 
-/* Fits cells from <= i < to (< nnear): nvar lines U[v][size]. */
+/* Fits cells from <= i < to (< nnear): nvar lines U[v][size]. Cells are fitted in batches: those that share a batch
+ * with the first and the last one are fitted, too, from what U holds, and rightly once their own turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);
 /* Values at the face points from <= i < from + n, n <= BATCH, of the cells on side 0 (left) or 1 (right; not for
  * boundary faces): out[v][n]. */

@@ -82,9 +82,9 @@ struct mosaic {
 };
 
 /* Collective; every rank holds the whole polyMesh. rings: of stencils, 1 or 2; a stencil grows by further rings until
- * it has 1.5 times as many members as a polynomial of degree `rings` has coefficients (without the constant), or the
- * mesh ends. points: order of the quadrature,
- * 1 for rings 1, 3 for rings 2. Refuses (ERR_INPUT, with cell or face and place) what no finite volume can use. */
+ * it has 2 (rings 1) or 1.5 (rings 2) times as many members as a polynomial of degree `rings` has coefficients (without
+ * the constant), or the mesh ends. Quadrature of order 1 for rings 1, 3 for rings 2. Refuses (ERR_INPUT, with cell or
+ * face and place) what no finite volume can use. */
 status mosaic_make(const struct polymesh *m, const struct comm *c, int rings, struct mosaic **out);
 void mosaic_free(struct mosaic *m);
 

@@ -8,7 +8,8 @@
 
 status grower_make(const struct links *l, int rings, struct grower *g) {
     int coefficients = rings == 1 ? l->dim : l->dim * (l->dim + 3) / 2;
-    *g = (struct grower){.l = l, .rings = rings, .wanted = (3 * coefficients + 1) / 2, .room = 64};
+    int wanted = rings == 1 ? 2 * coefficients : (3 * coefficients + 1) / 2;
+    *g = (struct grower){.l = l, .rings = rings, .wanted = wanted, .room = 64};
     TRY(allocate(&g->seen, l->mesh->ncells, sizeof *g->seen, "the stencils"));
     return allocate(&g->member, g->room, sizeof *g->member, "the stencils");
 }

@@ -1,0 +1,316 @@
+/* Every way to fit polynomials, on perturbed quads, triangles, hexes and tets: constants to the bit, exactness, order
+ * at the face points, jumps, units, the same bits whatever the batches. */
+#include "tests/simplices.h"
+
+#include "libcore/polynomial.h"
+#include "mesh/mosaic.h"
+
+#include "tests/checks.h" /* last */
+
+enum { POINTS = 4 }; /* of a Gauss rule */
+static const char *const shape_name[] = {"quads", "triangles", "hexes", "tets"};
+static struct comm *comm;
+
+typedef double function(const double x[3]);
+
+static double linear(const double x[3]) {
+    return 3 + 2 * x[0] - 5 * x[1] + 4 * x[2];
+}
+static double ripple(const double x[3]) { /* a quadratic that varies little */
+    return 1 + 1e-6 * (x[0] - 3 * x[1] * x[1] + 2 * x[0] * x[1] + x[0] * x[0] + x[2] * (x[0] - 2 * x[1] + 0.5 * x[2]));
+}
+static double waves(const double x[3]) {
+    return 2 + sin(4 * x[0] + 1) * cos(5 * x[1]) + 0.5 * sin(4 * x[2] - 2 * x[0]);
+}
+static double jump(const double x[3]) {
+    return x[0] + 0.4 * x[1] + 0.3 * x[2] < 0.6 ? 1 : 0.1;
+}
+
+struct subject { /* a mesh, a fit on it, and what it gives */
+    struct sample sample;
+    struct mosaic *mosaic;
+    struct fit *fit;
+    double *average, *value[2]; /* [size], [points] of both sides */
+};
+
+static void values(struct subject *s, const double *average) {
+    const struct mosaic *m = s->mosaic;
+    fit_cells(s->fit, 0, m->nnear, &average);
+    for (int side = 0; side < 2; side++)
+        for (int p = 0, n; p < m->point.n; p += n) {
+            n = m->point.n - p < BATCH ? m->point.n - p : BATCH;
+            double *out = s->value[side] + p;
+            fit_points(s->fit, side, p, n, &average, &out);
+        }
+}
+static bool inner(const struct mosaic *m, int point, int side) {
+    return side == 0 || m->point.face[point] < m->face.ninternal;
+}
+
+static void subject_make(struct subject *s, enum shape shape, int n, double length, double noise, const char *name) {
+    const struct polynomial *p = polynomial_find(name);
+    ok(sample_make(&s->sample, shape, (int[3]){n, n, sample_flat(shape) ? 1 : n}, (double[3]){length, length, length},
+                   noise));
+    ok(mosaic_make(s->sample.mesh, comm, p->rings, &s->mosaic));
+    ok(fit_make(s->mosaic, p, 1, &s->fit));
+    ok(allocate(&s->average, s->mosaic->size, sizeof(double), "averages"));
+    for (int k = 0; k < 2; k++) ok(allocate(&s->value[k], s->mosaic->point.n, sizeof(double), "values"));
+}
+static void subject_free(struct subject *s) {
+    for (int k = 0; k < 2; k++) free(s->value[k]);
+    free(s->average);
+    fit_free(s->fit);
+    mosaic_free(s->mosaic);
+    sample_free(&s->sample);
+}
+
+/* Integral over the simplex of dim + 1 corners, with sign: Gauss points of a cube that is pulled together at v[0]. */
+static void add_simplex(function *u, int dim, const double v[4][3], double sign, double *integral, double *volume) {
+    static const double g[POINTS] = {0.069431844202973712, 0.33000947820757187, 0.66999052179242813,
+                                     0.93056815579702629};
+    static const double w[POINTS] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
+                                     0.17392742256872693};
+    double e[3][3] = {{0}}, size;
+    for (int i = 0; i < dim; i++)
+        for (int k = 0; k < 3; k++) e[i][k] = v[i + 1][k] - v[i][k];
+    size = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    if (dim == 3)
+        size = size * e[2][2] + (e[0][1] * e[1][2] - e[0][2] * e[1][1]) * e[2][0] +
+               (e[0][2] * e[1][0] - e[0][0] * e[1][2]) * e[2][1];
+    for (int i = 0; i < POINTS * POINTS * (dim == 3 ? POINTS : 1); i++) {
+        double s[3] = {g[i % POINTS], g[i / POINTS % POINTS], g[i / POINTS / POINTS]}, x[3], along = 1;
+        double weight = sign * size * w[i % POINTS] * w[i / POINTS % POINTS] * s[0];
+        if (dim == 3) weight *= w[i / POINTS / POINTS] * s[0] * s[1];
+        for (int k = 0; k < 3; k++) x[k] = v[0][k];
+        for (int d = 0; d < dim; d++) {
+            along *= s[d];
+            for (int k = 0; k < 3; k++) x[k] += along * e[d][k];
+        }
+        *integral += weight * u(x);
+        *volume += weight;
+    }
+}
+
+/* Adds the simplices of a face's parts and the origin of cell i. */
+static void add_face(function *u, const struct polymesh *m, int dim, int face, const double *centre, double sign,
+                     double *integral, double *volume) {
+    const int *p = m->face_points + m->face_start[face], n = m->face_start[face + 1] - m->face_start[face];
+    double v[4][3] = {{0.5, 0.5, dim == 3 ? 0.5 : 0}};
+    for (int i = 0; i < n; i++) {
+        const double *a = m->points + 3L * p[i], *b = m->points + 3L * p[(i + 1) % n];
+        if (dim == 2 && (a[2] > 0 || b[2] > 0)) continue;
+        memcpy(v[dim == 3 ? 2 : 1], a, sizeof v[1]);
+        memcpy(v[dim == 3 ? 3 : 2], b, sizeof v[1]);
+        if (dim == 3) memcpy(v[1], centre, sizeof v[1]);
+        add_simplex(u, dim, (const double(*)[3])v, sign, integral, volume);
+    }
+}
+
+/* Averages of u over the cells by Gauss points; over mirrors by the second derivatives, which moments weigh. */
+static void average(struct subject *s, function *u) {
+    const struct mosaic *m = s->mosaic;
+    const struct polymesh *mesh = s->sample.mesh;
+    double *sums, *centre, *area;
+    ok(allocate(&sums, 2L * mesh->ncells, sizeof(double), "sums"));
+    ok(allocate(&centre, 3L * mesh->nfaces, sizeof(double), "centres"));
+    ok(allocate(&area, 3L * mesh->nfaces, sizeof(double), "areas"));
+    polymesh_face_geometry(mesh, centre, area);
+    for (int f = 0; f < mesh->nfaces; f++) {
+        double sum[2] = {0};
+        if (m->dim == 2 && fabs(area[3 * f + 2]) > 0.5 * hypot(area[3 * f], area[3 * f + 1])) continue;
+        add_face(u, mesh, m->dim, f, centre + 3L * f, 1, &sum[0], &sum[1]);
+        for (int k = 0; k < 2; k++) {
+            sums[2 * mesh->owner[f] + k] += sum[k];
+            if (f < mesh->ninternal) sums[2 * mesh->neighbour[f] + k] -= sum[k];
+        }
+    }
+    for (int i = 0; i < m->ncells; i++) {
+        const double *sum = sums + 2L * m->cell[i];
+        s->average[i] = sum[0] / sum[1];
+        if (fabs(fabs(sum[1]) / m->volume[i] - 1) > 1e-9) fail_msg("volume %g, not %g", sum[1], m->volume[i]);
+    }
+    for (int i = m->ncells; i < m->size; i++) {
+        const double h = 1e-3;
+        double x[3] = {0}, sum;
+        for (int k = 0; k < m->dim; k++) x[k] = m->centre[k][i];
+        sum = u(x);
+        for (int a = 0, k = 0; a < m->dim; a++)
+            for (int b = a; b < m->dim; b++, k++)
+                for (int j = 0; j < 4; j++) {
+                    double y[3] = {x[0], x[1], x[2]};
+                    y[a] += j % 2 ? h : -h;
+                    y[b] += j / 2 ? h : -h;
+                    sum += (j % 2 == j / 2 ? 1 : -1) * u(y) * m->moment[k][i] / (4 * h * h) * (a == b ? 0.5 : 1);
+                }
+        s->average[i] = sum;
+    }
+    free(sums);
+    free(centre);
+    free(area);
+}
+
+struct errors {
+    double mean, most;
+};
+static struct errors errors(struct subject *s, function *u) {
+    const struct mosaic *m = s->mosaic;
+    struct errors e = {0};
+    int n = 0;
+    average(s, u);
+    values(s, s->average);
+    for (int side = 0; side < 2; side++)
+        for (int p = 0; p < m->point.n; p++) {
+            if (!inner(m, p, side)) continue;
+            int face = m->point.face[p], cell = side ? m->face.right[face] : m->face.left[face];
+            double x[3] = {0};
+            for (int k = 0; k < m->dim; k++) x[k] = m->centre[k][cell] + m->point.arm[side][k][p];
+            double error = fabs(s->value[side][p] - u(x));
+            e.mean += error;
+            e.most = error > e.most ? error : e.most;
+            n++;
+        }
+    e.mean /= n;
+    return e;
+}
+
+static void constants_are_exact(void **state) {
+    (void)state;
+    for (int k = 0; k < polynomial_count; k++)
+        for (enum shape shape = QUADS; shape <= TETS; shape++) {
+            struct subject s;
+            subject_make(&s, shape, 5, 1, 0.2, polynomial_table[k].name);
+            for (double c = -1e9; c < 1e9; c = c < -1e-9 ? c / 7.3 : c < 1e-9 ? 1e-7 : c * 9.1) {
+                for (int i = 0; i < s.mosaic->size; i++) s.average[i] = c;
+                values(&s, s.average);
+                for (int side = 0; side < 2; side++)
+                    for (int p = 0; p < s.mosaic->point.n; p++)
+                        if (inner(s.mosaic, p, side) && s.value[side][p] != c)
+                            fail_msg("%s, %s: %.17g for %.17g", polynomial_table[k].name, shape_name[shape],
+                                     s.value[side][p], c);
+            }
+            subject_free(&s);
+        }
+}
+
+static void exact(const char *name, enum shape shape, double noise, function *u, double allowed) {
+    struct subject s;
+    subject_make(&s, shape, 6, 1, noise, name);
+    struct errors e = errors(&s, u);
+    if (!(e.most < allowed)) fail_msg("%s, %s: error %.3g", name, shape_name[shape], e.most);
+    subject_free(&s);
+}
+static void polynomials_are_exact(void **state) {
+    (void)state;
+    for (enum shape shape = QUADS; shape <= TETS; shape++) {
+        exact("linear", shape, 0.2, linear, 1e-12);
+        exact("CWENO3", shape, 0.2, linear, 1e-12);
+        exact("CWENO3", shape, 0.2, ripple, 1e-12); /* of a variation of 1e-6 */
+    }
+}
+
+static void orders(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        double least;
+    } expected[] = {{"firstOrder", 0.9}, {"linear", 1.9}, {"CWENO3", 2.7}};
+    assert_int_equal(polynomial_count, 3); /* a new row needs an order here */
+    for (int k = 0; k < polynomial_count; k++)
+        for (enum shape shape = QUADS; shape <= TETS; shape++) {
+            struct errors e[2];
+            for (int i = 0; i < 2; i++) {
+                struct subject s;
+                subject_make(&s, shape, (sample_flat(shape) ? 24 : 8) << i, 1, 0.2, expected[k].name);
+                e[i] = errors(&s, waves);
+                subject_free(&s);
+            }
+            double mean = log2(e[0].mean / e[1].mean);
+            if (!(mean > expected[k].least)) fail_msg("%s, %s: order %.3f", expected[k].name, shape_name[shape], mean);
+        }
+}
+
+static void jumps(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        double allowed;
+    } expected[] = {{"firstOrder", 0}, {"linear", 1e-15}};
+    for (int k = 0; k < 2; k++)
+        for (enum shape shape = QUADS; shape <= TETS; shape++) {
+            struct subject s;
+            double low = 1, high = 0;
+            subject_make(&s, shape, sample_flat(shape) ? 40 : 10, 1, 0.2, expected[k].name);
+            for (int i = 0; i < s.mosaic->size; i++)
+                s.average[i] = jump((double[3]){s.mosaic->centre[0][i], s.mosaic->centre[1][i],
+                                                s.mosaic->dim > 2 ? s.mosaic->centre[2][i] : 0});
+            values(&s, s.average);
+            for (int side = 0; side < 2; side++)
+                for (int p = 0; p < s.mosaic->point.n; p++)
+                    if (inner(s.mosaic, p, side)) {
+                        low = smaller(low, s.value[side][p]);
+                        high = larger(high, s.value[side][p]);
+                    }
+            if (!(larger(0.1 - low, high - 1) <= 0.9 * expected[k].allowed))
+                fail_msg("%s, %s: values %g .. %g for 0.1 .. 1", expected[k].name, shape_name[shape], low, high);
+            subject_free(&s);
+        }
+}
+
+static void units_do_not_matter(void **state) {
+    (void)state;
+    for (int k = 0; k < polynomial_count; k++)
+        for (enum shape shape = QUADS; shape <= TETS; shape++) {
+            struct subject s, t; /* t: lengths times 2^-10, values times 2^20 */
+            subject_make(&s, shape, 6, 1, 0.2, polynomial_table[k].name);
+            subject_make(&t, shape, 6, 0x1p-10, 0.2, polynomial_table[k].name);
+            average(&s, jump);
+            for (int i = 0; i < s.mosaic->size; i++) t.average[i] = 0x1p20 * s.average[i];
+            values(&s, s.average);
+            values(&t, t.average);
+            for (int side = 0; side < 2; side++)
+                for (int p = 0; p < s.mosaic->point.n; p++)
+                    if (inner(s.mosaic, p, side)) {
+                        double a = s.value[side][p], b = t.value[side][p] * 0x1p-20;
+                        if (!(fabs(a - b) <= 1e-12)) fail_msg("%s: %.17g, %.17g", polynomial_table[k].name, a, b);
+                    }
+            subject_free(&t);
+            subject_free(&s);
+        }
+}
+
+/* Fitted piece by piece, and in another mesh's batches: the same bits. */
+static void pieces_do_not_matter(void **state) {
+    (void)state;
+    for (int k = 0; k < polynomial_count; k++) {
+        struct subject s, t;
+        subject_make(&s, TRIANGLES, 11, 1, 0.2, polynomial_table[k].name);
+        subject_make(&t, TRIANGLES, 11, 1, 0.2, polynomial_table[k].name);
+        average(&s, waves);
+        values(&s, s.average);
+        const double *U = s.average;
+        for (int i = 0, to; i < t.mosaic->nnear; i = to) {
+            to = i + 37 < t.mosaic->nnear ? i + 37 : t.mosaic->nnear;
+            fit_cells(t.fit, i, to, &U);
+        }
+        for (int p = 0; p < t.mosaic->point.n; p++) {
+            double *out = t.value[0] + p;
+            fit_points(t.fit, 0, p, 1, &U, &out);
+        }
+        assert_memory_equal(s.value[0], t.value[0], (size_t)s.mosaic->point.n * sizeof(double));
+        subject_free(&t);
+        subject_free(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(constants_are_exact),
+                                       cmocka_unit_test(polynomials_are_exact),
+                                       cmocka_unit_test(orders),
+                                       cmocka_unit_test(jumps),
+                                       cmocka_unit_test(units_do_not_matter),
+                                       cmocka_unit_test(pieces_do_not_matter)};
+    ok(comm_start(&argc, &argv, &comm));
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(comm);
+    return failed;
+}
