@@ -43,6 +43,17 @@ void comm_finish(struct comm *c) {
     MPI_Finalize();
 }
 
+status comm_alone(struct comm **out) {
+    *out = NULL;
+    TRY(allocate(out, 1, sizeof **out, "the communicator"));
+    **out = (struct comm){MPI_COMM_SELF, 0, 1};
+    return OK;
+}
+
+void comm_alone_free(struct comm *c) {
+    free(c);
+}
+
 int comm_rank(const struct comm *c) {
     return c->rank;
 }

@@ -10,6 +10,9 @@ struct comm;
 /* MPI_Init (once per program) and the world communicator. */
 status comm_start(int *argc, char ***argv, struct comm **out);
 void comm_finish(struct comm *c);
+/* This rank by itself, for what it does without the others; comm_alone_free it before comm_finish. */
+status comm_alone(struct comm **out);
+void comm_alone_free(struct comm *c);
 
 int comm_rank(const struct comm *c);
 int comm_size(const struct comm *c);
