@@ -22,13 +22,29 @@ static void graph_free(struct graph *g) {
     free(g->vertex_weight);
 }
 
+/* METIS refuses to look for contiguous parts of a graph that is not. */
+static status find_connected(const struct graph *g, bool *connected) {
+    int *queue, *seen, n = 1;
+    TRY(allocate(&queue, 2L * g->n, sizeof *queue, "the graph of the cells"));
+    seen = queue + g->n;
+    seen[0] = 1;
+    for (int out = 0; out < n; out++)
+        for (int i = g->start[queue[out]]; i < g->start[queue[out] + 1]; i++)
+            if (!seen[g->to[i]]++) queue[n++] = g->to[i];
+    *connected = n == g->n;
+    free(queue);
+    return OK;
+}
+
 static status graph_cut(const struct graph *g, int parts, bool by_bisection, int *part) {
     if (parts == 1 || g->n == 0) return OK; /* part is zeroed */
     idx_t options[METIS_NOPTIONS], n = g->n, constraints = 1, nparts = parts, cut;
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = SEED;
     options[METIS_OPTION_NUMBERING] = 0;
-    if (!by_bisection) options[METIS_OPTION_CONTIG] = 1; /* where the mesh is connected */
+    bool contiguous = false;
+    if (!by_bisection) TRY(find_connected(g, &contiguous));
+    options[METIS_OPTION_CONTIG] = contiguous;
     int result = (by_bisection ? METIS_PartGraphRecursive : METIS_PartGraphKway)(
         &n, &constraints, g->start, g->to, g->vertex_weight, NULL, g->weight, &nparts, NULL, NULL, options, &cut, part);
     return result == METIS_OK

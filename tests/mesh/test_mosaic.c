@@ -2,6 +2,7 @@
 #include "mesh/mosaic.h"
 
 #include "tests/mesh/cells.h"
+#include "tests/mesh/meshes.h"
 
 static struct comm *world;
 
@@ -414,6 +415,25 @@ static void blocks_hold_all_cells_once(void **state) {
     polymesh_free(mesh);
 }
 
+static bool middle(int i, int j, int k) {
+    (void)j, (void)k;
+    return i == 30;
+}
+
+static void a_mesh_in_two_parts_is_cut_as_well(void **state) {
+    (void)state;
+    const struct recipe r = {
+        .n = {61, 40, 1}, .width = {1, 1, 1}, .hole = middle, .type = {[4] = "empty", [5] = "empty"}};
+    struct polymesh *mesh = NULL;
+    struct mosaic *m;
+    ok(mesh_make(&r, &mesh));
+    ok(mosaic_make(mesh, world, 1, &m));
+    assert_int_equal(m->nblocks, 4);
+    for (int i = 0; i < m->nown; i++) assert_true(m->volume[i] == 1);
+    mosaic_free(m);
+    polymesh_free(mesh);
+}
+
 static void what_cannot_be_solved_is_refused(void **state) {
     (void)state;
     struct mosaic *m;
@@ -444,6 +464,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(stencils_are_rings),
         cmocka_unit_test(corners_share_vertices),
         cmocka_unit_test(blocks_hold_all_cells_once),
+        cmocka_unit_test(a_mesh_in_two_parts_is_cut_as_well),
         cmocka_unit_test(what_cannot_be_solved_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
