@@ -31,6 +31,19 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
     return make(&g, out);
 }
 
+status gas_make_mosaic(const struct grid *grid, const struct gas_models *models, int npatches,
+                       const struct patch_rules *rules, struct gas **out) {
+    const struct gas g = {.engine = &engine_cells,
+                          .grid = grid,
+                          .comm = grid->comm,
+                          .dim = grid->dim,
+                          .ncells_all = grid->ncells_all,
+                          .models = *models,
+                          .npatches = npatches,
+                          .rules = rules};
+    return make(&g, out);
+}
+
 void gas_free(struct gas *g) {
     if (!g) return;
     g->engine->free(g);

@@ -1,4 +1,4 @@
-/* The granular gas on a forest of tiles: state, one time step, and what the outside may ask of it.
+/* The granular gas on a forest of tiles or on a mosaic: state, one time step, and what the outside may ask of it.
  *
  * Variables are rho, rho u (dim components, computational axes of struct forest), E = rho (eps + |u|^2/2). A step is
  * half the sources (exact) | Runge-Kutta stages of the fluxes | half the sources. Nothing is allocated after gas_make.
@@ -9,9 +9,10 @@
 #include "libcore/boundary.h"
 #include "libcore/eos.h"
 #include "libcore/flux.h"
+#include "libcore/polynomial.h"
 #include "libcore/reconstruct.h"
 #include "libcore/source.h"
-#include "mesh/forest.h"
+#include "mesh/grid.h"
 
 struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) each stage */
     const char *name, *about;
@@ -31,6 +32,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
     struct sources source;
+    const struct polynomial *polynomial; /* on a mosaic, in place of reconstruct; may be NULL on a forest */
     bool skip_uniform; /* leave out what is exactly zero (libcore/activity.c): the same bits, less work */
 };
 
@@ -51,6 +53,9 @@ struct gas; /* opaque: the state and scratch memory of this rank's tiles */
 /* rules[npatches]: of the polyMesh's patches; the forest, rules and models' tables are borrowed. */
 status gas_make(struct forest *f, const struct gas_models *models, int npatches, const struct patch_rules *rules,
                 struct gas **out);
+/* On the grid's mosaic, made with at least the rings of models->polynomial. */
+status gas_make_mosaic(const struct grid *grid, const struct gas_models *models, int npatches,
+                       const struct patch_rules *rules, struct gas **out);
 void gas_free(struct gas *g);
 int gas_variables(const struct gas *g); /* 2 + dim */
 

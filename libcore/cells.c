@@ -1,0 +1,302 @@
+/* The gas on a mosaic: making and filling its state, sources, and what the outside may ask of it. */
+#include "libcore/cells.h"
+
+#include <stdlib.h>
+
+void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]) {
+    for (int v = 0; v < g->nvar; v++) line[v] = s->block[0] + (long)v * g->cells->mosaic->size;
+}
+
+static status make_lines(struct gas *g) {
+    struct cells *c = g->cells;
+    const struct mosaic *m = c->mosaic;
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) {
+        TRY(allocate(&states[i]->block, 1, sizeof(double *), "the state"));
+        TRY(allocate(&states[i]->block[0], (long)g->nvar * m->size + SLACK, sizeof(double), "the state"));
+    }
+    for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
+    for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line};
+    for (int i = 0; i < 3; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
+    TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
+    TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
+    for (int b = 0; b < m->nblocks; b++) c->by_block[b] = c->line + m->block_start[b];
+    return OK;
+}
+
+static void measure_cells(struct cells *c) {
+    const struct mosaic *m = c->mosaic;
+    for (int i = 0; i < m->nown; i++) {
+        c->inverse_volume[i] = 1 / m->volume[i];
+        double half = 0.5 * c->inverse_volume[i];
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+            int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+            c->total_girth[i] += half * m->face.area[face];
+            for (int k = 0; k < m->dim; k++)
+                c->girth[k][i] += half * m->face.area[face] * fabs(m->face.normal[k][face]);
+        }
+    }
+}
+
+static status cells_make(struct gas *g) {
+    struct cells *c;
+    TRY(allocate(&c, 1, sizeof *c, "the gas"));
+    g->cells = c;
+    c->mosaic = g->grid->mosaic;
+    for (int f = 0; f < c->mosaic->face.n; f++)
+        if (c->mosaic->face.point_start[f + 1] - c->mosaic->face.point_start[f] > BATCH)
+            return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
+    TRY(make_lines(g));
+    measure_cells(c);
+    return fit_make(c->mosaic, g->models.polynomial, g->nvar, &c->fit);
+}
+
+static void cells_free(struct gas *g) {
+    struct cells *c = g->cells;
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) {
+        if (states[i]->block) free(states[i]->block[0]);
+        free(states[i]->block);
+    }
+    if (!c) return;
+    fit_free(c->fit);
+    for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
+    for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
+    free(c->inverse_volume);
+    free(c->total_girth);
+    free(c->line);
+    free(c->flag);
+    free(c->sums);
+    free(c->by_block);
+    free(c);
+}
+
+static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+    const struct mosaic *m = g->cells->mosaic;
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
+}
+
+/* Root's all <- a value per cell of mine. */
+static status gather(const struct gas *g, const double *value, double *all) {
+    const struct cells *c = g->cells;
+    for (int i = 0; i < c->mosaic->nown; i++) c->line[i] = value[c->mosaic->block_cell[i]];
+    return grid_gather(g->grid, (const double *const *)c->by_block, all);
+}
+
+static status cells_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++) TRY(gather(g, line[v], comm_root(g->comm) ? U[v] : NULL));
+    return OK;
+}
+
+struct primitives { /* of a batch */
+    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
+};
+
+static void find_primitives(const struct gas *g, int n, long size, const double *U, bool thermal,
+                            struct primitives *q) {
+    double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
+    velocity_row(n, g->dim, size, U, velocity, q->eps);
+    if (!thermal) return;
+    g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
+    root_row(n, q->c);
+}
+
+static void field_of_batch(const struct gas *g, enum gas_field field, int n, const double *rho,
+                           const struct primitives *q, double *const out[3]) {
+    const struct material *m = &g->models.material;
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < g->dim; k++) {
+            square += q->velocity[k][i] * q->velocity[k][i];
+            if (field == GAS_U) out[k][i] = q->velocity[k][i];
+        }
+        if (field == GAS_RHO) out[0][i] = rho[i];
+        if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * rho[i];
+        if (field == GAS_T) out[0][i] = (m->gamma - 1) * q->eps[i];
+        if (field == GAS_P) out[0][i] = q->p[i];
+        if (field == GAS_C) out[0][i] = q->c[i];
+        if (field == GAS_MACH) out[0][i] = sqrt(square) / q->c[i];
+    }
+}
+
+static void cells_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
+    const struct mosaic *m = g->cells->mosaic;
+    double *line[MAX_VAR], U[MAX_VAR][BATCH] = {{0}};
+    cells_lines(g, &g->U, line);
+    int start = m->block_start[block], end = m->block_start[block + 1];
+    for (int from = start; from < end; from += BATCH) {
+        struct primitives q;
+        int n = end - from < BATCH ? end - from : BATCH;
+        for (int v = 0; v < g->nvar; v++)
+            for (int i = 0; i < n; i++) U[v][i] = line[v][m->block_cell[from + i]];
+        find_primitives(g, n, BATCH, U[0], field >= GAS_P, &q);
+        double *at[3] = {out[0] + (from - start), NULL, NULL};
+        for (int k = 1; k < 3 && field == GAS_U && k < g->dim; k++) at[k] = out[k] + (from - start);
+        field_of_batch(g, field, n, U[0], &q, at);
+    }
+}
+
+static status cells_field(const struct gas *g, enum gas_field field, double *const out[3]) {
+    const struct cells *c = g->cells;
+    const struct mosaic *m = c->mosaic;
+    int components = field == GAS_U ? g->dim : 1;
+    double *values[3] = {NULL, NULL, NULL};
+    status s = OK;
+    for (int k = 0; k < components && !s; k++) s = allocate(&values[k], m->nown, sizeof(double), "a field");
+    s = comm_agree(g->comm, s);
+    for (int b = 0; b < m->nblocks && !s; b++) {
+        double *at[3] = {NULL, NULL, NULL};
+        for (int k = 0; k < components; k++) at[k] = values[k] + m->block_start[b];
+        cells_block_field(g, b, field, at);
+    }
+    for (int k = 0; k < components && !s; k++) {
+        memcpy(c->line, values[k], (size_t)m->nown * sizeof(double));
+        s = grid_gather(g->grid, (const double *const *)c->by_block, comm_root(g->comm) ? out[k] : NULL);
+    }
+    for (int k = 0; k < 3; k++) free(values[k]);
+    return s;
+}
+
+static status cells_check(const struct gas *g) {
+    const struct mosaic *m = g->cells->mosaic;
+    double bad[BATCH];
+    status s = OK;
+    for (int from = 0; from < m->nown && !s; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        const double *U = g->U.block[0] + from;
+        if (!find_bad(n, g->dim, m->size, g->limit, U, bad)) continue;
+        for (int i = 0; i < n && !s; i++) {
+            struct primitives q;
+            if (bad[i] == 0) continue;
+            const double *at = g->grid->centre + 3L * m->cell[from + i];
+            find_primitives(g, 1, m->size, U + i, false, &q);
+            s = fail(ERR_STATE,
+                     "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
+                     at[0], at[1], at[2], U[i], g->limit, (g->models.material.gamma - 1) * q.eps[0]);
+        }
+    }
+    return comm_agree(g->comm, s);
+}
+
+/* sum_k |u_k| girth_k + c total_girth: not below sum over faces of (|u_n| + c) A / (2 V); on boxes the tiles' rate. */
+KERNEL static void rate_line(int n, int dim, const struct primitives *q, double *const girth[MAX_DIM],
+                             const double *restrict total, double *restrict rate, double *restrict fast) {
+    for (int i = 0; i < n; i++) {
+        rate[i] = q->c[i] * total[i];
+        fast[i] = 0;
+    }
+    for (int k = 0; k < dim; k++) {
+        const double *restrict u = q->velocity[k], *restrict w = girth[k];
+        for (int i = 0; i < n; i++) {
+            rate[i] = fma(fabs(u[i]), w[i], rate[i]);
+            fast[i] = fma(u[i], u[i], fast[i]);
+        }
+    }
+    for (int i = 0; i < n; i++) fast[i] = sqrt(fast[i]) + q->c[i];
+}
+
+static void rate_batch(const struct gas *g, int from, int n, double *rate, double *fast) {
+    const struct cells *c = g->cells;
+    struct primitives q;
+    double *girth[MAX_DIM];
+    for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
+    find_primitives(g, n, c->mosaic->size, g->U.block[0] + from, true, &q);
+    rate_line(n, g->dim, &q, girth, c->total_girth + from, rate, fast);
+}
+
+static void cells_speed(struct gas *g, struct gas_speed *speed) {
+    const struct mosaic *m = g->cells->mosaic;
+    double most[3] = {0, 0, 0}, rate[BATCH], fast[BATCH]; /* rate, calm, speed */
+    for (int from = 0; from < m->nown; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        const double *rho = g->U.block[0] + from;
+        rate_batch(g, from, n, rate, fast);
+        for (int i = 0; i < n; i++) {
+            most[0] = larger(most[0], rate[i]);
+            most[1] = larger(most[1], rho[i] < 0.99 * g->limit ? rate[i] : 0);
+            most[2] = larger(most[2], fast[i]);
+        }
+    }
+    *speed = (struct gas_speed){.rate = most[0], .calm = most[1], .axis = {most[2], most[2], most[2]}};
+}
+
+static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
+    const struct mosaic *m = g->cells->mosaic;
+    double rate[BATCH], fast[BATCH], cell = HUGE_VAL;
+    for (int from = 0; from < m->nown; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        rate_batch(g, from, n, rate, fast);
+        for (int i = 0; i < n; i++)
+            if (rate[i] == speed->rate) cell = smaller(cell, m->cell[from + i]);
+    }
+    comm_min(g->comm, &cell, 1);
+    for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
+}
+
+static status cells_totals(const struct gas *g, double totals[MAX_VAR]) {
+    const struct cells *c = g->cells;
+    const struct mosaic *m = c->mosaic;
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++) {
+        for (int b = 0; b < m->nblocks; b++) {
+            c->sums[b] = 0;
+            for (int i = m->block_start[b]; i < m->block_start[b + 1]; i++)
+                c->sums[b] += m->volume[m->block_cell[i]] * line[v][m->block_cell[i]];
+        }
+        TRY(grid_sum(g->grid, c->sums, &totals[v]));
+        totals[v] *= m->thickness;
+    }
+    return OK;
+}
+
+static void cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+                          const struct state *to) {
+    const struct mosaic *m = g->cells->mosaic;
+    double *in[MAX_VAR], *out[MAX_VAR];
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        for (int v = 0; v < g->nvar; v++) {
+            if (in[v] != out[v]) memcpy(out[v] + at, in[v] + at, (size_t)n * sizeof(double));
+        }
+        double *U[MAX_VAR];
+        for (int v = 0; v < g->nvar; v++) U[v] = out[v] + at;
+        source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, dt, kick, U);
+    }
+}
+
+static void cells_exchange(struct gas *g, const struct state *start, const struct state *next,
+                           const struct state *state) {
+    double *a[MAX_VAR], *b[MAX_VAR], *c[MAX_VAR];
+    cells_lines(g, start, a);
+    cells_lines(g, next, b);
+    cells_lines(g, state, c);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < g->cells->mosaic->nown; i++) stepper_exchange(a[v][i], &b[v][i], &c[v][i]);
+}
+
+const struct engine engine_cells = {.make = cells_make,
+                                    .free = cells_free,
+                                    .set_conserved = cells_set_conserved,
+                                    .get_conserved = cells_get_conserved,
+                                    .block_field = cells_block_field,
+                                    .field = cells_field,
+                                    .check = cells_check,
+                                    .speed = cells_speed,
+                                    .fastest_place = cells_fastest_place,
+                                    .totals = cells_totals,
+                                    .sources = cells_sources,
+                                    .stage = cells_stage,
+                                    .share_flags = cells_share_flags,
+                                    .redo = cells_redo,
+                                    .clear_flags = cells_clear_flags,
+                                    .exchange = cells_exchange};

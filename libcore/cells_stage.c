@@ -1,0 +1,319 @@
+/* One Runge-Kutta stage on a mosaic: mirrors, polynomials, fluxes through the points of faces in their frames, update,
+ * admissibility. The fluxes are those of the tiles: the two states of a point are the two cells of a first-order
+ * stencil. */
+#include "libcore/cells.h"
+
+enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
+#define KEPT 0.1                           /* of a cell's distance from vacuum and packing, at least, at its faces */
+
+struct points { /* a batch of points, or of states on both sides of faces; normal component first */
+    int n;
+    int face[BATCH];
+    double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
+    double velocity[MAX_DIM][STENCIL][BATCH];
+    double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
+    double out[MAX_VAR][BATCH];
+};
+
+/* Moves the states at points towards their cells' averages until they keep a share of the distance of those from the
+ * edge of the admissible set (Zhang & Shu 2010; the set is convex, so the mixture is admissible, too). */
+KERNEL static void admit(int n, int dim, double limit, const double (*restrict average)[BATCH],
+                         double (*restrict at)[BATCH]) {
+    double theta[BATCH], square[2][BATCH];
+    for (int i = 0; i < n; i++) {
+        double mean = average[0][i], rho = at[0][i], low = KEPT * mean, high = mean + (1 - KEPT) * (limit - mean);
+        double down = (mean - low) / (mean - rho), up = (high - mean) / (rho - mean);
+        theta[i] = rho < low ? down : rho > high ? up : 1;
+        square[0][i] = square[1][i] = 0;
+    }
+    for (int v = 0; v < dim + 2; v++)
+        for (int i = 0; i < n; i++) {
+            double mixed = fma(theta[i], at[v][i] - average[v][i], average[v][i]);
+            at[v][i] = theta[i] < 1 ? mixed : at[v][i];
+        }
+    for (int k = dim; k >= 1; k--)
+        for (int i = 0; i < n; i++) {
+            square[0][i] += average[k][i] * average[k][i];
+            square[1][i] += at[k][i] * at[k][i];
+        }
+    for (int i = 0; i < n; i++) { /* rho eps is concave: along the way to the average it is at least linear */
+        double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
+        double here = at[dim + 1][i] - 0.5 * square[1][i] / at[0][i], low = KEPT * mean;
+        double share = (mean - low) / (mean - here);
+        theta[i] = here < low ? share : 1;
+    }
+    for (int v = 0; v < dim + 2; v++)
+        for (int i = 0; i < n; i++) {
+            double mixed = fma(theta[i], at[v][i] - average[v][i], average[v][i]);
+            at[v][i] = theta[i] < 1 ? mixed : at[v][i];
+        }
+}
+
+/* rotate: q = the momentum in the frames of the faces; back: the other way. */
+KERNEL static void into_frames(int n, int dim, const struct mosaic_faces *f, const int *restrict face,
+                               double (*restrict q)[BATCH]) {
+    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
+    const double *restrict nx = f->normal[0], *restrict ny = f->normal[1], *restrict nz = f->normal[2];
+    if (dim == 1)
+        for (int i = 0; i < n; i++) m0[i] *= nx[face[i]];
+    if (dim == 2) {
+        const double *restrict tx = f->tangent[0][0], *restrict ty = f->tangent[0][1];
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i];
+            m0[i] = a * nx[face[i]] + b * ny[face[i]];
+            m1[i] = a * tx[face[i]] + b * ty[face[i]];
+        }
+    }
+    if (dim == 3) {
+        const double *restrict sx = f->tangent[0][0], *restrict sy = f->tangent[0][1], *restrict sz = f->tangent[0][2];
+        const double *restrict tx = f->tangent[1][0], *restrict ty = f->tangent[1][1], *restrict tz = f->tangent[1][2];
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i], c = m2[i];
+            m0[i] = a * nx[face[i]] + b * ny[face[i]] + c * nz[face[i]];
+            m1[i] = a * sx[face[i]] + b * sy[face[i]] + c * sz[face[i]];
+            m2[i] = a * tx[face[i]] + b * ty[face[i]] + c * tz[face[i]];
+        }
+    }
+}
+
+KERNEL static void out_of_frames(int n, int dim, const struct mosaic_faces *f, const int *restrict face,
+                                 double (*restrict q)[BATCH]) {
+    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
+    const double *restrict nx = f->normal[0], *restrict ny = f->normal[1], *restrict nz = f->normal[2];
+    if (dim == 1)
+        for (int i = 0; i < n; i++) m0[i] *= nx[face[i]];
+    if (dim == 2) {
+        const double *restrict tx = f->tangent[0][0], *restrict ty = f->tangent[0][1];
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i];
+            m0[i] = a * nx[face[i]] + b * tx[face[i]];
+            m1[i] = a * ny[face[i]] + b * ty[face[i]];
+        }
+    }
+    if (dim == 3) {
+        const double *restrict sx = f->tangent[0][0], *restrict sy = f->tangent[0][1], *restrict sz = f->tangent[0][2];
+        const double *restrict tx = f->tangent[1][0], *restrict ty = f->tangent[1][1], *restrict tz = f->tangent[1][2];
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i], c = m2[i];
+            m0[i] = a * nx[face[i]] + b * sx[face[i]] + c * tx[face[i]];
+            m1[i] = a * ny[face[i]] + b * sy[face[i]] + c * ty[face[i]];
+            m2[i] = a * nz[face[i]] + b * sz[face[i]] + c * tz[face[i]];
+        }
+    }
+}
+
+/* F_n = u_n U + p (0, 1, u_n) */
+KERNEL static void nodal_line(int n, int dim, long size, const double *restrict U, const double *restrict u,
+                              const double *restrict p, double *restrict flux) {
+    for (int v = 0; v < dim + 2; v++) {
+        const double *restrict q = U + v * size;
+        double *restrict F = flux + v * size;
+        if (v == 0)
+            for (int i = 0; i < n; i++) F[i] = U[size + i];
+        else if (v == dim + 1)
+            for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
+        else if (v == 1)
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
+        else
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i];
+    }
+}
+
+KERNEL static void gather_line(int n, const int *restrict index, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = q[index[i]];
+}
+
+/* The states on one side of points from <= i < from + n: of the polynomials, or (first order) the averages. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, bool first_order,
+                        struct points *p) {
+    const struct cells *c = g->cells;
+    const int *of_face = side ? c->mosaic->face.right : c->mosaic->face.left;
+    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], *out[MAX_VAR];
+    int cell[BATCH];
+    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    for (int v = 0; v < g->nvar; v++) {
+        out[v] = at[v];
+        gather_line(p->n, cell, U[v], first_order ? at[v] : average[v]);
+    }
+    if (!first_order) {
+        fit_points(c->fit, side, from, p->n, U, out);
+        admit(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at);
+    }
+    into_frames(p->n, g->dim, &c->mosaic->face, p->face, at);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
+}
+
+static void states_beyond(const struct gas *g, struct points *p) {
+    const struct mosaic_faces *f = &g->cells->mosaic->face;
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH];
+    int place[BATCH];
+    for (int i = 0; i < p->n; i++) place[i] = f->place[p->face[i] - f->ninternal];
+    for (int v = 0; v < g->nvar; v++) memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
+    cells_beyond(g, f->patch[p->face[0] - f->ninternal], p->n, p->face, place, inner, ghost);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
+}
+
+/* p->out = the flux along the normals, by the chosen scheme or by Rusanov's. */
+static void point_fluxes(const struct gas *g, bool rusanov, struct points *p) {
+    const struct gas_models *m = &g->models;
+    const long size = STENCIL * BATCH;
+    const int n = (p->n + 7) / 8 * 8; /* whole vectors: the last state again */
+    struct faces f = {.n = n, .dim = g->dim, .stride = BATCH, .fastest = g->fastest[0]};
+    for (int v = 0; v < g->nvar; v++)
+        for (int side = LEFT; side <= RIGHT; side++)
+            for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
+    for (int side = LEFT; side <= RIGHT; side++) {
+        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
+        velocity_row(n, g->dim, size, p->state[0][side], velocity, p->eps[side]);
+        m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
+        root_row(n, p->c[side]);
+        nodal_line(n, g->dim, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
+    }
+    for (int v = 0; v < g->nvar; v++) {
+        f.state[v] = p->state[v][LEFT];
+        f.flux[v] = p->flux[v][LEFT];
+        f.out[v] = p->out[v];
+    }
+    for (int k = 0; k < g->dim; k++) f.velocity[k] = p->velocity[k][LEFT];
+    f.eps = p->eps[LEFT];
+    f.p = p->p[LEFT];
+    f.c = p->c[LEFT];
+    f.gruneisen = p->gruneisen[LEFT];
+    (rusanov ? flux_rusanov : m->flux->through)(&f, m->eos, &m->material, g->first_order);
+}
+
+/* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
+static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, int level,
+                         struct points *p) {
+    struct cells *c = g->cells;
+    const struct mosaic_faces *f = &c->mosaic->face;
+    const int from = f->point_start[first];
+    p->n = f->point_start[last] - from;
+    for (int i = 0; i < p->n; i++) p->face[i] = c->mosaic->point.face[from + i];
+    side_states(g, 0, from, U, level > 0, p);
+    if (first < f->ninternal)
+        side_states(g, 1, from, U, level > 0, p);
+    else
+        states_beyond(g, p);
+    point_fluxes(g, level == LEVEL_RUSANOV, p);
+    out_of_frames(p->n, g->dim, f, p->face, p->out);
+    for (int face = first; face < last; face++) {
+        if (level && (int)larger(c->flag[f->left[face]], c->flag[f->right[face]]) != level) continue;
+        for (int v = 0; v < g->nvar; v++) {
+            double sum = 0;
+            for (int i = f->point_start[face]; i < f->point_start[face + 1]; i++)
+                sum += c->mosaic->point.weight[i] * p->out[v][i - from];
+            c->flux[v][face] = f->area[face] * sum;
+        }
+    }
+}
+
+static bool any_at_level(const struct cells *c, int first, int last, int level) {
+    const struct mosaic_faces *f = &c->mosaic->face;
+    for (int face = first; face < last; face++)
+        if ((int)larger(c->flag[f->left[face]], c->flag[f->right[face]]) == level) return true;
+    return false;
+}
+
+/* Faces first <= i < last, in batches; flagged ones again at their level. */
+static void face_fluxes(const struct gas *g, int first, int last, const double *const *U) {
+    const struct cells *c = g->cells;
+    const struct mosaic_faces *f = &c->mosaic->face;
+    struct points p;
+    for (int end; first < last; first = end) {
+        const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
+        for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
+            if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+        batch_fluxes(g, first, end, U, 0, &p);
+        for (int level = LEVEL_FIRST_ORDER; c->flagged && level <= LEVEL_RUSANOV; level++)
+            if (any_at_level(c, first, end, level)) batch_fluxes(g, first, end, U, level, &p);
+    }
+}
+
+/* residual = -(sum of the fluxes out of the cell)/V, in the order of its faces; eight cells at a time have no common
+ * number of faces, so this is a loop over cells. */
+static void residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
+    const struct mosaic *m = c->mosaic;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = m->face_start[from + i]; j < m->face_start[from + i + 1]; j++) {
+            int face = m->face_of_cell[j];
+            sum += face < 0 ? flux[~face] : -flux[face];
+        }
+        residual[i] = sum * c->inverse_volume[from + i];
+    }
+}
+
+static long update_cells(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                         double a, double dt) {
+    struct cells *c = g->cells;
+    const struct mosaic *m = c->mosaic;
+    double residual[BATCH], bad[BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
+    long count = 0;
+    cells_lines(g, U0, start);
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        for (int v = 0; v < g->nvar; v++) {
+            residuals(c, at, n, c->flux[v], residual);
+            update_row(n, a, dt, start[v] + at, in[v] + at, residual, out[v] + at);
+        }
+        if (!find_bad(n, g->dim, m->size, g->limit, out[0] + at, bad)) continue;
+        for (int i = 0; i < n; i++) {
+            c->flag[at + i] += bad[i];
+            count += bad[i] > 0;
+        }
+    }
+    g->computed += m->nown;
+    g->all += m->nown;
+    return count;
+}
+
+long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt) {
+    struct cells *c = g->cells;
+    struct mosaic *m = c->mosaic;
+    const int own_mirrors = m->face.n - m->face.ninternal;
+    double *line[MAX_VAR];
+    cells_lines(g, from, line);
+    const double *const *U = (const double *const *)line;
+    mosaic_fill_start(m, g->nvar, line);
+    cells_mirrors(g, 0, own_mirrors, line);
+    fit_cells(c->fit, 0, m->ninner, U);
+    face_fluxes(g, 0, m->face.nlocal, U);
+    mosaic_fill_finish(m);
+    cells_mirrors(g, own_mirrors, m->mirror.n, line);
+    fit_cells(c->fit, m->ninner, m->nnear, U);
+    face_fluxes(g, m->face.nlocal, m->face.ninternal, U);
+    face_fluxes(g, m->face.ninternal, m->face.n, U);
+    return update_cells(g, U0, from, to, a, dt);
+}
+
+long cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                double dt) {
+    double *line[MAX_VAR];
+    cells_lines(g, from, line);
+    face_fluxes(g, 0, g->cells->mosaic->face.ninternal, (const double *const *)line);
+    face_fluxes(g, g->cells->mosaic->face.ninternal, g->cells->mosaic->face.n, (const double *const *)line);
+    return update_cells(g, U0, from, to, a, dt);
+}
+
+void cells_share_flags(struct gas *g, long count[3]) {
+    struct cells *c = g->cells;
+    double *line[1] = {c->flag};
+    for (int i = 0; i < 3; i++) count[i] = 0;
+    for (int i = 0; i < c->mosaic->nown; i++) {
+        int level = (int)c->flag[i];
+        if (level > 0) count[level > LEVEL_RUSANOV ? 2 : level - 1]++;
+    }
+    comm_sum_long(g->comm, count, 3);
+    mosaic_fill_start(c->mosaic, 1, line);
+    mosaic_fill_finish(c->mosaic);
+    c->flagged = count[0] + count[1] + count[2] > 0;
+}
+
+void cells_clear_flags(struct gas *g) {
+    memset(g->cells->flag, 0, (size_t)g->cells->mosaic->size * sizeof(double));
+    g->cells->flagged = false;
+}
