@@ -1,4 +1,5 @@
-/* Perturbed meshes of lines, quads, triangles, hexahedra, prisms or tetrahedra in a box: for the tests of the mosaic.
+/* Perturbed meshes of lines, quads, triangles, hexahedra, prisms, tetrahedra or pyramids in a box: for the tests of the
+ * mosaic.
  */
 #ifndef TESTS_CELLS_H
 #define TESTS_CELLS_H
@@ -10,7 +11,7 @@
 
 #include "tests/checks.h" /* last */
 
-enum cell_shape { BOXES, PRISMS, TETS };
+enum cell_shape { BOXES, PRISMS, TETS, PYRAMIDS };
 struct cells_recipe {
     const char *name;
     int dim;
@@ -63,7 +64,20 @@ static inline int soup_order(const void *a, const void *b) {
     return memcmp(((const struct soup_face *)a)->key, ((const struct soup_face *)b)->key, sizeof(int[4]));
 }
 
-/* The box at `at` as one box, two prisms along its third axis, or six tetrahedra about its diagonal. */
+/* Six pyramids whose apex is a new point, the mean of the corners. */
+static inline void soup_pyramids(struct soup *s, const int corner[8], const int sides[6][4]) {
+    struct polymesh *m = s->m;
+    int apex = m->npoints++;
+    for (int i = 0; i < 24; i++) m->points[3 * apex + i % 3] += m->points[3 * corner[i / 3] + i % 3] / 8;
+    for (int f = 0; f < 6; f++, m->ncells++) {
+        int p[4];
+        for (int i = 0; i < 4; i++) p[i] = corner[sides[f][i]];
+        soup_add(s, m->ncells, 4, p);
+        for (int i = 0; i < 4; i++) soup_add(s, m->ncells, 3, (int[]){p[i], p[(i + 1) % 4], apex});
+    }
+}
+
+/* The box at `at` as one box, two prisms along its third axis, six tetrahedra about its diagonal, or six pyramids. */
 static inline void soup_box(struct soup *s, const int at[3]) {
     static const int sides[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
     static const int prisms[2][5][4] = {{{0, 1, 3, -1}, {4, 7, 5, -1}, {0, 4, 5, 1}, {1, 5, 7, 3}, {3, 7, 4, 0}},
@@ -77,6 +91,7 @@ static inline void soup_box(struct soup *s, const int at[3]) {
         soup_add(s, s->m->ncells, 4, p);
     }
     s->m->ncells += s->r->shape == BOXES;
+    if (s->r->shape == PYRAMIDS) soup_pyramids(s, corner, sides);
     for (int half = 0; s->r->shape == PRISMS && half < 2; half++, s->m->ncells++)
         for (int f = 0; f < 5; f++) {
             for (int i = 0; i < 4; i++) p[i] = prisms[half][f][i] < 0 ? -1 : corner[prisms[half][f][i]];
@@ -130,11 +145,11 @@ static inline void soup_join(struct soup *s, int *patch) {
 }
 
 static inline struct polymesh *cells_make(const struct cells_recipe *r) {
-    size_t boxes = (size_t)r->n[0] * (size_t)r->n[1] * (size_t)r->n[2], most = boxes * 24;
+    size_t boxes = (size_t)r->n[0] * (size_t)r->n[1] * (size_t)r->n[2], most = boxes * 30;
     struct soup s = {.r = r, .m = calloc(1, sizeof *s.m), .face = calloc(most, sizeof *s.face)};
     struct polymesh *m = s.m;
     m->npoints = (r->n[0] + 1) * (r->n[1] + 1) * (r->n[2] + 1);
-    m->points = calloc((size_t)m->npoints * 3, sizeof *m->points);
+    m->points = calloc(((size_t)m->npoints + boxes) * 3, sizeof *m->points);
     m->face_start = calloc(most + 1, sizeof *m->face_start);
     m->face_points = calloc(most * 4, sizeof *m->face_points);
     m->owner = calloc(most, sizeof *m->owner);
