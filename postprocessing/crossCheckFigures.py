@@ -1,40 +1,34 @@
 """Figures of crossCheck: both results side by side with their difference; in one dimension as lines."""
 import numpy as np
-from matplotlib.collections import PolyCollection
 
+import cellmap
 import comparison
 import figures
 
 NAMES = {"rho": r"$\rho$", "U": "$u$", "T": "$T$", "p": "$p$"}
 
 
-def polygons(mesh):
-    """The cells of a mesh one cell thick: one face of each on an empty patch, in the plane. None: there is no such patch."""
-    faces = np.concatenate([np.arange(start, start + count) for kind, start, count in mesh.patches.values() if kind == "empty"] or [[]])
-    cells, first = np.unique(mesh.owner[faces.astype(int)], return_index=True)
-    if len(cells) != mesh.cells:
-        return None
-    return [mesh.points[mesh.face_points[mesh.face_start[f]:mesh.face_start[f + 1]]][:, :2] for f in faces[first].astype(int)]
+def layer(mesh):
+    """The empty patch that has a face of every cell of a mesh one cell thick, or None."""
+    return next((name for name, (kind, _, count) in mesh.patches.items() if kind == "empty" and count == mesh.cells), None)
 
 
-def colours(ax, cells, values, title, **colour):
-    tint = PolyCollection(cells, array=values, edgecolors="face", linewidths=0.1, rasterized=True, **colour)
-    ax.add_collection(tint)
-    ax.autoscale_view()
-    ax.set_aspect("equal")
+def colours(ax, case, values, title, names, span=None):
+    tint = cellmap.draw(ax, case, values, layer(case.mesh), colours=names, span=span)
+    ax.set(xlabel="", ylabel="")
     ax.set_title(title, fontsize=9)
     ax.figure.colorbar(tint, ax=ax, shrink=0.8, location="bottom")
 
 
-def plane(path, name, result, cells):
+def plane(path, name, result):
     ours, foam = (result.states[code]["rho"] for code in result.states)
     extent = np.ptp(result.geometry.at, axis=0)
     fig, axes = figures.panels(1, 3, width=9.0, height=max(2.2, min(4.0, 2.6 * extent[1] / extent[0] + 1.0)))
     low, high = min(ours.min(), foam.min()), max(ours.max(), foam.max())
     for ax, (code, state) in zip(axes[0], result.states.items()):
-        colours(ax, cells, state["rho"], rf"{name}, $\rho$: {code}", cmap="viridis", clim=(low, high))
+        colours(ax, result.case, state["rho"], rf"{name}, $\rho$: {code}", "viridis", (low, high))
     most = np.abs(ours - foam).max() / 2
-    colours(axes[0][2], cells, ours - foam, "difference (colours end at half of the greatest)", cmap="RdBu_r", clim=(-most, most))
+    colours(axes[0][2], result.case, ours - foam, "difference (colours to half the greatest)", "RdBu_r", (-most, most))
     fig.savefig(path, dpi=100)
 
 
@@ -59,9 +53,8 @@ def line(path, name, result, what):
 
 def draw(path, name, result, what):
     """The PNG; nothing where the mesh is neither a line nor one cell thick."""
-    cells = polygons(result.case.mesh) if len(result.geometry.axes) == 2 else None
-    if cells is not None:
-        plane(path, name, result, cells)
+    if len(result.geometry.axes) == 2 and layer(result.case.mesh):
+        plane(path, name, result)
     elif len(result.geometry.axes) == 1:
         line(path, name, result, what)
 
@@ -71,5 +64,5 @@ def density(case, path):
     values = case.field("rho")
     extent = np.ptp(case.centres, axis=0)
     fig, axes = figures.panels(1, 1, width=5.0, height=max(2.4, 4.4 * extent[1] / extent[0]))
-    colours(axes[0][0], polygons(case.mesh), values, rf"$\rho$, $t$ = {case.times[-1]}, {len(values)} cells", cmap="viridis")
+    colours(axes[0][0], case, values, rf"$\rho$, $t$ = {case.times[-1]}, {len(values)} cells", "viridis")
     figures.save(fig, path)

@@ -1,0 +1,15 @@
+"""The cases in the elastic limit, short: their expected.json. Against rhoCentralFoam: tests/postprocessing/test_crossCheck.py."""
+import unittest
+
+from tests.cases import harness
+
+
+class Elastic(harness.Folder, unittest.TestCase):
+    def test_expected(self):
+        for name, cells in (("sod", 100), ("vortex", 80), ("riemann2D", 50), ("wedgeElastic", 40), ("forwardStep", 15)):
+            with self.subTest(name):
+                self.compare(self.short(name, cells), harness.entries(name, cells=cells))
+
+
+if __name__ == "__main__":
+    unittest.main()
