@@ -146,7 +146,7 @@ static void conservation(void **state) {
     (void)state;
     for (int b = 0; b < BOX_COUNT; b++)
         for (int flux = 0; flux < flux_count; flux++)
-            for (int p = 0; p < polynomial_count; p++) {
+            for (int p = flux ? polynomial_count - 1 : 0; p < polynomial_count; p++) {
                 struct scene s;
                 double before[MAX_VAR], after[MAX_VAR];
                 open_scene(&s, &boxes[b], "GoldshteinShapiro", flux_table[flux].name, polynomial_table[p].name);
@@ -248,6 +248,7 @@ static void slab(const struct scene *s, const double x[3], double *rho, double u
 /* A strong rarefaction and, at its walls, strong shocks: the safety net may act, mass and energy stay. */
 static void vacuum(void **state) {
     (void)state;
+    long mended = 0;
     for (int b = 0; b < 5; b++)
         for (int p = 0; p < polynomial_count; p++) {
             struct scene s;
@@ -260,8 +261,11 @@ static void vacuum(void **state) {
             ok(gas_check(s.gas));
             assert_true(fabs(after[0] - before[0]) < 1e-13 * before[0]);
             assert_true(fabs(after[s.dim + 1] - before[s.dim + 1]) < 1e-12 * before[s.dim + 1]);
+            mended += gas_counts(s.gas).first_order;
             close_scene(&s);
         }
+    print_message("%ld cells mended\n", mended);
+    assert_true(mended > 0);
 }
 
 int main(int argc, char **argv) {
