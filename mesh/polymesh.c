@@ -1,6 +1,7 @@
 #include "mesh/polymesh.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
@@ -61,6 +62,26 @@ status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
         (*face)[next[m->owner[f]]++] = f;
         if (f < m->ninternal) (*face)[next[m->neighbour[f]]++] = f;
     }
+    return OK;
+}
+
+status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]) {
+    static const char *const names[] = {"tetrahedra", "pyramids", "prisms", "hexahedra", "polyhedra"};
+    int(*count)[2], total[5] = {0}, length = 0; /* of faces with three corners, with four */
+    text[0] = 0;
+    TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
+    for (int f = 0; f < m->nfaces; f++)
+        for (int side = 0; side < (f < m->ninternal ? 2 : 1); side++)
+            count[side ? m->neighbour[f] : m->owner[f]][m->face_start[f + 1] - m->face_start[f] == 4]++;
+    for (int c = 0; c < m->ncells; c++) {
+        int t = count[c][0], q = count[c][1];
+        total[t == 4 && q == 0 ? 0 : t == 4 && q == 1 ? 1 : t == 2 && q == 3 ? 2 : t == 0 && q == 6 ? 3 : 4]++;
+    }
+    free(count);
+    for (int i = 0; i < 5; i++)
+        if (total[i])
+            length += snprintf(text + length, (size_t)(POLYMESH_SHAPES - length), "%s%d %s", length ? ", " : "",
+                               total[i], names[i]);
     return OK;
 }
 

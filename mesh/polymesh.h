@@ -41,6 +41,10 @@ void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre,
 /* The faces of every cell, ascending: start[ncells + 1] into face[]; both the caller's to free. */
 status polymesh_cell_faces(const struct polymesh *m, int **start, int **face);
 
+enum { POLYMESH_SHAPES = 128 };
+/* "12 prisms, 3 hexahedra" */
+status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]);
+
 /* The axes that `empty` patches leave, ascending; returns how many. For a mesh that passes polymesh_check. */
 int polymesh_axes(const struct polymesh *m, int axis[3]);
 

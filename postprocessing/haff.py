@@ -116,7 +116,7 @@ class Mesh:
         self.owner = f.numbers(0, 1, f.label)[0]
         f = FoamFile(path("neighbour"))
         self.neighbour = f.numbers(0, 1, f.label)[0]
-        self.cells = int(self.owner.max()) + 1
+        self.cells = int(max(self.owner.max(), self.neighbour.max(initial=-1))) + 1
         self.patches = {}
         text = FoamFile(path("boundary")).body.decode()
         for name, entries in re.findall(r"(\S+)\s*\{(.*?)\}", text, re.S):

@@ -37,6 +37,23 @@ status case_courant(const struct control *c, const struct stepper *stepper) {
     return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->name, stepper->courant);
 }
 
+static status make_grid(struct setup *s) {
+    const struct case_models *m = s->models;
+    if (m->engine == ENGINE_LATTICE && !s->lattice)
+        return dict_fail(m->schemes, "meshEngine",
+                         "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
+                         s->why);
+    const struct lattice *l = m->engine == ENGINE_POLYHEDRAL ? NULL : s->lattice;
+    return grid_make(l, s->mesh, s->centre, s->volume, s->comm, m->gas.polynomial->rings, &s->grid);
+}
+
+status case_gas(const struct setup *s, struct gas **out) {
+    const struct gas_models *m = &s->models->gas;
+    const struct patch_rules *rules = s->initial->rules;
+    return s->grid->forest ? gas_make(s->grid->forest, m, s->mesh->npatches, rules, out)
+                           : gas_make_mosaic(s->grid, m, s->mesh->npatches, rules, out);
+}
+
 static status read_all(struct setup *s, const char *application) {
     TRY(control_read(s->dir, application, &s->control));
     TRY(read_mesh(s));
@@ -48,7 +65,7 @@ static status read_all(struct setup *s, const char *application) {
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, &s->initial));
-    return s->lattice ? grid_make(s->lattice, s->mesh, s->centre, s->volume, s->comm, 1, &s->grid) : OK;
+    return make_grid(s);
 }
 
 static void set_name(struct setup *s) {
@@ -86,11 +103,22 @@ void case_free(struct setup *s) {
     free(s);
 }
 
+/* Bytes of the state and what a step needs with it, of all cells. */
+static double memory_of_grid(const struct setup *s) {
+    const struct forest *f = s->grid->forest;
+    const struct mosaic *m = s->grid->mosaic;
+    if (f) return (double)f->ntiles_all * (double)f->size * 5 * 5 * 8;
+    const int dim = m->dim, degree = s->models->gas.polynomial->degree;
+    const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
+    double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
+           sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
+    double cell = (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
+    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + sides * 8 * (1 + 2 * dim + 2 * coefficients));
+}
+
 double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
     double mesh = points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
     double fields = cells * 8 * 12;
-    const struct forest *f = s->grid ? s->grid->forest : NULL;
-    double state = f ? (double)f->ntiles_all * (double)f->size * 5 * 5 * 8 : 0;
-    return (mesh + fields) * comm_size(s->comm) + state;
+    return (mesh + fields) * comm_size(s->comm) + memory_of_grid(s);
 }

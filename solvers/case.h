@@ -17,16 +17,18 @@ struct setup { /* the same on every rank, the grid apart */
     unsigned long checksum;
     struct lattice *lattice; /* NULL: the mesh is none, see why */
     char why[256];
-    struct grid *grid; /* NULL without lattice */
+    struct grid *grid; /* of a forest where the mesh is a lattice and fvSchemes does not ask for a mosaic */
     struct case_models *models;
     struct instant start;
     struct initial *initial;
 };
 /* Is maxCo one that the time scheme allows? */
 status case_courant(const struct control *c, const struct stepper *stepper);
-/* Collective. A mesh that is no lattice is read and checked as far as it goes. */
+/* Collective. */
 status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out);
 void case_free(struct setup *s);
+/* The gas on the case's grid, without a state. Collective. */
+status case_gas(const struct setup *s, struct gas **out);
 /* Bytes a run needs on all ranks together, about. */
 double case_memory(const struct setup *s);
 

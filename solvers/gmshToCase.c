@@ -67,24 +67,10 @@ static status parse(int argc, char **argv, struct request *o) {
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
 static status print_shapes(const struct polymesh *m) {
-    static const char *const names[] = {"tetrahedra", "pyramids", "prisms", "hexahedra", "polyhedra"};
-    int(*count)[2], total[5] = {0};
-    TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
-    for (int f = 0; f < m->nfaces; f++)
-        for (int side = 0; side < (f < m->ninternal ? 2 : 1); side++)
-            count[side ? m->neighbour[f] : m->owner[f]][m->face_start[f + 1] - m->face_start[f] == 4]++;
-    for (int c = 0; c < m->ncells; c++) {
-        int t = count[c][0], q = count[c][1];
-        total[t == 4 && q == 0 ? 0 : t == 4 && q == 1 ? 1 : t == 2 && q == 3 ? 2 : t == 0 && q == 6 ? 3 : 4]++;
-    }
-    free(count);
-    printf("cells    %d:", m->ncells);
-    const char *comma = " ";
-    for (int i = 0; i < 5; i++) {
-        if (total[i]) printf("%s%d %s", comma, total[i], names[i]);
-        if (total[i]) comma = ", ";
-    }
-    printf("\nfaces    %d, inside %d; points %d\n", m->nfaces, m->ninternal, m->npoints);
+    char shapes[POLYMESH_SHAPES];
+    TRY(polymesh_shapes(m, shapes));
+    printf("cells    %d: %s\nfaces    %d, inside %d; points %d\n", m->ncells, shapes, m->nfaces, m->ninternal,
+           m->npoints);
     return OK;
 }
 

@@ -46,11 +46,13 @@ static const struct param solution_param[] = {
 };
 static const char *const cooling_names[] = {"none", "Haff"};
 static const char *const transport_names[] = {"none"};
+static const char *const engine_names[] = {"lattice", "polyhedral"};
 static const char *const shaking_names[] = {"none", "sinusoidal"};
 
 /* Of fvSchemes, where it is silent: least time to a given error among those that also hold at shocks, walls and near
  * vacuum, by postprocessing/reports/workPrecision.md. */
-static const char flux_standard[] = "common", reconstruct_standard[] = "WPENO5", stepper_standard[] = "SSPRK43";
+static const char flux_standard[] = "common", reconstruct_standard[] = "WPENO5", stepper_standard[] = "SSPRK43",
+                  polynomial_standard[] = "CWENO3";
 
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
@@ -116,16 +118,23 @@ static void mark_subs(struct dict *d, const char *const *names, int n) {
     }
 }
 
-static status read_schemes(struct dict *d, struct gas_models *m) {
+static status read_schemes(struct dict *d, struct case_models *all) {
     static const char *const others[] = {"ddtSchemes",           "gradSchemes",   "divSchemes",  "laplacianSchemes",
                                          "interpolationSchemes", "snGradSchemes", "fluxRequired"};
+    struct gas_models *m = &all->gas;
     int i;
+    if (dict_has(d, "meshEngine")) {
+        TRY(dict_choice(d, "meshEngine", engine_names, COUNT(engine_names), &i));
+        all->engine = i ? ENGINE_POLYHEDRAL : ENGINE_LATTICE;
+    }
     TABLE_CHOICE(d, "fluxScheme", flux_table, flux_count, flux_standard, &i);
     m->flux = &flux_table[i];
     TABLE_CHOICE(d, "reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard, &i);
     m->reconstruct = &reconstruct_table[i];
     TABLE_CHOICE(d, "timeScheme", stepper_table, stepper_count, stepper_standard, &i);
     m->stepper = &stepper_table[i];
+    TABLE_CHOICE(d, "polyReconstruct", polynomial_table, polynomial_count, polynomial_standard, &i);
+    m->polynomial = &polynomial_table[i];
     mark_subs(d, others, COUNT(others));
     return dict_check_used(d);
 }
@@ -187,7 +196,7 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(open_in(dir, "constant/granularProperties", false, &m->properties));
     TRY(read_properties(m->properties, &m->gas));
     TRY(open_in(dir, "system/fvSchemes", false, &m->schemes));
-    TRY(read_schemes(m->schemes, &m->gas));
+    TRY(read_schemes(m->schemes, m));
     TRY(open_in(dir, "system/fvSolution", false, &m->solution));
     TRY(read_solution(m->solution, m));
     TRY(open_in(dir, "constant/g", true, &m->g));
@@ -244,6 +253,10 @@ void models_list(FILE *f) {
     LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count, flux_standard);
     LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard);
     LIST_TABLE(f, "system/fvSchemes: timeScheme", stepper_table, stepper_count, stepper_standard);
+    fprintf(f, "\nsystem/fvSchemes: meshEngine\n  %-20s %s\n  %-20s %s\n", engine_names[0],
+            "tiles of equal boxes, with `reconstruct` (default where the mesh is one)", engine_names[1],
+            "any cells, with `polyReconstruct` (default where the mesh is no lattice)");
+    LIST_TABLE(f, "system/fvSchemes: polyReconstruct", polynomial_table, polynomial_count, polynomial_standard);
     fprintf(f, "\nsystem/fvSolution\n");
     params_print(f, solution_param, COUNT(solution_param));
     fprintf(f, "\nsystem/fvSolution: limits { }\n");
@@ -279,13 +292,15 @@ static void print_values(FILE *f, const struct param *table, int n, const void *
     }
 }
 
-void models_print(FILE *f, const struct case_models *m) {
+void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     fprintf(f, "Models\n    %-22s %s\n", "equationOfState", m->gas.eos->name);
     print_values(f, m->gas.eos->param, m->gas.eos->nparam, &m->gas.material);
     print_values(f, grain_param, grain_nparam, &m->gas.material);
     fprintf(f, "    %-22s %s\n", "cooling", cooling_names[m->gas.source.cooling]);
     fprintf(f, "    %-22s %s\n", "fluxScheme", m->gas.flux->name);
-    fprintf(f, "    %-22s %s\n", "reconstruct", m->gas.reconstruct->name);
+    fprintf(f, "    %-22s %s\n", "meshEngine", engine_names[polyhedral]);
+    fprintf(f, "    %-22s %s\n", polyhedral ? "polyReconstruct" : "reconstruct",
+            polyhedral ? m->gas.polynomial->name : m->gas.reconstruct->name);
     fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
     print_values(f, solution_param, COUNT(solution_param), m);
     print_values(f, limits_param, COUNT(limits_param), m);

@@ -6,7 +6,9 @@
 #include "solvers/dict.h"
 #include <stdio.h>
 
+enum mesh_engine { ENGINE_FITTING, ENGINE_LATTICE, ENGINE_POLYHEDRAL }; /* the first: as the mesh is */
 struct case_models {
+    enum mesh_engine engine; /* asked for; whether the mesh allows it is checked elsewhere */
     struct gas_models gas;
     double gravity[3];   /* m/s^2, physical axes */
     double min_fraction; /* of the calm time step: below it the gas has collapsed */
@@ -17,8 +19,10 @@ struct case_models {
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out);
 void models_free(struct case_models *m);
 
-void models_list(FILE *f);                               /* every model with its line and parameters */
-void boundaries_list(FILE *f);                           /* every boundary condition */
-void models_print(FILE *f, const struct case_models *m); /* what was chosen, value by value */
+void models_list(FILE *f);     /* every model with its line and parameters */
+void boundaries_list(FILE *f); /* every boundary condition */
+/* What was chosen, value by value; polyhedral: with the polynomials of that engine, not the lattice's reconstruction.
+ */
+void models_print(FILE *f, const struct case_models *m, bool polyhedral);
 
 #endif

@@ -53,16 +53,20 @@ static void print_mesh(FILE *f, const struct setup *s) {
             m->ninternal, m->ncells, s->checksum);
     for (int p = 0; p < m->npatches; p++)
         fprintf(f, "    patch %-16s %-14s %d faces\n", m->patch[p].name, m->patch[p].type, m->patch[p].nfaces);
-    if (!s->lattice) {
-        fprintf(f, "    no lattice: %s\n", s->why);
+    const struct lattice *l = s->lattice;
+    if (s->grid->mosaic) {
+        char shapes[POLYMESH_SHAPES];
+        status_free(polymesh_shapes(m, shapes)); /* without memory for it, a log without it */
+        fprintf(f, "    polyhedral, %dD: %s; %d block%s\n    %s%s\n", s->grid->dim, shapes, s->grid->nblocks_all,
+                s->grid->nblocks_all == 1 ? "" : "s",
+                l ? "a lattice, but system/fvSchemes says  meshEngine polyhedral;" : "no lattice: ", l ? "" : s->why);
         return;
     }
-    const struct lattice *l = s->lattice;
     fprintf(f, "    lattice, %dD:", l->dim);
     for (int k = 0; k < l->dim; k++)
         fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l -> n[k], l -> width[k],
                 l -> periodic[k] ? " (periodic)" : "");
-    fprintf(f, " %d tiles\n", s->grid ? s->grid->nblocks_all : 0);
+    fprintf(f, " %d tiles\n", s->grid->nblocks_all);
 }
 
 static void print_dictionaries(FILE *f, const struct setup *s) {
@@ -82,7 +86,7 @@ void report_header(FILE *f, const struct setup *s, bool dictionaries) {
     fprintf(f, "haff %s\n    compiler  %s\n    started   %s on %s, %d rank%s\n    case      %s\n", build_version(),
             build_compiler(), date, host, comm_size(s->comm), comm_size(s->comm) == 1 ? "" : "s", s->dir);
     print_mesh(f, s);
-    models_print(f, s->models);
+    models_print(f, s->models, s->grid->mosaic != NULL);
     fprintf(f, "Control\n    from time %s (step %ld) to %g, maxCo %g\n", s->start.name, s->start.step,
             s->control->end_time, s->control->max_co);
     if (dict_has(s->control->dict, "libs")) fprintf(f, "    'libs' is ignored: nothing is loaded at run time\n");
@@ -102,9 +106,13 @@ status provenance_write(const char *path, const char *location, const struct set
     sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date,
                 comm_size(s->comm));
     sink_printf(o, "meshChecksum    \"%016lx\";\n", s->checksum);
-    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\nreconstruct     %s;\ntimeScheme      %s;\n",
-                s->models->gas.eos->name, s->models->gas.flux->name, s->models->gas.reconstruct->name,
-                s->models->gas.stepper->name);
+    const struct gas_models *g = &s->models->gas;
+    bool polyhedral = s->grid->mosaic != NULL;
+    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
+                g->stepper->name);
+    sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
+                polyhedral ? "polyReconstruct" : "reconstruct    ",
+                polyhedral ? g->polynomial->name : g->reconstruct->name);
     return sink_close(o);
 }
 

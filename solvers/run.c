@@ -44,10 +44,7 @@ static void catch_signals(void) {
 static status read_everything(const char *dir, const struct comm *c, struct setup **s, struct functions **f) {
     *f = NULL;
     TRY(case_read(dir, application, c, s));
-    if ((*s)->lattice)
-        TRY(functions_make(*s, f));
-    else if ((*s)->control->functions)
-        dict_mark_used((*s)->control->functions);
+    TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
 
@@ -68,7 +65,7 @@ static void print_control(const struct setup *s) {
 static status check_state(const struct setup *s, double *stable) {
     struct gas *g = NULL;
     struct gas_speed speed;
-    TRY(gas_make(s->grid->forest, &s->models->gas, s->mesh->npatches, s->initial->rules, &g));
+    TRY(case_gas(s, &g));
     status e = OK;
     if (s->initial->conserved[0])
         gas_set_conserved(g, (const double *const *)s->initial->conserved);
@@ -83,15 +80,10 @@ static status check_state(const struct setup *s, double *stable) {
 
 static status print_check(const struct setup *s) {
     double stable = 0;
-    if (s->lattice) TRY(check_state(s, &stable));
+    TRY(check_state(s, &stable));
     if (!comm_root(s->comm)) return OK;
     report_header(stdout, s, true);
     print_control(s);
-    if (!s->lattice) {
-        printf("\nThe case is sound, but granularGas cannot run it yet: the mesh is no lattice of equal boxes (%s)\n",
-               s->why);
-        return OK;
-    }
     double dt = s->control->adjust ? fmin(stable, s->control->max_delta_t) : s->control->delta_t;
     printf("\nfirst time step about %.3g s", dt);
     if (isfinite(s->control->end_time))
@@ -113,11 +105,7 @@ status run_check(const char *dir, const struct comm *c) {
 static status start(struct run *r) {
     struct setup *s = r->setup;
     const struct initial *i = s->initial;
-    if (!s->lattice)
-        return fail(ERR_INPUT,
-                    "%s: the mesh is no lattice of equal boxes (%s); granularGas does not yet run on general meshes",
-                    s->dir, s->why);
-    TRY(gas_make(s->grid->forest, &s->models->gas, s->mesh->npatches, i->rules, &r->gas));
+    TRY(case_gas(s, &r->gas));
     if (i->conserved[0])
         gas_set_conserved(r->gas, (const double *const *)i->conserved);
     else

@@ -144,7 +144,7 @@ class BadInput(Folder):
         self.assertEqual(snapshot(case), before)
 
     def test_triangles(self):
-        """A mesh that is no lattice: checked, with its summary, but not run."""
+        """A mesh that is no lattice: checked, with its summary, and refused where a lattice is asked for."""
         case = tempfile.mkdtemp(dir=self.folder)
         shutil.copytree(self.base("box"), case, dirs_exist_ok=True)
         msh = os.path.join(case, "mesh.msh")
@@ -160,13 +160,20 @@ class BadInput(Folder):
                 ("ends", "zeroGradient"), ("sides", "slip"), ("front", "empty"), ("back", "empty")))
             with open(path, "w") as f:
                 f.write(text[:text.index("boundaryField")] + "boundaryField\n{\n" + patches + "\n}\n")
+        path = os.path.join(case, "system/controlDict")
+        with open(path) as f:
+            text = f.read().replace("(3 2 0.5)", "(0.6 0.5 0.5)")  # the box is longer
+        with open(path, "w") as f:
+            f.write(text)
         before = snapshot(case)
         said = harness.program("checkCase", case).stdout
         self.assertRegex(said, r"faces \(2 internal\), 3 cells")
         self.assertRegex(said, r"patch ends +patch +2 faces")
         self.assertRegex(said, r"no lattice: cell \d+ at \(.*\) is no box")
-        self.refuse(self.call("granularGas", "-case", case), case, ("no lattice of equal boxes", "does not yet run"))
         self.assertEqual(snapshot(case), before)
+        with open(os.path.join(case, "system/fvSchemes"), "a") as f:
+            f.write("meshEngine lattice;\n")
+        self.refuse(self.call("granularGas", "-case", case), case, ("no lattice of equal boxes", "meshEngine polyhedral;"))
 
 
 if __name__ == "__main__":

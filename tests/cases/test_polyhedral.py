@@ -1,0 +1,303 @@
+"""General meshes through the programs: triangles, prisms, tetrahedra, hexahedra by gmsh, and polyhedra, each with what a
+lattice must show: free stream, conservation, the same bytes on any number of ranks and after a restart, output that
+VTK and OpenFOAM read. A lattice as a general mesh gives the lattice engine's result to the order of both."""
+import os
+import shutil
+import subprocess
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+
+haff = harness.haff
+
+# The surface of a plate, 1.2 by 0.8, with a hole in it.
+PLATE = """SetFactory("OpenCASCADE"); Rectangle(1) = {0, 0, 0, 1.2, 0.8}; Disk(2) = {0.7, 0.45, 0, 0.2};
+BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; }; Mesh.MeshSizeMax = %g; Mesh.MeshSizeMin = %g;
+"""
+FLAT = PLATE + """b[] = Boundary{ Surface{3}; }; Physical Curve("wall") = {b[]}; Physical Surface("gas") = {3};
+"""
+QUADS = PLATE + """Recombine Surface{3};
+b[] = Boundary{ Surface{3}; }; Physical Curve("wall") = {b[]}; Physical Surface("gas") = {3};
+"""
+DEEP = PLATE + """Extrude {0, 0, 0.3} { Surface{3}; %s } b[] = Boundary{ Volume{1}; };
+Physical Volume("gas") = {1}; Physical Surface("wall") = {b[]};
+"""
+MESHES = {  # text, VTK's cell type
+    "triangles": (FLAT % (0.06, 0.06), 13),
+    "quads": (QUADS % (0.06, 0.06), None),
+    "tets": (DEEP % (0.14, 0.14, ""), 10),
+    "prisms": (DEEP % (0.12, 0.12, "Layers{3}; Recombine;"), 13),
+}
+MANY = {"triangles": FLAT % (0.028, 0.028), "tets": DEEP % (0.09, 0.09, "")}  # cells: several blocks
+
+
+def openfoam(test, name, case, *arguments):
+    done = subprocess.run([name, "-case", case, *arguments], capture_output=True, text=True,
+                          env={"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ})
+    test.assertEqual(done.returncode, 0, done.stdout[-1500:] + done.stderr[-1500:])
+    return done.stdout
+
+
+def write_fields(case, rho, p, u, wall):
+    """wall: the rule of U on every patch that is not empty."""
+    patches = haff.Mesh(case + "/constant/polyMesh").patches
+    for name, values in (("rho", rho), ("p", p), ("U", u)):
+        rules = [f"{k} {'empty' if kind == 'empty' else wall if name == 'U' else 'zeroGradient'}"
+                 for k, (kind, _, _) in patches.items()]
+        boxes.write_field(case, name, values, "\n".join(rules))
+
+
+def make(case, geo, end, uniform=False, tables=False, **options):
+    """A hot bubble in a moving gas among slip walls; or uniform flow through open ones."""
+    one = np.ones(1)
+    harness.box_case(case, (1, 1, 1), (1, 1, 1), one, np.zeros((1, 3)), one, end, **options)
+    with open(case + "/mesh.geo", "w") as f:
+        f.write(geo)
+    dim = "-3" if "Extrude" in geo else "-2"
+    subprocess.run(["gmsh", dim, "-v", "1", case + "/mesh.geo", "-o", case + "/mesh.msh"], check=True, capture_output=True)
+    harness.program("gmshToCase", case + "/mesh.msh", "-case", case)
+    os.remove(case + "/mesh.msh")
+    at = haff.Case(case).centres
+    away = (at[:, 0] - 0.25) ** 2 + (at[:, 1] - 0.4) ** 2
+    rho, p = 100 + 20 * np.cos(3 * at[:, 0]), np.where(away < 0.02, 20000.0, 2000.0)
+    u = np.stack([2 * np.sin(at[:, 0] + at[:, 1]), 3 * at[:, 0], 0 * rho], axis=1)
+    if uniform:
+        rho, p, u = np.full(len(at), 37.3), np.full(len(at), 1234.5), np.tile([3.1, -1.7, 2.3 if dim == "-3" else 0.0], (len(at), 1))
+    write_fields(case, rho, p, u, "zeroGradient" if uniform else "slip")
+    runs.add(case, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n")
+    if tables:
+        runs.add(case, "system/controlDict", runs.TABLES.format("0.11 0.12 0.01", "1.1 0.7 0.01"))
+    return case
+
+
+def totals(case, time):
+    """Mass and energy."""
+    volume = haff.Case(case).volumes
+    return np.array([(haff.Case(case).field(name, time) * volume).sum() for name in ("rho", "rhoE")])
+
+
+class General(harness.Folder, unittest.TestCase):
+    def case(self, name, mesh, end, **options):
+        return make(os.path.join(self.folder, name), MESHES[mesh][0], end, **options)
+
+    def stream(self, mesh, reconstruct):
+        case = self.case(f"stream_{mesh}_{reconstruct}", mesh, 0.02, uniform=True)
+        runs.add(case, "system/fvSchemes", f"polyReconstruct {reconstruct};\n")
+        harness.program("granularGas", "-case", case)
+        result = haff.Case(case)
+        self.assertGreater(result.mesh.cells, 150)
+        np.testing.assert_allclose(result.field("rho"), 37.3, rtol=1e-12)
+        np.testing.assert_allclose(result.field("p"), 1234.5, rtol=1e-11)
+        self.assertLess(np.abs(result.field("U") - result.field("U", "0")).max(), 1e-11)
+
+    def test_free_stream(self):
+        for mesh in MESHES:
+            for reconstruct in ("linear", "CWENO3") if mesh != "tets" else ("linear",):
+                with self.subTest(mesh, reconstruct=reconstruct):
+                    self.stream(mesh, reconstruct)
+
+    @unittest.expectedFailure
+    def test_free_stream_tets(self):
+        """CWENO3 makes weights without bound of some stencils of these coarse tetrahedra."""
+        self.stream("tets", "CWENO3")
+
+    def test_closed_box(self):
+        """Slip walls, no cooling: mass and energy stay to round-off, while the gas moves."""
+        for mesh in MESHES:
+            with self.subTest(mesh):
+                case = self.case("closed_" + mesh, mesh, 0.02, interval=0.01)
+                harness.program("granularGas", "-case", case)
+                first, last = totals(case, "0.01"), totals(case, "0.02")
+                np.testing.assert_allclose(last, first, rtol=1e-13)
+                result = haff.Case(case)
+                self.assertGreater(np.abs(result.field("rho", "0.02") - result.field("rho", "0.01")).max(), 1)
+                mass = (result.field("rho", "0") * result.volumes).sum()
+                self.assertLess(abs(last[0] / mass - 1), 1e-13)
+
+    def test_ranks_and_restarts(self):
+        """Every byte that is written, function objects too, on 1, 2 and 3 ranks; and from each time on another number."""
+        for mesh, geo in MANY.items():
+            case = make(os.path.join(self.folder, "ranks_" + mesh), geo, 0.002, interval=0.0005, tables=True, e=0.9, cooling="Haff")
+            copies = {r: shutil.copytree(case, f"{case}_on{r}/{os.path.basename(case)}") for r in (2, 3)}
+            harness.program("granularGas", "-case", case)
+            reference = runs.results(case)
+            self.assertIn("postProcessing/points/0/alpha", reference)
+            self.assertIn("postProcessing/line/0.002/a_rho.xy", reference)
+            self.assertGreater(haff.Case(case).mesh.cells, 1500)
+            for ranks, copy in copies.items():
+                with self.subTest(mesh, ranks=ranks):
+                    harness.program("granularGas", "-case", copy, ranks=ranks)
+                    runs.same(self, reference, runs.results(copy))
+            names = runs.times(case)
+            for k, name in enumerate(names[1:-1]):
+                with self.subTest(mesh, start=name):
+                    part = runs.until(case, f"{case}_from{k}", name)
+                    harness.program("granularGas", "-case", part, ranks=1 + k % 2)
+                    for later in names[k + 2:]:
+                        runs.same(self, *(runs.contents(os.path.join(c, later)) for c in (case, part)))
+
+    def test_tables(self):
+        """Probes take the cell that holds the point; integrals and averages weigh with the volumes."""
+        case = self.case("tables", "triangles", 0.002, tables=True)
+        harness.program("granularGas", "-case", case)
+        result = haff.Case(case)
+        near = ((result.centres[:, :2] - (0.11, 0.12)) ** 2).sum(axis=1).argmin()
+        self.assertEqual(result.table("points", "alpha")[-1][1], float("%.12g" % result.field("alpha")[near]))
+        rho, p, volume = result.field("rho"), result.field("p"), result.volumes
+        self.assertAlmostEqual(result.table("mass", "volFieldValue.dat")[-1][1] / (rho * volume).sum(), 1, 13)
+        self.assertAlmostEqual(result.table("mean", "volFieldValue.dat")[0][1] / ((result.field("p", "0") * volume).sum() / volume.sum()), 1, 13)
+        line = np.loadtxt(case + "/postProcessing/line/0.002/a_rho.xy")
+        x, y = np.linspace(0.11, 1.1, 31), np.linspace(0.12, 0.7, 31)
+        away = np.hypot(x - 0.7, y - 0.45)
+        self.assertTrue((away > 0.2).sum() <= len(line) <= (away > 0.19).sum(), "points in the hole are left out, the others not")
+        self.assertTrue(set(line[:, 1]) <= {float("%.12g" % v) for v in rho})
+
+
+class Engines(harness.Folder, unittest.TestCase):
+    def wave(self, n, engine, **options):
+        """A smooth wave in a periodic box of n x n."""
+        case = os.path.join(self.folder, f"{engine}{n}")
+        at = boxes.centres((n, n, 1), (1.0, 1.0, 1.0 / n))
+        x, y = 2 * np.pi * at[:, 0], 2 * np.pi * at[:, 1]
+        rho, p = 50 + 5 * np.sin(x) * np.cos(y), 2000 + 100 * np.cos(x + y)
+        u = np.stack([np.sin(y), np.cos(x), 0 * x], axis=1)
+        harness.box_case(case, (n, n, 1), (1.0, 1.0, 1.0 / n), rho, u, p, 0.02, types={"x": "cyclic", "y": "cyclic"},
+                         reconstruct="WENO5", **options)
+        runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
+        harness.program("granularGas", "-case", case)
+        return haff.Case(case).field("rho")
+
+    def test_smooth(self):
+        """The engines differ by the error of the third-order one."""
+        difference = [np.abs(self.wave(n, "polyhedral") - self.wave(n, "lattice")).mean() for n in (16, 32, 64)]
+        orders = np.log2(np.divide(difference[:-1], difference[1:]))
+        self.assertGreater(difference[-1], 0)
+        self.assertGreater(orders[-1], 2.5, f"differences {difference}")
+
+    def test_wedge(self):
+        """With shocks the difference shrinks, too."""
+        difference = []
+        for n in (24, 96):
+            results = []
+            for engine in ("lattice", "polyhedral"):
+                case = harness.copy("wedge", self.folder)
+                harness.mesh(case, n)
+                runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
+                results.append(harness.run(case, endTime=0.0425, writeInterval=0.0425).field("rho"))
+            difference.append(np.abs(results[0] - results[1]).mean() / results[0].mean())
+        self.assertLess(difference[0], 0.1)
+        self.assertLess(difference[1], 0.5 * difference[0], f"{difference}")
+
+
+class Words(harness.Folder, unittest.TestCase):
+    """What the programs say of a mesh, and what they refuse."""
+
+    def test_report(self):
+        case = make(self.folder + "/triangles", MESHES["triangles"][0], 0.002)
+        cells = haff.Case(case).mesh.cells
+        before = runs.contents(case)
+        for said in (harness.program("checkCase", case).stdout, harness.program("granularGas", "-dry-run", "-case", case).stdout):
+            self.assertRegex(said, rf"polyhedral, 2D: {cells} prisms; \d+ blocks?\n +no lattice: cell \d+ at .* is no box")
+            self.assertRegex(said, r"meshEngine +polyhedral\n +polyReconstruct +CWENO3\n")
+            self.assertNotRegex(said, r"\n +reconstruct ")
+            self.assertIn("The case is sound.", said)
+        self.assertEqual(runs.contents(case), before)
+        runs.add(case, "system/fvSchemes", "polyReconstruct linear;\n")
+        self.assertRegex(harness.program("granularGas", "-case", case).stdout, r"polyReconstruct +linear\n")
+        with open(case + "/0.002/uniform/provenance") as f:
+            self.assertRegex(f.read(), r"meshEngine +polyhedral;\npolyReconstruct linear;")
+
+    def test_lattice_asked(self):
+        case = make(self.folder + "/asked", MESHES["triangles"][0], 0.002)
+        runs.add(case, "system/fvSchemes", "meshEngine lattice;\n")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"fvSchemes:\d+: .*no lattice of equal boxes: cell \d+ at .* is no box.*meshEngine polyhedral;")
+
+    def test_lattice_as_polyhedra(self):
+        case = runs.make(self.folder + "/box", (12, 10, 1), 0.01)
+        self.assertRegex(harness.program("checkCase", case).stdout, r"lattice, 2D: .* \d+ tiles\n(.*\n)* +meshEngine +lattice\n +reconstruct +PHM\n")
+        runs.add(case, "system/fvSchemes", "meshEngine polyhedral;\n")
+        self.assertRegex(harness.program("checkCase", case).stdout, r"polyhedral, 2D: 120 hexahedra; 1 block\n +a lattice, but .*meshEngine polyhedral;")
+
+    def test_misspelt(self):
+        case = runs.make(self.folder + "/word", (12, 10, 1), 0.01)
+        runs.add(case, "system/fvSchemes", "polyReconstruct CWENO5;\n")
+        done = harness.program("checkCase", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "polyReconstruct.*CWENO3")
+
+    def test_list(self):
+        said = harness.program("granularGas", "-listModels").stdout
+        self.assertRegex(said, r"meshEngine\n +lattice .*\n +polyhedral ")
+        self.assertRegex(said, r"polyReconstruct\n( .*\n)* +CWENO3 .*\(default\)\n")
+
+
+class Readers(harness.Folder, unittest.TestCase):
+    def written(self, case, time="0.002"):
+        """The file of the function object, and what VTK makes of it."""
+        import vtk
+        reader = vtk.vtkUnstructuredGridReader()
+        reader.SetFileName(os.path.join(case, "VTK", f"{os.path.basename(case)}_{time}.vtk"))
+        reader.ReadAllScalarsOn()
+        sizes = vtk.vtkCellSizeFilter()
+        sizes.SetInputConnection(reader.GetOutputPort())
+        sizes.Update()
+        return sizes.GetOutput()
+
+    def check(self, case, kind):
+        from vtk.util.numpy_support import vtk_to_numpy
+        result, grid = haff.Case(case), self.written(case)
+        types = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
+        self.assertEqual(len(result.volumes), grid.GetNumberOfCells())
+        self.assertTrue(kind is None or types == {kind}, types)
+        data = grid.GetCellData()
+        if types & {10, 12, 13, 14} == types:
+            np.testing.assert_allclose(vtk_to_numpy(data.GetArray("Volume")), result.volumes, rtol=1e-9)
+        np.testing.assert_array_equal(vtk_to_numpy(data.GetArray("alpha")), result.field("alpha"))
+
+    def test_every_shape(self):
+        for mesh, (geo, kind) in MESHES.items():
+            with self.subTest(mesh):
+                case = make(os.path.join(self.folder, mesh), geo, 0.002, tables=True)
+                harness.program("granularGas", "-case", case)
+                self.check(case, kind)
+                by_us = runs.contents(case + "/VTK")
+                shutil.rmtree(case + "/VTK")
+                harness.program("caseToVTK", case, "-fields", "alpha,U", "-time", "0.002")
+                self.assertEqual(by_us[mesh + "_0.002.vtk"], runs.contents(case + "/VTK")[mesh + "_0.002.vtk"])
+
+    @unittest.skipUnless(shutil.which("foamToVTK"), "OpenFOAM is not installed")
+    def test_openfoam(self):
+        """checkMesh, foamToVTK; parts of three ranks, put together again by reconstructPar."""
+        case = make(self.folder + "/foam", MANY["triangles"], 0.002)
+        runs.add(case, "system/controlDict", "writeProcessors yes;\n")
+        harness.program("granularGas", "-case", case, ranks=3)
+        self.assertIn("Mesh OK.", openfoam(self, "checkMesh", case))
+        for part in range(3):
+            self.assertIn("Mesh OK.", openfoam(self, "checkMesh", f"{case}/processor{part}"))
+        other = shutil.copytree(case, case + "_again")
+        shutil.rmtree(other + "/0.002")
+        openfoam(self, "reconstructPar", other)
+        for field in runs.FIELDS:
+            np.testing.assert_array_equal(*(haff.Case(c).field(field, "0.002") for c in (case, other)), err_msg=field)
+        openfoam(self, "foamToVTK", case, "-time", "0.002")
+
+    @unittest.skipUnless(shutil.which("polyDualMesh"), "OpenFOAM is not installed")
+    def test_polyhedra(self):
+        """The dual of tetrahedra: cells of any number of faces, faces of any number of corners."""
+        case = make(self.folder + "/dual", MESHES["tets"][0], 0.002, tables=True)
+        openfoam(self, "polyDualMesh", case, "60", "-overwrite")
+        cells = haff.Case(case).mesh.cells
+        write_fields(case, np.full(cells, 37.3), np.full(cells, 1234.5), np.tile([3.1, -1.7, 2.3], (cells, 1)), "zeroGradient")
+        self.assertRegex(harness.program("checkCase", case).stdout, r"polyhedral, 3D: .*\d+ polyhedra; \d+ block")
+        harness.program("granularGas", "-case", case)
+        np.testing.assert_allclose(haff.Case(case).field("rho"), 37.3, rtol=1e-12)
+        self.check(case, None)
+
+
+if __name__ == "__main__":
+    unittest.main()
