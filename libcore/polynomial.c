@@ -2,6 +2,7 @@
 
 #define EACH_LANE for (int l = 0; l < LANES; l++)
 static const double SMALL = 1e-6;  /* squared ratio of variation to value below which nothing is limited */
+static const double OVER = 0.2;    /* what CWENO3 may leave the range of its stencil by, as a part of that range */
 static const double TINY = 1e-100; /* keeps 0/0 away */
 
 ALWAYS_INLINE void own_values(const struct fit *f, int batch, const double *restrict q, double *restrict own) {
@@ -14,15 +15,22 @@ ALWAYS_INLINE void differences(const int *restrict cell, const double *restrict 
     EACH_LANE d[l] = q[cell[l]] - own[l];
 }
 
+struct bounds {
+    double low[LANES], high[LANES]; /* less the cell's value */
+};
+ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
+    EACH_LANE {
+        b->low[l] = smaller(d[l], b->low[l]);
+        b->high[l] = larger(d[l], b->high[l]);
+    }
+}
+
 /* Gradient by least squares, weights 1/distance^2, times the limiter of Barth & Jespersen (AIAA 89-0366, 1989): values
  * halfway to first-ring members stay within the values of the stencil, and face values are cut to these bounds one by
  * one, too. On a linear field the bounds are twice as far away as the values halfway, whatever the mesh: the more room
  * there is, the less is cut. Where the stencil varies by less than 1e-3 of the value nothing acts, and it fades in to
  * sqrt(2) times that: smooth extrema keep their order (the switch of Michalak & Ollivier-Gooch, J. Comput. Phys. 228,
  * 2009, made independent of units). */
-struct bounds {
-    double low[LANES], high[LANES]; /* less the cell's value */
-};
 ALWAYS_INLINE void limit(int dim, const struct rows *halfway, int batch, const double *restrict own,
                          struct bounds *restrict b, double (*restrict a)[LANES]) {
     double least[LANES] = {0}, most[LANES] = {0};
@@ -55,10 +63,7 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
     for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
         const double *w = f->member.data + (long)j * dim * LANES;
         differences(f->member.cell + (long)j * LANES, q, own, d);
-        EACH_LANE {
-            b.low[l] = smaller(d[l], b.low[l]);
-            b.high[l] = larger(d[l], b.high[l]);
-        }
+        extend(&b, d);
         for (int k = 0; k < dim; k++) EACH_LANE a[k][l] = fma(w[k * LANES + l], d[l], a[k][l]);
     }
     limit(dim, &f->halfway, batch, own, &b, a);
@@ -74,26 +79,27 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
 }
 
 /* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000) with the quadratic of the whole stencil as the optimal
- * polynomial P_opt and linear ones, one per corner, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci. Comput. 39,
+ * polynomial P_opt and linear ones, one per sector, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci. Comput. 39,
  * 2017):
  *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
  * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019): I = sum over the derivatives of
- * the mean over the cell (taken as a cube) of their square, tau = |I_opt - mean I_s|, epsilon = 1e-6 times the squared
- * value of the cell, so that units do not matter. */
+ * the mean over the cell (taken as a cube) of their square, epsilon = 1e-6 times the squared value of the cell, so that
+ * units do not matter; tau = mean |I_s - I_opt|, which is large wherever one sector is smooth and another is not, while
+ * a difference of means cancels at some jumps. The bounds count where no sector is smooth: in wedges at a wall. */
 ALWAYS_INLINE int quadratics(int dim) {
     return dim * (dim + 1) / 2;
 }
 
-/* Gradients g[s][k] of the corners. */
-ALWAYS_INLINE void corner_gradients(int dim, const struct fit *f, int batch, int corners, const double *restrict q,
+/* Gradients g[s][k] of the sectors. */
+ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int sectors, const double *restrict q,
                                     const double *restrict own, double (*restrict g)[LANES]) {
     double d[LANES];
-    int j = f->corner.start[batch];
-    for (int s = 0; s < corners; s++, g += dim) {
+    int j = f->sector.start[batch];
+    for (int s = 0; s < sectors; s++, g += dim) {
         for (int k = 0; k < dim; k++) EACH_LANE g[k][l] = 0;
-        for (int m = 0; m < f->corner_members[batch]; m++, j++) {
-            const double *w = f->corner.data + (long)j * dim * LANES;
-            differences(f->corner.cell + (long)j * LANES, q, own, d);
+        for (int m = 0; m < f->sector_members[batch]; m++, j++) {
+            const double *w = f->sector.data + (long)j * dim * LANES;
+            differences(f->sector.cell + (long)j * LANES, q, own, d);
             for (int k = 0; k < dim; k++) EACH_LANE g[k][l] = fma(w[k * LANES + l], d[l], g[k][l]);
         }
     }
@@ -110,48 +116,59 @@ ALWAYS_INLINE void smoothness(int dim, double (*restrict a)[LANES], double *rest
     }
 }
 
-/* a <- the coefficients of P, from those of P_opt and the gradients g of the corners; w: room for their weights. */
-ALWAYS_INLINE void combine(int dim, const double *restrict share, int corners, const double *restrict own,
-                           double (*restrict g)[LANES], double (*restrict w)[LANES], double (*restrict a)[LANES]) {
-    double I[LANES], mean[LANES] = {0}, shares[LANES] = {0}, sum[LANES], central[LANES];
-    smoothness(dim, a, I);
-    for (int s = 0; s < corners; s++) EACH_LANE {
+/* Nonlinear weights: w_0/d_0 in `central`, w_s - d_s w_0/d_0 in w. */
+ALWAYS_INLINE void weigh(int dim, const double *restrict share, int sectors, const double *restrict own,
+                         const double *restrict I, double (*restrict g)[LANES], double (*restrict w)[LANES],
+                         double *restrict central) {
+    double tau[LANES] = {0}, shares[LANES] = {0}, sum[LANES], epsilon[LANES];
+    for (int s = 0; s < sectors; s++, share += LANES) EACH_LANE {
             w[s][l] = 0;
             for (int k = 0; k < dim; k++) w[s][l] += g[s * dim + k][l] * g[s * dim + k][l];
-            mean[l] = fma(share[s * LANES + l], w[s][l], mean[l]);
-            shares[l] += share[s * LANES + l];
+            tau[l] = fma(share[l], fabs(w[s][l] - I[l]), tau[l]);
+            shares[l] += share[l];
         }
-    double tau[LANES], epsilon[LANES];
+    share -= sectors * LANES;
     EACH_LANE {
         epsilon[l] = fma(SMALL * own[l], own[l], TINY);
-        tau[l] = fabs(I[l] - mean[l] / larger(shares[l], TINY));
+        tau[l] /= larger(shares[l], TINY);
         double ratio = tau[l] / (I[l] + epsilon[l]);
-        sum[l] = central[l] = (1 - shares[l]) * fma(ratio, ratio, 1);
+        central[l] = fma(ratio, ratio, 1);
+        sum[l] = (1 - shares[l]) * central[l];
     }
-    for (int s = 0; s < corners; s++) EACH_LANE {
+    for (int s = 0; s < sectors; s++) EACH_LANE {
             double ratio = tau[l] / (w[s][l] + epsilon[l]);
             w[s][l] = share[s * LANES + l] * fma(ratio, ratio, 1);
             sum[l] += w[s][l];
         }
     EACH_LANE {
         sum[l] = 1 / sum[l];
-        central[l] *= sum[l] / (1 - shares[l]); /* w_0/d_0 */
+        central[l] *= sum[l];
     }
+    for (int s = 0; s < sectors; s++) EACH_LANE w[s][l] = fma(w[s][l], sum[l], -central[l] * share[s * LANES + l]);
+}
+
+/* a <- the coefficients of P, from those of P_opt and the gradients g of the sectors; w: room for their weights. */
+ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, const double *restrict own,
+                           double (*restrict g)[LANES], double (*restrict w)[LANES], double (*restrict a)[LANES]) {
+    double I[LANES], central[LANES];
+    smoothness(dim, a, I);
+    weigh(dim, share, sectors, own, I, g, w, central);
     for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[k][l] *= central[l];
-    for (int s = 0; s < corners; s++) EACH_LANE {
-            double weight = fma(w[s][l], sum[l], -central[l] * share[s * LANES + l]);
-            for (int k = 0; k < dim; k++) a[k][l] = fma(weight, g[s * dim + k][l], a[k][l]);
-        }
+    for (int s = 0; s < sectors; s++)
+        for (int k = 0; k < dim; k++) EACH_LANE a[k][l] = fma(w[s][l], g[s * dim + k][l], a[k][l]);
 }
 
 ALWAYS_INLINE void quadratic_values(int dim, const struct fit *f, int batch, const double *restrict own,
-                                    double (*restrict a)[LANES], double *restrict value) {
+                                    const struct bounds *restrict b, double (*restrict a)[LANES],
+                                    double *restrict value) {
     const double *moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
-    double base[LANES];
+    double base[LANES], low[LANES], high[LANES];
     EACH_LANE {
         double mean = 0;
         for (int m = 0; m < quadratics(dim); m++) mean = fma(a[dim + m][l], moment[m * LANES + l], mean);
-        base[l] = own[l] - mean;
+        base[l] = -mean;
+        low[l] = fma(OVER, b->low[l] - b->high[l], b->low[l]);
+        high[l] = fma(OVER, b->high[l] - b->low[l], b->high[l]);
     }
     for (int p = f->point.start[batch]; p < f->point.start[batch + 1]; p++) {
         const double *x = f->point.data + (long)p * dim * LANES;
@@ -163,24 +180,26 @@ ALWAYS_INLINE void quadratic_values(int dim, const struct fit *f, int batch, con
                 for (int j = i; j < dim; j++, m++) slope = fma(a[m][l], x[j * LANES + l], slope);
                 sum = fma(slope, x[i * LANES + l], sum);
             }
-            out[l] = sum;
+            out[l] = own[l] + larger(smaller(sum, high[l]), low[l]);
         }
     }
 }
 
 ALWAYS_INLINE void cweno3(int dim, const struct fit *f, int batch, const double *restrict q, double *restrict value) {
-    const int n = dim + quadratics(dim), corners = f->share.start[batch + 1] - f->share.start[batch];
+    const int n = dim + quadratics(dim), sectors = f->share.start[batch + 1] - f->share.start[batch];
     double own[LANES], d[LANES], a[MAX_COEFFICIENT][LANES] = {{0}};
     double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
+    struct bounds b = {.low = {0}};
     own_values(f, batch, q, own);
     for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
         const double *w = f->member.data + (long)j * n * LANES;
         differences(f->member.cell + (long)j * LANES, q, own, d);
+        extend(&b, d);
         for (int k = 0; k < n; k++) EACH_LANE a[k][l] = fma(w[k * LANES + l], d[l], a[k][l]);
     }
-    corner_gradients(dim, f, batch, corners, q, own, gradient);
-    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, corners, own, gradient, weight, a);
-    quadratic_values(dim, f, batch, own, a, value);
+    sector_gradients(dim, f, batch, sectors, q, own, gradient);
+    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, sectors, own, gradient, weight, a);
+    quadratic_values(dim, f, batch, own, &b, a, value);
 }
 
 #define CELLS(kind)                                                                                                    \
@@ -198,7 +217,7 @@ const struct polynomial polynomial_table[] = {
     {"firstOrder", "the cell's value", 1, 0, NULL},
     {"linear", "second order: least-squares gradients, limited (Barth & Jespersen 1989)", 1, 1, linear_cells},
     {"CWENO3",
-     "third order on smooth flow: a quadratic, near shocks linear polynomials of the corners "
+     "third order on smooth flow: a quadratic, near shocks linear polynomials of sectors "
      "(Levy, Puppo & Russo 2000; Dumbser et al. 2017)",
      2, 2, cweno3_cells},
 };

@@ -4,8 +4,9 @@
 
 /* A column of a least-squares problem that depends on the ones before it up to this fraction gets no coefficient. */
 static const double DEPENDENT = 1e-2;
-static const double FLAT_CORNER = 0.1; /* the same for the members at a corner, which is then left out */
-static const double CENTRAL = 1e2;     /* linear weight of the quadratic against that of one corner */
+static const double FLAT_SECTOR = 0.1; /* the same for the members of a sector, which is then left out */
+static const double CONE = 0.55;       /* cosine of the angle that a sector beyond a face takes in to each side */
+static const double CENTRAL = 1e3;     /* linear weight of the quadratic against that of one sector */
 
 struct point_list { /* face points of the cells */
     int *start;     /* [nnear + 1] */
@@ -117,10 +118,11 @@ static int most_members(const struct mosaic *m) {
 }
 
 /* Weights of the polynomial of the whole stencil. */
-static void member_weights(struct fit *f, const int *all, double *A, double *w, double *W) {
+static void member_weights(struct fit *f, int *all, double *A, double *w, double *W) {
     const struct mosaic *m = f->mosaic;
     for (int i = 0; i < m->nnear; i++) {
         int n = m->stencil_start[i + 1] - m->stencil_start[i], ncoef = f->member.width;
+        for (int j = 0; j < n; j++) all[j] = j;
         member_means(m, i, f->kind->degree, n, all, A, w);
         least_squares(n, ncoef, A, w, DEPENDENT, W);
         for (int j = 0; j < n; j++) {
@@ -130,50 +132,73 @@ static void member_weights(struct fit *f, const int *all, double *A, double *w, 
     }
 }
 
-/* Gradients at the corners, and which of them count. */
-static void corner_weights(struct fit *f, double *A, double *w, double *W) {
+/* Sectors of a cell: sets of members for linear polynomials, of which one lies on its side of a shock wherever that
+ * passes. Those at a corner; and of a cell with dim + 1 neighbours, where a shock may cut two members of every corner,
+ * those of the first two rings beyond a face. */
+static bool beyond(const struct mosaic *m, int i, int face, int member) {
+    double dot = 0, aa = 0, bb = 0;
+    for (int k = 0; k < m->dim; k++) {
+        double a = m->offset[k][m->stencil_start[i] + face], b = m->offset[k][m->stencil_start[i] + member];
+        dot += a * b;
+        aa += a * a;
+        bb += b * b;
+    }
+    return dot > 0 && dot * dot > CONE * CONE * aa * bb;
+}
+static int find_sector(const struct mosaic *m, int i, int sector, int *member) { /* returns its length, -1: none */
+    int ncorners = m->corner_start[i + 1] - m->corner_start[i], first = m->stencil_start[i], n = 0, faces = 0;
+    int members = m->stencil_start[i + 1] - first;
+    if (sector < ncorners) {
+        const int *at = m->corner_first + m->corner_start[i] + sector;
+        for (int j = at[0]; j < at[1]; j++) member[n++] = m->corner_member[j];
+        return n;
+    }
+    while (faces < members && m->ring[first + faces] == 1) faces++;
+    if (faces > m->dim + 1 || sector - ncorners >= faces) return -1;
+    for (int j = 0; j < members; j++)
+        if (m->ring[first + j] <= 2 && beyond(m, i, sector - ncorners, j)) member[n++] = j;
+    return n;
+}
+
+/* Gradients of the sectors, and which of them count. */
+static void sector_weights(struct fit *f, int *member, double *A, double *w, double *W) {
     const struct mosaic *m = f->mosaic;
     for (int i = 0; i < m->nnear; i++) {
-        int first = m->corner_start[i], ncorners = m->corner_start[i + 1] - first, counted = 0;
-        int rows = f->corner_members[i / LANES];
-        for (int s = 0; s < ncorners; s++) {
-            const int *member = m->corner_member + m->corner_first[first + s];
-            int n = m->corner_first[first + s + 1] - m->corner_first[first + s];
+        int rows = f->sector_members[i / LANES], counted = 0;
+        for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; s++) {
             member_means(m, i, 1, n, member, A, w);
-            if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_CORNER, W) > 0) continue;
+            if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_SECTOR, W) > 0) continue;
             counted++;
             put(&f->share, i, s, 0, 1);
             for (int j = 0; j < n; j++) {
-                put_cell(&f->corner, i, s * rows + j, m->stencil[m->stencil_start[i] + member[j]]);
-                for (int k = 0; k < m->dim; k++) put(&f->corner, i, s * rows + j, k, W[(long)k * n + j]);
+                put_cell(&f->sector, i, s * rows + j, m->stencil[m->stencil_start[i] + member[j]]);
+                for (int k = 0; k < m->dim; k++) put(&f->sector, i, s * rows + j, k, W[(long)k * n + j]);
             }
         }
-        for (int s = 0; s < ncorners; s++) {
-            double *share = f->share.data + row_of(&f->share, i, s) * LANES + i % LANES;
-            *share /= CENTRAL + counted;
-        }
+        for (int j = f->share.start[i / LANES]; j < f->share.start[i / LANES + 1]; j++)
+            f->share.data[(long)j * LANES + i % LANES] /= CENTRAL + counted;
     }
 }
 
-static status make_corners(struct fit *f, int *length) {
+static status make_sectors(struct fit *f, int *length, int *member) {
     const struct mosaic *m = f->mosaic;
     int most = 1;
-    for (int i = 0; i < m->nnear; i++) length[i] = m->corner_start[i + 1] - m->corner_start[i];
-    TRY(rows_make(f, length, 1, false, &f->share));
-    TRY(allocate(&f->corner_members, f->nbatches, sizeof *f->corner_members, "corners of a fit"));
-    for (int i = 0; i < m->nnear; i++)
-        for (int s = m->corner_start[i]; s < m->corner_start[i + 1]; s++) {
-            int n = m->corner_first[s + 1] - m->corner_first[s], *members = &f->corner_members[i / LANES];
-            *members = n > *members ? n : *members;
-        }
+    TRY(allocate(&f->sector_members, f->nbatches, sizeof *f->sector_members, "sectors of a fit"));
     for (int i = 0; i < m->nnear; i++) {
-        int b = i / LANES, corners = f->share.start[b + 1] - f->share.start[b];
-        length[i] = corners * f->corner_members[b];
-        most = corners > most ? corners : most;
+        int *members = &f->sector_members[i / LANES];
+        length[i] = 0;
+        for (int n; (n = find_sector(m, i, length[i], member)) >= 0; length[i]++)
+            *members = n > *members ? n : *members;
     }
-    TRY(rows_make(f, length, m->dim, true, &f->corner));
-    TRY(allocate(&f->gradient, (long)most * m->dim * LANES, sizeof *f->gradient, "gradients of corners"));
-    return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of corners");
+    TRY(rows_make(f, length, 1, false, &f->share));
+    for (int i = 0; i < m->nnear; i++) {
+        int b = i / LANES, sectors = f->share.start[b + 1] - f->share.start[b];
+        length[i] = sectors * f->sector_members[b];
+        most = sectors > most ? sectors : most;
+    }
+    TRY(rows_make(f, length, m->dim, true, &f->sector));
+    TRY(allocate(&f->gradient, (long)most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
+    return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
 }
 
 static status make_moments(struct fit *f, int *length) {
@@ -235,22 +260,21 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
 
 static status make_weights(struct fit *f, int *length) {
     const struct mosaic *m = f->mosaic;
-    int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *all = NULL;
+    int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *member = NULL;
     double *work = NULL;
     for (int i = 0; i < m->nnear; i++) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
     TRY(rows_make(f, length, ncoef, true, &f->member));
     if (f->kind->degree == 1) TRY(make_halfway(f, length));
     if (f->kind->degree == 2) TRY(make_moments(f, length));
-    if (f->kind->degree == 2) TRY(make_corners(f, length));
-    status s = allocate(&all, most, sizeof *all, "a stencil");
+    status s = allocate(&member, most, sizeof *member, "a stencil");
     if (!s) s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
     if (!s) {
         double *w = work + 2L * ncoef * most, *W = work + (long)ncoef * most;
-        for (int j = 0; j < most; j++) all[j] = j;
-        member_weights(f, all, work, w, W);
-        if (f->kind->degree == 2) corner_weights(f, work, w, W);
+        member_weights(f, member, work, w, W);
+        if (f->kind->degree == 2) s = make_sectors(f, length, member);
+        if (f->kind->degree == 2 && !s) sector_weights(f, member, work, w, W);
     }
-    free(all);
+    free(member);
     free(work);
     return s;
 }
@@ -281,9 +305,9 @@ status fit_make(const struct mosaic *m, const struct polynomial *p, int nvar, st
 
 void fit_free(struct fit *f) {
     if (!f) return;
-    struct rows *rows[] = {&f->member, &f->halfway, &f->corner, &f->share, &f->moment, &f->point};
+    struct rows *rows[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) rows_free(rows[i]);
-    free(f->corner_members);
+    free(f->sector_members);
     free(f->gradient);
     free(f->weight);
     free(f->value);
