@@ -143,13 +143,24 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
-static void states_beyond(const struct gas *g, struct points *p) {
+/* The states that the rules of a patch make of those inside: at a reflecting wall of the own ones of the points,
+ * elsewhere of the averages, as what flows in must not come from what the cell extrapolates to. */
+static void states_beyond(const struct gas *g, const double *const *U, struct points *p) {
     const struct mosaic_faces *f = &g->cells->mosaic->face;
+    const int patch = f->patch[p->face[0] - f->ninternal];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH];
-    int place[BATCH];
-    for (int i = 0; i < p->n; i++) place[i] = f->place[p->face[i] - f->ninternal];
-    for (int v = 0; v < g->nvar; v++) memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
-    cells_beyond(g, f->patch[p->face[0] - f->ninternal], p->n, p->face, place, inner, ghost);
+    int place[BATCH], cell[BATCH];
+    for (int i = 0; i < p->n; i++) {
+        place[i] = f->place[p->face[i] - f->ninternal];
+        cell[i] = f->left[p->face[i]];
+    }
+    for (int v = 0; v < g->nvar; v++)
+        if (g->rules[patch].velocity.type->reflects)
+            memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
+        else
+            gather_line(p->n, cell, U[v], inner[v]);
+    if (!g->rules[patch].velocity.type->reflects) into_frames(p->n, g->dim, f, p->face, inner);
+    cells_beyond(g, patch, p->n, p->face, place, inner, ghost);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }
 
@@ -194,7 +205,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     if (first < f->ninternal)
         side_states(g, 1, from, U, level > 0, p);
     else
-        states_beyond(g, p);
+        states_beyond(g, U, p);
     point_fluxes(g, level == LEVEL_RUSANOV, p);
     out_of_frames(p->n, g->dim, f, p->face, p->out);
     for (int face = first; face < last; face++) {

@@ -58,14 +58,18 @@ static void put_cell(struct rows *r, int cell, int entry, int member) {
 /* Solution operator W[k][n] of the least-squares problem w_j (sum_k A[k][j] a_k - d_j) -> 0, a = W d, by Gram-Schmidt,
  * twice is enough (A is overwritten). Returns how many coefficients are 0 because their columns depend on others. */
 static int least_squares(int n, int ncoef, double *A, const double *w, double dependent, double *W) {
-    double R[MAX_COEFFICIENT][MAX_COEFFICIENT] = {{0}};
+    double R[MAX_COEFFICIENT][MAX_COEFFICIENT] = {{0}}, longest = 0;
     int dropped = 0;
     for (int k = 0; k < ncoef; k++) {
-        double *q = A + (long)k * n, before = 0, after = 0;
+        double *q = A + (long)k * n, square = 0;
         for (int j = 0; j < n; j++) {
             q[j] *= w[j];
-            before += q[j] * q[j];
+            square += q[j] * q[j];
         }
+        longest = larger(longest, square); /* one may be nothing but round-off: members in a plane */
+    }
+    for (int k = 0; k < ncoef; k++) {
+        double *q = A + (long)k * n, after = 0;
         for (int i = 0; i < 2 * k; i++) {
             const double *p = A + (long)(i % k) * n;
             double dot = 0;
@@ -74,7 +78,7 @@ static int least_squares(int n, int ncoef, double *A, const double *w, double de
             R[i % k][k] += dot;
         }
         for (int j = 0; j < n; j++) after += q[j] * q[j];
-        bool kept = sqrt(after) > dependent * sqrt(before);
+        bool kept = sqrt(after) > dependent * sqrt(longest);
         R[k][k] = kept ? sqrt(after) : 0;
         dropped += !kept;
         for (int j = 0; j < n; j++) q[j] = kept ? q[j] / R[k][k] : 0;
