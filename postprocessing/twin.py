@@ -42,7 +42,7 @@ def append(path, text):
 def make_mesh(case, programs, cells=None):
     """constant/polyMesh from mesh.geo, with N = cells."""
     if not os.path.exists(os.path.join(case, "mesh.geo")):
-        raise Refused(f"{case}: there is neither constant/polyMesh nor mesh.geo")
+        raise Refused(f"{case}: no mesh.geo to make {'a grid of N = %d' % cells if cells else 'constant/polyMesh'} from")
     size = ["-setnumber", "N", str(cells)] if cells else []
     msh = os.path.join(case, "mesh.msh")
     called("gmsh", "-3", "-v", "2", *size, os.path.join(case, "mesh.geo"), "-o", msh)

@@ -6,7 +6,7 @@ from tests.cases import harness
 
 class Elastic(harness.Folder, unittest.TestCase):
     def test_expected(self):
-        for name, cells in (("sod", 100), ("vortex", 80), ("riemann2D", 50), ("wedgeElastic", 40), ("forwardStep", 15)):
+        for name, cells in (("sod", 100), ("vortex", 80), ("riemann2D", 50), ("wedgeElastic", 40), ("forwardStep", 30)):
             with self.subTest(name):
                 self.compare(self.short(name, cells), harness.entries(name, cells=cells))
 
