@@ -65,7 +65,10 @@ static status read_all(struct setup *s, const char *application) {
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, &s->initial));
-    return make_grid(s);
+    TRY(make_grid(s));
+    if (s->grid->mosaic && s->models->gas.polynomial->degree > 1)
+        return initial_average(s->initial, &place, dim, axis, &s->models->gas);
+    return OK;
 }
 
 static void set_name(struct setup *s) {

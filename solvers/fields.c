@@ -72,9 +72,10 @@ static status read_value(struct dict *d, const char *key, int components, long c
     return OK;
 }
 
-static status read_expression(struct dict *d, int components, const struct field_place *at, double *out) {
+static status read_expression(struct dict *d, int components, long npoints, const double *points, double t,
+                              double *out) {
     const char *const *texts;
-    int n, ncells = at->mesh->ncells;
+    int n;
     TRY(dict_words(d, "expression", &n, &texts));
     if (n != components)
         return dict_fail(d, "expression", "it holds %d expressions; the field has %d component%s", n, components,
@@ -83,13 +84,12 @@ static status read_expression(struct dict *d, int components, const struct field
         struct expr *e;
         status s = expr_compile(texts[c], &e);
         if (s) return status_note(s, "%s:%d: expression \"%s\"", dict_path(d), dict_line(d, "expression"), texts[c]);
-        for (int i = 0; i < ncells; i++) {
-            const double *x = at->centre + 3 * i;
-            double v = expr_value(e, x[0], x[1], x[2], at->t);
+        for (long i = 0; i < npoints; i++) {
+            const double *x = points + 3 * i;
+            double v = expr_value(e, x[0], x[1], x[2], t);
             if (!isfinite(v) && !s)
-                s = dict_fail(d, "expression", "it gives %g in cell %d at (%g %g %g), t = %g", v, i, x[0], x[1], x[2],
-                              at->t);
-            out[(long)i * components + c] = v;
+                s = dict_fail(d, "expression", "it gives %g at (%g %g %g), t = %g", v, x[0], x[1], x[2], t);
+            out[i * components + c] = v;
         }
         expr_free(e);
         if (s) return s;
@@ -97,12 +97,19 @@ static status read_expression(struct dict *d, int components, const struct field
     return OK;
 }
 
+bool field_has_expression(const struct field *f) {
+    return dict_has(f->dict, "expression");
+}
+status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
+    return read_expression(f->dict, f->kind->components, npoints, points, t, out);
+}
+
 static status read_cells(struct field *f, const struct field_place *at) {
     int m = f->kind->components, n = at->mesh->ncells;
     if (dict_has(f->dict, "expression")) {
         (void)dict_has(f->dict, "internalField");
         TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
-        return read_expression(f->dict, m, at, f->values);
+        return read_expression(f->dict, m, n, at->centre, at->t, f->values);
     }
     double uniform[3];
     TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));

@@ -45,6 +45,10 @@ void field_free(struct field *f);
 /* The cells' values alone, of any field whose class is volScalarField or volVectorField; *components is 1 or 3. */
 status field_read_values(const char *path, int ncells, int *components, double **out);
 
+bool field_has_expression(const struct field *f);
+/* Of such a field the values at points[npoints][3]: out[npoints][components]. */
+status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out);
+
 /* Every value within low .. high, both excluded: else an error with file, line, cell and place. */
 status field_check_range(const struct field *f, const struct field_place *place, double low, double high);
 
