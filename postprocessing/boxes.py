@@ -168,8 +168,15 @@ def box_case(case, n, size, rho, u, p, end, **options):
     """A case on a box of n cells from arrays in the cells (u: [cells][3]). options: see STANDARD; types and hole are for
     write_mesh, patches in `slip` are slip walls, all others are zero gradient, cyclic or empty; binary: mesh and fields."""
     o = {**STANDARD, **options}
+    patches = write_mesh(case, n, size, o["types"], o["hole"], o["hole_patch"], o["binary"])
+    return write_case(case, patches, rho, u, p, end, **options)
+
+
+def write_case(case, patches, rho, u, p, end, **options):
+    """All but the mesh; patches: {name: type}."""
+    o = {**STANDARD, **options}
     rules = {"scalar": [], "U": []}
-    for name, kind in write_mesh(case, n, size, o["types"], o["hole"], o["hole_patch"], o["binary"]).items():
+    for name, kind in patches.items():
         kind = kind if kind in ("empty", "cyclic") else "zeroGradient"
         rules["scalar"].append(f"{name} {kind}")
         rules["U"].append(f"{name} {'slip' if name in o['slip'] else kind}")

@@ -4,10 +4,14 @@ A problem is a box of square cells (one cell thick), maybe with a corner cut out
 the cell centres, the others cell averages; the error is the mean of |computed - known| over the cells, over `scale`.
 """
 import os
+import shutil
+import tempfile
 
 import numpy as np
 
 import boxes
+import haff
+import triangles
 from eos import GoldshteinShapiro, PerfectGas
 from riemann import BLAST, Riemann
 from simpleWave import SimpleWave
@@ -20,7 +24,8 @@ class Problem:
     elastic perfect gases only."""
     size, field, scale, foam, foam_quick = (1.0, 1.0), "rho", 1.0, {}, {}
     options = {}
-    two_dimensional = False
+    two_dimensional = general = False  # general: on triangles, by the polyhedral engine
+    programs = None  # folder of gmshToCase
     answer = None, None  # cells and known values of the last grid
 
     def box(self, n):
@@ -240,13 +245,90 @@ class Wedge(Step):
     options = {"e": 0.97, "cooling": "Haff", "gravity": (692.9646455628165, -692.9646455628165, 0.0)}
 
 
+class Triangles(Problem):
+    """A square of gmsh's triangles, n edges a side. Both programs start from the averages of the conserved variables over the
+    cells, and the error is that of the averages, weighed with the cells."""
+    two_dimensional = general = True
+    meshes = {}
+
+    def mesh(self, n):
+        """The case that holds a mesh, and the mesh; made once."""
+        if n not in self.meshes:
+            folder = tempfile.TemporaryDirectory(prefix="workPrecision")
+            triangles.make(folder.name, self.size[0], n, os.path.join(self.programs, "gmshToCase"), self.cyclic)
+            self.meshes[n] = folder, haff.Case(folder.name)
+        return self.meshes[n][1]
+
+    def kept(self, n):
+        return np.ones(self.mesh(n).mesh.cells, bool)
+
+    def averages(self, n, t):
+        return triangles.means(self.mesh(n).mesh, lambda x: self.conserved(x, t), self.parts)
+
+    def make(self, case, n, **scheme):
+        mesh, gamma = self.mesh(n), self.options["gamma"]
+        shutil.copytree(os.path.join(mesh.path, "constant"), os.path.join(case, "constant"))
+        rho, *momentum, E = self.averages(n, 0.0).T
+        u = np.stack([m / rho for m in momentum] + [0 * rho], axis=1)
+        p = (gamma - 1) * (E - rho * (u**2).sum(axis=1) / 2)
+        reconstruct = scheme.pop("reconstruct", "CWENO3")
+        patches = {name: kind for name, (kind, _, _) in mesh.mesh.patches.items()}
+        boxes.write_case(case, patches, rho, u, p, self.end, binary=True, **{**self.options, **scheme})
+        with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
+            f.write(f"polyReconstruct {reconstruct};\n")
+        return rho, u, p
+
+    def known(self, n):
+        return self.averages(n, self.end)[:, 0]
+
+    def error(self, n, values):
+        if self.answer[0] != n:
+            self.answer = n, self.known(n)
+        return np.average(np.abs(values - self.answer[1]), weights=self.mesh(n).volumes) / self.scale
+
+
+def conserved(rho, u, v, p, gamma):
+    return np.stack([rho, rho * u, rho * v, p / (gamma - 1) + rho * (u**2 + v**2) / 2], axis=1)
+
+
+class VortexTriangles(Triangles):
+    name, title = "vortexTriangles", "isentropic vortex on gmsh's triangles, perfect gas, a fifth of a period"
+    size, end, cyclic, parts, meshes = (10.0, 10.0), 2.0, "xy", 2, {}
+    grids, quick = (20, 40, 80), (12, 24)
+    foam, foam_quick = {0.2: (20, 40, 80, 160), 0.1: (40, 80)}, {0.2: (12,)}
+    options = {"eos": "perfectGas", "gamma": 1.4}
+
+    def conserved(self, x, t):
+        at = np.column_stack([np.mod(x - t, 10.0), 0 * x[:, 0]])
+        rho, u, p = Vortex().initial(at)
+        return conserved(rho, u[:, 0], u[:, 1], p, 1.4)
+
+
+class SodTriangles(Triangles):
+    """Sod's tube along a square of triangles, cyclic across."""
+    name, title = "sodTriangles", "Sod's shock tube on gmsh's triangles, perfect gas"
+    size, end, cyclic, parts, meshes = (1.0, 1.0), 0.2, "y", 4, {}
+    grids, quick = (25, 50, 100, 200), ()
+    foam, foam_quick = {0.2: (25, 50, 100, 200), 0.1: (50, 100)}, {}
+    options = {"eos": "perfectGas", "gamma": 1.4}
+
+    def __init__(self):
+        self.speeds = np.linspace(-3, 3, 100001)
+        self.table = Riemann(PerfectGas(1.4), (1, 0, 1), (0.125, 0, 0.1)).sample(self.speeds)
+
+    def conserved(self, x, t):
+        speed = (x[:, 0] - 0.5) / max(t, 1e-12)
+        rho, u, p = (np.interp(speed, self.speeds, values) for values in self.table)
+        return conserved(rho, u, 0 * u, p, 1.4)
+
+
 PROBLEMS = [
-    Vortex(), Wave(), Shear(),
+    Vortex(), VortexTriangles(), Wave(), Shear(),
     Tube("sod", "Sod's shock tube, perfect gas", PerfectGas(1.4), (1, 0, 1), (0.125, 0, 0.1), 0.5, 1.0, 0.2,
          grids=(100, 400, 1600, 3200), quick=(50, 100, 200), options={"eos": "perfectGas", "gamma": 1.4},
          foam={0.2: (100, 200, 400, 800, 1600, 3200), 0.1: (100, 200, 400, 800, 1600, 3200), 0.05: (400, 1600, 3200)},
          foam_quick={0.2: (100, 200)}),
     Tube("blast", "granular blast, e = 1, exact Riemann solution", GoldshteinShapiro(1.0), *BLAST, 5.0, 10.0, 5.48,
          grids=(250, 1000, 4000), quick=(125, 250), scale=50.0),
-    ShuOsher(), Riemann2D(), Step(), Wedge(),
+    SodTriangles(), ShuOsher(), Riemann2D(), Step(), Wedge(),
 ]

@@ -72,7 +72,14 @@ static status read_value(struct dict *d, const char *key, int components, long c
     return OK;
 }
 
-static status read_expression(struct dict *d, int components, long npoints, const double *points, double t,
+/* cell: -1 at other points than the centres. */
+static status unfinite(struct dict *d, double value, long cell, const double *x, double t) {
+    char in[40] = "";
+    if (cell >= 0) snprintf(in, sizeof in, " in cell %ld", cell);
+    return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", value, in, x[0], x[1], x[2], t);
+}
+
+static status read_expression(struct dict *d, int components, bool cells, long npoints, const double *points, double t,
                               double *out) {
     const char *const *texts;
     int n;
@@ -87,8 +94,7 @@ static status read_expression(struct dict *d, int components, long npoints, cons
         for (long i = 0; i < npoints; i++) {
             const double *x = points + 3 * i;
             double v = expr_value(e, x[0], x[1], x[2], t);
-            if (!isfinite(v) && !s)
-                s = dict_fail(d, "expression", "it gives %g at (%g %g %g), t = %g", v, x[0], x[1], x[2], t);
+            if (!isfinite(v) && !s) s = unfinite(d, v, cells ? i : -1, x, t);
             out[i * components + c] = v;
         }
         expr_free(e);
@@ -101,7 +107,7 @@ bool field_has_expression(const struct field *f) {
     return dict_has(f->dict, "expression");
 }
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
-    return read_expression(f->dict, f->kind->components, npoints, points, t, out);
+    return read_expression(f->dict, f->kind->components, false, npoints, points, t, out);
 }
 
 static status read_cells(struct field *f, const struct field_place *at) {
@@ -109,7 +115,7 @@ static status read_cells(struct field *f, const struct field_place *at) {
     if (dict_has(f->dict, "expression")) {
         (void)dict_has(f->dict, "internalField");
         TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
-        return read_expression(f->dict, m, n, at->centre, at->t, f->values);
+        return read_expression(f->dict, m, true, n, at->centre, at->t, f->values);
     }
     double uniform[3];
     TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));

@@ -41,14 +41,14 @@ class Quick(harness.Folder, unittest.TestCase):
         self.assertEqual(self.done.returncode, 0, self.done.stdout[-2000:] + self.done.stderr[-2000:])
         with open(os.path.join(self.folder, "workPrecision.md")) as f:
             text = f.read()
-        for problem in ("vortex", "wave", "shear", "sod", "blast"):
+        for problem in ("vortex", "vortexTriangles", "wave", "shear", "sod", "blast"):
             self.assertIn(f"## {problem}:", text)
         with open(os.path.join(self.folder, "workPrecision.png"), "rb") as f:
             self.assertEqual(f.read(4), b"\x89PNG")
 
     def test_errors_fall(self):
         series = self.series(code="haff")
-        self.assertGreaterEqual(len(series), 15)  # five problems, three reconstructions
+        self.assertGreaterEqual(len(series), 17)  # five problems of three reconstructions, one of two
         for key, points in series.items():
             with self.subTest(" ".join(key)):
                 self.assertGreaterEqual(len(points), 2)
@@ -69,7 +69,7 @@ class Quick(harness.Folder, unittest.TestCase):
     @unittest.skipUnless(shutil.which("rhoCentralFoam"), "rhoCentralFoam (package openfoam) is not installed: no comparison")
     def test_sooner_than_rhoCentralFoam(self):
         foam = self.series(code="rhoCentralFoam")
-        self.assertEqual({key[0] for key in foam}, {"vortex", "sod"})
+        self.assertEqual({key[0] for key in foam}, {"vortex", "vortexTriangles", "sod"})
         for (problem, *_), points in foam.items():
             _, seconds, error = points[-1]
             with self.subTest(problem):
