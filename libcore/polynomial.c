@@ -89,6 +89,9 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
 ALWAYS_INLINE int quadratics(int dim) {
     return dim * (dim + 1) / 2;
 }
+ALWAYS_INLINE int product(int dim, int i, int j) { /* of coordinates i <= j, among the coefficients */
+    return dim + i * dim - i * (i - 1) / 2 + j - i;
+}
 
 /* Gradients g[s][k] of the sectors. */
 ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int sectors, const double *restrict q,
@@ -110,8 +113,9 @@ ALWAYS_INLINE void smoothness(int dim, double (*restrict a)[LANES], double *rest
     EACH_LANE {
         double first = 0, second = 0;
         for (int k = 0; k < dim; k++) first += a[k][l] * a[k][l];
-        for (int i = 0, m = dim; i < dim; i++)
-            for (int j = i; j < dim; j++, m++) second += (i == j ? 4. : 2.) * (a[m][l] * a[m][l]);
+        for (int i = 0; i < dim; i++) /* from 0, or compilers do not unroll these loops, which would cost vectors */
+            for (int j = 0; j < dim; j++)
+                if (j >= i) second += (i == j ? 4. : 2.) * (a[product(dim, i, j)][l] * a[product(dim, i, j)][l]);
         I[l] = fma(13. / 12, second, first);
     }
 }
@@ -171,13 +175,14 @@ ALWAYS_INLINE void quadratic_values(int dim, const struct fit *f, int batch, con
         high[l] = fma(OVER, b->high[l] - b->low[l], b->high[l]);
     }
     for (int p = f->point.start[batch]; p < f->point.start[batch + 1]; p++) {
-        const double *x = f->point.data + (long)p * dim * LANES;
-        double *out = value + (long)p * LANES;
+        const double *restrict x = f->point.data + (long)p * dim * LANES;
+        double *restrict out = value + (long)p * LANES;
         EACH_LANE {
             double sum = base[l];
-            for (int i = 0, m = dim; i < dim; i++) {
+            for (int i = 0; i < dim; i++) {
                 double slope = a[i][l];
-                for (int j = i; j < dim; j++, m++) slope = fma(a[m][l], x[j * LANES + l], slope);
+                for (int j = 0; j < dim; j++)
+                    if (j >= i) slope = fma(a[product(dim, i, j)][l], x[j * LANES + l], slope);
                 sum = fma(slope, x[i * LANES + l], sum);
             }
             out[l] = own[l] + larger(smaller(sum, high[l]), low[l]);
