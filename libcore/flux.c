@@ -5,20 +5,12 @@
  * below differ in the basis and in which fields are split. A batch is cut into runs of faces that need the same work;
  * what a face gets does not depend on its run. */
 
-enum { GROUP = 8 };    /* faces of one kind: a vector */
-enum kind {            /* of the faces of a run, in the order of what they need */
-            FROM_LEFT, /* all waves run one way: the basis of the upwind cell */
-            FROM_RIGHT,
-            BOTH_WAYS, /* a basis between the two cells */
-            SPLIT      /* some fields are split, too */
-};
+enum { GROUP = 8 }; /* faces of one kind: a vector */
 
 /* Marquina's rule (19)-(23): a field whose speed has one sign on both sides is upwinded, others are split with the
- * larger speed; a zero product splits. `always`: split all; `least`: smallest alpha of a split. kind: of each face. */
+ * larger speed; a zero product splits. `always`: split all; `least`: smallest alpha of a split. */
 KERNEL static void find_winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
-                              const double *restrict cr, bool always, double least, struct winds *restrict w,
-                              double *restrict kind) {
-    for (int i = 0; i < n; i++) kind[i] = 0;
+                              const double *restrict cr, bool always, double least, struct winds *restrict w) {
     for (int k = 0; k < FAMILIES; k++) {
         double sign = k - 1;
         double *restrict speed = w->speed[k];
@@ -29,39 +21,36 @@ KERNEL static void find_winds(int n, const double *restrict ul, const double *re
             speed[i] = always ? alpha : upwind_speed;
         }
     }
-    for (int i = 0; i < n; i++) {
-        double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
-        double unsplit = minus == UPWIND_LEFT ? FROM_LEFT : plus == UPWIND_RIGHT ? FROM_RIGHT : BOTH_WAYS;
-        kind[i] = larger(larger(minus, entropy), plus) >= 0 ? SPLIT : unsplit;
-    }
 }
 
-static enum kind kind_of_group(int n, const double *kind) {
-    double least = SPLIT, most = FROM_LEFT;
-    for (int i = 0; i < n && i < GROUP; i++) {
-        least = smaller(least, kind[i]);
-        most = larger(most, kind[i]);
-    }
-    return least < most && most < BOTH_WAYS ? BOTH_WAYS : (enum kind)most;
+/* Does any of n faces split a field? Speeds of fields that are not split are negative: their sign bits stand. */
+ALWAYS_INLINE bool any_split(int n, const struct winds *restrict w, int from) {
+    uint64_t signs = ~(uint64_t)0;
+    for (int i = from; i < from + n; i++)
+        signs &= bits_of(w->speed[MINUS][i]) & bits_of(w->speed[ENTROPY][i]) & bits_of(w->speed[PLUS][i]);
+    return signs >> 63 == 0;
+}
+
+static bool group_splits(int n, const struct winds *w, int from) {
+    return n - from >= GROUP ? any_split(GROUP, w, from) : any_split(n - from, w, from);
 }
 
 /* The end of the run of groups of one kind that starts at face `from`. */
-static int run_end(int n, const double *kind, int from, enum kind *of) {
+KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) {
     int end = from + GROUP;
-    *of = kind_of_group(n - from, kind + from);
-    while (end < n && kind_of_group(n - end, kind + end) == *of) end += GROUP;
+    *splits = group_splits(n, w, from);
+    while (end < n && group_splits(n, w, end) == *splits) end += GROUP;
     return end < n ? end : n;
 }
 
-/* The eigenbasis of a state with enthalpy eps + p/rho, as in physics 1.1: total enthalpy h, b1 = p_eps/(rho c^2),
- * b2 = 1 + b1 (u^2 - h); one division serves all. */
-ALWAYS_INLINE void close_basis(const int dim, double rho, double eps, double p, double c, double g, const double *u,
+/* The eigenbasis of physics 1.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho: total enthalpy h,
+ * b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
+ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, double c, double g,
                                struct bases *restrict b, int i) {
-    double cg = c * g, inverse = 1 / (rho * cg), t = 0;
-    double inverse_c = rho * g * inverse, b1 = g * inverse_c * inverse_c;
+    double inverse = 1 / (c * g), inverse_c = g * inverse, b1 = g * inverse_c * inverse_c, t = 0;
     if (dim == 2) t = u[1] * u[1];
     if (dim == 3) t = u[1] * u[1] + u[2] * u[2];
-    double square = u[0] * u[0] + t, h = fma(0.5, square, fma(p, cg * inverse, eps));
+    double square = u[0] * u[0] + t, h = fma(0.5, square, enthalpy);
     b->u[0][i] = u[0];
     if (dim > 1) b->u[1][i] = u[1];
     if (dim > 2) b->u[2][i] = u[2];
@@ -69,77 +58,61 @@ ALWAYS_INLINE void close_basis(const int dim, double rho, double eps, double p, 
     b->h[i] = h;
     b->half_b1[i] = 0.5 * b1;
     b->half_b2[i] = 0.5 * fma(b1, square - h, 1);
-    b->inverse_b1[i] = c * c * (rho * c * inverse);
+    b->inverse_b1[i] = c * c * (c * inverse);
     b->half_inverse_c[i] = 0.5 * inverse_c;
 }
 
+/* eps + p/rho, as every equation of state here is linear in T (eos.h): p = rho eps g. */
+ALWAYS_INLINE double static_enthalpy(double eps, double g) {
+    return fma(g, eps, eps);
+}
+
 struct face_states { /* of n faces */
-    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared at first */, gruneisen[BATCH];
+    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared */, gruneisen[BATCH];
     double good[BATCH];
 };
 
-ALWAYS_INLINE void state_bases_dim(const int dim, int from, int to, const struct face_states *restrict s,
+ALWAYS_INLINE void state_bases_dim(const int dim, int n, const struct face_states *restrict s,
                                    struct bases *restrict b) {
-    for (int i = from; i < to; i++) {
-        double u[MAX_DIM] = {s->u[0][i], 0, 0};
-        if (dim > 1) u[1] = s->u[1][i];
-        if (dim > 2) u[2] = s->u[2][i];
-        close_basis(dim, s->rho[i], s->eps[i], s->p[i], sqrt(s->c[i]), s->gruneisen[i], u, b, i);
+    for (int i = 0; i < n; i++) {
+        double u[MAX_DIM] = {s->u[0][i], dim > 1 ? s->u[1][i] : 0, dim > 2 ? s->u[2][i] : 0};
+        close_basis(dim, u, static_enthalpy(s->eps[i], s->gruneisen[i]), sqrt(s->c[i]), s->gruneisen[i], b, i);
     }
 }
 
-KERNEL static void state_bases(int dim, int from, int to, const struct face_states *restrict s,
-                               struct bases *restrict b) {
-    if (dim == 1) state_bases_dim(1, from, to, s, b);
-    if (dim == 2) state_bases_dim(2, from, to, s, b);
-    if (dim == 3) state_bases_dim(3, from, to, s, b);
+KERNEL static void state_bases(int dim, int n, const struct face_states *restrict s, struct bases *restrict b) {
+    if (dim == 1) state_bases_dim(1, n, s, b);
+    if (dim == 2) state_bases_dim(2, n, s, b);
+    if (dim == 3) state_bases_dim(3, n, s, b);
 }
 
-ALWAYS_INLINE void cell_bases_dim(const int dim, int from, int to, const struct faces *f, long cell,
-                                  struct bases *restrict b) {
-    const double *restrict rho = f->state[0] + cell, *restrict eps = f->eps + cell, *restrict p = f->p + cell;
-    const double *restrict c = f->c + cell, *restrict g = f->gruneisen + cell, *restrict u0 = f->velocity[0] + cell;
-    const double *restrict u1 = dim > 1 ? f->velocity[1] + cell : u0, *restrict u2 =
-                                                                          dim > 2 ? f->velocity[2] + cell : u0;
-    for (int i = from; i < to; i++) {
-        double u[MAX_DIM] = {u0[i], u1[i], u2[i]};
-        close_basis(dim, rho[i], eps[i], p[i], c[i], g[i], u, b, i);
+ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const struct winds *restrict w,
+                                    struct bases *restrict b) {
+    const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
+    const double *eps = f->eps, *c = f->c, *g = f->gruneisen, *u0 = f->velocity[0];
+    const double *u1 = dim > 1 ? f->velocity[1] : u0, *u2 = dim > 2 ? f->velocity[2] : u0;
+    const long stride = f->stride;
+    for (int i = 0; i < f->n; i++) {
+        bool left = minus[i] == UPWIND_LEFT, right = plus[i] == UPWIND_RIGHT;
+#define L(q) (right ? q[i + stride] : q[i])
+#define R(q) (left ? q[i] : q[i + stride])
+        double el = L(eps), er = R(eps), cl = L(c), cr = R(c), gl = L(g), gr = R(g);
+        double u[MAX_DIM] = {0.5 * (L(u0) + R(u0)), 0.5 * (L(u1) + R(u1)), 0.5 * (L(u2) + R(u2))};
+#undef L
+#undef R
+        close_basis(dim, u, 0.5 * (static_enthalpy(el, gl) + static_enthalpy(er, gr)), sqrt(0.5 * (cl * cl + cr * cr)),
+                    0.5 * (gl + gr), b, i);
     }
 }
 
-KERNEL static void cell_bases(int from, int to, const struct faces *f, long cell, struct bases *restrict b) {
-    if (f->dim == 1) cell_bases_dim(1, from, to, f, cell, b);
-    if (f->dim == 2) cell_bases_dim(2, from, to, f, cell, b);
-    if (f->dim == 3) cell_bases_dim(3, from, to, f, cell, b);
-}
-
-/* The arithmetic mean of the two cells, or the upwind cell's value where all waves run one way. */
-KERNEL static void between_line(int n, const double *restrict minus, const double *restrict plus,
-                                const double *restrict l, const double *restrict r, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = 0.5 * (l[i] + r[i]);
-    for (int i = 0; i < n; i++) out[i] = minus[i] == UPWIND_LEFT ? l[i] : plus[i] == UPWIND_RIGHT ? r[i] : out[i];
-}
-
-/* One basis a face: that of the arithmetic mean of (rho, u, T); where all speeds have one sign that of the upwind cell,
- * so that nothing downwind of a supersonic face touches its flux, not even by round-off. */
-static void common_bases(enum kind kind, int from, int to, const struct faces *f, const struct eos *eos,
-                         const struct material *m, const struct winds *w, struct bases *b) {
-    if (kind <= FROM_RIGHT) {
-        cell_bases(from, to, f, kind == FROM_LEFT ? 0 : f->stride, b);
-        return;
-    }
-    struct face_states s;
-    const double *minus = w->speed[MINUS] + from, *plus = w->speed[PLUS] + from;
-    const double *rho = f->state[0] + from, *eps = f->eps + from;
-    int n = to - from;
-    between_line(n, minus, plus, rho, rho + f->stride, s.rho + from);
-    between_line(n, minus, plus, eps, eps + f->stride, s.eps + from);
-    for (int k = 0; k < f->dim; k++) {
-        const double *u = f->velocity[k] + from;
-        between_line(n, minus, plus, u, u + f->stride, s.u[k] + from);
-    }
-    eos->state(m, n, s.rho + from, s.eps + from, s.p + from, s.c + from, s.gruneisen + from);
-    state_bases(f->dim, from, to, &s, b);
+/* One basis a face: of the means of the two cells' u, static enthalpy, c^2 and g. That is the basis of the mean (u, T)
+ * for the perfect gas, whose contacts are kept exactly, and as accurate as that of the mean state for other equations
+ * of state, which need not be evaluated. Where all speeds have one sign both states are the upwind cell's, so that
+ * nothing downwind of a supersonic face touches its flux, not even by round-off. */
+KERNEL static void common_bases(const struct faces *f, const struct winds *restrict w, struct bases *restrict b) {
+    if (f->dim == 1) common_bases_dim(1, f, w, b);
+    if (f->dim == 2) common_bases_dim(2, f, w, b);
+    if (f->dim == 3) common_bases_dim(3, f, w, b);
 }
 
 /* The columns of R: F = sum over fields of amplitude times r, added to what is there. */
@@ -173,36 +146,38 @@ KERNEL static void project_back(int dim, int from, int to, const struct bases *r
     if (dim == 3 && add) back(3, from, to, b, a, true, out);
 }
 
-static void one_basis(const struct faces *f, const struct eos *eos, const struct material *material,
-                      const struct reconstruct *r, bool always, double least) {
+static void one_basis(const struct faces *f, const struct reconstruct *r, bool always, double least) {
     struct winds w;
     struct bases b;
-    double a[MAX_VAR][BATCH], kinds[BATCH];
-    enum kind kind = SPLIT;
+    double a[MAX_VAR][BATCH];
     long d = f->stride;
-    find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, &w, kinds);
+    find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, &w);
+    common_bases(f, &w, &b);
     for (int from = 0, to; from < f->n; from = to) {
-        to = run_end(f->n, kinds, from, &kind);
-        common_bases(kind, from, to, f, eos, material, &w, &b);
-        if (kind == SPLIT)
+        bool splits;
+        to = run_end(f->n, &w, from, &splits);
+        if (splits)
             r->split(from, to, f, &b, &w, a);
         else
             r->upwind(from, to, f, &b, &w, 0, a);
-        project_back(f->dim, from, to, &b, a, false, f->out);
     }
+    project_back(f->dim, 0, f->n, &b, a, false, f->out);
 }
 
 static void common(const struct faces *f, const struct eos *eos, const struct material *m,
                    const struct reconstruct *r) {
-    one_basis(f, eos, m, r, false, 0);
+    (void)eos, (void)m;
+    one_basis(f, r, false, 0);
 }
 static void local_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
                                  const struct reconstruct *r) {
-    one_basis(f, eos, m, r, true, 0);
+    (void)eos, (void)m;
+    one_basis(f, r, true, 0);
 }
 static void global_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
                                   const struct reconstruct *r) {
-    one_basis(f, eos, m, r, true, f->fastest);
+    (void)eos, (void)m;
+    one_basis(f, r, true, f->fastest);
 }
 
 /* Falls back to the cell's state where the reconstructed one is not admissible. */
@@ -242,7 +217,7 @@ static void sided_bases(const struct faces *f, const struct eos *eos, const stru
     }
     admit(n, dim, density_limit(eos, m), f->state[0] + cell, u, f->eps + cell, &s);
     eos->state(m, n, s.rho, s.eps, s.p, s.c, s.gruneisen);
-    state_bases(dim, 0, n, &s, b);
+    state_bases(dim, n, &s, b);
 }
 
 /* Does any face of the run take something from the side whose opposite is `other`? */
@@ -259,18 +234,17 @@ static void marquina(const struct faces *f, const struct eos *eos, const struct 
                      const struct reconstruct *r) {
     struct winds w;
     struct bases b[2];
-    double a[MAX_VAR][BATCH], kinds[BATCH];
-    enum kind kind = SPLIT;
+    double a[MAX_VAR][BATCH];
     sided_bases(f, eos, m, 1, r, &b[0]);
     sided_bases(f, eos, m, -1, r, &b[1]);
-    find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &w, kinds);
+    find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &w);
     for (int from = 0, to; from < f->n; from = to) {
-        bool add = false;
-        to = run_end(f->n, kinds, from, &kind);
+        bool add = false, splits;
+        to = run_end(f->n, &w, from, &splits);
         for (int s = 0; s < 2; s++) {
             double other = s == 0 ? UPWIND_RIGHT : UPWIND_LEFT;
             if (!side_needed(&w, from, to, other)) continue;
-            if (kind == SPLIT)
+            if (splits)
                 r->sided(from, to, f, &b[s], &w, s == 0 ? 1 : -1, a);
             else
                 r->upwind(from, to, f, &b[s], &w, other, a);
@@ -319,7 +293,7 @@ void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][
     struct bases b;
     double kinetic = 0;
     for (int k = 0; k < dim; k++) kinetic += 0.5 * given->u[k] * given->u[k];
-    close_basis(dim, 1, 0, given->h - kinetic, given->c, given->b1 * given->c * given->c, given->u, &b, 0);
+    close_basis(dim, given->u, given->h - kinetic, given->c, given->b1 * given->c * given->c, &b, 0);
     for (int v = 0; v < dim + 2; v++) {
         double unit[MAX_VAR] = {0}, a[MAX_VAR][BATCH] = {{0}}, column[MAX_VAR];
         unit[v] = 1;
