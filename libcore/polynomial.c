@@ -1,7 +1,9 @@
 #include "libcore/polynomial_fit.h"
 
 #define EACH_LANE for (int l = 0; l < LANES; l++)
-static const double SMALL = 1e-6;  /* squared ratio of variation to value below which nothing is limited */
+static const double SMALL = 1e-6; /* squared ratio of variation to value below which nothing is limited */
+static const double EPSILON =
+    1e-7;                          /* of the weights of CWENO3, by the squared value: a jump of 5 % overshoots by 1 % */
 static const double OVER = 0.2;    /* what CWENO3 may leave the range of its stencil by, as a part of that range */
 static const double TINY = 1e-100; /* keeps 0/0 away */
 
@@ -83,7 +85,7 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
  * 2017):
  *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
  * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019): I = sum over the derivatives of
- * the mean over the cell (taken as a cube) of their square, epsilon = 1e-6 times the squared value of the cell, so that
+ * the mean over the cell (taken as a cube) of their square, epsilon = 1e-7 times the squared value of the cell, so that
  * units do not matter; tau = mean |I_s - I_opt|, which is large wherever one sector is smooth and another is not, while
  * a difference of means cancels at some jumps. The bounds count where no sector is smooth: in wedges at a wall. */
 ALWAYS_INLINE int quadratics(int dim) {
@@ -133,7 +135,7 @@ ALWAYS_INLINE void weigh(int dim, const double *restrict share, int sectors, con
         }
     share -= sectors * LANES;
     EACH_LANE {
-        epsilon[l] = fma(SMALL * own[l], own[l], TINY);
+        epsilon[l] = fma(EPSILON * own[l], own[l], TINY);
         tau[l] /= larger(shares[l], TINY);
         double ratio = tau[l] / (I[l] + epsilon[l]);
         central[l] = fma(ratio, ratio, 1);
