@@ -1,6 +1,6 @@
 """The rhoCentralFoam twin of a granularGas case: the same mesh, initial state, patches and end time, for a gas that both know.
 
-    twin = Twin("cases/sod", "/tmp/sod", "build/bin", cells=100)
+    twin = Twin("cases/sod", "twins", "build/bin", cells=100)
     twin.ours, twin.foam            # two case folders; nothing has run in them but one step of no length
     twin.end, twin.gamma
 
