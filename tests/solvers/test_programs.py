@@ -185,7 +185,8 @@ class Running(harness.Folder, unittest.TestCase):
         for key, name in (("fluxScheme", "common"), ("reconstruct", "WPENO5"), ("timeScheme", "SSPRK43")):
             self.assertRegex(said, rf"{key} +{name}\n")
             self.assertRegex(listed, rf"fvSchemes: {key}\n(  .*\n)*  {name} .*\(default\)\n")
-        self.assertEqual(listed.count("(default)"), 3)
+        for part in listed.split("system/fvSchemes: "):
+            self.assertLessEqual(part.count("(default)"), 1)
         self.assertRegex(said, r"maxCo +1 +default")
 
     def test_ascii_compressed_restart(self):
