@@ -310,7 +310,7 @@ class SodTriangles(Triangles):
     name, title = "sodTriangles", "Sod's shock tube on gmsh's triangles, perfect gas"
     size, end, cyclic, parts, meshes = (1.0, 1.0), 0.2, "y", 4, {}
     grids, quick = (25, 50, 100, 200), ()
-    foam, foam_quick = {0.2: (25, 50, 100, 200), 0.1: (50, 100)}, {}
+    foam, foam_quick = {0.2: (25, 50, 100, 200), 0.1: (25, 50, 100)}, {}
     options = {"eos": "perfectGas", "gamma": 1.4}
 
     @functools.cached_property
