@@ -94,6 +94,10 @@ def behind_shock(case, field, time):
     return float(getattr(shocks.behind_wedge(case, shocks.upstream(case, gas(case), time), WEDGE, time), field))
 
 
+def wedge_error(case, _, time):
+    return shocks.wedge_error(case, shocks.upstream(case, gas(case), time), WEDGE, time)
+
+
 def stand_off(case, _, time):
     return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
 
@@ -111,6 +115,7 @@ QUANTITIES = {
     "L1 difference to the lattice": reference_error,
     "shock angle": shock_angle,
     "error behind the shock": behind_shock,
+    "L1 error of a wedge": wedge_error,
     "stand-off distance": stand_off,
 }
 

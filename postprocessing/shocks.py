@@ -4,6 +4,7 @@
     shock = upstream(case, expected.gas(case))           # the stream as an ObliqueShock
     fit = straight_shock(case, shock, np.radians(15))    # angle, offset, scatter from a line fitted to points of the shock
     jump = behind_wedge(case, shock, np.radians(15))     # means behind it, and how far from the exact ones
+    wedge_error(case, shock, np.radians(15))             # of the density, against the exact flow
     stand_off(case, shock)                               # ahead of a blunt body about the origin, on the axis y = z = 0
 
 The shock is where the density passes the mean of the exact values ahead of and behind it. A stream comes along +x.
@@ -12,6 +13,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+import cellmap
 from obliqueShock import ObliqueShock
 
 
@@ -57,8 +59,8 @@ def spacing(case):
 
 
 def upstream(case, eos, time=None):
-    """The stream in the cell of least x."""
-    cell = np.argmin(case.centres[:, 0])
+    """The stream in a cell ahead of the body and to its side, as far as the domain goes."""
+    cell = np.argmax(case.centres[:, 1] - 2 * case.centres[:, 0])
     rho, p = case.field("rho", time)[cell], case.field("p", time)[cell]
     speed = np.linalg.norm(case.field("U", time)[cell])
     return ObliqueShock(eos, rho, p, speed / eos.c(rho, eos.T(rho, p)))
@@ -106,6 +108,19 @@ def behind_wedge(case, shock, theta, time=None, window=(2.0, 8.0), margin=np.rad
     rho, p = case.field("rho", time)[here], case.field("p", time)[here]
     mach = np.linalg.norm(case.field("U", time)[here], axis=1) / shock.eos.c(rho, shock.eos.T(rho, p))
     return SimpleNamespace(rho=weight @ rho / exact.rho - 1, p=weight @ p / exact.p - 1, mach=weight @ mach / exact.mach - 1)
+
+
+def wedge_error(case, shock, theta, time=None, window=(2.0, 8.0)):
+    """Mean |rho - exact| over the cells of the window above the wedge, over the jump of rho; exact: averages over
+    the triangles."""
+    beta = shock.angle(theta)
+    behind = float(shock.behind(beta).rho)
+    x = case.centres[:, 0]
+    here = (x > window[0]) & (x < window[1])
+    at = cellmap.spread(case.mesh)
+    exact = shock.rho + (behind - shock.rho) * (np.arctan2(at[..., 1], at[..., 0]) < beta).mean(axis=1)
+    weight = case.volumes[here] / case.volumes[here].sum()
+    return float(weight @ np.abs(case.field("rho", time) - exact)[here] / (behind - shock.rho))
 
 
 def body_radius(case):

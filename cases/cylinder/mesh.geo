@@ -1,6 +1,6 @@
 // The front of a cylinder of radius R across a stream along x, upper half: triangles of side R/N near the body, twice that at
 // the inlet: gmsh -setnumber N 20 ...
-DefineConstant[ N = {14, Min 4, Name "cells per radius"} ];
+DefineConstant[ N = {16, Min 4, Name "cells per radius"} ];
 R = 10;   front = 2.8*R;   top = 4.5*R;   h = R/N;
 
 Point(1) = {0, 0, 0, h};

@@ -12,7 +12,7 @@ import figures  # noqa: E402
 import haff  # noqa: E402
 import shocks  # noqa: E402
 
-FLOWS = (("", "$e$ = 0.95"), ("e1", "$e$ = 1"), ("perfect", "perfect gas, 1.4"))
+FLOWS = (("", "$e$ = 0.98"), ("e1", "$e$ = 1"), ("perfect", "perfect gas, 1.4"))
 flows = [(haff.Case(os.path.join(figures.folder(), sub)), name) for sub, name in FLOWS
          if os.path.isdir(os.path.join(figures.folder(), sub, "constant"))]
 fig, axes = figures.panels(1, len(flows) + 1, width=2.4 * (len(flows) + 1) + 0.6, height=3.3)

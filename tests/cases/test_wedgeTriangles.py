@@ -1,0 +1,18 @@
+"""The step of cases/wedge on triangles: nears the lattice's fine runs as the lattice itself does."""
+import unittest
+
+from tests.cases import harness
+
+
+class WedgeTriangles(harness.Folder, unittest.TestCase):
+    def test_lattice(self):
+        errors = []
+        for cells in (25, 50):
+            case = self.short("wedgeTriangles", cells)
+            errors.append(harness.expected.reference_error(case, "rho", case.times[-1]))
+        self.assertLess(errors[1], errors[0] / 2**0.7)
+        self.compare(case, harness.entries("wedgeTriangles", cells=50))
+
+
+if __name__ == "__main__":
+    unittest.main()
