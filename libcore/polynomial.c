@@ -1,11 +1,10 @@
 #include "libcore/polynomial_fit.h"
 
 #define EACH_LANE for (int l = 0; l < LANES; l++)
-static const double SMALL = 1e-6; /* squared ratio of variation to value below which nothing is limited */
-static const double EPSILON =
-    1e-7;                          /* of the weights of CWENO3, by the squared value: a jump of 5 % overshoots by 1 % */
-static const double OVER = 0.2;    /* what CWENO3 may leave the range of its stencil by, as a part of that range */
-static const double TINY = 1e-100; /* keeps 0/0 away */
+static const double SMALL = 1e-6;   /* squared ratio of variation to value below which nothing is limited */
+static const double EPSILON = 1e-4; /* of the weights of CWENO3: what varies by 1 % of the value a cell is smooth */
+static const double OVER = 0.2;     /* what CWENO3 may leave the range of its stencil by, as a part of that range */
+static const double TINY = 1e-100;  /* keeps 0/0 away */
 
 ALWAYS_INLINE void own_values(const struct fit *f, int batch, const double *restrict q, double *restrict own) {
     int first = batch * LANES, n = f->mosaic->nnear - first < LANES ? f->mosaic->nnear - first : LANES;
@@ -85,9 +84,11 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
  * 2017):
  *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
  * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019): I = sum over the derivatives of
- * the mean over the cell (taken as a cube) of their square, epsilon = 1e-7 times the squared value of the cell, so that
- * units do not matter; tau = mean |I_s - I_opt|, which is large wherever one sector is smooth and another is not, while
- * a difference of means cancels at some jumps. The bounds count where no sector is smooth: in wedges at a wall. */
+ * the mean over the cell (taken as a cube) of their square, epsilon = 1e-4 times the squared largest value of the
+ * stencil, so that units do not matter: a smooth wave keeps the quadratic alone from 30 cells a length on, and a strong
+ * shock is free of undershoots, which no linear weight gave at once; tau = mean |I_s - I_opt|, which is large wherever
+ * one sector is smooth and another is not, while a difference of means cancels at some jumps. The bounds count where no
+ * sector is smooth: in wedges at a wall. */
 ALWAYS_INLINE int quadratics(int dim) {
     return dim * (dim + 1) / 2;
 }
@@ -124,8 +125,8 @@ ALWAYS_INLINE void smoothness(int dim, double (*restrict a)[LANES], double *rest
 
 /* Nonlinear weights: w_0/d_0 in `central`, w_s - d_s w_0/d_0 in w. */
 ALWAYS_INLINE void weigh(int dim, const double *restrict share, int sectors, const double *restrict own,
-                         const double *restrict I, double (*restrict g)[LANES], double (*restrict w)[LANES],
-                         double *restrict central) {
+                         const struct bounds *restrict b, const double *restrict I, double (*restrict g)[LANES],
+                         double (*restrict w)[LANES], double *restrict central) {
     double tau[LANES] = {0}, shares[LANES] = {0}, sum[LANES], epsilon[LANES];
     for (int s = 0; s < sectors; s++, share += LANES) EACH_LANE {
             w[s][l] = 0;
@@ -135,7 +136,8 @@ ALWAYS_INLINE void weigh(int dim, const double *restrict share, int sectors, con
         }
     share -= sectors * LANES;
     EACH_LANE {
-        epsilon[l] = fma(EPSILON * own[l], own[l], TINY);
+        double most = larger(fabs(own[l] + b->low[l]), fabs(own[l] + b->high[l]));
+        epsilon[l] = fma(EPSILON * most, most, TINY);
         tau[l] /= larger(shares[l], TINY);
         double ratio = tau[l] / (I[l] + epsilon[l]);
         central[l] = fma(ratio, ratio, 1);
@@ -155,10 +157,11 @@ ALWAYS_INLINE void weigh(int dim, const double *restrict share, int sectors, con
 
 /* a <- the coefficients of P, from those of P_opt and the gradients g of the sectors; w: room for their weights. */
 ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, const double *restrict own,
-                           double (*restrict g)[LANES], double (*restrict w)[LANES], double (*restrict a)[LANES]) {
+                           const struct bounds *restrict b, double (*restrict g)[LANES], double (*restrict w)[LANES],
+                           double (*restrict a)[LANES]) {
     double I[LANES], central[LANES];
     smoothness(dim, a, I);
-    weigh(dim, share, sectors, own, I, g, w, central);
+    weigh(dim, share, sectors, own, b, I, g, w, central);
     for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[k][l] *= central[l];
     for (int s = 0; s < sectors; s++)
         for (int k = 0; k < dim; k++) EACH_LANE a[k][l] = fma(w[s][l], g[s * dim + k][l], a[k][l]);
@@ -205,7 +208,7 @@ ALWAYS_INLINE void cweno3(int dim, const struct fit *f, int batch, const double 
         for (int k = 0; k < n; k++) EACH_LANE a[k][l] = fma(w[k * LANES + l], d[l], a[k][l]);
     }
     sector_gradients(dim, f, batch, sectors, q, own, gradient);
-    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, sectors, own, gradient, weight, a);
+    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, sectors, own, &b, gradient, weight, a);
     quadratic_values(dim, f, batch, own, &b, a, value);
 }
 

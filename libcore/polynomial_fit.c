@@ -6,9 +6,7 @@
 static const double DEPENDENT = 1e-2;
 static const double FLAT_SECTOR = 0.1; /* the same for the members of a sector, which is then left out */
 static const double CONE = 0.55;       /* cosine of the angle that a sector beyond a face takes in to each side */
-/* Linear weight of the quadratic against that of one sector, large as in Dumbser et al. (2017): with 1e3 a smooth wave
- * on 32 x 32 x 2 triangles had six times the error of the quadratic alone, with 1e5 it has the same. */
-static const double CENTRAL = 1e5;
+static const double CENTRAL = 1e3;     /* linear weight of the quadratic against that of one sector */
 
 struct point_list { /* face points of the cells */
     int *start;     /* [nnear + 1] */
