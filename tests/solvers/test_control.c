@@ -52,7 +52,7 @@ static void test_keys(void **state) {
     assert_int_equal(c->purge, 3);
     assert_int_equal(c->write.control, WRITE_ADJUSTABLE);
     assert_int_equal(c->start_from, START_TIME);
-    assert_true(c->max_co == 0.5 && c->max_delta_t == 0.1 && c->start_time == 1 && c->end_time == 2);
+    assert_true(c->max_co == 1 && c->max_delta_t == 0.1 && c->start_time == 1 && c->end_time == 2);
     control_free(c);
 }
 
