@@ -1,9 +1,12 @@
-/* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D. CTest compares
- * what the program prints when it is built with clones for the machine's vectors, and without them at -O0. */
+/* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D, and for every
+ * polynomial on triangles and tetrahedra. CTest compares what the program prints when it is built with clones for the
+ * machine's vectors, and without them at -O0. */
 #include "libcore/gas.h"
 #include "tests/box.h"
 
 #include <stdio.h>
+
+#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
 
 static void splash(int i, const int n[3], double *rho, double *T, double u[3]) {
     double x = (double)(i % n[0]) / n[0], y = (double)(i / n[0] % n[1]) / n[1], z = (double)(i / n[0] / n[1]) / n[2];
@@ -37,23 +40,7 @@ static status fill(struct gas *g, int cells, const int n[3]) {
     return s;
 }
 
-static status print_scheme(const struct comm *c, int dim, const struct flux *flux, const struct reconstruct *r) {
-    struct box box;
-    struct forest *f;
-    struct gas *g;
-    uint64_t sum = 0;
-    int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, dim > 2 ? 14 : 1};
-    box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true});
-    struct gas_models m = {
-        .material = {.diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65},
-        .eos = eos_find("GoldshteinShapiro"),
-        .flux = flux,
-        .reconstruct = r,
-        .stepper = stepper_find("SSPRK3"),
-        .source = {.cooling = true, .gravity = {10, -20, 30}}};
-    TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
-    TRY(gas_make(f, &m, 0, NULL, &g));
-    TRY(fill(g, box.mesh.ncells, n));
+static status advance(struct gas *g) {
     double t = 0;
     for (int i = 0; i < 4; i++) {
         struct gas_speed speed;
@@ -62,11 +49,60 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
         TRY(gas_step(g, t, &dt, 0.4, 0, 0, &speed));
         t += dt;
     }
+    return OK;
+}
+
+static struct gas_models models_of(const struct flux *flux) {
+    return (struct gas_models){
+        .material = {.diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65},
+        .eos = eos_find("GoldshteinShapiro"),
+        .flux = flux,
+        .stepper = stepper_find("SSPRK3"),
+        .source = {.cooling = true, .gravity = {10, -20, 30}}};
+}
+
+static status print_scheme(const struct comm *c, int dim, const struct flux *flux, const struct reconstruct *r) {
+    struct box box;
+    struct forest *f;
+    struct gas *g;
+    uint64_t sum = 0;
+    int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, dim > 2 ? 14 : 1};
+    box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true});
+    struct gas_models m = models_of(flux);
+    m.reconstruct = r;
+    TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
+    TRY(gas_make(f, &m, 0, NULL, &g));
+    TRY(fill(g, box.mesh.ncells, n));
+    TRY(advance(g));
     TRY(checksum(g, box.mesh.ncells, &sum));
     if (comm_root(c)) printf("%dD %s %s %016llx\n", dim, flux->name, r->name, (unsigned long long)sum);
     gas_free(g);
     forest_free(f);
     box_free(&box);
+    return OK;
+}
+
+static status print_polynomial(const struct comm *c, const struct cells_recipe *r, const struct polynomial *p) {
+    struct polymesh *mesh = cells_make(r);
+    struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
+    struct grid *grid;
+    struct gas *g;
+    uint64_t sum = 0;
+    struct gas_models m = models_of(flux_find("common"));
+    m.polynomial = p;
+    for (int k = 0; k < 6; k++) {
+        walls[k].density.type = walls[k].temperature.type = boundary_find("zeroGradient");
+        walls[k].velocity.type = boundary_find("slip");
+    }
+    TRY(grid_make(NULL, mesh, NULL, NULL, c, p->rings, &grid));
+    TRY(gas_make_mosaic(grid, &m, 6, walls, &g));
+    TRY(fill(g, mesh->ncells, (int[3]){mesh->ncells, 1, 1}));
+    TRY(advance(g));
+    TRY(checksum(g, mesh->ncells, &sum));
+    if (comm_root(c)) printf("%s %s %016llx\n", r->name, p->name, (unsigned long long)sum);
+    gas_free(g);
+    grid_free(grid);
+    polymesh_free(mesh);
     return OK;
 }
 
@@ -77,6 +113,11 @@ int main(int argc, char **argv) {
         for (int f = 0; f < flux_count; f++)
             for (int r = 0; r < reconstruct_count && !s; r++)
                 s = print_scheme(c, dim, &flux_table[f], &reconstruct_table[r]);
+    static const struct cells_recipe meshes[] = {
+        {"triangles", 2, PRISMS, {34, 34, 1}, {0, 1, 2}, 0.2, {false, true, false}},
+        {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};
+    for (int i = 0; i < 2; i++)
+        for (int p = 0; p < polynomial_count && !s; p++) s = print_polynomial(c, &meshes[i], &polynomial_table[p]);
     int code = status_print(s, true);
     status_free(s);
     comm_finish(c);
