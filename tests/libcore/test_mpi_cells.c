@@ -185,7 +185,7 @@ static double wave_error(const struct cells_recipe *r, const char *polynomial) {
     struct scene s;
     open_scene(&s, r, "perfectGas", "common", polynomial);
     const struct mosaic *m = s.grid->mosaic;
-    double *all = calloc(5 * (size_t)s.cells, sizeof *all), *U[MAX_VAR], end = 0.3 * s.length[0], square = 0;
+    double *all = calloc(5 * (size_t)s.cells, sizeof *all), *U[MAX_VAR], end = 0.1 * s.length[0], square = 0;
     for (int v = 0; v < s.dim + 2; v++) U[v] = all + v * s.cells;
     for (int k = 0; k < s.dim; k++) square += u[k] * u[k];
     for (int i = 0; i < m->nown; i++) {
