@@ -104,6 +104,7 @@ static bool guard_stages(struct gas *g, const struct state *U0, double t, double
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     double place[3];
     const struct gas_counts *c = &g->counts;
+    const bool noisy = c->first_order > 1000 && strcmp(g->models.flux->name, "common") != 0;
     gas_fastest_place(g, speed, place);
     return fail(
         ERR_STATE,
@@ -111,7 +112,7 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
         "  so far the safety net redid %ld cells at first order, %ld with Rusanov's flux, and rejected %ld steps%s",
         t, place[0], place[1], place[2], dt, c->first_order, c->rusanov, c->rejected,
-        c->first_order > 1000 ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
+        noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
