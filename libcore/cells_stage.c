@@ -49,57 +49,49 @@ KERNEL static void admit(int n, int dim, double limit, const double (*restrict a
         }
 }
 
-/* rotate: q = the momentum in the frames of the faces; back: the other way. */
-KERNEL static void into_frames(int n, int dim, const struct mosaic_faces *f, const int *restrict face,
-                               double (*restrict q)[BATCH]) {
-    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
-    const double *restrict nx = f->normal[0], *restrict ny = f->normal[1], *restrict nz = f->normal[2];
-    if (dim == 1)
-        for (int i = 0; i < n; i++) m0[i] *= nx[face[i]];
-    if (dim == 2) {
-        const double *restrict tx = f->tangent[0][0], *restrict ty = f->tangent[0][1];
-        for (int i = 0; i < n; i++) {
-            double a = m0[i], b = m1[i];
-            m0[i] = a * nx[face[i]] + b * ny[face[i]];
-            m1[i] = a * tx[face[i]] + b * ty[face[i]];
+struct turn { /* rows of the matrices that turn vectors into the frames of faces, or back: axis[row][column][face] */
+    const double *axis[MAX_DIM][MAX_DIM];
+};
+static struct turn turn_of(const struct mosaic_faces *f, int dim, bool back) {
+    struct turn t = {{{0}}};
+    for (int row = 0; row < dim; row++)
+        for (int k = 0; k < dim; k++) {
+            const double *entry = row ? f->tangent[row - 1][k] : f->normal[k];
+            t.axis[back ? k : row][back ? row : k] = entry;
         }
-    }
-    if (dim == 3) {
-        const double *restrict sx = f->tangent[0][0], *restrict sy = f->tangent[0][1], *restrict sz = f->tangent[0][2];
-        const double *restrict tx = f->tangent[1][0], *restrict ty = f->tangent[1][1], *restrict tz = f->tangent[1][2];
-        for (int i = 0; i < n; i++) {
-            double a = m0[i], b = m1[i], c = m2[i];
-            m0[i] = a * nx[face[i]] + b * ny[face[i]] + c * nz[face[i]];
-            m1[i] = a * sx[face[i]] + b * sy[face[i]] + c * sz[face[i]];
-            m2[i] = a * tx[face[i]] + b * ty[face[i]] + c * tz[face[i]];
-        }
-    }
+    return t;
 }
 
-KERNEL static void out_of_frames(int n, int dim, const struct mosaic_faces *f, const int *restrict face,
+/* The momentum of q, turned. */
+KERNEL static void turn_momentum(int n, int dim, const struct turn *t, const int *restrict face,
                                  double (*restrict q)[BATCH]) {
     double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
-    const double *restrict nx = f->normal[0], *restrict ny = f->normal[1], *restrict nz = f->normal[2];
+    const double *restrict xx = t->axis[0][0], *restrict xy = t->axis[0][1], *restrict xz = t->axis[0][2];
+    const double *restrict yx = t->axis[1][0], *restrict yy = t->axis[1][1], *restrict yz = t->axis[1][2];
+    const double *restrict zx = t->axis[2][0], *restrict zy = t->axis[2][1], *restrict zz = t->axis[2][2];
     if (dim == 1)
-        for (int i = 0; i < n; i++) m0[i] *= nx[face[i]];
-    if (dim == 2) {
-        const double *restrict tx = f->tangent[0][0], *restrict ty = f->tangent[0][1];
+        for (int i = 0; i < n; i++) m0[i] *= xx[face[i]];
+    if (dim == 2)
         for (int i = 0; i < n; i++) {
             double a = m0[i], b = m1[i];
-            m0[i] = a * nx[face[i]] + b * tx[face[i]];
-            m1[i] = a * ny[face[i]] + b * ty[face[i]];
+            m0[i] = a * xx[face[i]] + b * xy[face[i]];
+            m1[i] = a * yx[face[i]] + b * yy[face[i]];
         }
-    }
-    if (dim == 3) {
-        const double *restrict sx = f->tangent[0][0], *restrict sy = f->tangent[0][1], *restrict sz = f->tangent[0][2];
-        const double *restrict tx = f->tangent[1][0], *restrict ty = f->tangent[1][1], *restrict tz = f->tangent[1][2];
+    if (dim == 3)
         for (int i = 0; i < n; i++) {
             double a = m0[i], b = m1[i], c = m2[i];
-            m0[i] = a * nx[face[i]] + b * sx[face[i]] + c * tx[face[i]];
-            m1[i] = a * ny[face[i]] + b * sy[face[i]] + c * ty[face[i]];
-            m2[i] = a * nz[face[i]] + b * sz[face[i]] + c * tz[face[i]];
+            m0[i] = a * xx[face[i]] + b * xy[face[i]] + c * xz[face[i]];
+            m1[i] = a * yx[face[i]] + b * yy[face[i]] + c * yz[face[i]];
+            m2[i] = a * zx[face[i]] + b * zy[face[i]] + c * zz[face[i]];
         }
-    }
+}
+static void into_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
+    const struct turn t = turn_of(&g->cells->mosaic->face, g->dim, false);
+    turn_momentum(p->n, g->dim, &t, p->face, q);
+}
+static void out_of_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
+    const struct turn t = turn_of(&g->cells->mosaic->face, g->dim, true);
+    turn_momentum(p->n, g->dim, &t, p->face, q);
 }
 
 /* F_n = u_n U + p (0, 1, u_n) */
@@ -139,7 +131,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
         fit_points(c->fit, side, from, p->n, U, out);
         admit(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at);
     }
-    into_frames(p->n, g->dim, &c->mosaic->face, p->face, at);
+    into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
@@ -159,7 +151,7 @@ static void states_beyond(const struct gas *g, const double *const *U, struct po
             memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
         else
             gather_line(p->n, cell, U[v], inner[v]);
-    if (!g->rules[patch].velocity.type->reflects) into_frames(p->n, g->dim, f, p->face, inner);
+    if (!g->rules[patch].velocity.type->reflects) into_frames(g, p, inner);
     cells_beyond(g, patch, p->n, p->face, place, inner, ghost);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }
@@ -207,7 +199,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     else
         states_beyond(g, U, p);
     point_fluxes(g, level == LEVEL_RUSANOV, p);
-    out_of_frames(p->n, g->dim, f, p->face, p->out);
+    out_of_frames(g, p, p->out);
     for (int face = first; face < last; face++) {
         if (level && (int)larger(c->flag[f->left[face]], c->flag[f->right[face]]) != level) continue;
         for (int v = 0; v < g->nvar; v++) {
