@@ -5,8 +5,7 @@
  * The gas of bench_throughput: disturbed everywhere, with cooling and gravity, periodic; the fastest of the steps, CPU
  * time of this process. */
 #include "libcore/gas.h"
-
-#include <time.h>
+#include "tests/bench/clock.h"
 
 #include "tests/mesh/cells.h" /* last */
 
@@ -22,12 +21,6 @@ struct subject {
     struct grid *grid;
     struct gas *gas;
 };
-
-static double cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static status subject_make(const struct scheme *k, const struct comm *c, int side, struct subject *s) {
     static struct patch_rules none[6];

@@ -1,20 +1,10 @@
 /* Million cells per second of fitting polynomials and of their values at the face points on one core, for 4 variables
  * (5 in 3D): bench_polynomial [cells, default 200000] [rounds]. CPU time of the process, median of the rounds. */
 #include "libcore/polynomial.h"
+#include "tests/bench/clock.h"
 #include "tests/simplices.h"
 
 #include <stdio.h>
-#include <time.h>
-
-static double cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static void points(const struct fit *f, const struct mosaic *m, int nvar, const double *const *U) {
     static double room[MAX_VAR][BATCH];

@@ -6,21 +6,10 @@
  * steps as granularGas takes them: speed of the waves, sources, ghost cells, stages, checks. CPU time of the process.
  */
 #include "libcore/gas.h"
+#include "tests/bench/clock.h"
 #include "tests/box.h"
 
 #include <stdio.h>
-#include <time.h>
-
-static double cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static status fill(struct gas *g, const int n[3], int dim) {
     long cells = (long)n[0] * n[1] * n[2];
