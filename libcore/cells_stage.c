@@ -179,7 +179,6 @@ static void point_fluxes(const struct gas *g, bool rusanov, struct points *p) {
     }
     for (int k = 0; k < g->dim; k++) f.velocity[k] = p->velocity[k][LEFT];
     f.eps = p->eps[LEFT];
-    f.p = p->p[LEFT];
     f.c = p->c[LEFT];
     f.gruneisen = p->gruneisen[LEFT];
     (rusanov ? flux_rusanov : m->flux->through)(&f, m->eos, &m->material, g->first_order);

@@ -15,9 +15,9 @@ struct faces {
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
     const double *flux[MAX_VAR];  /* of the cells, along the normal */
     const double *velocity[MAX_DIM];
-    const double *eps, *p, *c, *gruneisen; /* eos of the cells; c sound speed */
-    double fastest;                        /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
-    double *out[MAX_VAR];                  /* [n] face fluxes */
+    const double *eps, *c, *gruneisen; /* eos of the cells; c sound speed */
+    double fastest;                    /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
+    double *out[MAX_VAR];              /* [n] face fluxes */
 };
 
 struct flux {

@@ -106,7 +106,6 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
                       .dim = g->dim,
                       .stride = g->forest->stride[axis],
                       .eps = w->eps + offset,
-                      .p = w->p + offset,
                       .c = w->c + offset,
                       .gruneisen = w->gruneisen + offset,
                       .fastest = g->fastest[axis]};

@@ -135,7 +135,6 @@ static void flux_of(struct strip *s, const struct flux *flux, const struct recon
                       .dim = s->dim,
                       .stride = 1,
                       .eps = s->eps + first,
-                      .p = s->p + first,
                       .c = s->c + first,
                       .gruneisen = s->g + first,
                       .fastest = s->fastest};
