@@ -86,28 +86,27 @@ class Restart(harness.Folder, unittest.TestCase):
 
     def test_signals(self):
         """SIGTERM at any moment (in a pipe that nobody reads, too): exit code 0, and the end is the same."""
-        options = {"n": (100, 80, 1), "end": 0.05, "interval": 0.05, "hole": True}
-        case = self.through("signals", **options)
+        begin = time.monotonic()
+        case = self.through("signals", n=(100, 80, 1), end=0.3, interval=0.3, hole=True)
+        moment = (time.monotonic() - begin) / 30  # eight of them leave most of the run, however busy the machine is
         part = runs.until(case, case + "_part", "0")
-        stops = 0
-        for number in (signal.SIGTERM, signal.SIGUSR1, signal.SIGINT, signal.SIGTERM) * 20:
+        for number in (signal.SIGTERM, signal.SIGUSR1, signal.SIGINT, signal.SIGTERM) * 2:
             run = start(part)
             for line in run.stdout:
                 if line.startswith("Time ="):
                     break
-            time.sleep(random.random() * 0.05)
+            time.sleep(random.random() * moment)
             run.send_signal(number)
             run.stdout.close()
             self.assertEqual(run.wait(60), 0)
-            stops += "0.05" not in runs.times(part)
-            if "0.05" in runs.times(part):
-                break
-        self.assertGreater(stops, 1)
+        self.assertGreater(len(runs.times(part)), 5)
+        self.assertNotIn("0.3", runs.times(part))
+        harness.program("granularGas", "-case", part)
         self.assertEqual(runs.hidden(part), [])
         for name in runs.times(part):
             if float(name):
                 runs.complete(self, part, name)
-        runs.same(self, runs.contents(case + "/0.05"), runs.contents(part + "/0.05"))
+        runs.same(self, runs.contents(case + "/0.3"), runs.contents(part + "/0.3"))
 
     def test_signal_to_ranks(self):
         """SIGTERM to mpirun reaches the ranks, which write before they go."""

@@ -4,7 +4,6 @@ import os
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 import numpy as np
@@ -232,7 +231,9 @@ class Running(harness.Folder, unittest.TestCase):
             with self.subTest(way):
                 run = subprocess.Popen([os.path.join(harness.BIN, "granularGas"), "-case", case], stdout=subprocess.PIPE,
                                        stderr=subprocess.STDOUT, text=True)
-                time.sleep(1)
+                for line in run.stdout:
+                    if line.startswith("Time ="):
+                        break
                 if way == "signal":
                     run.send_signal(signal.SIGTERM)
                 else:
