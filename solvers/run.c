@@ -1,6 +1,7 @@
 #include "solvers/run.h"
 
 #include "solvers/functions.h"
+#include "solvers/lock.h"
 #include "solvers/output.h"
 #include "solvers/params.h"
 #include "solvers/report.h"
@@ -29,13 +30,15 @@ static void on_signal(int number) {
     asked_to_stop = number;
 }
 static void catch_signals(void) {
-    const int signals[] = {SIGTERM, SIGINT, SIGUSR1};
-    struct sigaction action;
+    const int signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGXCPU, SIGHUP};
+    struct sigaction action, was;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
-    for (int i = 0; i < 3; i++) sigaction(signals[i], &action, NULL);
+    for (int i = 0; i < 5; i++)
+        if (!sigaction(signals[i], NULL, &was) && was.sa_handler != SIG_IGN) /* nohup stays */
+            sigaction(signals[i], &action, NULL);
     /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
@@ -261,16 +264,24 @@ static status loop(struct run *r) {
     return OK;
 }
 
+/* On the root. What a killed run left half written may go only when no other run can be at work on it. */
+static status lock_and_clean(const char *dir, struct lock **lock) {
+    TRY(lock_take(dir, application, lock));
+    return times_clean(dir);
+}
+
 status run_case(const char *dir, const struct comm *c) {
     struct run r = {.written_time = NAN};
+    struct lock *lock = NULL;
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
-    status e = comm_agree(c, comm_root(c) ? times_clean(dir) : OK);
+    status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, &lock) : OK);
     if (!e) e = read_everything(dir, c, &r.setup, &r.functions);
     if (!e) e = loop(&r);
     output_free(r.output);
     gas_free(r.gas);
     functions_free(r.functions);
     case_free(r.setup);
+    lock_release(lock);
     return e;
 }

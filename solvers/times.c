@@ -171,6 +171,9 @@ status make_folders(const char *path) {
 
 status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]) {
     char inner[TIME_PATH + 16];
+    if (access(case_dir, F_OK) && errno == ENOENT)
+        return fail(ERR_SYSTEM, "%s: this folder is gone: it was removed or renamed while the run was at work in it",
+                    case_dir);
     hidden(case_dir, name, "tmp", tmp);
     TRY(remove_folder(tmp));
     snprintf(inner, sizeof inner, "%s/uniform", tmp);
