@@ -23,6 +23,15 @@ const struct param grain_param[] = {
      false,
      {0, 0, 0},
      "normal restitution of a collision; 1: elastic"},
+    {"thresholdSpeed",
+     PARAM_NUMBER,
+     offsetof(struct material, threshold),
+     0,
+     0,
+     1e30,
+     false,
+     {0, 1, -1},
+     "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"},
 };
 const int grain_nparam = sizeof grain_param / sizeof *grain_param;
 

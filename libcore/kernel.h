@@ -46,11 +46,10 @@ static inline double double_of(uint64_t b) {
     return x;
 }
 
-/* x^a for a normal x > 0 and |a ln x| < 690, relative error below 4e-16 (2 + |a ln x|): log by 2 atanh((m-1)/(m+1))
- * on sqrt(1/2) <= m < sqrt 2, exp on |r| <= ln 2 / 2, both by Chebyshev fits: of (atanh(s)/s - 1)/s^2 (error 1.6e-16,
- * which counts s^2 < 0.03 times) and of (e^r - 1 - r)/r^2 (1.1e-16, r^2 < 0.13 times). Plain IEEE operations, so the
- * bits are the same on every machine, and it vectorises (libm's pow does neither). */
-static inline double power(double x, double a) {
+/* ln x of a normal x > 0, error below 4e-16 (1 + |ln x|): 2 atanh((m-1)/(m+1)) on sqrt(1/2) <= m < sqrt 2 by a
+ * Chebyshev fit of (atanh(s)/s - 1)/s^2 (error 1.6e-16, which counts s^2 < 0.03 times). Plain IEEE operations, here and
+ * below, so the bits are the same on every machine, and they vectorise (libm's log, exp and pow do neither). */
+static inline double logarithm(double x) {
     const uint64_t root_half = 0x3fe6a09e667f3bcdu, one_exponent = (uint64_t)1 << 52;
     uint64_t shifted = bits_of(x) - root_half + 1024 * one_exponent;
     double k = double_of((shifted >> 52) | 0x4330000000000000u) - (4503599627370496.0 + 1024);
@@ -61,7 +60,12 @@ static inline double power(double x, double a) {
     double l1 = fma(0.11111105567397539928, w, 0.14285714312987742461);
     double l2 = fma(0.076658608002780206343, w, 0.090914445626308610401);
     double series = fma(fma(fma(0.073082248425217029302, w2, l2), w2, l1), w2, l0);
-    double y = a * fma(k, 0.69314718055994530942, 2 * fma(s * w, series, s));
+    return fma(k, 0.69314718055994530942, 2 * fma(s * w, series, s));
+}
+
+/* e^y = 2^n (1 + rest), |rest| < 0.42, |y| < 690: rest = e^r - 1 on |r| <= ln 2 / 2 by a Chebyshev fit of
+ * (e^r - 1 - r)/r^2 (error 1.1e-16, r^2 < 0.13 times). *exponent = n << 52, to be added to the bits of a double. */
+static inline double exponential_rest(double y, uint64_t *exponent) {
     const double round_bits = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to an integer */
     double shifted_n = fma(y, 1.4426950408889634074, round_bits), n = shifted_n - round_bits;
     double r = fma(-n, 1.90821492927058770002e-10, fma(-n, 0.693147180369123816490, y)); /* ln 2 in two parts */
@@ -71,8 +75,31 @@ static inline double power(double x, double a) {
     double e2 = fma(0.00019841269863040545271, r, 0.0013888888917196719077);
     double e3 = fma(2.7557268480310025526e-6, r, 0.000024801521322368693266);
     double e4 = fma(2.5100375832561233664e-8, r, 2.7620075879983366586e-7);
-    double high = fma(e4, r4, fma(e3, r2, e2)), e = 1 + fma(r2, fma(high, r4, fma(e1, r2, e0)), r);
-    return double_of(bits_of(e) + (bits_of(shifted_n) << 52));
+    double high = fma(e4, r4, fma(e3, r2, e2));
+    *exponent = bits_of(shifted_n) << 52;
+    return fma(r2, fma(high, r4, fma(e1, r2, e0)), r);
+}
+static inline double exponential(double y) {
+    uint64_t exponent;
+    double e = 1 + exponential_rest(y, &exponent);
+    return double_of(bits_of(e) + exponent);
+}
+
+/* x^a for a normal x > 0 and |a ln x| < 690, relative error below 4e-16 (2 + |a ln x|) */
+static inline double power(double x, double a) {
+    return exponential(a * logarithm(x));
+}
+
+/* e^y - 1 for |y| < 690 and ln(1 + y) for 0 <= y < 1e300, relative errors of 4e-16 (2 + |y|) and 1e-15 however small y
+ * is */
+static inline double exponential_minus_one(double y) {
+    uint64_t exponent;
+    double rest = exponential_rest(y, &exponent), scale = double_of(bits_of(1.0) + exponent);
+    return fma(scale, rest, scale - 1);
+}
+static inline double logarithm_plus_one(double y) {
+    double u = 1 + y;
+    return logarithm(u) + (y - (u - 1)) / u;
 }
 
 #endif

@@ -28,6 +28,34 @@ KERNEL static void cool(int n, double g1, double per_contact, double dt, const d
     }
 }
 
+/* The same for dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2 / (4 T). With s = sqrt x and tau = B v_c dt this is
+ *   ds/dtau = (1 + x) e^-x / 4:  Haff's straight line at first, then a logarithm.
+ * w = sqrt(2 (e^2x - 1)) follows both, dw/dtau = r/2 with r = 2 s (1 + x)/sqrt(2 (1 - e^-2x)), which is 1 at x = 0 and
+ * grows no faster than s^3; one midpoint step in w is of second order, keeps T positive and falling, stops it where
+ * e^-x leaves nothing, and is sensible for a step of any length. The kernel works with w e^-x0, which cannot
+ * overflow, and gains x1 - x0 = ln(1 + e^-2x0 (w1^2 - w0^2)/2)/2 without a difference of close numbers. */
+ALWAYS_INLINE double scaled_w(double x) {
+    return sqrt(-2 * exponential_minus_one(-2 * smaller(x, 300))); /* e^-600: nothing */
+}
+ALWAYS_INLINE double speed_of_w(double x) {
+    return 2 * sqrt(x) * (1 + x) / scaled_w(x);
+}
+ALWAYS_INLINE double gain_of_x(double w, double step) {
+    return 0.5 * logarithm_plus_one(0.5 * step * (2 * w + step));
+}
+
+KERNEL static void cool_above(int n, double g1, double per_contact, double threshold, double dt,
+                              const double *restrict contact, double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        double T = g1 * eps[i], x = 0.25 * threshold * threshold / T;
+        x = smaller(larger(x, 1e-200), 1e100); /* neither 0/0 nor an overflow, and no other result */
+        double w = scaled_w(x);
+        double path = dt * (per_contact * contact[i]) * sqrt(T * x) * exponential(-smaller(x, 300)); /* tau e^-x / 2 */
+        double middle = x + gain_of_x(w, 0.5 * path * speed_of_w(x));
+        eps[i] *= x / (x + gain_of_x(w, path * speed_of_w(middle)));
+    }
+}
+
 KERNEL static void internal_energy(int n, int dim, double *const U[MAX_VAR], double *restrict eps) {
     const double *restrict rho = U[0], *restrict E = U[dim + 1];
     for (int i = 0; i < n; i++) eps[i] = 0;
@@ -63,7 +91,11 @@ void source_apply(const struct sources *s, const struct eos *eos, const struct m
     if (s->cooling && m->restitution < 1 && m->diameter > 0) {
         double loss = 12 / sqrt(PI) * (1 - m->restitution * m->restitution) / m->diameter;
         eos->contact(m, n, U[0], contact);
-        cool(n, m->gamma - 1, (m->gamma - 1) * loss, dt, contact, e);
+        double g1 = m->gamma - 1;
+        if (m->threshold > 0)
+            cool_above(n, g1, g1 * loss, m->threshold, dt, contact, e);
+        else
+            cool(n, g1, g1 * loss, dt, contact, e);
     }
     for (int k = 0; k < dim; k++)
         if (kick[k] != 0) kick_momentum(n, kick[k], U[0], U[k + 1]);

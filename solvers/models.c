@@ -245,7 +245,7 @@ void models_list(FILE *f) {
         params_print(f, eos_table[i].param, eos_table[i].nparam);
     }
     fprintf(f, "\ncooling\n  %-20s %s\n  %-20s %s\n", "none", "no energy sink", "Haff",
-            "inelastic collisions, integrated exactly");
+            "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones");
     fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
     fprintf(f, "\nconstant/shaking, type sinusoidal\n");
     params_print(f, shaking_param, COUNT(shaking_param));

@@ -18,6 +18,19 @@ static void power_is_libm(void **state) {
     assert_close(power(1, 0.3), 1, 0, "1^a");
 }
 
+static void exponential_and_logarithm_are_libm(void **state) {
+    (void)state;
+    for (double x = 1e-250; x < 1e250; x *= 1.37) assert_near(logarithm(x), log(x), 4e-16 * (1 + fabs(log(x))));
+    for (double y = 1e-250; y < 690; y *= 1.37) {
+        assert_close(exponential(y), exp(y), 4e-16 * (2 + y), "exp");
+        assert_close(exponential(-y), exp(-y), 4e-16 * (2 + y), "exp(-)");
+        assert_close(exponential_minus_one(y), expm1(y), 4e-16 * (2 + y), "expm1");
+        assert_close(exponential_minus_one(-y), expm1(-y), 1e-15, "expm1(-)");
+        assert_close(logarithm_plus_one(y), log1p(y), 1e-15, "log1p");
+    }
+    assert_true(exponential_minus_one(0) == 0 && logarithm_plus_one(0) == 0);
+}
+
 static void reference_values(void **state) {
     (void)state;
     FILE *f = oracle_open("gs_eos.csv");
@@ -123,9 +136,13 @@ static void batch_is_a_loop(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(power_is_libm),  cmocka_unit_test(reference_values),
-        cmocka_unit_test(initial_states), cmocka_unit_test(sound_speed_is_consistent),
-        cmocka_unit_test(dilute_limit),   cmocka_unit_test(batch_is_a_loop),
+        cmocka_unit_test(power_is_libm),
+        cmocka_unit_test(exponential_and_logarithm_are_libm),
+        cmocka_unit_test(reference_values),
+        cmocka_unit_test(initial_states),
+        cmocka_unit_test(sound_speed_is_consistent),
+        cmocka_unit_test(dilute_limit),
+        cmocka_unit_test(batch_is_a_loop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

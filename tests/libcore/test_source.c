@@ -5,6 +5,10 @@
 
 #define PI 3.14159265358979323846
 
+static const double DENSE = 700; /* grains of 0.1 per unit volume: packing 0.37 */
+static const struct material GRAINS = {
+    .diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65};
+
 static void homogeneous_cooling(void **state) {
     (void)state;
     FILE *f = oracle_open("hcs.csv");
@@ -68,12 +72,88 @@ static void what_costs_nothing(void **state) {
     assert_true(source_active(&s, &m));
 }
 
+/* T after `steps` steps over dt in all, from T0, in a gas at rest; B: of dT/dt = -B T^(3/2) phi. */
+static double cooled(double threshold, double T0, double dt, int steps) {
+    struct sources s = {.cooling = true};
+    struct material m = GRAINS;
+    double zero[MAX_DIM] = {0}, rho = DENSE, mom = 0, E = rho * 1.5 * T0, *U[MAX_VAR] = {&rho, &mom, &E};
+    m.threshold = threshold;
+    for (int i = 0; i < steps; i++) source_apply(&s, eos_find("GoldshteinShapiro"), &m, 1, 1, dt / steps, zero, U);
+    assert_true(rho == DENSE && mom == 0);
+    return 2. / 3 * E / rho;
+}
+
+static double rate_of(void) { /* B, by the exact solution without a threshold: 1/sqrt(T) grows by B dt/2 */
+    return 2 * (1 / sqrt(cooled(0, 1, 1, 1)) - 1);
+}
+
+/* int_a^b 4 e^(s^2)/(1 + s^2) ds by Simpson's rule: B v_c dt from T = (v_c/2a)^2 to (v_c/2b)^2, by definition of phi */
+static double path_between(double a, double b) {
+    const int n = 4000;
+    double sum = 0, h = (b - a) / n;
+    for (int i = 0; i <= n; i++) {
+        double s = a + i * h, weight = i == 0 || i == n ? 1 : i % 2 ? 4 : 2;
+        sum += weight * 4 * exp(s * s) / (1 + s * s);
+    }
+    return sum * h / 3;
+}
+
+static double exact_cooled(double threshold, double T0, double dt) {
+    double path = rate_of() * threshold * dt, start = 0.5 * threshold / sqrt(T0), low = start, high = 25;
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high);
+        *(path_between(start, middle) < path ? &low : &high) = middle;
+    }
+    return 0.25 * threshold * threshold / (low * low);
+}
+
+static void threshold_is_of_second_order(void **state) {
+    (void)state;
+    const double v = 0.3, rate = rate_of();
+    for (double T0 = 1e-3; T0 < 2; T0 *= 7) { /* from x = 22, where little is lost, to 0.02 */
+        double dt = 2 / (rate * sqrt(T0)), exact = exact_cooled(v, T0, dt), error[4];
+        for (int i = 0; i < 4; i++) error[i] = fabs(cooled(v, T0, dt, 4 << i) / exact - 1);
+        assert_near(error[0], 0, 0.02);
+        if (error[3] < 1e-12) continue; /* round-off */
+        assert_near(log2(error[2] / error[3]), 2, 0.15);
+    }
+}
+
+static void threshold_of_any_step(void **state) {
+    (void)state;
+    const double v = 0.3, rate = rate_of();
+    for (double T0 = 1e-3; T0 < 1e5; T0 *= 30) {
+        double before = T0;
+        for (double loss = 1e-3; loss < 1e13; loss *= 10) { /* = B sqrt(T0) dt, in a single step */
+            double dt = loss / (rate * sqrt(T0)), found = cooled(v, T0, dt, 1);
+            assert_true(found > 0 && found <= before); /* longer steps cool more */
+            assert_close(found, exact_cooled(v, T0, dt), 0.27, "T after one step"); /* worst: 26 %, path 10 */
+            before = found;
+        }
+    }
+}
+
+static void threshold_has_both_limits(void **state) {
+    (void)state;
+    for (double T = 1e-8; T < 1e9; T *= 1000) {
+        double dt = 5 / sqrt(T);
+        for (double small = 1e-8; small > 1e-170; small *= 1e-20) /* phi = 1: Haff's cooling */
+            assert_close(cooled(small * sqrt(T), T, dt, 1), cooled(0, T, dt, 1), 1e-14, "T, warm");
+        for (double x = 800; x < 1e200; x *= 1e3) /* phi = 0: none */
+            assert_close(cooled(sqrt(4 * x * T), T, dt, 1), T, 4e-16, "T, cold");
+    }
+    assert_true(cooled(0.3, 1, 0, 1) == 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(homogeneous_cooling),
         cmocka_unit_test(free_fall),
         cmocka_unit_test(shaken_gravity),
         cmocka_unit_test(what_costs_nothing),
+        cmocka_unit_test(threshold_is_of_second_order),
+        cmocka_unit_test(threshold_of_any_step),
+        cmocka_unit_test(threshold_has_both_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
