@@ -20,6 +20,9 @@ void source_free(struct source *s) {
     free(s);
 }
 
+/* What a file may unzip to is bounded: as sound data it is seldom a hundred times larger, and never by accident. */
+static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
+
 /* gzread passes files through that are not gzipped. */
 static status read_all(struct source *s, size_t guess) {
     gzFile f = gzopen(s->path, "rb");
@@ -37,6 +40,11 @@ static status read_all(struct source *s, size_t guess) {
         size_t want = room - s->size - 1;
         got = gzread(f, s->text + s->size, want > 1 << 30 ? 1 << 30 : (unsigned)want);
         if (got > 0) s->size += (size_t)got;
+        if (s->size > UNZIPPED && s->size / RATIO > guess) {
+            gzclose(f);
+            return fail(ERR_INPUT, "%s: unzips to more than %zu times its size; if that is meant, gunzip it", s->path,
+                        RATIO);
+        }
     } while (got > 0);
     int code = 0;
     char why[160];

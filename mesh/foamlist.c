@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { EQUAL = 8 }; /* faces with equal corners are in no mesh, so that they need not be read in numbers */
+
 /* Where a list is being read to; grows, because `( ... )` may come without a count. */
 struct growing {
     void *data;
@@ -41,14 +43,14 @@ static status whole_number(const struct lexer *l, const struct token *t, const c
     return OK;
 }
 
-/* How a list starts. count: -1 if not given. */
+/* How a list starts. count: -1 if not given. most: of equal entries, `count { value }`. */
 struct opening {
     long count;
     int line;
     bool binary, uniform, empty;
 };
 
-static status open_list(struct lexer *l, const struct foam_header *h, struct opening *o) {
+static status open_list(struct lexer *l, const struct foam_header *h, long most, struct opening *o) {
     struct token t;
     *o = (struct opening){.count = -1};
     TRY(lexer_next(l, &t));
@@ -68,6 +70,8 @@ static status open_list(struct lexer *l, const struct foam_header *h, struct ope
         }
     }
     o->uniform = o->count >= 0 && t.kind == TOKEN_PUNCTUATION && t.text[0] == '{';
+    if (o->uniform && o->count > most)
+        return lexer_fail(l, &t, "%ld equal entries; at most %ld can stand here", o->count, most);
     if (!o->uniform && !(t.kind == TOKEN_PUNCTUATION && t.text[0] == '('))
         return lexer_fail(l, &t,
                           o->count < 0 ? "expected a list: a count and '(', or '('" : "expected '(' of the list");
@@ -192,13 +196,14 @@ static status binary_doubles(struct lexer *l, const struct foam_header *h, const
     return OK;
 }
 
-status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long *n, double **out) {
+status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
+                              double **out) {
     struct growing g = {.size = sizeof(double)};
     struct opening o;
     *out = NULL;
     *n = 0;
     if (components < 1 || components > 16) return fail(ERR_SYSTEM, "a list has 1 to 16 components, not %d", components);
-    TRY(open_list(l, h, &o));
+    TRY(open_list(l, h, most, &o));
     status e = OK;
     if (o.uniform)
         e = uniform_doubles(l, &o, components, &g);
@@ -245,9 +250,9 @@ static status binary_labels(struct lexer *l, const struct foam_header *h, const 
 }
 
 /* Appends one list. */
-static status labels(struct lexer *l, const struct foam_header *h, struct growing *g) {
+static status labels(struct lexer *l, const struct foam_header *h, long most, struct growing *g) {
     struct opening o;
-    TRY(open_list(l, h, &o));
+    TRY(open_list(l, h, most, &o));
     if (o.empty) return OK;
     if (o.binary) return binary_labels(l, h, &o, g);
     if (o.uniform) {
@@ -269,10 +274,10 @@ static status labels(struct lexer *l, const struct foam_header *h, struct growin
     }
 }
 
-status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long *n, int **out) {
+status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long most, long *n, int **out) {
     struct growing g = {.size = sizeof(int)};
     *n = 0;
-    TRY(take(&g, labels(l, h, &g), out));
+    TRY(take(&g, labels(l, h, most, &g), out));
     *n = g.count;
     return OK;
 }
@@ -287,8 +292,8 @@ static status append(struct growing *g, int v) {
 static status compact_faces(struct lexer *l, const struct foam_header *h, struct growing *start,
                             struct growing *points) {
     int line = l->line;
-    TRY(labels(l, h, start));
-    TRY(labels(l, h, points));
+    TRY(labels(l, h, EQUAL, start));
+    TRY(labels(l, h, EQUAL, points));
     if (!start->count) TRY(append(start, 0));
     const int *s = start->data;
     bool good = s[0] == 0 && s[start->count - 1] == points->count;
@@ -302,7 +307,7 @@ static status compact_faces(struct lexer *l, const struct foam_header *h, struct
 static status listed_faces(struct lexer *l, const struct foam_header *h, struct growing *start,
                            struct growing *points) {
     struct opening o;
-    TRY(open_list(l, h, &o));
+    TRY(open_list(l, h, 0, &o));
     TRY(append(start, 0));
     if (o.empty) return OK;
     for (long n = 0;; n++) {
@@ -310,7 +315,7 @@ static status listed_faces(struct lexer *l, const struct foam_header *h, struct 
         TRY(closes(l, &o, &closed));
         if (closed) return o.count >= 0 && n != o.count ? wrong_count(l, &o, n) : OK;
         if (n == o.count) return too_many(l, &o);
-        TRY(labels(l, h, points));
+        TRY(labels(l, h, EQUAL, points));
         if (points->count > INT_MAX)
             return fail(ERR_INPUT, "%s:%d: faces have more than %d points in all", l->source->path, l->line, INT_MAX);
         TRY(append(start, (int)points->count));
@@ -336,7 +341,7 @@ status foam_list_read_faces(struct lexer *l, const struct foam_header *h, long *
 status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_bytes) {
     struct opening o;
     const char *raw = NULL;
-    TRY(open_list(l, h, &o));
+    TRY(open_list(l, h, LONG_MAX, &o));
     if (o.empty) return OK;
     if (o.binary) return raw_bytes(l, &o, item_bytes, &raw);
     const char *text = l->source->text, *p = text + l->position;

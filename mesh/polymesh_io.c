@@ -71,7 +71,7 @@ static status read_points(const char *dir, struct polymesh *m) {
     struct file f;
     long n = 0;
     TRY(file_open(dir, "points", "vectorField", &f));
-    status s = foam_list_read_doubles(&f.lexer, &f.header, 3, &n, &m->points);
+    status s = foam_list_read_doubles(&f.lexer, &f.header, 3, 0, &n, &m->points);
     if (!s) s = check_size(&f, n, INT_MAX / 3);
     m->npoints = (int)n;
     source_free(f.source);
@@ -128,7 +128,7 @@ static status read_owner(const char *dir, struct polymesh *m) {
     long n = 0;
     TRY(file_open(dir, "owner", "labelList", &f));
     struct lexer start = f.lexer;
-    status s = foam_list_read_labels(&f.lexer, &f.header, &n, &m->owner);
+    status s = foam_list_read_labels(&f.lexer, &f.header, m->nfaces, &n, &m->owner);
     f.lexer = start;
     if (!s && n != m->nfaces) s = fail(ERR_INPUT, "%s: %ld entries; there are %d faces", f.source->path, n, m->nfaces);
     if (!s) s = check_owner(&f, m);
@@ -162,7 +162,7 @@ static status read_neighbour(const char *dir, struct polymesh *m) {
     long n = 0;
     TRY(file_open(dir, "neighbour", "labelList", &f));
     struct lexer start = f.lexer;
-    status s = foam_list_read_labels(&f.lexer, &f.header, &n, &m->neighbour);
+    status s = foam_list_read_labels(&f.lexer, &f.header, m->nfaces, &n, &m->neighbour);
     f.lexer = start;
     if (!s && n > m->nfaces) s = fail(ERR_INPUT, "%s: %ld entries; there are %d faces", f.source->path, n, m->nfaces);
     while (!s && n > 0 && m->neighbour[n - 1] == -1) n--; /* older files go on over the boundary */

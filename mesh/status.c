@@ -17,6 +17,12 @@ struct error {
     } way[TRAIL];
 };
 
+/* What a file holds must not steer the terminal. */
+static void make_printable(char *text) {
+    for (char *c = text; *c; c++)
+        if (((unsigned char)*c < ' ' && *c != '\n') || *c == 127) *c = ' ';
+}
+
 status fail(enum status_kind kind, const char *format, ...) {
     static struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
     struct error *e = calloc(1, sizeof *e);
@@ -26,6 +32,7 @@ status fail(enum status_kind kind, const char *format, ...) {
     va_start(args, format);
     vsnprintf(e->text, sizeof e->text, format, args);
     va_end(args);
+    make_printable(e->text);
     return e;
 }
 
@@ -37,6 +44,7 @@ status status_note(status s, const char *format, ...) {
     vsnprintf(note, sizeof note, format, args);
     va_end(args);
     snprintf(text, sizeof text, "%s\n  %.*s", note, TEXT / 2 - 8, s->text);
+    make_printable(text);
     memcpy(s->text, text, sizeof text);
     return s;
 }

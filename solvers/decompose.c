@@ -221,13 +221,13 @@ static bool is_folder(const char *path) {
     return !stat(path, &info) && S_ISDIR(info.st_mode);
 }
 
-static status read_cells(const char *path, long *n, int **out) {
+static status read_cells(const char *path, long most, long *n, int **out) {
     struct source *file;
     struct foam_header h;
     TRY(source_open(path, &file));
     struct lexer l = lexer_start(file);
     status e = foam_header_read(&l, &h);
-    if (!e) e = foam_list_read_labels(&l, &h, n, out);
+    if (!e) e = foam_list_read_labels(&l, &h, most, n, out);
     source_free(file);
     return e;
 }
@@ -243,7 +243,7 @@ static status check_folders(const struct setup *s, const struct decomposition *d
         snprintf(path, sizeof path, "%s/processor%d/constant/polyMesh/cellProcAddressing", s->dir, k);
         bool same = k < d->n;
         if (same && field_exists(path)) {
-            TRY(read_cells(path, &n, &cells));
+            TRY(read_cells(path, d->part[k].mesh->ncells, &n, &cells));
             same = n == d->part[k].mesh->ncells && !memcmp(cells, d->part[k].cell, (size_t)n * sizeof *cells);
             free(cells);
         }

@@ -53,21 +53,36 @@ status document_keep(struct document *d, struct source *s) {
     return e;
 }
 
-status document_pattern(struct document *d, const char *key, regex_t **out, char *why, size_t room) {
-    char text[512];
-    *out = NULL;
-    if (snprintf(text, sizeof text, "^(%s)$", key) >= (int)sizeof text) {
-        snprintf(why, room, "it is too long");
-        return OK;
+/* The library repeats what stands before {n} and + in memory, and tries back references one by one. */
+static const char *costly(const char *key) {
+    int plus = 0;
+    for (const char *c = key; *c; c++) {
+        if (*c == '{') return "{ } is not taken; write the repetition out";
+        if (*c == '+' && ++plus > 4) return "more than four +";
+        if (*c == '\\' && c[1] >= '0' && c[1] <= '9') return "back references are not taken";
     }
+    return NULL;
+}
+
+bool pattern_compile(regex_t *out, const char *key, char *why, size_t room) {
+    char text[512];
+    const char *bad = costly(key);
+    if (!bad && snprintf(text, sizeof text, "^(%s)$", key) >= (int)sizeof text) bad = "it is too long";
+    if (bad) {
+        snprintf(why, room, "%s", bad);
+        return false;
+    }
+    int code = regcomp(out, text, REG_EXTENDED | REG_NOSUB);
+    if (code) regerror(code, out, why, room);
+    return !code;
+}
+
+status document_pattern(struct document *d, const char *key, regex_t **out, char *why, size_t room) {
+    *out = NULL;
     regex_t *pattern = NULL;
     TRY(document_take(d, sizeof *pattern, &pattern));
     TRY(document_grow(d, &d->pattern, d->patterns, &d->pattern_room, sizeof(regex_t *)));
-    int bad = regcomp(pattern, text, REG_EXTENDED | REG_NOSUB);
-    if (bad) {
-        regerror(bad, pattern, why, room);
-        return OK;
-    }
+    if (!pattern_compile(pattern, key, why, room)) return OK;
     d->pattern[d->patterns++] = pattern;
     *out = pattern;
     return OK;

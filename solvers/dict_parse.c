@@ -5,9 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, PATH_ROOM = 4096 };
+enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, KEYS = 5000, COPIES = 1000000 };
 enum mode { MERGE, OVERWRITE, PROTECT, ERROR };
 
 struct file { /* a file being read, and the one that includes it */
@@ -20,7 +19,7 @@ struct reading {
     struct document *document;
     enum mode mode;
     int depth;
-    long inserted; /* entries copied by $dict: bounded, since copies of copies double */
+    long copied; /* values that macros and #include multiply: bounded, since copies of copies double */
 };
 
 static status read_entries(struct reading *r, struct file *f, struct dict *d, const struct token *opening);
@@ -29,6 +28,12 @@ static status complain(const struct file *f, int line, const char *format, const
     char text[512];
     snprintf(text, sizeof text, format, what);
     return fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, line, text);
+}
+
+static status charge(struct reading *r, const struct file *f, int line, size_t copies) {
+    r->copied += copies < COPIES ? (long)copies : COPIES;
+    if (r->copied < COPIES) return OK;
+    return complain(f, line, "%s make more than a million values of this dictionary", "macros and #include");
 }
 
 /* ---- macros ---- */
@@ -91,6 +96,7 @@ static status push_macro(struct reading *r, struct file *f, struct dict *d, stru
     if (from->sub)
         return complain(f, t->line, "'$%s' is a dictionary; it cannot be part of a value (missing ';' before it?)",
                         from->key);
+    TRY(charge(r, f, t->line, (size_t)from->count));
     for (int i = 0; i < from->count; i++) TRY(push(r, e, from->value[i]));
     if (from->raw) {
         e->raw = true;
@@ -119,6 +125,7 @@ static status expand_text(const struct file *f, struct dict *d, const char *text
             char value[512];
             TRY(get_macro(f, d, text + i, end - i, line, &e));
             entry_print(e, value, sizeof value);
+            if (strlen(value) == sizeof value - 1) return complain(f, line, "the text of %s is too long", "#eval");
             n += (size_t)snprintf(out + n, EXPANSION - n, "(%s)", value);
             i = end - 1;
         } else {
@@ -255,6 +262,7 @@ static status read_value(struct reading *r, struct file *f, struct dict *d, stru
             return complain(f, e->line, "missing ';' after the value of '%s'? The file ends", e->key);
         if (!b.depth && token_is(&t, ";") && t.kind == TOKEN_PUNCTUATION) break;
         if (!b.depth) TRY(check_semicolon(f, e, &t));
+        if (f->from) TRY(charge(r, f, t.line, 1));
         if (t.kind == TOKEN_PUNCTUATION && *t.text == ';' && b.open[b.depth - 1] != '{')
             return lexer_fail(&f->l, &t, "the bracket '%c' of line %d is open", b.open[b.depth - 1],
                               b.line[b.depth - 1]);
@@ -294,6 +302,8 @@ static status place(struct reading *r, const struct file *f, struct dict *d, con
     if (e && r->mode == PROTECT) return OK;
     bool fresh = !e;
     if (fresh) {
+        if (d->count == KEYS)
+            return complain(f, line, "%s has more than 5000 keywords", *d->name ? d->name : "the file");
         TRY(document_grow(r->document, &d->entry, d->count, &d->room, sizeof *e));
         e = &d->entry[d->count];
         *e = (struct entry){.key = key};
@@ -328,7 +338,7 @@ static status insert(struct reading *r, const struct file *f, struct dict *to, c
     for (int i = 0; i < count; i++) {
         const struct entry *old = &from->entry[i];
         if (old->open || (old->sub && (old->sub == to || depth > DEPTH))) continue;
-        if (++r->inserted > 100000) return complain(f, line, "%s inserts too many entries", "$");
+        TRY(charge(r, f, line, 10)); /* an entry weighs more than a value */
         struct entry *e = NULL, copy = *old;
         TRY(place(r, f, to, copy.key, false, copy.line, copy.sub != NULL, &e));
         if (!e) continue;
@@ -415,6 +425,7 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
         return lexer_fail(&f->l, key, "expected a keyword%s", token_is(key, "}") ? ": no '{' is open" : "");
     struct token t;
     const char *name = NULL;
+    if (f->from) TRY(charge(r, f, key->line, 10));
     bool pattern = is_pattern(key), done;
     TRY(document_copy(r->document, key->text, key->length, &name));
     TRY(lexer_peek(&f->l, &t));
@@ -439,62 +450,24 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
 
 /* ---- directives ---- */
 
-/* The folder above the last `system`, `constant` or time folder of the path, with its '/'; else the file's own. */
-static int case_length(const char *path) {
-    const char *end = strrchr(path, '/');
-    int length = end ? (int)(end - path) + 1 : 0;
-    for (const char *p = path, *next; (next = strchr(p, '/')); p = next + 1) {
-        double time;
-        char part[64];
-        snprintf(part, sizeof part, "%.*s", (int)(next - p), p);
-        const char *rest = foam_number(part, &time);
-        if (!strcmp(part, "system") || !strcmp(part, "constant") || (rest && !*rest)) length = (int)(p - path);
+/* A file that is included again is not read again. */
+static status open_once(struct reading *r, const struct file *f, const char *path, int line, struct source **out) {
+    for (int i = 0; i < r->document->sources; i++) {
+        *out = r->document->source[i];
+        if (!strcmp((*out)->path, path)) return charge(r, f, line, 100 + (*out)->size / 100);
     }
-    return length;
-}
-
-/* The path of an included file, refused if it is absolute or leaves the case. */
-static status included_path(const struct file *f, const struct token *t, char out[PATH_ROOM]) {
-    const char *path = f->l.source->path, *slash = strrchr(path, '/');
-    char joined[PATH_ROOM];
-    if (t->length == 0 || *t->text == '/') return lexer_fail(&f->l, t, "#include takes a path relative to this file");
-    if (memchr(t->text, '$', (size_t)t->length) || memchr(t->text, '<', (size_t)t->length) || *t->text == '~')
-        return lexer_fail(&f->l, t, "#include takes a plain path; variables are not read");
-    int base = slash ? (int)(slash - path) + 1 : 0;
-    int n =
-        snprintf(joined, sizeof joined, "%.*s%.*s", base - f->case_length, path + f->case_length, t->length, t->text);
-    int used = snprintf(out, PATH_ROOM, "%.*s", f->case_length, path);
-    if (n >= PATH_ROOM || used + n >= PATH_ROOM) return lexer_fail(&f->l, t, "the path is too long");
-    int root = used;
-    for (char *part = joined, *next; part; part = next) {
-        next = strchr(part, '/');
-        if (next) *next++ = 0;
-        if (!*part || !strcmp(part, ".")) continue;
-        if (!strcmp(part, "..")) {
-            if (used == root) return lexer_fail(&f->l, t, "the path leads out of the case");
-            for (used--; used > root && out[used - 1] != '/'; used--) continue;
-            out[used] = 0;
-        } else {
-            used += snprintf(out + used, (size_t)(PATH_ROOM - used), "%s%s", part, next ? "/" : "");
-        }
-    }
-    return OK;
-}
-
-static bool is_present(const char *path) {
-    char zipped[PATH_ROOM + 4];
-    struct stat info;
-    snprintf(zipped, sizeof zipped, "%s.gz", path);
-    return !stat(path, &info) || !stat(zipped, &info);
+    TRY(source_open(path, out));
+    return document_keep(r->document, *out);
 }
 
 static status read_include(struct reading *r, struct file *f, struct dict *d, const struct token *directive) {
     struct token t;
-    char path[PATH_ROOM];
+    char path[INCLUDE_PATH];
+    bool present;
     TRY(lexer_next(&f->l, &t));
     if (t.kind != TOKEN_STRING && t.kind != TOKEN_WORD) return lexer_fail(&f->l, &t, "expected a \"file\" to include");
-    TRY(included_path(f, &t, path));
-    if (!is_present(path)) {
+    TRY(include_find(&f->l, &t, f->case_length, path, &present));
+    if (!present) {
         if (token_is(directive, "#includeIfPresent")) return OK;
         return lexer_fail(&f->l, &t, "there is no file %s%s", path,
                           token_is(directive, "#includeEtc") ? " (there is no etc folder: give a path in the case)"
@@ -509,8 +482,7 @@ static status read_include(struct reading *r, struct file *f, struct dict *d, co
     }
     if (depth > INCLUDES) return lexer_fail(&f->l, &t, "#include is nested deeper than %d", INCLUDES);
     struct source *s = NULL;
-    TRY(source_open(path, &s));
-    TRY(document_keep(r->document, s));
+    TRY(open_once(r, f, path, t.line, &s));
     struct file in = {.l = lexer_start(s), .from = f, .case_length = f->case_length};
     TRY(foam_header_read(&in.l, &in.header));
     return read_entries(r, &in, d, NULL);
@@ -534,10 +506,9 @@ static status read_mode(struct reading *r, struct file *f) {
 
 static void remove_key(struct dict *d, const struct token *t) {
     regex_t pattern;
-    char key[512], text[520];
+    char key[512], why[128];
     snprintf(key, sizeof key, "%.*s", t->length, t->text);
-    snprintf(text, sizeof text, "^(%s)$", key);
-    bool compiled = is_pattern(t) && !regcomp(&pattern, text, REG_EXTENDED | REG_NOSUB);
+    bool compiled = is_pattern(t) && pattern_compile(&pattern, key, why, sizeof why);
     int kept = 0;
     for (int i = 0; i < d->count; i++) {
         struct entry *e = &d->entry[i];
@@ -608,6 +579,7 @@ static status read_condition(struct reading *r, struct file *f, struct dict *d, 
     char left[256], right[256];
     TRY(read_operand(r, f, d, t, &a));
     entry_print(&a, left, sizeof left);
+    if (strlen(left) == sizeof left - 1) return complain(f, t->line, "the value behind %s is too long", "#if");
     if (token_is(t, "#ifeq")) {
         TRY(read_operand(r, f, d, t, &b));
         entry_print(&b, right, sizeof right);
@@ -682,7 +654,7 @@ static status read_entries(struct reading *r, struct file *f, struct dict *d, co
 
 status dict_parse(struct document *d, struct source *s) {
     struct reading r = {.document = d};
-    struct file f = {.l = lexer_start(s), .case_length = case_length(s->path)};
+    struct file f = {.l = lexer_start(s), .case_length = include_root(s->path)};
     TRY(foam_header_read(&f.l, &f.header));
     d->header = f.header;
     return read_entries(&r, &f, d->top, NULL);

@@ -52,9 +52,10 @@ status document_take(struct document *d, size_t bytes, void *out);
 status document_copy(struct document *d, const char *text, int length, const char **out);
 /* Adds a source, which the document then owns. */
 status document_keep(struct document *d, struct source *s);
-/* Compiles `text` as a pattern for whole keys, which the document then owns; *out is NULL and `why` says it if that
- * fails. */
+/* pattern_compile; the document owns the pattern. *out is NULL and `why` says it if that fails. */
 status document_pattern(struct document *d, const char *text, regex_t **out, char *why, size_t room);
+/* Compiles a pattern for whole keys; false and `why` if it is none, or one that takes much memory. */
+bool pattern_compile(regex_t *out, const char *text, char *why, size_t room);
 /* Makes room in *items [count] for one more. */
 status document_grow(struct document *d, void *items, int count, int *room, size_t size);
 
@@ -64,6 +65,17 @@ struct entry *dict_find_exact(const struct dict *d, const char *key); /* the key
 struct entry *dict_ask(const struct dict *d, const char *key);
 /* The value as text, cut at `room`. */
 void entry_print(const struct entry *e, char *text, size_t room);
+
+/* Files of #include (dict_include.c). */
+enum { INCLUDE_PATH = 4096 };
+/* The length of the part of `path` that names the case: the folder above the last `system`, `constant` or time folder,
+ * with its '/'; else the file's own. */
+int include_root(const char *path);
+/* The path of the file that token t names, in the file l reads; path.gz where only that is there. Refused if it is
+ * absolute or, links followed, lies neither in the case nor in the folder of the file that includes it. */
+status include_find(const struct lexer *l, const struct token *t, int root_length, char out[INCLUDE_PATH],
+                    bool *present);
+
 status dict_parse(struct document *d, struct source *s);
 
 #endif

@@ -255,6 +255,7 @@ static status open_list(const struct dict *d, const char *key, const struct entr
         *i = 1;
     }
     *uniform = *wanted >= 0 && is_mark(e, *i, '{');
+    if (*uniform && *wanted > 10000) return dict_fail(d, key, "at most 10000 equal entries can stand here");
     if (!*uniform && !is_mark(e, *i, '(')) return dict_fail(d, key, "expected %s", what);
     ++*i;
     return OK;

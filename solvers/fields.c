@@ -63,7 +63,7 @@ static status read_value(struct dict *d, const char *key, int components, long c
     if (!token_is(&t, components == 3 ? "List<vector>" : "List<scalar>"))
         return lexer_fail(&l, &t, "this field takes List<%s>", components == 3 ? "vector" : "scalar");
     long n = 0;
-    TRY(foam_list_read_doubles(&l, dict_header(d), components, &n, values));
+    TRY(foam_list_read_doubles(&l, dict_header(d), components, count, &n, values));
     if (n != count) {
         free(*values);
         *values = NULL;

@@ -140,7 +140,7 @@ static void doubles(const char *text, int components, long expected, double firs
     struct lexer l = lexer_start(s);
     long n;
     double *v;
-    ok(foam_list_read_doubles(&l, &ascii, components, &n, &v));
+    ok(foam_list_read_doubles(&l, &ascii, components, 1000, &n, &v));
     assert_int_equal(n, expected);
     if (n) assert_true(v[0] == first && v[n * components - 1] == last);
     struct token t;
@@ -179,6 +179,7 @@ static void test_list_errors(void **state) {
                {1, "2(1\n0x10)", "T:2:|0x10"},
                {1, "2(1,2)", "T:1:|','"},
                {1, "1000000000000(1)", "T:1:|count"},
+               {1, "\n1001{1}", "T:2:|1001 equal entries|at most 1000"},
                {1, "2000000000(1)", "T:1:|2000000000 entries|has 1"},
                {1, "-1(1)", "T:1:|negative"},
                {1, "1.5(1)", "T:1:|count"},
@@ -191,7 +192,7 @@ static void test_list_errors(void **state) {
         struct lexer l = lexer_start(s);
         long n;
         double *v;
-        says(foam_list_read_doubles(&l, &ascii, bad[i].components, &n, &v), bad[i].error);
+        says(foam_list_read_doubles(&l, &ascii, bad[i].components, 1000, &n, &v), bad[i].error);
         assert_null(v);
         source_free(s);
     }
@@ -199,11 +200,11 @@ static void test_list_errors(void **state) {
     struct lexer l = lexer_start(s);
     long n;
     int *v;
-    says(foam_list_read_labels(&l, &ascii, &n, &v), "T:2:|2.5|whole");
+    says(foam_list_read_labels(&l, &ascii, 1000, &n, &v), "T:2:|2.5|whole");
     source_free(s);
     s = text_source("1(3000000000)");
     l = lexer_start(s);
-    says(foam_list_read_labels(&l, &ascii, &n, &v), "T:1:|3000000000|at most");
+    says(foam_list_read_labels(&l, &ascii, 1000, &n, &v), "T:1:|3000000000|at most");
     source_free(s);
 }
 
@@ -265,7 +266,7 @@ static void lists_write(const char *path, struct foam_format format, const struc
 static void doubles_equal(struct lexer *l, const struct foam_header *h, int components, const struct lists *a) {
     long n;
     double *v;
-    ok(foam_list_read_doubles(l, h, components, &n, &v));
+    ok(foam_list_read_doubles(l, h, components, 1000, &n, &v));
     assert_int_equal(n, a->n);
     assert_memory_equal(v, a->v, sizeof *v * (size_t)(n * components));
     free(v);
@@ -285,7 +286,7 @@ static void lists_compare(const char *path, struct foam_format format, const str
     skip = l;
     doubles_equal(&l, &h, 1, a);
     doubles_equal(&l, &h, 3, a);
-    ok(foam_list_read_labels(&l, &h, &n, &labels));
+    ok(foam_list_read_labels(&l, &h, 1000, &n, &labels));
     assert_int_equal(n, a->n);
     assert_memory_equal(labels, a->labels, sizeof(int) * (size_t)n);
     ok(foam_list_skip(&skip, &h, 8));
@@ -391,7 +392,7 @@ static void test_long_text(void **state) {
 static status binary_labels(const char *text, size_t size, const struct foam_header *h, long *n, int **v) {
     struct source s = {.path = "T", .text = (char *)(uintptr_t)text, .size = size};
     struct lexer l = lexer_start(&s);
-    return foam_list_read_labels(&l, h, n, v);
+    return foam_list_read_labels(&l, h, 1000, n, v);
 }
 
 static void test_binary_variants(void **state) {
@@ -419,13 +420,13 @@ static void test_binary_variants(void **state) {
     struct source s = {.path = "T", .text = text, .size = 16};
     struct lexer l = lexer_start(&s);
     double *d;
-    ok(foam_list_read_doubles(&l, &wide, 3, &n, &d));
+    ok(foam_list_read_doubles(&l, &wide, 3, 1000, &n, &d));
     assert_true(n == 1 && d[0] == 1 && d[1] == 0.5 && d[2] == -2);
     free(d);
     f[1] = NAN;
     memcpy(text + 3, f, sizeof f);
     l = lexer_start(&s);
-    says(foam_list_read_doubles(&l, &wide, 3, &n, &d), "T:1:|entry 0|nan|finite");
+    says(foam_list_read_doubles(&l, &wide, 3, 1000, &n, &d), "T:1:|entry 0|nan|finite");
 }
 
 static void test_missing_file(void **state) {

@@ -269,6 +269,7 @@ DICTIONARIES = [
     Row("eval: syntax", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 2 * };"), "2 *"),
     Row("eval: unknown name", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 2 * limit };"), "limit"),
     Row("eval: division by zero", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 1 / 0 };"), "1 / 0"),
+    Row("shell", (CONTROL, "type fieldMinMax;", "type systemCall; executeCalls (\"ls\");"), "systemCall", "allowed are"),
     Row("code", (CONTROL, "maxCo 0.5;", "maxCo #codeStream { code #{ return 1; #}; };"), "no code is run"),
     Row("#if without #endif", (CONTROL, "maxCo 0.5;", "#if yes\nmaxCo 0.5;"), "#if has no #endif", at=""),
     Row("a binary file as a dictionary", write(SCHEMES, "\x01\x02\x03 fluxScheme common;"), "byte 0x01", where=SCHEMES),

@@ -97,6 +97,25 @@ static void test_eval(void **state) {
     refused("p { type\n codedFixedValue; }", "T:2:|no code");
 }
 
+/* Short texts that ask for much memory or time. */
+static void test_bombs(void **state) {
+    (void)state;
+    char text[2000] = "a 1 1 1 1;\n";
+    for (int i = 0; i < 20; i++)
+        sprintf(text + strlen(text), "b%d $%c%d $%c%d $%c%d;\n", i + 1, 'b', i, 'b', i, 'b', i);
+    memcpy(strstr(text, "$b0 $b0 $b0"), "$:a $:a $:a", 11);
+    refused(text, "|macros|more than a million values");
+    refused("\n\"a{9}{9}\" 1;", "T:2:|regular expression|{ }");
+    refused("\"((((a+)+)+)+)+\" 1;", "T:1:|regular expression|four +");
+    refused("\"(a)\\\\1\" 1;", "T:1:|regular expression|back references");
+    struct dict *d;
+    const double *v;
+    int n;
+    ok(dict_from_text("T", "\na 1000000{(0 0 0)};", &d));
+    says(dict_vectors(d, "a", &n, &v), "T:2:|1000000|at most 10000");
+    dict_free(d);
+}
+
 static void test_missing_semicolon(void **state) {
     (void)state;
     refused("\nk 5\nend 1;", "T:2:|missing ';'|'k'|Line 3|'end'");
@@ -334,6 +353,12 @@ static void test_include(void **state) {
     refused_file(put(f, "system/g", "#include \"../../x\""), "system/g:1:|leads out of the case");
     refused_file(put(f, "system/h", "#include \"$HOME/x\""), "system/h:1:|variables");
     refused_file(put(f, "top", "#include \"../x\""), "top:1:|leads out of the case");
+    put(f, "../secret", "password 1;");
+    char link[128];
+    snprintf(link, sizeof link, "%s/case/system/link", f->path);
+    assert_int_equal(symlink("../../secret", link), 0);
+    f->files[f->count++] = strdup(link);
+    refused_file(put(f, "system/i", "\n#include \"link\""), "system/i:2:|'link'|leads out of the case");
 }
 
 static void test_raw(void **state) {
@@ -370,7 +395,7 @@ static void test_raw(void **state) {
             assert_true(token_is(&t, "nonuniform"));
             ok(lexer_next(&l, &t));
             assert_true(token_is(&t, "List<vector>"));
-            ok(foam_list_read_doubles(&l, dict_header(d), 3, &n, &v));
+            ok(foam_list_read_doubles(&l, dict_header(d), 3, 1000, &n, &v));
             assert_int_equal(n, 2);
             assert_memory_equal(v, values, sizeof values);
             free(v);
@@ -380,7 +405,7 @@ static void test_raw(void **state) {
         ok(dict_raw(a, "value", &l));
         ok(lexer_next(&l, &t));
         assert_true(token_is(&t, "uniform") && t.line == dict_line(a, "value"));
-        ok(foam_list_read_doubles(&l, &(struct foam_header){0}, 1, &n, &v));
+        ok(foam_list_read_doubles(&l, &(struct foam_header){0}, 1, 1000, &n, &v));
         assert_int_equal(n, 3);
         free(v);
         ok(lexer_expect(&l, ';'));
@@ -411,6 +436,7 @@ int main(void) {
         cmocka_unit_test(test_merge),
         cmocka_unit_test(test_conditions),
         cmocka_unit_test(test_eval),
+        cmocka_unit_test(test_bombs),
         cmocka_unit_test(test_missing_semicolon),
         cmocka_unit_test(test_brackets),
         cmocka_unit_test(test_patterns),

@@ -1,0 +1,103 @@
+#include "solvers/dict.h"
+#include "mesh/foamfile.h"
+#include "tests/fuzz/target.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { KEYS = 50 };
+static const char SECRET[] = "qzvSecret";
+
+/* What lies outside the case, and ways to it. */
+static void lay_traps(void) {
+    static bool done;
+    if (done) return;
+    done = true;
+    scratch_write("secret", "qzvSecret qzvSecret; {", 22);
+    scratch_write("case/system/plain", "plain 1;", 8);
+    char link[256];
+    snprintf(link, sizeof link, "%s/case/system/link", scratch());
+    PROMISE(!symlink("../../secret", link), "a link can be made");
+    snprintf(link, sizeof link, "%s/case/out", scratch());
+    PROMISE(!symlink("..", link), "a link can be made");
+}
+
+static bool has_secret(const char *text, size_t size) {
+    for (size_t i = 0; i + sizeof SECRET <= size + 1; i++)
+        if (!memcmp(text + i, SECRET, sizeof SECRET - 1)) return true;
+    return false;
+}
+
+static void try_raw(struct dict *d, const char *key) {
+    struct lexer l;
+    struct token t = {.kind = TOKEN_WORD};
+    if (!accepted(dict_raw(d, key, &l))) return;
+    while (t.kind != TOKEN_END && !token_is(&t, ";") && accepted(lexer_next(&l, &t))) continue;
+}
+
+static void try_key(struct dict *d, const char *key) {
+    static const char *const names[] = {"ascii", "binary", "latestTime"};
+    static const signed char unit[3] = {0, 1, -1};
+    double v, x[3];
+    long whole;
+    bool on;
+    int n;
+    signed char dimensions[7];
+    const char *word;
+    const char *const *words;
+    const double *numbers;
+    (void)dict_line(d, key);
+    if (accepted(dict_number(d, key, unit, &v))) PROMISE(isfinite(v), "numbers are finite");
+    (void)accepted(dict_count_or(d, key, 3, &whole));
+    (void)accepted(dict_switch_or(d, key, true, &on));
+    (void)accepted(dict_word(d, key, &word));
+    (void)accepted(dict_vector(d, key, NULL, x));
+    (void)accepted(dict_choice(d, key, names, 3, &n));
+    (void)accepted(dict_words(d, key, &n, &words));
+    if (accepted(dict_numbers(d, key, &n, &numbers)))
+        for (int i = 0; i < n; i++) PROMISE(isfinite(numbers[i]), "numbers are finite");
+    (void)accepted(dict_vectors(d, key, &n, &numbers));
+    (void)accepted(dict_dimensions(d, key, dimensions));
+    try_raw(d, key);
+}
+
+static void try_dict(struct dict *d, int *left) {
+    for (int i = 0; i < dict_count(d) && --*left > 0; i++) {
+        struct dict *sub = NULL;
+        const char *key = dict_key(d, i);
+        if (accepted(dict_sub_optional(d, key, &sub)) && sub)
+            try_dict(sub, left);
+        else
+            try_key(d, key);
+    }
+    (void)accepted(dict_check_used(d));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    char path[256];
+    struct dict *d = NULL;
+    int left = KEYS;
+    lay_traps();
+    scratch_unpack("case", "system/d", data, size);
+    snprintf(path, sizeof path, "%s/case/system/d", scratch());
+    status s = dict_read(path, &d);
+    bool told = has_secret((const char *)data, size); /* libFuzzer sees what is compared, and tries it */
+    PROMISE(!s || told || !strstr(status_text(s), SECRET), "messages do not show files from outside the case");
+    bool good = accepted(s);
+    PROMISE(good == (d != NULL), "there is a dictionary if there is no error");
+    if (good) {
+        (void)accepted(dict_check_used(d));
+        try_dict(d, &left);
+        dict_mark_used(d);
+        PROMISE(accepted(dict_check_used(d)), "what is marked as used is used");
+        char *text = dict_print(d);
+        PROMISE(text && (told || !strstr(text, SECRET)), "nothing outside the case is read");
+        free(text);
+    }
+    dict_free(d);
+    scratch_clear();
+    return 0;
+}
