@@ -158,6 +158,11 @@ void activity_store_all(const struct gas *g, int tile, const struct state *s) {
     store_layers(g, tile, s, (struct layers){.high = {n[0], n[1], n[2]}});
 }
 
+void activity_unfold(const struct gas *g, int tile, const struct state *s) {
+    activity_store_all(g, tile, s);
+    for (int i = 0; i < g->activity.nspans; i++) s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
+}
+
 static bool is_quiet(const struct gas *g, const struct state *s, int tile, int side) {
     int other = g->forest->tile[tile].side[side].neighbour;
     if (other < 0) return false;

@@ -17,8 +17,9 @@ static status make_lines(struct gas *g) {
     }
     for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
-    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line};
-    for (int i = 0; i < 3; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    g->nraised = m->nown;
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &g->raised};
+    for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
     TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
     TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
@@ -60,6 +61,7 @@ static void cells_free(struct gas *g) {
         if (states[i]->block) free(states[i]->block[0]);
         free(states[i]->block);
     }
+    free(g->raised);
     if (!c) return;
     fit_free(c->fit);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
@@ -68,6 +70,7 @@ static void cells_free(struct gas *g) {
     free(c->total_girth);
     free(c->line);
     free(c->flag);
+    free(c->limited);
     free(c->sums);
     free(c->by_block);
     free(c);
@@ -131,6 +134,8 @@ static void cells_block_field(const struct gas *g, int block, enum gas_field fie
     double *line[MAX_VAR], U[MAX_VAR][BATCH] = {{0}};
     cells_lines(g, &g->U, line);
     int start = m->block_start[block], end = m->block_start[block + 1];
+    for (int i = start; field == GAS_LIMITED && i < end; i++) out[0][i - start] = g->cells->limited[m->block_cell[i]];
+    if (field == GAS_LIMITED) return;
     for (int from = start; from < end; from += BATCH) {
         struct primitives q;
         int n = end - from < BATCH ? end - from : BATCH;
@@ -240,27 +245,32 @@ static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, do
     for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
 }
 
-static status cells_totals(const struct gas *g, double totals[MAX_VAR]) {
+/* The integral of a line over the domain. */
+static status integrate(const struct gas *g, const double *line, double *total) {
     const struct cells *c = g->cells;
     const struct mosaic *m = c->mosaic;
-    double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
-    for (int v = 0; v < g->nvar; v++) {
-        for (int b = 0; b < m->nblocks; b++) {
-            c->sums[b] = 0;
-            for (int i = m->block_start[b]; i < m->block_start[b + 1]; i++)
-                c->sums[b] += m->volume[m->block_cell[i]] * line[v][m->block_cell[i]];
-        }
-        TRY(grid_sum(g->grid, c->sums, &totals[v]));
-        totals[v] *= m->thickness;
+    for (int b = 0; b < m->nblocks; b++) {
+        c->sums[b] = 0;
+        for (int i = m->block_start[b]; i < m->block_start[b + 1]; i++)
+            c->sums[b] += m->volume[m->block_cell[i]] * line[m->block_cell[i]];
     }
+    TRY(grid_sum(g->grid, c->sums, total));
+    *total *= m->thickness;
     return OK;
 }
 
-static void cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+static status cells_totals(const struct gas *g, double totals[MAX_VAR]) {
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++) TRY(integrate(g, line[v], &totals[v]));
+    return OK;
+}
+
+static long cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
                           const struct state *to) {
     const struct mosaic *m = g->cells->mosaic;
-    double *in[MAX_VAR], *out[MAX_VAR];
+    double *in[MAX_VAR], *out[MAX_VAR], bad[BATCH];
+    long count = 0;
     cells_lines(g, from, in);
     cells_lines(g, to, out);
     for (int at = 0; at < m->nown; at += BATCH) {
@@ -271,7 +281,41 @@ static void cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], 
         double *U[MAX_VAR];
         for (int v = 0; v < g->nvar; v++) U[v] = out[v] + at;
         source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, dt, kick, U);
+        count += find_bad(n, g->dim, m->size, g->limit, out[0] + at, bad);
     }
+    return count;
+}
+
+static long cells_floor(struct gas *g, const struct state *s) {
+    const struct mosaic *m = g->cells->mosaic;
+    double *U[MAX_VAR], bad[BATCH], raised[BATCH];
+    long count = 0;
+    cells_lines(g, s, U);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        if (!find_bad(n, g->dim, m->size, g->limit, U[0] + at, bad)) continue;
+        g->floored += raise_energy(n, g->dim, m->size, g->limit, U[0] + at, bad, raised);
+        for (int i = 0; i < n; i++) {
+            g->raised[at + i] += raised[i];
+            count += bad[i] > 0;
+        }
+    }
+    return count;
+}
+
+static status cells_sum_raised(const struct gas *g, double *energy) {
+    return integrate(g, g->raised, energy);
+}
+
+static void cells_note_limited(struct gas *g, double place[3]) {
+    const struct cells *c = g->cells;
+    struct first_place first = {.order = HUGE_VAL};
+    for (int i = 0; i < c->mosaic->nown; i++) {
+        if (c->flag[i] == 0) continue;
+        c->limited[i] += 1;
+        first_place_offer(&first, g->grid->centre + 3L * c->mosaic->cell[i]);
+    }
+    first_place_share(g, &first, place);
 }
 
 static void cells_exchange(struct gas *g, const struct state *start, const struct state *next,
@@ -298,5 +342,8 @@ const struct engine engine_cells = {.make = cells_make,
                                     .stage = cells_stage,
                                     .share_flags = cells_share_flags,
                                     .redo = cells_redo,
+                                    .floor = cells_floor,
+                                    .sum_raised = cells_sum_raised,
+                                    .note_limited = cells_note_limited,
                                     .clear_flags = cells_clear_flags,
                                     .exchange = cells_exchange};

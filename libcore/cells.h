@@ -13,7 +13,8 @@ struct cells { /* lines are [size] of the mosaic, or [faces] */
     double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
     double *total_girth;    /* [nown] the same of A */
     double *flux[MAX_VAR];  /* [faces] through the whole face, from left to right, in the axes of the mosaic */
-    double *flag;           /* [size] 0, LEVEL_* */
+    double *flag;           /* [size] > 0 where faces are to be limited */
+    double *limited;        /* [nown] how often that was so */
     bool flagged;           /* is any flag up that this rank sees? */
     double *sums;           /* [nblocks] */
     double *line;           /* [nown] */
@@ -32,8 +33,8 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-void cells_share_flags(struct gas *g, long count[3]);
-long cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+long cells_share_flags(struct gas *g);
+void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
 void cells_clear_flags(struct gas *g);
 

@@ -4,7 +4,6 @@
 #include "libcore/cells.h"
 
 enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
-#define KEPT 0.1                           /* of a cell's distance from vacuum and packing, at least, at its faces */
 
 struct points { /* a batch of points, or of states on both sides of faces; normal component first */
     int n;
@@ -14,40 +13,6 @@ struct points { /* a batch of points, or of states on both sides of faces; norma
     double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
     double out[MAX_VAR][BATCH];
 };
-
-/* Moves the states at points towards their cells' averages until they keep a share of the distance of those from the
- * edge of the admissible set (Zhang & Shu 2010; the set is convex, so the mixture is admissible, too). */
-KERNEL static void admit(int n, int dim, double limit, const double (*restrict average)[BATCH],
-                         double (*restrict at)[BATCH]) {
-    double theta[BATCH], square[2][BATCH];
-    for (int i = 0; i < n; i++) {
-        double mean = average[0][i], rho = at[0][i], low = KEPT * mean, high = mean + (1 - KEPT) * (limit - mean);
-        double down = (mean - low) / (mean - rho), up = (high - mean) / (rho - mean);
-        theta[i] = rho < low ? down : rho > high ? up : 1;
-        square[0][i] = square[1][i] = 0;
-    }
-    for (int v = 0; v < dim + 2; v++)
-        for (int i = 0; i < n; i++) {
-            double mixed = fma(theta[i], at[v][i] - average[v][i], average[v][i]);
-            at[v][i] = theta[i] < 1 ? mixed : at[v][i];
-        }
-    for (int k = dim; k >= 1; k--)
-        for (int i = 0; i < n; i++) {
-            square[0][i] += average[k][i] * average[k][i];
-            square[1][i] += at[k][i] * at[k][i];
-        }
-    for (int i = 0; i < n; i++) { /* rho eps is concave: along the way to the average it is at least linear */
-        double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
-        double here = at[dim + 1][i] - 0.5 * square[1][i] / at[0][i], low = KEPT * mean;
-        double share = (mean - low) / (mean - here);
-        theta[i] = here < low ? share : 1;
-    }
-    for (int v = 0; v < dim + 2; v++)
-        for (int i = 0; i < n; i++) {
-            double mixed = fma(theta[i], at[v][i] - average[v][i], average[v][i]);
-            at[v][i] = theta[i] < 1 ? mixed : at[v][i];
-        }
-}
 
 struct turn { /* rows of the matrices that turn vectors into the frames of faces, or back: axis[row][column][face] */
     const double *axis[MAX_DIM][MAX_DIM];
@@ -115,22 +80,31 @@ KERNEL static void gather_line(int n, const int *restrict index, const double *r
     for (int i = 0; i < n; i++) out[i] = q[index[i]];
 }
 
-/* The states on one side of points from <= i < from + n: of the polynomials, or (first order) the averages. */
-static void side_states(const struct gas *g, int side, int from, const double *const *U, bool first_order,
-                        struct points *p) {
+/* The averages of the cells on one side of the n faces of p, in their frames. */
+static void side_averages(const struct gas *g, int side, const double *const *U, struct points *p) {
+    const struct mosaic_faces *f = &g->cells->mosaic->face;
+    const int *of_face = side ? f->right : f->left;
+    double at[MAX_VAR][BATCH];
+    int cell[BATCH];
+    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], at[v]);
+    into_frames(g, p, at);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
+}
+
+/* The states of the polynomials on one side of points from <= i < from + n. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
     const struct cells *c = g->cells;
     const int *of_face = side ? c->mosaic->face.right : c->mosaic->face.left;
-    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], *out[MAX_VAR];
+    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
     int cell[BATCH];
     for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
     for (int v = 0; v < g->nvar; v++) {
         out[v] = at[v];
-        gather_line(p->n, cell, U[v], first_order ? at[v] : average[v]);
+        gather_line(p->n, cell, U[v], average[v]);
     }
-    if (!first_order) {
-        fit_points(c->fit, side, from, p->n, U, out);
-        admit(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at);
-    }
+    fit_points(c->fit, side, from, p->n, U, out);
+    limit_towards(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at, theta);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
@@ -156,8 +130,8 @@ static void states_beyond(const struct gas *g, const double *const *U, struct po
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }
 
-/* p->out = the flux along the normals, by the chosen scheme or by Rusanov's. */
-static void point_fluxes(const struct gas *g, bool rusanov, struct points *p) {
+/* What follows from the states on both sides, the fluxes of each of them, too: a batch of faces. */
+static struct faces point_primitives(const struct gas *g, struct points *p) {
     const struct gas_models *m = &g->models;
     const long size = STENCIL * BATCH;
     const int n = (p->n + 7) / 8 * 8; /* whole vectors: the last state again */
@@ -181,44 +155,60 @@ static void point_fluxes(const struct gas *g, bool rusanov, struct points *p) {
     f.eps = p->eps[LEFT];
     f.c = p->c[LEFT];
     f.gruneisen = p->gruneisen[LEFT];
-    (rusanov ? flux_rusanov : m->flux->through)(&f, m->eos, &m->material, g->first_order);
+    return f;
 }
 
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
-static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, int level,
-                         struct points *p) {
+static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
     struct cells *c = g->cells;
     const struct mosaic_faces *f = &c->mosaic->face;
     const int from = f->point_start[first];
     p->n = f->point_start[last] - from;
     for (int i = 0; i < p->n; i++) p->face[i] = c->mosaic->point.face[from + i];
-    side_states(g, 0, from, U, level > 0, p);
+    side_states(g, 0, from, U, p);
     if (first < f->ninternal)
-        side_states(g, 1, from, U, level > 0, p);
+        side_states(g, 1, from, U, p);
     else
         states_beyond(g, U, p);
-    point_fluxes(g, level == LEVEL_RUSANOV, p);
+    const struct faces faces = point_primitives(g, p);
+    g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
     out_of_frames(g, p, p->out);
-    for (int face = first; face < last; face++) {
-        if (level && (int)larger(c->flag[f->left[face]], c->flag[f->right[face]]) != level) continue;
+    for (int face = first; face < last; face++)
         for (int v = 0; v < g->nvar; v++) {
             double sum = 0;
             for (int i = f->point_start[face]; i < f->point_start[face + 1]; i++)
                 sum += c->mosaic->point.weight[i] * p->out[v][i - from];
             c->flux[v][face] = f->area[face] * sum;
         }
+}
+
+/* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */
+static void limit_batch(struct gas *g, const double *const *U, struct points *p) {
+    struct cells *c = g->cells;
+    const struct mosaic_faces *f = &c->mosaic->face;
+    double theta[BATCH];
+    side_averages(g, 0, U, p);
+    if (p->face[0] < f->ninternal)
+        side_averages(g, 1, U, p);
+    else
+        states_beyond(g, U, p);
+    struct faces faces = point_primitives(g, p);
+    faces.n = p->n;
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < p->n; i++) p->out[v][i] = c->flux[v][p->face[i]] / f->area[p->face[i]];
+    into_frames(g, p, p->out);
+    limit_faces(&faces, g->limit, theta);
+    out_of_frames(g, p, p->out);
+    for (int i = 0; i < p->n; i++) {
+        const int face = p->face[i];
+        if (theta[i] == 1) continue;
+        g->faces += f->left[face] < c->mosaic->nown;
+        for (int v = 0; v < g->nvar; v++) c->flux[v][face] = f->area[face] * p->out[v][i];
     }
 }
 
-static bool any_at_level(const struct cells *c, int first, int last, int level) {
-    const struct mosaic_faces *f = &c->mosaic->face;
-    for (int face = first; face < last; face++)
-        if ((int)larger(c->flag[f->left[face]], c->flag[f->right[face]]) == level) return true;
-    return false;
-}
-
-/* Faces first <= i < last, in batches; flagged ones again at their level. */
-static void face_fluxes(const struct gas *g, int first, int last, const double *const *U) {
+/* Faces first <= i < last, in batches; those of flagged cells limited. */
+static void face_fluxes(struct gas *g, int first, int last, const double *const *U) {
     const struct cells *c = g->cells;
     const struct mosaic_faces *f = &c->mosaic->face;
     struct points p;
@@ -226,9 +216,12 @@ static void face_fluxes(const struct gas *g, int first, int last, const double *
         const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
         for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
             if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
-        batch_fluxes(g, first, end, U, 0, &p);
-        for (int level = LEVEL_FIRST_ORDER; c->flagged && level <= LEVEL_RUSANOV; level++)
-            if (any_at_level(c, first, end, level)) batch_fluxes(g, first, end, U, level, &p);
+        batch_fluxes(g, first, end, U, &p);
+        if (!c->flagged) continue;
+        p.n = 0;
+        for (int face = first; face < end; face++)
+            if (c->flag[f->left[face]] + c->flag[f->right[face]] > 0) p.face[p.n++] = face;
+        if (p.n) limit_batch(g, U, &p);
     }
 }
 
@@ -292,27 +285,26 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     return update_cells(g, U0, from, to, a, dt);
 }
 
-long cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt) {
     double *line[MAX_VAR];
     cells_lines(g, from, line);
+    g->faces = 0;
     face_fluxes(g, 0, g->cells->mosaic->face.ninternal, (const double *const *)line);
     face_fluxes(g, g->cells->mosaic->face.ninternal, g->cells->mosaic->face.n, (const double *const *)line);
-    return update_cells(g, U0, from, to, a, dt);
+    (void)update_cells(g, U0, from, to, a, dt);
 }
 
-void cells_share_flags(struct gas *g, long count[3]) {
+long cells_share_flags(struct gas *g) {
     struct cells *c = g->cells;
     double *line[1] = {c->flag};
-    for (int i = 0; i < 3; i++) count[i] = 0;
-    for (int i = 0; i < c->mosaic->nown; i++) {
-        int level = (int)c->flag[i];
-        if (level > 0) count[level > LEVEL_RUSANOV ? 2 : level - 1]++;
-    }
-    comm_sum_long(g->comm, count, 3);
+    long count = 0;
+    for (int i = 0; i < c->mosaic->nown; i++) count += c->flag[i] > 0;
+    comm_sum_long(g->comm, &count, 1);
     mosaic_fill_start(c->mosaic, 1, line);
     mosaic_fill_finish(c->mosaic);
-    c->flagged = count[0] + count[1] + count[2] > 0;
+    c->flagged = count > 0;
+    return count;
 }
 
 void cells_clear_flags(struct gas *g) {

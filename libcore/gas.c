@@ -108,6 +108,13 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
     g->engine->fastest_place(g, speed, place);
 }
 
+void first_place_share(const struct gas *g, const struct first_place *p, double place[3]) {
+    double least = p->order;
+    comm_min(g->comm, &least, 1);
+    for (int k = 0; k < 3; k++) place[k] = p->order == least ? p->place[k] : HUGE_VAL;
+    comm_min(g->comm, place, 3);
+}
+
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
     return g->engine->totals(g, totals);
 }

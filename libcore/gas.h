@@ -36,10 +36,13 @@ struct gas_models { /* what the dictionaries chose */
     bool skip_uniform; /* leave out what is exactly zero (libcore/activity.c): the same bits, less work */
 };
 
-struct gas_counts {   /* of the safety net, since gas_make; the same on all ranks */
-    long first_order; /* cells redone with first-order faces */
-    long rusanov;     /* cells redone with Rusanov faces */
-    long rejected;    /* steps rejected and halved */
+struct gas_counts { /* of what kept the state admissible (libcore/limit.h), since gas_make; the same on all ranks */
+    long cells;     /* whose faces were limited, once a stage */
+    long faces;     /* whose flux was moved towards the low-order one, once a stage */
+    long rejected;  /* steps rejected and halved */
+    long floored;   /* cells raised to the round-off floor, and the energy that added, J */
+    double energy;
+    double place[3]; /* centre of a cell limited last, m; 0 before */
 };
 
 struct gas_speed {  /* of the whole domain */
@@ -65,7 +68,7 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
 
-enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_FIELDS };
+enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_LIMITED, GAS_FIELDS };
 /* Components: dim for GAS_U, else 1. The values of one field in the cells of one of this rank's blocks (tiles: axis 0
  * fastest): out[component][cells]. gas_field gathers a whole field to root in polyMesh order. */
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);

@@ -120,31 +120,40 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
     return f;
 }
 
-/* Replaces the fluxes through faces of flagged cells by first-order ones, or by Rusanov's: the safety net. */
-static void redo_flagged(const struct gas *g, const double *U, int axis, long offset, int n, const double *flag,
-                         double (*out)[BATCH], int column) {
-    const struct gas_models *m = &g->models;
-    double lower[MAX_VAR][BATCH];
-    struct faces f = faces_at(g, U, axis, offset, n, lower, 0);
-    for (int level = LEVEL_FIRST_ORDER; level <= LEVEL_RUSANOV; level++) {
-        bool face[BATCH], any = false;
-        for (int i = 0; i < n; i++) any |= face[i] = (int)larger(flag[i], flag[i + f.stride]) == level;
-        if (!any) continue;
-        if (level == LEVEL_RUSANOV)
-            flux_rusanov(&f, m->eos, &m->material, g->first_order);
-        else
-            m->flux->through(&f, m->eos, &m->material, g->first_order);
-        for (int v = 0; v < g->nvar; v++)
-            for (int i = 0; i < n; i++)
-                if (face[i]) out[v][column + i] = lower[v][i];
+/* A line of faces along an axis, whose left cells start at `offset`. */
+struct strip {
+    int tile, axis, n;
+    long offset;
+    int from; /* place of the first left cell along the axis: -1 below the tile */
+};
+
+/* A face between tiles is counted where its left cell is. */
+static bool is_counted(const struct gas *g, const struct strip *s, int i) {
+    return s->from + (s->axis == 0 ? i : 0) >= 0 || g->forest->tile[s->tile].side[2 * s->axis].patch >= 0;
+}
+
+/* Limits the fluxes `out` through faces of flagged cells. */
+static void limit_flagged(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
+    double limited[MAX_VAR][BATCH], theta[BATCH];
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, limited, 0);
+    const double *flag = g->flag[s->tile] + s->offset;
+    bool any = false;
+    for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
+    if (!any) return;
+    f.n = s->n;
+    for (int v = 0; v < g->nvar; v++) memcpy(limited[v], out[v] + column, (size_t)s->n * sizeof(double));
+    limit_faces(&f, g->limit, theta);
+    for (int i = 0; i < s->n; i++) {
+        if (flag[i] + flag[i + f.stride] == 0) continue;
+        for (int v = 0; v < g->nvar; v++) out[v][column + i] = limited[v][i];
+        g->faces += theta[i] < 1 && is_counted(g, s, i);
     }
 }
 
-static void face_fluxes(const struct gas *g, int tile, const double *U, int axis, long offset, int n,
-                        double (*out)[BATCH], int column) {
-    struct faces f = faces_at(g, U, axis, offset, n, out, column);
+static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
     g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
-    if (g->flagged[tile]) redo_flagged(g, U, axis, offset, n, g->flag[tile] + offset, out, column);
+    if (g->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
 
 KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
@@ -161,22 +170,6 @@ KERNEL void update_row(int n, double a, double dt, const double *restrict U0, co
         double moved = from[i] + dt * residual[i];
         to[i] = moved + a * (U0[i] - moved);
     }
-}
-
-KERNEL bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
-    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
-    const double *restrict m1 = U + size, *restrict m2 = U + 2 * size, *restrict m3 = U + 3 * size;
-    uint64_t any = 0;
-    for (int i = 0; i < n; i++) {
-        double square = m1[i] * m1[i];
-        if (dim > 1) square += m2[i] * m2[i];
-        if (dim > 2) square += m3[i] * m3[i];
-        double internal = E[i] * rho[i] - 0.5 * square;
-        bool good = (rho[i] > 0) & (rho[i] < limit) & (internal > 0); /* NaN is bad */
-        bad[i] = good ? 0 : 1;
-        any |= bits_of(bad[i]);
-    }
-    return any != 0;
 }
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
@@ -218,13 +211,14 @@ static void settle_background(const struct update *u) {
 }
 
 /* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
-static void sweep_row(const struct gas *g, int tile, const double *U, int j, int k) {
+static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
     const struct forest *f = g->forest;
     double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
     struct span s = *activity_row(&g->activity, g->activity.active, j, k);
     if (span_empty(s)) return;
     long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
-    face_fluxes(g, tile, U, 0, offset - 1, s.high - s.low + 1, faces, 0);
+    const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
+    face_fluxes(g, U, &strip, faces, 0);
     for (int v = 0; v < g->nvar; v++)
         difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
 }
@@ -242,13 +236,14 @@ static struct span active_span(const struct gas *g, int tile, const struct colum
 
 /* residual += the same for row j of a column, j from -1 on: the faces between rows j and j + 1 cover both rows' active
  * spans; those of the row before were kept. */
-static void sweep_column(const struct gas *g, int tile, const double *U, struct column *c, int j) {
+static void sweep_column(struct gas *g, int tile, const double *U, struct column *c, int j) {
     const struct forest *f = g->forest;
     double inverse = 1 / f->width[c->axis];
     struct span mine = active_span(g, tile, c, j), s = span_join(mine, active_span(g, tile, c, j + 1));
     double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
     long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
-    if (!span_empty(s)) face_fluxes(g, tile, U, c->axis, row + s.low, s.high - s.low, high, s.low);
+    const struct strip strip = {.tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j};
+    if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
     for (int v = 0; v < g->nvar && !span_empty(mine); v++)
         difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
                        g->work.residual[v] + row + mine.low);

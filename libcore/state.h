@@ -3,8 +3,7 @@
 #define LIBCORE_STATE_H
 
 #include "libcore/gas.h"
-
-enum { LEVEL_FIRST_ORDER = 1, LEVEL_RUSANOV = 2 }; /* of a cell's flag: how its faces are redone */
+#include "libcore/limit.h"
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
@@ -52,8 +51,9 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*speed)(struct gas *g, struct gas_speed *speed); /* of this rank's cells */
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
     status (*totals)(const struct gas *g, double totals[MAX_VAR]);
-    /* to = the sources applied to from, over dt; kick: the velocity gained */
-    void (*sources)(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+    /* to = the sources applied to from, over dt; kick: the velocity gained. Returns the number of cells that are not
+     * admissible then. */
+    long (*sources)(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
                     const struct state *to);
     /* One stage: to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank; returns the number of cells
      * that are not admissible and raises their flags. */
@@ -63,11 +63,17 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
      * no harm when `from` holds inadmissible cells (NaN, too): all is thrown away then. NULL: none, step.c does it. */
     long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt, struct ending *ending);
-    /* Counts the flagged cells of all ranks at level 1, 2 and beyond, and sends the flags to the neighbours. */
-    void (*share_flags)(struct gas *g, long count[3]);
-    /* The stage again where flags are near, with the faces of flagged cells at their level. */
-    long (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+    /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
+    long (*share_flags)(struct gas *g);
+    /* The stage again where flags are near, with the faces of flagged cells limited (libcore/limit.h); those are
+     * counted in g->faces. Flags what is not admissible. */
+    void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
+    /* Raises the energy of cells to the round-off floor, counted in g->floored and noted in g->raised; returns the
+     * number of cells that are not admissible all the same. */
+    long (*floor)(struct gas *g, const struct state *s);
+    status (*sum_raised)(const struct gas *g, double *energy); /* g->raised of all ranks, J */
+    void (*note_limited)(struct gas *g, double place[3]);      /* adds the flags to the field; where is the first? */
     void (*clear_flags)(struct gas *g);
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
@@ -93,10 +99,15 @@ struct gas {
     bool speed_known;
     int guarded; /* so many steps are still looked at stage by stage (libcore/step.c) */
     struct gas_counts counts;
+    long faces;     /* limited in the last redo, on this rank */
+    long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
+    double *raised; /* [nraised] J/m^3 of this attempt: of tiles, or of cells of the mosaic */
+    int nraised;
     long computed, all; /* cells times stages on this rank */
 
     struct forest *forest; /* from here on: of the tiles */
-    double **flag;         /* [ntiles] of [size]: 0, LEVEL_* (as numbers, to travel like a variable) */
+    double **flag;         /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
+    double **limited;      /* [ntiles] of [size]: how often that was so */
     bool *flagged;         /* [ntiles] does the tile, or its ghost layer, hold a flag? */
     double *sums;          /* [ntiles] */
     struct work work;
@@ -106,15 +117,18 @@ struct gas {
     struct cells *cells;     /* libcore/cells.h */
 };
 
-void tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+long tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
                    const struct state *to);
 long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
 long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                       double dt, struct ending *ending);
-void tiles_share_flags(struct gas *g, long count[3]);
-long tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+long tiles_share_flags(struct gas *g);
+void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
+long tiles_floor(struct gas *g, const struct state *s);
+status tiles_sum_raised(const struct gas *g, double *energy);
+void tiles_note_limited(struct gas *g, double place[3]);
 void tiles_clear_flags(struct gas *g);
 void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 
@@ -132,6 +146,8 @@ void activity_prepare(struct gas *g, const struct state *s);
 /* After the ghost fill of `from`: the cells that differ from their stencil somewhere, or in U0 (active), and the cells
  * that the fluxes of those need. Returns false if there are none. */
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from);
+/* Turns the cells of a tile that are background into cells in memory, so that they may change one by one. */
+void activity_unfold(const struct gas *g, int tile, const struct state *s);
 /* Writes the background where it is to be read: in the spans of rows (margin: with ghosts), or in the whole tile. */
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
 void activity_store_all(const struct gas *g, int tile, const struct state *s);
@@ -140,11 +156,9 @@ struct span *activity_row(const struct activity *a, struct span *spans, int j, i
 void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context);
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context);
 
-/* Of n <= BATCH states whose variables are `size` apart: velocity and eps = E/rho - |u|^2/2; the roots of c^2; bad = 1
- * where a state is not admissible, else 0 (is any?). */
+/* Of n <= BATCH states whose variables are `size` apart: velocity and eps = E/rho - |u|^2/2; the roots of c^2. */
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps);
 void root_row(int n, double *restrict c);
-bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad);
 /* to = W + a (U0 - W), W = from + dt residual */
 void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
                 const double *restrict residual, double *restrict to);
@@ -180,6 +194,21 @@ static inline void stepper_exchange(double start, double *next, double *state) {
     *next = start + 0.9 * (s - start);
     *state = start + 0.4 * (s - start);
 }
+
+/* Of places that ranks found, the first in space; none: HUGE_VAL. Order in space decides, not the rank. */
+struct first_place {
+    double order, place[3];
+};
+static inline void first_place_offer(struct first_place *p, const double here[3]) {
+    double order = here[0] + 1e-7 * here[1] + 1e-14 * here[2];
+    if (!(order < p->order)) return;
+    p->order = order;
+    memcpy(p->place, here, sizeof p->place);
+}
+void first_place_share(const struct gas *g, const struct first_place *p, double place[3]);
+
+/* Of a cell of a tile, m. */
+void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]);
 
 /* Ghost layers of one tile's sides that are patches. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);

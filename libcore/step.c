@@ -1,13 +1,19 @@
-/* One time step: sources, Runge-Kutta stages with their safety net, rejection. */
+/* One time step: sources, Runge-Kutta stages, what keeps them admissible, rejection.
+ *
+ * A stage is computed at high order. Where a cell is not admissible then, the stage is done again with the fluxes of
+ * that cell's faces limited (libcore/limit.h); a cell that becomes bad by that is flagged, too, until there is no new
+ * one: flags only grow, so this ends. Then the flagged cells are admissible by the theorem and the others as they were
+ * checked. Smooth flow costs nothing and keeps its order and its bits. Where the theorem's Courant number was exceeded
+ * and a flagged cell is bad all the same, the step is rejected and halved. */
 #include "libcore/state.h"
 
 enum { GUARDED = 16 }; /* steps after an inadmissible state that are looked at stage by stage from the first */
 
-/* to = the sources applied to from, over dt from t on */
-static void apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
+/* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
+static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
     double kick[MAX_DIM];
     source_kick(&g->models.source, t, dt, kick);
-    g->engine->sources(g, dt, kick, from, to);
+    return g->engine->sources(g, dt, kick, from, to);
 }
 
 /* The largest of one number over the ranks. */
@@ -17,19 +23,18 @@ static long any_rank(const struct gas *g, long mine) {
     return (long)value;
 }
 
-/* Redoes what stage left inadmissible, first with first-order faces, then with Rusanov's; false: not to be mended. */
+/* Redoes what stage left inadmissible; false: not to be mended. */
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
-    long count[3], before[3] = {0, 0, 0}, bad = 1;
-    while (bad) {
-        g->engine->share_flags(g, count);
-        if (count[2]) return false;
-        g->counts.first_order += count[0] + count[1] - before[0] - before[1];
-        g->counts.rusanov += count[1] - before[1];
-        memcpy(before, count, sizeof before);
-        bad = any_rank(g, g->engine->redo(g, U0, from, to, a, dt));
-    }
-    return true;
+    long cells, before = 0;
+    for (; (cells = g->engine->share_flags(g)) > before; before = cells) g->engine->redo(g, U0, from, to, a, dt);
+    long count[2] = {g->faces, g->engine->floor(g, to)};
+    comm_sum_long(g->comm, count, 2);
+    g->counts.cells += cells;
+    g->counts.faces += count[0];
+    g->engine->note_limited(g, g->counts.place);
+    g->engine->clear_flags(g);
+    return count[1] == 0;
 }
 
 static void swap(struct state *a, struct state *b) {
@@ -54,14 +59,13 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     return g->speed_known;
 }
 
-/* The stages from U0 to V and the second half of the sources. Only then do the ranks ask each other whether all cells
- * are admissible, so that none waits for all others at every stage. false: some were not, V is of no use, and the step
- * is to be done again from its start, by guard_stages. */
-static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources) {
+/* The stages from U0 to V and the second half of the sources; `bad`: cells after the first half. Only then do the ranks
+ * ask each other whether all cells are admissible, so that none waits for all others at every stage. false: some were
+ * not, V is of no use, and the step is to be done again from its start, by guard_stages. */
+static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
     const struct stepper *s = g->models.stepper;
     struct ending ending = {.sources = sources, .dt = 0.5 * dt};
     const bool at_once = g->engine->last_stage;
-    long bad = 0;
     source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
@@ -72,13 +76,13 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
             bad += g->engine->stage(g, U0, from, &g->W, a, b);
         U0 = after_stage(g, U0, stage);
     }
+    if (sources && !at_once) bad += g->engine->sources(g, 0.5 * dt, ending.kick, &g->V, &g->V);
     if (!speed_share(g, &ending.speed, bad > 0)) {
         g->guarded = GUARDED;
         g->engine->clear_flags(g);
         return false;
     }
     g->speed_known = at_once;
-    if (sources && !at_once) g->engine->sources(g, 0.5 * dt, ending.kick, &g->V, &g->V);
     return true;
 }
 
@@ -86,32 +90,46 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
  * none. false: some state could not be mended. */
 static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources) {
     const struct stepper *s = g->models.stepper;
+    g->floored = 0;
+    memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
+    if (sources && any_rank(g, g->engine->floor(g, U0))) return false;
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         double a = s->a[stage], b = s->b[stage] * dt;
         if (any_rank(g, g->engine->stage(g, U0, from, &g->W, a, b))) {
-            bool mended = mend_stage(g, U0, from, &g->W, a, b);
             g->guarded = GUARDED;
-            g->engine->clear_flags(g);
-            if (!mended) return false;
+            if (!mend_stage(g, U0, from, &g->W, a, b)) return false;
         }
         U0 = after_stage(g, U0, stage);
     }
-    if (sources) apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
-    return true;
+    if (!sources) return true;
+    bool bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
+    return !bad || !any_rank(g, g->engine->floor(g, &g->V));
+}
+
+/* What the floor did in a step that stands. */
+static status count_floor(struct gas *g) {
+    double energy;
+    comm_sum_long(g->comm, &g->floored, 1);
+    if (!g->floored) return OK;
+    TRY(g->engine->sum_raised(g, &energy));
+    g->counts.floored += g->floored;
+    g->counts.energy += energy;
+    g->guarded = GUARDED;
+    return OK;
 }
 
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     double place[3];
     const struct gas_counts *c = &g->counts;
-    const bool noisy = c->first_order > 1000 && strcmp(g->models.flux->name, "common") != 0;
+    const bool noisy = c->cells > 1000 && strcmp(g->models.flux->name, "common") != 0;
     gas_fastest_place(g, speed, place);
     return fail(
         ERR_STATE,
         "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
         "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
-        "  so far the safety net redid %ld cells at first order, %ld with Rusanov's flux, and rejected %ld steps%s",
-        t, place[0], place[1], place[2], dt, c->first_order, c->rusanov, c->rejected,
+        "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
+        t, place[0], place[1], place[2], dt, c->faces, c->cells, c->rejected,
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
@@ -126,14 +144,18 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     g->speed_known = false;
     for (;;) {
         const bool guarded = g->guarded > 0;
-        if (sources) apply_sources(g, t, 0.5 * *dt, &g->U, &g->U0);
-        if ((guarded ? guard_stages : try_stages)(g, sources ? &g->U0 : &g->U, t, *dt, sources)) break;
+        long bad = sources ? apply_sources(g, t, 0.5 * *dt, &g->U, &g->U0) : 0;
+        const struct state *U0 = sources ? &g->U0 : &g->U;
+        if (guarded ? guard_stages(g, U0, t, *dt, sources) : try_stages(g, U0, t, *dt, sources, bad)) break;
         if (!guarded) continue;
         g->counts.rejected++;
         *dt *= 0.5;
         if (*dt < floor) return collapse(g, t, *dt, speed);
     }
-    if (g->guarded) g->guarded--;
+    if (g->guarded > 0) {
+        TRY(count_floor(g));
+        g->guarded--;
+    }
     swap(&g->U, &g->V);
     return OK;
 }

@@ -66,6 +66,9 @@ static status tiles_make(struct gas *g) {
     TRY(make_activity(g));
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
     TRY(make_blocks(g->forest, 1, &g->flag));
+    TRY(make_blocks(g->forest, 1, &g->limited));
+    g->nraised = g->forest->ntiles;
+    TRY(allocate(&g->raised, g->nraised, sizeof(double), "tiles"));
     TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
     return make_work(g);
@@ -75,6 +78,8 @@ static void tiles_free(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
     free_blocks(g->forest, g->flag);
+    free_blocks(g->forest, g->limited);
+    free(g->raised);
     free(g->flagged);
     free(g->sums);
     free(g->activity.differ);
@@ -150,16 +155,36 @@ static void field_visit(void *context, long offset, int n) {
             out[i] = sqrt(square) / w->c[offset + i];
         }
         break;
+    case GAS_LIMITED:
     case GAS_FIELDS:
         break;
     }
     r->at += n;
 }
 
+struct placing { /* consecutive values from or to a tile's block */
+    double *values, *block;
+};
+static void take_visit(void *context, long offset, int n) {
+    struct placing *p = context;
+    memcpy(p->values, p->block + offset, (size_t)n * sizeof(double));
+    p->values += n;
+}
+static void place_visit(void *context, long offset, int n) {
+    struct placing *p = context;
+    memcpy(p->block + offset, p->values, (size_t)n * sizeof(double));
+    p->values += n;
+}
+
 static void tiles_block_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
     int components = field == GAS_U ? g->dim : 1;
     const int *n = g->forest->tile[tile].n;
     double background[3];
+    if (field == GAS_LIMITED) {
+        struct placing from = {.values = out[0], .block = g->limited[tile]};
+        rows_visit(g->forest, &g->forest->tile[tile], 0, take_visit, &from);
+        return;
+    }
     struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
     for (int c = 0; c < components; c++) {
         r.out[c] = out[c];
@@ -175,17 +200,6 @@ static void tiles_block_field(const struct gas *g, int tile, enum gas_field fiel
             r.at = row + varied.low;
             row_visit(g, g->U.varied[tile], j, k, field_visit, &r);
         }
-}
-
-struct placing { /* writes consecutive values back to a tile's block */
-    const double *values;
-    double *block;
-};
-
-static void place_visit(void *context, long offset, int n) {
-    struct placing *p = context;
-    memcpy(p->block + offset, p->values, (size_t)n * sizeof(double));
-    p->values += n;
 }
 
 static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
@@ -207,7 +221,7 @@ static status tiles_field(const struct gas *g, enum gas_field field, double *con
     return OK;
 }
 
-static void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]) {
+void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]) {
     const struct forest *f = g->forest;
     long rest = offset - f->first, at[3] = {0, 0, 0};
     for (int k = 2; k >= 0; k--) {
@@ -303,7 +317,7 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
 }
 
 static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    double best[4] = {HUGE_VAL, 0, 0, 0}; /* order in space decides between equals, not the rank */
+    struct first_place first = {.order = HUGE_VAL};
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
         activity_store_all(g, t, &g->U);
@@ -311,13 +325,9 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
         if (s.found < 0) continue;
         double here[3];
         cell_place(g, &g->forest->tile[t], s.found, here);
-        double order = here[0] + 1e-7 * here[1] + 1e-14 * here[2];
-        if (order < best[0]) best[0] = order, memcpy(best + 1, here, sizeof here);
+        first_place_offer(&first, here);
     }
-    double least = best[0];
-    comm_min(g->forest->comm, &least, 1);
-    for (int k = 0; k < 3; k++) place[k] = best[0] == least ? best[k + 1] : HUGE_VAL;
-    comm_min(g->forest->comm, place, 3);
+    first_place_share(g, &first, place);
 }
 
 struct summing {
@@ -359,5 +369,8 @@ const struct engine engine_tiles = {.make = tiles_make,
                                     .last_stage = tiles_last_stage,
                                     .share_flags = tiles_share_flags,
                                     .redo = tiles_redo,
+                                    .floor = tiles_floor,
+                                    .sum_raised = tiles_sum_raised,
+                                    .note_limited = tiles_note_limited,
                                     .clear_flags = tiles_clear_flags,
                                     .exchange = tiles_exchange};

@@ -1,10 +1,11 @@
-/* One time step's parts on a forest of tiles: sources, stages, and the flags of the safety net. */
+/* One time step's parts on a forest of tiles: sources, stages, and the flags of cells to be limited. */
 #include "libcore/state.h"
 
 struct half_step {
     const struct gas *g;
     const double *from;
     double *to, dt, kick[MAX_DIM];
+    long bad;
 };
 
 static void source_visit(void *context, long offset, int n) {
@@ -16,6 +17,7 @@ static void source_visit(void *context, long offset, int n) {
         if (h->from != h->to) memcpy(U[v], h->from + v * g->forest->size + offset, (size_t)n * sizeof(double));
     }
     source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, h->dt, h->kick, U);
+    h->bad += row_inadmissible(g, h->to, offset, n, NULL);
 }
 
 static void sources_of_tile(struct gas *g, int tile, struct half_step *h, const struct state *from,
@@ -28,44 +30,64 @@ static void sources_of_tile(struct gas *g, int tile, struct half_step *h, const 
         memcpy(to->varied[tile], from->varied[tile], (size_t)g->activity.nspans * sizeof(struct span));
 }
 
-void tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+long tiles_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
                    const struct state *to) {
     struct half_step h = {.g = g, .dt = dt};
     memcpy(h.kick, kick, sizeof h.kick);
     for (int i = 0; i < g->forest->ntiles; i++) sources_of_tile(g, i, &h, from, to);
+    return h.bad;
 }
 
-struct census { /* of the flags of one tile */
-    struct gas *g;
+struct census { /* of the flags of tiles */
     const double *flag;
-    long count[3]; /* cells at level 1, 2, beyond */
-    bool any;
+    long count;
 };
 
 static void census_visit(void *context, long offset, int n) {
     struct census *c = context;
-    for (int i = 0; i < n; i++) {
-        int level = (int)c->flag[offset + i];
-        c->any |= level > 0;
-        if (level > 0) c->count[level > LEVEL_RUSANOV ? 2 : level - 1]++;
-    }
+    for (int i = 0; i < n; i++) c->count += c->flag[offset + i] > 0;
 }
 
 /* Finds the tiles that the flags touch, too. */
-void tiles_share_flags(struct gas *g, long count[3]) {
-    for (int i = 0; i < 3; i++) count[i] = 0;
+long tiles_share_flags(struct gas *g) {
+    struct census own = {0};
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct census c = {.g = g, .flag = g->flag[t]};
-        rows_visit(g->forest, &g->forest->tile[t], 0, census_visit, &c);
-        for (int i = 0; i < 3; i++) count[i] += c.count[i];
+        own.flag = g->flag[t];
+        rows_visit(g->forest, &g->forest->tile[t], 0, census_visit, &own);
     }
-    comm_sum_long(g->forest->comm, count, 3);
+    comm_sum_long(g->comm, &own.count, 1);
     forest_fill(g->forest, 1, g->flag);
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct census c = {.g = g, .flag = g->flag[t]};
-        rows_visit(g->forest, &g->forest->tile[t], 1, census_visit, &c);
-        g->flagged[t] = c.any;
+        struct census near = {.flag = g->flag[t]};
+        rows_visit(g->forest, &g->forest->tile[t], 1, census_visit, &near);
+        g->flagged[t] = near.count > 0;
     }
+    return own.count;
+}
+
+struct noting { /* flags in the field `limited` */
+    const struct gas *g;
+    int tile;
+    struct first_place first;
+};
+
+static void note_visit(void *context, long offset, int n) {
+    struct noting *c = context;
+    const double *flag = c->g->flag[c->tile];
+    for (int i = 0; i < n; i++) {
+        double here[3];
+        if (flag[offset + i] == 0) continue;
+        c->g->limited[c->tile][offset + i] += 1;
+        cell_place(c->g, &c->g->forest->tile[c->tile], offset + i, here);
+        first_place_offer(&c->first, here);
+    }
+}
+
+void tiles_note_limited(struct gas *g, double place[3]) {
+    struct noting c = {.g = g, .first.order = HUGE_VAL};
+    for (c.tile = 0; c.tile < g->forest->ntiles; c.tile++)
+        if (g->flagged[c.tile]) rows_visit(g->forest, &g->forest->tile[c.tile], 0, note_visit, &c);
+    first_place_share(g, &c.first, place);
 }
 
 void tiles_clear_flags(struct gas *g) {
@@ -75,12 +97,47 @@ void tiles_clear_flags(struct gas *g) {
     }
 }
 
-long tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt) {
-    long bad = 0;
+    g->faces = 0;
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->flagged[t]) bad += stage_of_tile(g, t, U0, from, to, a, dt);
-    return bad;
+        if (g->flagged[t]) (void)stage_of_tile(g, t, U0, from, to, a, dt);
+}
+
+struct flooring {
+    struct gas *g;
+    double *U, *energy; /* block of a tile; energy added to it, J/m^3 */
+    long bad;
+};
+
+static void floor_visit(void *context, long offset, int n) {
+    struct flooring *f = context;
+    struct gas *g = f->g;
+    double bad[BATCH], raised[BATCH];
+    if (!find_bad(n, g->dim, g->forest->size, g->limit, f->U + offset, bad)) return;
+    g->floored += raise_energy(n, g->dim, g->forest->size, g->limit, f->U + offset, bad, raised);
+    for (int i = 0; i < n; i++) {
+        *f->energy += raised[i];
+        f->bad += bad[i] > 0;
+    }
+}
+
+/* A background that needs the floor becomes cells as all others, so that each of them is counted. */
+long tiles_floor(struct gas *g, const struct state *s) {
+    struct flooring f = {.g = g};
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        f.U = s->block[t];
+        f.energy = &g->raised[t];
+        if (row_inadmissible(g, f.U, 0, 1, NULL)) activity_unfold(g, t, s);
+        spans_visit(g, t, s->varied[t], 0, floor_visit, &f);
+    }
+    return f.bad;
+}
+
+status tiles_sum_raised(const struct gas *g, double *energy) {
+    TRY(forest_sum(g->forest, g->raised, energy));
+    *energy *= g->forest->volume;
+    return OK;
 }
 
 struct finish { /* sources and wave speeds of a row at once */
@@ -132,7 +189,7 @@ long tiles_last_stage(struct gas *g, const struct state *U0, const struct state 
     memcpy(f.half.kick, ending->kick, sizeof f.half.kick);
     long bad = do_stage(g, U0, from, to, a, dt, &f);
     ending->speed = f.speeds.most;
-    return bad;
+    return bad + f.half.bad;
 }
 
 struct exchange {

@@ -26,7 +26,7 @@ static const struct {
     int components;
 } field_table[GAS_FIELDS] = {
     [GAS_RHO] = {"rho", 1}, [GAS_ALPHA] = {"alpha", 1}, [GAS_U] = {"U", 3},     [GAS_T] = {"T", 1},
-    [GAS_P] = {"p", 1},     [GAS_C] = {"c", 1},         [GAS_MACH] = {"Ma", 1},
+    [GAS_P] = {"p", 1},     [GAS_C] = {"c", 1},         [GAS_MACH] = {"Ma", 1}, [GAS_LIMITED] = {"limited", 1},
 };
 const char *gas_field_name(enum gas_field field) {
     return field_table[field].name;
@@ -51,7 +51,7 @@ static status read_fields(struct function *f, struct dict *d) {
         memcpy(f->field, five, sizeof five);
         return OK;
     }
-    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of rho alpha U T p c Ma"));
+    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of rho alpha U T p c Ma limited"));
     for (int i = 0; i < n; i++) {
         const char *names[GAS_FIELDS];
         int k;
@@ -59,14 +59,14 @@ static status read_fields(struct function *f, struct dict *d) {
         for (k = 0; k < GAS_FIELDS && strcmp(words[i], names[k]);) k++;
         if (k == GAS_FIELDS) {
             const char *near = nearest_name(words[i], names, GAS_FIELDS);
-            return dict_fail(d, "fields", "there is no field '%s'; known are rho alpha U T p c Ma%s%s%s", words[i],
-                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+            return dict_fail(d, "fields", "there is no field '%s'; known are rho alpha U T p c Ma limited%s%s%s",
+                             words[i], near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
         }
         for (int j = 0; j < f->nfields; j++)
             if ((int)f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
         f->field[f->nfields++] = (enum gas_field)k;
     }
-    if (!n) return dict_fail(d, "fields", "it is empty; known are rho alpha U T p c Ma");
+    if (!n) return dict_fail(d, "fields", "it is empty; known are rho alpha U T p c Ma limited");
     return OK;
 }
 

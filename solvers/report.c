@@ -191,6 +191,23 @@ static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) 
     fprintf(f, "\n");
 }
 
+static const char *plural(long n) {
+    return n == 1 ? "" : "s";
+}
+
+/* What was done since the entry before to keep the state admissible. */
+static void print_limited(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
+    const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
+    const long floored = n->floored - was->floored;
+    if (cells > 0)
+        fprintf(f, "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld, %ld)\n", faces,
+                plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
+    if (rejected > 0) fprintf(f, "    rejected: %ld step%s (in all %ld)\n", rejected, plural(rejected), n->rejected);
+    if (floored > 0)
+        fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
+                n->energy - was->energy, n->floored, n->energy);
+}
+
 status progress_print(struct progress *p, const struct setup *s, struct gas *g, const struct step_entry *e) {
     double alpha[2], T[2], mach[2], totals[MAX_VAR];
     TRY(extremes(s, g, GAS_ALPHA, alpha));
@@ -207,12 +224,7 @@ status progress_print(struct progress *p, const struct setup *s, struct gas *g, 
     printf("    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
            mach[1]);
     print_totals(stdout, p, s, totals);
-    if (n.first_order > was.first_order || n.rusanov > was.rusanov || n.rejected > was.rejected)
-        printf(
-            "    safety net: %ld cells redone at first order, %ld with Rusanov, %ld steps rejected (in all %ld, %ld, "
-            "%ld)\n",
-            n.first_order - was.first_order, n.rusanov - was.rusanov, n.rejected - was.rejected, n.first_order,
-            n.rusanov, n.rejected);
+    print_limited(stdout, &was, &n);
     print_pace(stdout, p, e);
     fflush(stdout);
     return OK;

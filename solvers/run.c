@@ -219,7 +219,7 @@ static status step_once(struct run *r) {
         e.dt = dt;
         e.courant = dt * speed.rate;
         e.step = r->now.step;
-        e.limit = dt < planned ? "the safety net" : dt_limit_name(limit);
+        e.limit = dt < planned ? "a rejected step" : dt_limit_name(limit);
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
         TRY(progress_print(&r->progress, s, r->gas, &e));
     }

@@ -79,7 +79,7 @@ static status time_scheme(const struct comm *c, const char *eos, int dim, int si
            side, work / seconds[steps / 2], work / seconds[0]);
     double each = operations(eos, dim, flux, reconstruct);
     if (each > 0) printf(", %4.1f GFLOP/s of %4.0f operations", 1e-3 * each * work / seconds[steps / 2], each);
-    if (gas_counts(g).first_order) printf(" (%ld cells mended)", gas_counts(g).first_order);
+    if (gas_counts(g).cells) printf(" (%ld cells limited)", gas_counts(g).cells);
     printf("\n");
     free(seconds);
     gas_free(g);
