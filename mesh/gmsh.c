@@ -481,6 +481,7 @@ static status faces_make(struct faces *b) {
 
 static status build(struct faces *b, int dim, int first_added, const struct gmsh_rule *rules, int nrules) {
     TRY(faces_make(b));
+    TRY(status_note(polymesh_check_points(b->m), "%s:", b->file->path));
     TRY(add_cells(b));
     TRY(add_boundary(b));
     TRY(check_covered(b, dim));

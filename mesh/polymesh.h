@@ -48,6 +48,9 @@ status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]);
 /* The axes that `empty` patches leave, ascending; returns how many. For a mesh that passes polymesh_check. */
 int polymesh_axes(const struct polymesh *m, int axis[3]);
 
+/* Coordinates whose third powers, the volumes, are finite numbers. */
+status polymesh_check_points(const struct polymesh *m);
+
 /* Closed cells, positive volumes, face orientation, `empty` patches that cover every cell exactly twice, cyclic halves
  * that match, no left-over defaultFaces: what a run needs and more. Each defect is an error with number and place. */
 status polymesh_check(const struct polymesh *m);

@@ -9,6 +9,7 @@
 enum { SHOWN = 3, TEXT = 1400 };
 static const double CLOSED = 1e-6; /* |sum of area vectors| / sum of |areas|: OpenFOAM's closedThreshold */
 static const double FLAT = 1e-6;   /* 1 - |cosine| of an empty face to its axis */
+static const double FAR = 1e60;    /* |coordinate|, m; products of five are still numbers */
 static const double MATCH = 1e-4;  /* cyclic faces, times the square root of the area */
 
 struct check {
@@ -41,6 +42,20 @@ static double size3(const double *v) {
 
 static double dot3(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+status polymesh_check_points(const struct polymesh *m) {
+    for (long p = 0; p < m->npoints; p++) {
+        const double *x = m->points + 3 * p;
+        for (int k = 0; k < 3; k++)
+            if (!(fabs(x[k]) <= FAR))
+                return fail(
+                    ERR_INPUT,
+                    "mesh: point %ld is at (%g, %g, %g); coordinates lie between -%g and %g, or volumes would be "
+                    "no numbers: choose another unit of length",
+                    p, x[0], x[1], x[2], FAR, FAR);
+    }
+    return OK;
 }
 
 static status check_leftover(const struct polymesh *m) {
@@ -170,6 +185,7 @@ static status check_cyclic(struct check *k) {
 
 static status check_all(struct check *k) {
     const struct polymesh *m = k->m;
+    TRY(polymesh_check_points(m));
     TRY(check_leftover(m));
     TRY(allocate(&k->face_centre, 3L * m->nfaces, sizeof(double), "faces"));
     TRY(allocate(&k->face_area, 3L * m->nfaces, sizeof(double), "faces"));

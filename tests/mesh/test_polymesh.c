@@ -182,6 +182,8 @@ static void test_checks(void **state) {
     double x = m->points[3 * m->face_points[0]];
     m->points[3 * m->face_points[0]] += 2; /* one corner far out: some cell turns inside out */
     says(polymesh_check(m), "bad faces|does not point out of its owner");
+    m->points[3 * m->face_points[0]] = 1e150; /* its volume would be infinite */
+    says(polymesh_check(m), "mesh: point|1e+150|another unit");
     m->points[3 * m->face_points[0]] = x;
     free(m->patch[0].name);
     m->patch[0].name = strdup("defaultFaces");
