@@ -349,10 +349,13 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
     for (; *p && depth; p++) {
         depth += (*p == '(' || *p == '{') - (*p == ')' || *p == '}');
         line += *p == '\n';
-        if (p[0] == '/' && p[1] == '/')
+        if (p[0] == '/' && p[1] == '/') {
             while (p[1] && p[1] != '\n') p++;
-        else if (p[0] == '/' && p[1] == '*')
-            for (p++; p[1] && !(p[0] == '*' && p[1] == '/'); p++) line += p[1] == '\n';
+        } else if (p[0] == '/' && p[1] == '*') {
+            const char *end = strstr(p + 2, "*/");
+            if (!end) break;
+            for (; p <= end; p++) line += *p == '\n';
+        }
     }
     if (depth)
         return fail(ERR_INPUT, "%s:%d: the list is not closed: the file was cut, or 'format' of its header is wrong",
