@@ -205,6 +205,10 @@ static status write_fields(struct output *o, const struct gas *g, const struct f
         if (gathered) status_free(e), e = gathered;
     }
     TRY(comm_agree(s->comm, e));
+    if (gas_counts(g).cells > 0) {
+        TRY(output_gather(s, g, GAS_LIMITED, o->values));
+        TRY(comm_agree(s->comm, root ? write_one(o, w, "limited", -1, 1, (const signed char[7]){0}) : OK));
+    }
     TRY(gas_get_conserved(g, o->line));
     if (!root) return comm_agree(s->comm, OK);
     interleave(s, o->line, false, o->values);

@@ -1,4 +1,5 @@
-/* Written times: the five fields, the conserved state, uniform/time; one at a time, whole or not at all. */
+/* Written times: the five fields, the conserved state, uniform/time, and `limited`, how often each cell was limited
+ * since the run started, if any was; one at a time, whole or not at all. */
 #ifndef SOLVERS_OUTPUT_H
 #define SOLVERS_OUTPUT_H
 

@@ -1,6 +1,7 @@
 #include "solvers/run.h"
 
 #include "solvers/functions.h"
+#include "solvers/limiter.h"
 #include "solvers/lock.h"
 #include "solvers/output.h"
 #include "solvers/params.h"
@@ -19,6 +20,7 @@ struct run {
     struct functions *functions;
     struct output *output;
     struct progress progress;
+    struct limiter_table limiter;
     struct moment now;
     double dt;           /* s: the last step */
     double written_time; /* NAN: none yet */
@@ -213,6 +215,7 @@ static status step_once(struct run *r) {
     r->now = (struct moment){
         .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
     r->dt = dt;
+    TRY(limiter_record(&r->limiter, s, r->gas, &r->now));
     if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
         control_ended(c, r->now.t)) {
         e.t = r->now.t;
@@ -279,6 +282,7 @@ status run_case(const char *dir, const struct comm *c) {
     if (!e) e = read_everything(dir, c, &r.setup, &r.functions);
     if (!e) e = loop(&r);
     output_free(r.output);
+    limiter_close(&r.limiter);
     gas_free(r.gas);
     functions_free(r.functions);
     case_free(r.setup);

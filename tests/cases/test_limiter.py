@@ -1,0 +1,102 @@
+"""What keeps states admissible, and what a run says of it: log, postProcessing/limiter, the field `limited`."""
+import os
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+
+N, SIZE = (48, 36, 1), (4.8, 3.6, 0.1)
+
+
+class Limiter(harness.Folder, unittest.TestCase):
+    def shot(self, name, engine, end, mach=80, **options):
+        """Dense lumps fly at high Mach numbers through a near vacuum, collide and hit walls."""
+        at = boxes.centres(N, SIZE)
+        lump = sum(((np.abs(at[:, 0] - x) < 0.6) & (np.abs(at[:, 1] - y) < 0.7)) for x, y in ((1.2, 1.8), (3.6, 2.0))) > 0
+        rho, T = np.where(lump, 800.0, 1e-5), 1.0 + np.sin(3 * at[:, 0]) * np.cos(2 * at[:, 1]) / 2
+        u = np.outer(np.where(lump, np.where(at[:, 0] < 2.4, mach, -mach), 0), (1, 0.1, 0))
+        nu = rho * np.pi / 6 * 1e-3
+        x = (nu / 0.65) ** (4 * 0.65 / 3)
+        p = rho * T * (1 + 2 * (1 + 0.9) * nu / (1 - x))
+        case = harness.box_case(os.path.join(self.folder, name), N, SIZE, rho, u, p, end, e=0.9, cooling="Haff",
+                                slip=("xLow", "xHigh", "yLow", "yHigh"), interval=end / 2, **options)
+        runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
+        return case
+
+    def table(self, case):
+        return np.loadtxt(os.path.join(case, "postProcessing", "limiter", "0", "limiter.dat"), ndmin=2)
+
+    def test_what_is_said(self):
+        """Log, table and field tell the same; the bits are those of two ranks and of a restart; mass stays."""
+        for engine in ("lattice", "polyhedral"):
+            with self.subTest(engine):
+                end = 0.01
+                case = self.shot(engine, engine, end)
+                pair = shutil.copytree(case, case + "_ranks")
+                log = harness.program("granularGas", "-case", case).stdout
+                result, table = harness.haff.Case(case), self.table(case)
+                self.assertGreater(table[:, 2].sum(), 0)
+                self.assertEqual(result.field("limited").sum(), table[:, 2].sum())
+                self.assertTrue((table[:, 3] <= 4 * table[:, 2]).all())
+                said = re.findall(r"limited: .*\(in all (\d+), (\d+)\)", log)[-1]
+                self.assertEqual((int(said[0]), int(said[1])), (table[:, 3].sum(), table[:, 2].sum()))
+                rejected = re.findall(r"rejected: .*\(in all (\d+)\)", log) or ["0"]
+                self.assertEqual(int(rejected[-1]), table[:, 4].sum())
+                at = table[table[:, 2] > 0, 7:9]
+                cells = np.round(at / 0.1 - 0.5).astype(int) @ (1, N[0])
+                self.assertTrue((result.field("limited")[cells] > 0).all())
+                mass = result.field("rho").sum() / result.field("rho", "0").sum() - 1
+                self.assertLess(abs(mass), 1e-12)
+                harness.program("granularGas", "-case", pair, ranks=2)
+                runs.same(self, runs.results(case), runs.results(pair))
+                again = runs.until(case, case + "_again", end / 2)
+                harness.program("granularGas", "-case", again)
+                for field in ("rho", "rhoU", "rhoE"):
+                    np.testing.assert_array_equal(harness.haff.Case(again).field(field), result.field(field))
+
+    def test_smooth_flow_says_nothing(self):
+        case = runs.make(os.path.join(self.folder, "calm"), (40, 30, 1), 0.01)
+        log = harness.program("granularGas", "-case", case).stdout
+        self.assertNotRegex(log, "limited:|rejected|floor")
+        self.assertFalse(os.path.exists(os.path.join(case, "postProcessing")))
+        self.assertFalse(os.path.exists(os.path.join(case, "0.01", "limited")))
+
+    def test_round_off_floor(self):
+        """A beam at Mach 4e6 cools until its internal energy is lost in the total: raised, counted and told."""
+        size = (48e3, 36e3, 1e3)
+        at = boxes.centres(N, size)
+        u = np.outer(np.full(len(at), 3e6), (1, 0, 0))
+        rho = np.where(at[:, 0] < 24e3, 800.0, 700.0)
+        kinetic = 0.5 * rho * (u ** 2).sum(axis=1)
+        T = 1.05e-13 * kinetic / rho / 1.5
+        nu = rho * np.pi / 6 * 1e-3
+        p = rho * T * (1 + 2 * nu / (1 - (nu / 0.65) ** (4 * 0.65 / 3)))
+        for engine in ("lattice", "polyhedral"):
+            with self.subTest(engine):
+                case = harness.box_case(os.path.join(self.folder, engine + "floor"), N, size, rho, u, p, 5e-3, e=0.0,
+                                        cooling="Haff")
+                runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
+                log = harness.program("granularGas", "-case", case).stdout
+                table = self.table(case)
+                floored, energy = table[:, 5].sum(), table[:, 6].sum()
+                self.assertGreater(floored, 0)
+                said = re.findall(r"round-off floor: .*\(in all (\d+), \+(\S+)\)", log)[-1]
+                self.assertEqual(int(said[0]), floored)
+                self.assertAlmostEqual(float(said[1]) / energy, 1, delta=1e-2)
+                self.assertGreater(energy, 0)
+                self.assertLess(energy, 2.1e-13 * floored * kinetic.max() * 1e9)
+                self.assertGreater(harness.haff.Case(case).field("T").min(), 0.9 * T.min())
+                if engine == "polyhedral":
+                    continue
+                whole = shutil.copytree(case, case + "_whole", ignore=shutil.ignore_patterns("0.*", "postProcessing"))
+                runs.add(whole, "system/fvSolution", "skipUniform no;\n")
+                harness.program("granularGas", "-case", whole)
+                runs.same(self, runs.results(case), runs.results(whole))
+
+
+if __name__ == "__main__":
+    unittest.main()
