@@ -193,6 +193,8 @@ static bool reached(double t, double target) {
 double trigger_next(const struct trigger *g, double t) {
     if (g->control != WRITE_ADJUSTABLE) return HUGE_VAL;
     double k = floor(t / g->interval);
+    if (!(fabs(k) < 1e15))
+        return t + 2e-12 * fabs(t); /* the interval is lost in t: due at the next time that can be told */
     while (reached(t, k * g->interval)) k += 1;
     return k * g->interval;
 }
