@@ -119,11 +119,21 @@ static status count_floor(struct gas *g) {
     return OK;
 }
 
+static bool can_collapse(const struct gas *g) {
+    const struct material *m = &g->models.material;
+    return g->models.source.cooling && m->restitution < 1 && m->diameter > 0;
+}
+
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     double place[3];
     const struct gas_counts *c = &g->counts;
     const bool noisy = c->cells > 1000 && strcmp(g->models.flux->name, "common") != 0;
     gas_fastest_place(g, speed, place);
+    if (!can_collapse(g))
+        return fail(
+            ERR_STATE,
+            "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g): less than is allowed; the last good state is kept", dt,
+            t, place[0], place[1], place[2]);
     return fail(
         ERR_STATE,
         "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
@@ -136,10 +146,10 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     const bool sources = source_active(&g->models.source, &g->models.material);
-    double allowed = maxCo / speed->rate, floor = fraction * (speed->calm > 0 ? maxCo / speed->calm : 0);
-    floor = larger(floor, least);
+    double allowed = maxCo / speed->rate, floor = least;
+    if (can_collapse(g) && speed->calm > 0) floor = larger(floor, fraction * (maxCo / speed->calm));
     if (allowed < floor) return collapse(g, t, allowed, speed);
-    floor = smaller(floor, fraction * *dt);
+    floor = can_collapse(g) ? smaller(floor, fraction * *dt) : 1e-12 * *dt;
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = false;
     for (;;) {

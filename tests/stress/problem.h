@@ -1,0 +1,58 @@
+/* A small random problem: a family and a seed say all about it, on every machine. */
+#ifndef STRESS_PROBLEM_H
+#define STRESS_PROBLEM_H
+
+#include "libcore/gas.h"
+#include "tests/simplices.h"
+#include "tests/stress/seed.h"
+
+enum edge { CLOSED, PERIODIC, OPEN_ENDED }; /* slip walls; cyclic; zeroGradient */
+
+struct place { /* where a cell is, 0 <= x < 1 of the box, and where that is in the problem's pattern */
+    double x[3];
+    double along; /* of the problem's direction, 0 .. 1 */
+    int tile;     /* of a coarse random pattern */
+};
+struct point { /* of the gas */
+    double alpha, p, u[3];
+};
+
+struct problem {
+    int family;
+    uint64_t seed;
+    int dim, n[3], cells;
+    bool polyhedral;
+    enum edge edge;
+    enum shape shape; /* polyhedral: */
+    double noise, stretch, squash, sliver;
+    bool walls_along; /* closed along axis 0, whatever `edge` says */
+
+    struct material material;
+    const struct eos *eos;
+    struct sources source;
+    double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
+
+    double p0;               /* pressure scale, Pa */
+    double direction[3];     /* unit */
+    struct point side[2];    /* states that the family has drawn */
+    double size, centre[3];  /* of what is in the box */
+    int pattern;             /* cells a tile of the pattern */
+    double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
+};
+
+enum { FAMILIES = 13 };
+struct family {
+    const char *name, *about;
+    void (*draw)(struct problem *p, struct seed *s);
+    void (*at)(const struct problem *p, const struct place *where, struct point *out);
+};
+extern const struct family family_table[FAMILIES];
+int family_find(const char *name); /* -1: none */
+
+struct problem problem_draw(int family, uint64_t seed);
+/* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */
+void problem_state(const struct problem *p, const double x[3], double *rho, double u[3], double *T);
+/* Squared sound speed, and the same for given alpha and p. */
+double problem_sound(const struct problem *p, double alpha, double pressure);
+
+#endif

@@ -1,0 +1,300 @@
+#include "tests/stress/run.h"
+
+#include "tests/box.h"
+#include "tests/stress/watch.h"
+
+#include <stdio.h>
+
+struct scene { /* the mesh and the gas of a problem */
+    const struct problem *problem;
+    const struct comm *comm;
+    struct gas_models models;
+    struct patch_rules rules[6];
+    int cells;
+    struct box box;
+    struct forest *forest;
+    struct sample sample;
+    double *centre, *volume; /* polyhedral: [cells][3], [cells] */
+    struct grid *grid;
+    struct gas *gas;
+};
+
+static bool is_periodic(const struct problem *p, int axis) {
+    return p->edge == PERIODIC && !(axis == 0 && p->walls_along);
+}
+
+static void set_models(struct scene *s, const struct scheme *scheme) {
+    const struct problem *p = s->problem;
+    s->models = (struct gas_models){.material = p->material,
+                                    .eos = p->eos,
+                                    .source = p->source,
+                                    .flux = flux_find(scheme->flux),
+                                    .reconstruct = reconstruct_find(scheme->reconstruct),
+                                    .stepper = stepper_find(scheme->stepper),
+                                    .polynomial = polynomial_find(scheme->polynomial),
+                                    .skip_uniform = true};
+    for (int i = 0; i < 6; i++) {
+        bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along);
+        s->rules[i].density.type = s->rules[i].temperature.type = boundary_find("zeroGradient");
+        s->rules[i].velocity.type = boundary_find(open ? "zeroGradient" : "slip");
+    }
+}
+
+/* ---- a polyhedral mesh, made worse --------------------------------------------------------------------------------
+ */
+
+/* Widths grow along x by `stretch` in all; y and z are squashed; one corner in four moves most of the way to the next
+ * one along x, so that slivers and tiny cells lie beside large ones. */
+static void spoil_points(const struct problem *p, struct polymesh *m, double sliver) {
+    struct seed s = seed_start(1000 + p->family, p->seed);
+    const int across = p->n[0] + 1, up = p->n[1] + 1, layer = across * up;
+    double factor = p->stretch > 1.001 ? power(p->stretch, 1. / p->n[0]) : 1;
+    for (int i = 0; i < layer * (p->n[2] + 1); i++) {
+        int at[3] = {i % across, i / across % up, i / layer};
+        bool inner = at[0] > 0 && at[0] + 1 < p->n[0] && at[1] > 0 && at[1] < p->n[1] &&
+                     (p->dim == 2 || (at[2] > 0 && at[2] < p->n[2]));
+        bool twin = p->dim == 2 && at[2] > 0;
+        double *x = m->points + 3 * i;
+        if (!inner && p->edge == PERIODIC) /* halves must match */
+            for (int k = 0; k < p->dim; k++) x[k] = (double)at[k] / p->n[k];
+        if (twin) {
+            for (int k = 0; k < 2; k++) x[k] = m->points[3 * (i - layer) + k];
+            continue;
+        }
+        if (inner && sliver > 0 && at[0] % 2 == 0 && at[1] % 2 == 0 && seed_chance(&s, 0.5))
+            for (int k = 0; k < p->dim; k++) x[k] += sliver * (m->points[3 * (i + 1) + k] - x[k]);
+    }
+    for (int i = 0; i < layer * (p->n[2] + 1); i++) {
+        double *x = m->points + 3 * i, place = x[0] * p->n[0];
+        if (factor > 1) x[0] = (power(factor, place) - 1) / (power(factor, p->n[0]) - 1);
+        for (int k = 1; k < p->dim; k++) x[k] /= p->squash;
+    }
+}
+
+static status sort_cyclic(const struct problem *p, struct polymesh *m) {
+    int *patch, *neighbour; /* as long as polymesh_order wants it */
+    TRY(allocate(&neighbour, m->nfaces, sizeof *neighbour, "faces"));
+    memcpy(neighbour, m->neighbour, (size_t)m->ninternal * sizeof *neighbour);
+    free(m->neighbour);
+    m->neighbour = neighbour;
+    TRY(allocate(&patch, m->nfaces, sizeof *patch, "faces"));
+    for (int i = 0; i < m->npatches; i++) {
+        struct patch *q = &m->patch[i];
+        for (int f = q->start; f < q->start + q->nfaces; f++) {
+            patch[f] = i;
+            m->neighbour[f] = -1;
+        }
+        if (i / 2 >= p->dim || !is_periodic(p, i / 2)) continue;
+        free(q->type);
+        q->type = strdup("cyclic");
+        q->neighbour = strdup(m->patch[i ^ 1].name);
+    }
+    status s = polymesh_order(m, patch);
+    free(patch);
+    return s;
+}
+
+static status make_sample(const struct problem *p, double sliver, struct sample *sample) {
+    const double length[3] = {1, 1, 1};
+    TRY(sample_make(sample, p->shape, p->n, length, p->noise));
+    spoil_points(p, sample->mesh, sliver);
+    if (p->edge == PERIODIC) TRY(sort_cyclic(p, sample->mesh));
+    return polymesh_check(sample->mesh);
+}
+
+/* Where a corner cannot go so far, it goes less far. */
+static status make_polyhedra(struct scene *s) {
+    double sliver = s->problem->sliver;
+    status fault = OK;
+    for (int tries = 0; tries < 8; tries++, sliver *= tries < 7 ? 0.7 : 0) {
+        status_free(fault);
+        fault = make_sample(s->problem, sliver, &s->sample);
+        if (!fault) break;
+        sample_free(&s->sample);
+        s->sample = (struct sample){.mesh = NULL};
+    }
+    TRY(fault);
+    struct polymesh *m = s->sample.mesh;
+    double *face;
+    s->cells = m->ncells;
+    TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
+    status e = allocate(&s->centre, 4L * m->ncells, sizeof *s->centre, "cells");
+    if (!e) {
+        s->volume = s->centre + 3L * m->ncells;
+        polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+        polymesh_cell_geometry(m, face, face + 3L * m->nfaces, s->centre, s->volume);
+    }
+    free(face);
+    TRY(e);
+    TRY(grid_make(NULL, m, s->centre, s->volume, s->comm, s->models.polynomial->rings, &s->grid));
+    return gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas);
+}
+
+static status make_lattice(struct scene *s) {
+    const struct problem *p = s->problem;
+    const double length[3] = {1, 1, 1};
+    const bool wrapped[3] = {is_periodic(p, 0), is_periodic(p, 1), is_periodic(p, 2)};
+    box_make(&s->box, p->dim, p->n, length, wrapped);
+    s->cells = s->box.mesh.ncells;
+    TRY(forest_make(&s->box.lattice, &s->box.mesh, s->comm, p->dim == 1 ? 16 : p->dim == 2 ? 8 : 4, &s->forest));
+    return gas_make(s->forest, &s->models, 6, s->rules, &s->gas);
+}
+
+static void scene_free(struct scene *s) {
+    gas_free(s->gas);
+    forest_free(s->forest);
+    if (s->forest) box_free(&s->box);
+    grid_free(s->grid);
+    if (s->sample.mesh) sample_free(&s->sample);
+    free(s->centre);
+}
+
+/* ---- the run ------------------------------------------------------------------------------------------------------
+ */
+
+static void place_of(const struct scene *s, int cell, double x[3]) {
+    const struct problem *p = s->problem;
+    const int at[3] = {cell % p->n[0], cell / p->n[0] % p->n[1], cell / p->n[0] / p->n[1]};
+    for (int k = 0; k < 3; k++) {
+        x[k] = s->centre ? s->centre[3 * cell + k] * (k > 0 ? p->squash : 1) : (at[k] + 0.5) / p->n[k];
+        x[k] = smaller(larger(x[k], 0), 1 - 1e-12);
+    }
+}
+
+static status fill(struct scene *s) {
+    long n = s->cells;
+    double *all, *u[3];
+    TRY(allocate(&all, 5 * n, sizeof *all, "fields"));
+    for (int k = 0; k < 3; k++) u[k] = all + (2 + k) * n;
+    for (int i = 0; i < n; i++) {
+        double x[3], v[3];
+        place_of(s, i, x);
+        problem_state(s->problem, x, &all[i], v, &all[n + i]);
+        for (int k = 0; k < 3; k++) u[k][i] = v[k];
+    }
+    status e = gas_set(s->gas, all, (const double *const *)u, all + n);
+    free(all);
+    return e;
+}
+
+/* Root's state and its checksum (FNV-1a), the same on all ranks. */
+static status look_at_end(const struct scene *s, struct outcome *out) {
+    long n = s->cells;
+    double *all, *U[MAX_VAR], limit = s->gas->limit;
+    TRY(allocate(&all, MAX_VAR * n, sizeof *all, "the state"));
+    for (int v = 0; v < MAX_VAR; v++) U[v] = all + v * n;
+    status e = gas_get_conserved(s->gas, U);
+    comm_broadcast(s->comm, all, (long)sizeof *all * MAX_VAR * n);
+    out->checksum = 1469598103934665603u;
+    for (long i = 0; i < gas_variables(s->gas) * n; i++)
+        out->checksum = (out->checksum ^ bits_of(all[i])) * 1099511628211u;
+    for (long i = 0; i < n; i++) out->packed = larger(out->packed, all[i] / limit);
+    free(all);
+    return e;
+}
+
+/* The bound: a stage rounds a cell's value a dozen times by eps/2 at most, and not all in one direction. */
+#define ROUNDINGS 4
+#define EPS       0x1p-52
+
+static void judge_budget(const struct problem *p, const struct watch *w, struct outcome *out) {
+    const struct budget *b = &w->budget;
+    const bool closed = p->edge != OPEN_ENDED;
+    const long double bound[3] = {ROUNDINGS * EPS * b->rounding[0], ROUNDINGS * EPS * b->rounding[1],
+                                  ROUNDINGS * EPS * b->rounding[2]};
+    for (int q = 0; q < CONSERVED; q++) out->drift[q] = out->relative[q] = -1;
+    for (int v = 0; v < p->dim + 2; v++) {
+        int q = v == 0 ? MASS : v <= p->dim ? MOMENTUM : ENERGY;
+        if (!closed || (q == MOMENTUM && !is_periodic(p, v - 1))) continue;
+        long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy : 0); /* of the floor */
+        long double off = fabsl(b->now[v] - b->start[v] - gain);
+        out->drift[q] = fmax(out->drift[q], (double)(off / bound[q]));
+        out->relative[q] = fmax(out->relative[q], (double)(off / b->magnitude[q]));
+    }
+}
+
+static void set_verdict(struct outcome *out, enum verdict v, const char *why) {
+    out->verdict = v;
+    snprintf(out->why, sizeof out->why, "%s", why);
+    for (char *c = out->why; *c; c++)
+        if (*c == '\n') *c = ' ';
+}
+
+/* Does the engine's own word for it agree: it cools, and it is packed? */
+static bool may_collapse(const struct problem *p, const struct outcome *out) {
+    return p->source.cooling && p->material.restitution < 1 && p->eos->bounded && out->packed > 0.9;
+}
+
+static void judge(const struct scene *s, const struct run_options *o, const struct watch *w, struct outcome *out) {
+    static const char *const names[CONSERVED] = {"mass", "momentum", "energy"};
+    char why[200];
+    if (out->verdict == COLLAPSED && !may_collapse(s->problem, out)) out->verdict = FAILED;
+    if (o->bare || comm_size(s->comm) > 1 || out->verdict == FAILED) return;
+    judge_budget(s->problem, w, out);
+    for (int q = 0; q < CONSERVED; q++) {
+        if (!(out->drift[q] > 1) && !isnan(out->drift[q])) continue;
+        snprintf(why, sizeof why, "%s is off by %.3g of itself, %.3g times what rounding explains", names[q],
+                 out->relative[q], out->drift[q]);
+        set_verdict(out, FAILED, why);
+    }
+    out->source = w->source;
+    if (out->source <= 1) return;
+    snprintf(why, sizeof why, "a source step is off by %.3g times what rounding explains", out->source);
+    set_verdict(out, FAILED, why);
+}
+
+static status advance(struct scene *s, const struct scheme *scheme, const struct run_options *o, struct watch *w,
+                      struct outcome *out) {
+    struct gas *g = s->gas;
+    struct gas_speed speed;
+    double t = 0;
+    gas_speed(g, &speed);
+    const double end = out->end = s->problem->duration / speed.rate;
+    out->least = 1;
+    for (out->steps = 0; t < end && out->steps < o->cap; out->steps++) {
+        gas_speed(g, &speed);
+        double stable = scheme->courant / speed.rate, dt = smaller(stable, end - t), asked = dt;
+        if (!(speed.rate > 0 && isfinite(speed.rate))) return fail(ERR_STATE, "wave speed %g", speed.rate);
+        TRY(gas_step(g, t, &dt, scheme->courant, 0, 1e-3, &speed));
+        bool fine = o->bare || watch_step_finish(w, g);
+        status seen = fine ? OK : fail(ERR_STATE, "step %d from t = %.9g: %s", out->steps, t, w->why);
+        TRY(comm_agree(s->comm, seen));
+        out->least = smaller(out->least, dt / asked);
+        if (o->verbose && comm_root(s->comm))
+            printf("  step %d t %.6g dt %.4g of %.4g, rejected %ld\n", out->steps, t, dt, stable,
+                   gas_counts(g).rejected);
+        t = t + dt > t ? t + dt : end;
+    }
+    out->verdict = t < end ? CAPPED : FINISHED;
+    return OK;
+}
+
+static status run(struct scene *s, const struct scheme *scheme, const struct run_options *o, struct outcome *out) {
+    struct watch w = {.before = NULL};
+    TRY(s->problem->polyhedral ? make_polyhedra(s) : make_lattice(s));
+    TRY(fill(s));
+    TRY(gas_check(s->gas));
+    if (!o->bare) TRY(watch_start(&w, s->gas));
+    status e = advance(s, scheme, o, &w, out);
+    status ended = look_at_end(s, out);
+    out->cells = s->cells;
+    out->counts = gas_counts(s->gas);
+    if (e) set_verdict(out, strstr(status_text(e), "inelastic collapse") ? COLLAPSED : FAILED, status_text(e));
+    status_free(e);
+    if (!ended) judge(s, o, &w, out);
+    watch_free(&w);
+    return ended;
+}
+
+status stress_run(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
+                  const struct comm *c, struct outcome *out) {
+    struct scene s = {.problem = p, .comm = c};
+    *out = (struct outcome){.verdict = FAILED, .drift = {-1, -1, -1}, .relative = {-1, -1, -1}};
+    set_models(&s, scheme);
+    if (!s.models.flux || !s.models.reconstruct || !s.models.stepper || !s.models.polynomial)
+        return fail(ERR_INPUT, "no scheme %s/%s/%s/%s", scheme->flux, scheme->reconstruct, scheme->polynomial,
+                    scheme->stepper);
+    status e = run(&s, scheme, o, out);
+    scene_free(&s);
+    return e;
+}

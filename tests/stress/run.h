@@ -1,0 +1,36 @@
+/* One problem with one scheme, watched: what came of it. */
+#ifndef STRESS_RUN_H
+#define STRESS_RUN_H
+
+#include "tests/stress/problem.h"
+
+struct scheme { /* of a lattice and of polyhedra */
+    const char *flux, *reconstruct, *polynomial, *stepper;
+    double courant;
+};
+struct run_options {
+    int cap;      /* steps at most */
+    bool bare;    /* the engine as it is: nothing is checked but the last state */
+    bool verbose; /* a line per step */
+};
+enum verdict { FINISHED, CAPPED, COLLAPSED, FAILED };
+enum conserved { MASS, MOMENTUM, ENERGY, CONSERVED };
+
+struct outcome {
+    enum verdict verdict;
+    char why[400]; /* of COLLAPSED and FAILED */
+    int steps, cells;
+    struct gas_counts counts;
+    double end;                 /* s: where the run was to end */
+    double least;               /* dt taken over the Courant step, the smallest */
+    double packed;              /* largest alpha / alpha_max at the end */
+    double drift[CONSERVED];    /* of what was conserved, in units of its bound in watch.c; -1: not conserved here */
+    double relative[CONSERVED]; /* the same over the sum of magnitudes: in the report */
+    double source;              /* worst difference of a source step from the exact one, in units of its bound */
+    uint64_t checksum;          /* of the last state */
+};
+/* A status is an error of the test itself: a mesh that cannot be made. */
+status stress_run(const struct problem *p, const struct scheme *s, const struct run_options *o, const struct comm *c,
+                  struct outcome *out);
+
+#endif

@@ -1,0 +1,218 @@
+/* Thousands of small random problems, each of which must end well: see README.md. */
+#include "tests/stress/run.h"
+#include "tests/stress/table.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+static const char usage[] =
+    "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare]\n"
+    "       [-cap STEPS] [-verbose] [-names]\n"
+    "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
+    "one\n"
+    "  fails; S is default, or flux/reconstruct/polynomial/timeScheme/maxCo\n";
+
+static const struct scheme standard = {"common", "WPENO5", "CWENO3", "SSPRK43", 1};
+
+struct request {
+    struct run_options run;
+    struct scheme scheme;
+    const char *problem, *list, *table;
+    uint64_t from;
+    long count, schemes; /* schemes: problems with each of the others */
+    bool checksums, export;
+};
+
+static bool parse_scheme(char *text, struct scheme *s) {
+    char *part[5] = {0};
+    int n = 0;
+    if (!strcmp(text, "default")) return true;
+    for (char *p = strtok(text, "/"); p && n < 5; p = strtok(NULL, "/")) part[n++] = p;
+    if (n < 5) return false;
+    *s = (struct scheme){part[0], part[1], part[2], part[3], atof(part[4])};
+    return s->courant > 0;
+}
+
+static bool parse(int argc, char **argv, struct request *r) {
+    for (int i = 1; i < argc; i++) {
+        const char *a = argv[i];
+        char *next = i + 1 < argc ? argv[i + 1] : NULL;
+        bool used = true;
+        if (!strcmp(a, "-bare"))
+            r->run.bare = true, used = false;
+        else if (!strcmp(a, "-verbose"))
+            r->run.verbose = true, used = false;
+        else if (!strcmp(a, "-checksums"))
+            r->checksums = true, used = false;
+        else if (!strcmp(a, "-export"))
+            r->export = true, used = false;
+        else if (!next)
+            return false;
+        else if (!strcmp(a, "-problem"))
+            r->problem = next;
+        else if (!strcmp(a, "-seed"))
+            r->from = strtoull(next, NULL, 10), r->count = 1;
+        else if (!strcmp(a, "-from"))
+            r->from = strtoull(next, NULL, 10);
+        else if (!strcmp(a, "-count"))
+            r->count = atol(next);
+        else if (!strcmp(a, "-schemes"))
+            r->schemes = atol(next);
+        else if (!strcmp(a, "-cap"))
+            r->run.cap = atoi(next);
+        else if (!strcmp(a, "-list"))
+            r->list = next;
+        else if (!strcmp(a, "-table"))
+            r->table = next;
+        else if (strcmp(a, "-scheme") != 0 || !parse_scheme(next, &r->scheme))
+            return false;
+        i += used;
+    }
+    return !r->problem || family_find(r->problem) >= 0;
+}
+
+static void print_outcome(const struct problem *p, const struct scheme *s, const struct outcome *o) {
+    static const char *const words[] = {"finished", "capped", "collapsed", "FAILED"};
+    printf("%s seed %llu %s/%s/%s/%s/%g: %s, %d steps, %d cells; limited %ld cells %ld faces, floored %ld, rejected "
+           "%ld, least dt %.3g, packed %.6g\n",
+           family_table[p->family].name, (unsigned long long)p->seed, s->flux, s->reconstruct, s->polynomial,
+           s->stepper, s->courant, words[o->verdict], o->steps, o->cells, o->counts.cells, o->counts.faces,
+           o->counts.floored, o->counts.rejected, o->least, o->packed);
+    printf("  drift over its bound: mass %.3g momentum %.3g energy %.3g; source %.3g\n", o->drift[0], o->drift[1],
+           o->drift[2], o->source);
+    printf("  %s e %.4g, cooling %d, threshold %.3g, alphaMax %.4g, sigma %.3g, gamma %.4g, g %.3g, %s, %dD %s\n",
+           p->eos->name, p->material.restitution, p->source.cooling, p->material.threshold, p->material.alpha_max,
+           p->material.diameter, p->material.gamma, p->source.gravity[0],
+           p->edge == CLOSED     ? "closed"
+           : p->edge == PERIODIC ? "periodic"
+                                 : "open",
+           p->dim, p->polyhedral ? "polyhedra" : "lattice");
+    if (o->why[0]) printf("  %s\n", o->why);
+}
+
+/* dim, cells along the axes, gamma, end time of the run just made; a line of rho, u, T per cell. Lattices only. */
+static void export(const struct problem *p, double end) {
+    printf("%d %d %d %d %.17g %.17g\n", p->dim, p->n[0], p->n[1], p->n[2], p->material.gamma, end);
+    for (int i = 0; i < p->cells; i++) {
+        const int at[3] = {i % p->n[0], i / p->n[0] % p->n[1], i / p->n[0] / p->n[1]};
+        double x[3], rho, u[3], T;
+        for (int k = 0; k < 3; k++) x[k] = (at[k] + 0.5) / p->n[k];
+        problem_state(p, x, &rho, u, &T);
+        printf("%.17g %.17g %.17g %.17g %.17g\n", rho, u[0], u[1], u[2], T);
+    }
+}
+
+/* Runs and counts one. */
+static status one(const struct request *r, const struct comm *c, int family, uint64_t seed, const struct scheme *s,
+                  struct table *t, long *failed) {
+    struct outcome o;
+    struct problem p = problem_draw(family, seed);
+    TRY(stress_run(&p, s, &r->run, c, &o));
+    table_add(t, &p, s, &o);
+    *failed += o.verdict == FAILED;
+    if (r->export) {
+        export(&p, o.end);
+        return OK;
+    }
+    if (!comm_root(c)) return OK;
+    if (o.verdict == FAILED || r->run.verbose || r->count == 1) print_outcome(&p, s, &o);
+    if (r->checksums)
+        printf("%s %llu %d %d %016llx\n", family_table[family].name, (unsigned long long)seed, (int)o.verdict, o.steps,
+               (unsigned long long)o.checksum);
+    fflush(stdout);
+    return OK;
+}
+
+/* Lines: NAME SEED SCHEME # why it is here */
+static status run_list(const struct request *r, const struct comm *c, struct table *t, long *failed) {
+    char line[300], name[64], scheme[128];
+    unsigned long long seed;
+    FILE *f = fopen(r->list, "r");
+    status e = f ? OK : fail(ERR_INPUT, "%s: cannot be read", r->list);
+    while (!e && fgets(line, sizeof line, f)) {
+        struct scheme s = r->scheme;
+        if (line[0] == '#' || line[0] == '\n') continue;
+        if (sscanf(line, "%63s %llu %127s", name, &seed, scheme) != 3 || family_find(name) < 0 ||
+            !parse_scheme(scheme, &s))
+            e = fail(ERR_INPUT, "%s: not a problem: %s", r->list, line);
+        else
+            e = one(r, c, family_find(name), seed, &s, t, failed);
+    }
+    if (f) (void)fclose(f);
+    return e;
+}
+
+/* Family after family in turn. */
+static status run_many(const struct request *r, const struct comm *c, struct table *t, long *failed) {
+    for (long i = 0; i < r->count; i++) {
+        int family = r->problem ? family_find(r->problem) : (int)(i % FAMILIES);
+        uint64_t seed = r->from + (uint64_t)(r->problem ? i : i / FAMILIES);
+        TRY(one(r, c, family, seed, &r->scheme, t, failed));
+    }
+    return OK;
+}
+
+/* Problems of the families below `polyhedral`, or from it on, in turn. */
+static status run_scheme(const struct request *r, const struct comm *c, const struct scheme *s, bool cells,
+                         struct table *t, long *failed) {
+    const int first = family_find("triangles"), from = cells ? first : 0, many = cells ? FAMILIES - first : first;
+    for (long i = 0; i < r->schemes; i++)
+        TRY(one(r, c, from + (int)(i % many), r->from + (uint64_t)(i / many), s, t, failed));
+    return OK;
+}
+
+/* Every row of the tables with every other, at the largest Courant number its time scheme states. */
+static status run_schemes(const struct request *r, const struct comm *c, struct table *t, long *failed) {
+    for (int f = 0; f < flux_count; f++)
+        for (int i = 0; i < stepper_count; i++) {
+            const struct stepper *p = &stepper_table[i];
+            struct scheme s = {flux_table[f].name, standard.reconstruct, standard.polynomial, p->name, p->courant};
+            for (int j = 0; j < reconstruct_count; j++) {
+                s.reconstruct = reconstruct_table[j].name;
+                TRY(run_scheme(r, c, &s, false, t, failed));
+            }
+            for (int j = 0; j < polynomial_count; j++) {
+                s.polynomial = polynomial_table[j].name;
+                TRY(run_scheme(r, c, &s, true, t, failed));
+            }
+        }
+    return OK;
+}
+
+static status write_table(const char *path, const struct table *t) {
+    FILE *f = fopen(path, "w");
+    if (!f) return fail(ERR_SYSTEM, "%s: cannot be written", path);
+    table_print(f, t);
+    return fclose(f) ? fail(ERR_SYSTEM, "%s: cannot be written", path) : OK;
+}
+
+static status run_all(const struct request *r, const struct comm *c) {
+    struct table t = {.rows = 0};
+    long failed = 0;
+    status e = OK;
+    if (r->list) e = run_list(r, c, &t, &failed);
+    if (!e && r->count) e = run_many(r, c, &t, &failed);
+    if (!e && r->schemes) e = run_schemes(r, c, &t, &failed);
+    if (!e && comm_root(c) && r->table) e = write_table(r->table, &t);
+    if (!e && comm_root(c) && !r->checksums && !r->export) table_summary(stdout, &t);
+    table_free(&t);
+    if (!e && failed) e = fail(ERR_STATE, "%ld problems failed", failed);
+    return e;
+}
+
+int main(int argc, char **argv) {
+    struct comm *c;
+    struct request r = {.run = {.cap = 300}, .scheme = standard};
+    status s = comm_start(&argc, &argv, &c);
+    if (s) return status_print(s, true);
+    if (argc == 2 && !strcmp(argv[1], "-names")) {
+        for (int i = 0; i < FAMILIES; i++) printf("%-12s %s\n", family_table[i].name, family_table[i].about);
+    } else {
+        s = parse(argc, argv, &r) ? run_all(&r, c) : fail(ERR_INPUT, "%s", usage);
+    }
+    int code = comm_root(c) ? status_print(s, false) : s != OK;
+    status_free(s);
+    comm_finish(c);
+    return code;
+}

@@ -1,0 +1,25 @@
+/* Outcomes added up: a row per scheme and family. */
+#ifndef STRESS_TABLE_H
+#define STRESS_TABLE_H
+
+#include "tests/stress/run.h"
+
+#include <stdio.h>
+
+struct row {
+    char scheme[128];
+    int family;
+    long runs, verdicts[4], steps, cell_stages;
+    struct gas_counts counts;
+    double least, relative[CONSERVED], drift[CONSERVED], source;
+};
+struct table {
+    int rows;
+    struct row *row;
+};
+void table_add(struct table *t, const struct problem *p, const struct scheme *s, const struct outcome *o);
+void table_print(FILE *f, const struct table *t);
+void table_summary(FILE *f, const struct table *t); /* a line */
+void table_free(struct table *t);
+
+#endif

@@ -1,0 +1,35 @@
+/* An engine that calls another one and looks at every state that comes out: admissible? conserved? the source exact?
+ * Its checks are written apart from those of libcore, in long double. */
+#ifndef STRESS_WATCH_H
+#define STRESS_WATCH_H
+
+#include "libcore/state.h"
+
+struct budget { /* sums over the domain of mass, momentum, energy */
+    long double now[MAX_VAR], start[MAX_VAR];
+    long double gained[2][MAX_VAR]; /* by the two halves of the sources of the step in hand */
+    long double gain[MAX_VAR];      /* by those of all steps that were accepted */
+    long double rounding[3];        /* what a step may lose: magnitudes of mass, momentum, energy, summed over stages */
+    long double magnitude[3];       /* of the start */
+};
+struct watch {
+    struct engine engine; /* first: struct gas points at it */
+    const struct engine *inner;
+    long bad;             /* inadmissible cells of the attempt in hand */
+    double trial, source; /* struct outcome */
+    struct budget budget;
+    long double *before; /* [cells][MAX_VAR] what a source step starts from */
+    char why[200];
+};
+
+/* Between gas_set and the first step; g's engine from now on is w's. */
+status watch_start(struct watch *w, struct gas *g);
+/* After every gas_step: false if a state of the accepted attempt was not admissible (see why). */
+bool watch_step_finish(struct watch *w, struct gas *g);
+void watch_free(struct watch *w);
+
+/* Calls visit for each cell of this rank: its number here, volume, and values. */
+typedef void watch_visitor(void *context, long cell, double volume, const double U[MAX_VAR]);
+void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visit, void *context);
+
+#endif
