@@ -86,6 +86,14 @@ void sink_write(struct sink *s, const void *data, size_t bytes);
 /* Flushes and renames; any error since sink_open (full disk) is returned here, and the old file is left. */
 status sink_close(struct sink *s);
 
+struct file_sum {             /* of a file's contents, before compression */
+    unsigned long bytes, crc; /* CRC-32 (zlib) */
+};
+/* The same; sum, if not NULL: of all that was written, added up on the way. */
+status sink_close_sum(struct sink *s, struct file_sum *sum);
+/* Of path, or path.gz where only that exists. */
+status file_sum_read(const char *path, struct file_sum *sum);
+
 /* `FoamFile { version 2.0; format ...; arch ...; class ...; note (if not NULL); location ...; object ...; }` */
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,
                        const char *object, const char *note);

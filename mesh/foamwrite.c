@@ -16,6 +16,7 @@ struct sink {
     int file;
     gzFile zip;
     int error; /* errno of the first failure; what follows is dropped */
+    struct file_sum sum;
     size_t used;
     char buffer[BUFFER];
 };
@@ -56,7 +57,13 @@ status sink_open(const char *path, bool compress, struct sink **out) {
     return OK;
 }
 
+static void add_up(struct file_sum *sum, const char *data, size_t bytes) {
+    sum->crc = crc32_z(sum->crc, (const unsigned char *)data, bytes);
+    sum->bytes += bytes;
+}
+
 static void put(struct sink *s, const char *data, size_t bytes) {
+    add_up(&s->sum, data, bytes);
     while (bytes && !s->error) {
         size_t part = bytes < 1 << 30 ? bytes : 1 << 30;
         errno = 0;
@@ -119,9 +126,10 @@ static void shut(struct sink *s) {
     if (failed && !s->error) s->error = errno ? errno : EIO;
 }
 
-status sink_close(struct sink *s) {
+status sink_close_sum(struct sink *s, struct file_sum *sum) {
     flush(s);
     shut(s);
+    if (sum) *sum = s->sum;
     if (!s->error && rename(s->temporary, s->path)) s->error = errno;
     status e = OK;
     if (s->error) {
@@ -131,6 +139,29 @@ status sink_close(struct sink *s) {
         unlink(s->other);
     }
     sink_free(s);
+    return e;
+}
+
+status sink_close(struct sink *s) {
+    return sink_close_sum(s, NULL);
+}
+
+status file_sum_read(const char *path, struct file_sum *sum) {
+    char *zipped = joined(path, ".gz"), buffer[BUFFER];
+    if (!zipped) return fail(ERR_SYSTEM, "no memory to read %s", path);
+    *sum = (struct file_sum){0};
+    const char *found = access(path, F_OK) ? zipped : path;
+    gzFile f = access(found, F_OK) ? NULL : gzopen(found, "rb"); /* takes files that are not zipped as they are */
+    int got = -1, closed = Z_OK;
+    if (f)
+        while ((got = gzread(f, buffer, BUFFER)) > 0) add_up(sum, buffer, (size_t)got);
+    if (f) closed = gzclose(f);
+    status e = OK;
+    if (!f)
+        e = fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
+    else if (got < 0 || closed == Z_BUF_ERROR)
+        e = fail(ERR_INPUT, "%s: cannot be read to its end", found);
+    free(zipped);
     return e;
 }
 

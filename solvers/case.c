@@ -54,13 +54,16 @@ status case_gas(const struct setup *s, struct gas **out) {
                            : gas_make_mosaic(s->grid, m, s->mesh->npatches, rules, out);
 }
 
-static status read_all(struct setup *s, const char *application) {
+static status read_setup(struct setup *s, const char *application) {
     TRY(control_read(s->dir, application, &s->control));
     TRY(read_mesh(s));
     int axis[3] = {0}, dim = polymesh_axes(s->mesh, axis);
     TRY(models_read(s->dir, dim, axis, &s->models));
-    TRY(case_courant(s->control, s->models->gas.stepper));
-    TRY(times_start(s->dir, s->control, &s->start));
+    return case_courant(s->control, s->models->gas.stepper);
+}
+
+static status read_state(struct setup *s) {
+    int axis[3] = {0}, dim = polymesh_axes(s->mesh, axis);
     if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     const struct field_place place = {s->mesh, s->centre, s->start.t};
@@ -84,7 +87,10 @@ status case_read(const char *dir, const char *application, const struct comm *c,
     s->comm = c;
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);
-    status e = comm_agree(c, read_all(s, application));
+    status e = comm_agree(c, read_setup(s, application));
+    if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, &s->start) : OK);
+    if (!e) comm_broadcast(c, &s->start, sizeof s->start);
+    if (!e) e = comm_agree(c, read_state(s));
     if (e) {
         case_free(s);
         return e;

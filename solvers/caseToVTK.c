@@ -128,6 +128,7 @@ static status convert_all(struct conversion *c) {
     struct instant *times = NULL;
     int n = 0;
     double latest = -HUGE_VAL;
+    status damage = OK; /* of the first such time: the others are converted */
     const char *resolved = realpath(c->dir, full), *slash = resolved ? strrchr(full, '/') : NULL;
     snprintf(c->name, sizeof c->name, "%s", slash && slash[1] ? slash + 1 : "case");
     TRY(times_list(c->dir, &n, &times));
@@ -137,12 +138,20 @@ static status convert_all(struct conversion *c) {
     if (!s) s = vtk_grid_make(c->mesh, &c->grid);
     for (int i = 0; !s && i < n; i++) {
         if (!asked(c, &times[i])) continue;
+        status wrong = time_verify(c->dir, &times[i]);
+        if (wrong && damage)
+            status_free(wrong);
+        else if (wrong)
+            damage = status_note(wrong, "time %s is damaged and was left out", times[i].name);
+        if (wrong) continue;
         s = convert(c, &times[i]);
         latest = times[i].t;
     }
     snprintf(path, sizeof path, "%s/VTK", c->dir);
     if (!s) s = vtk_series_write(path, c->name, latest);
     free(times);
+    if (!s) return damage;
+    status_free(damage);
     return s;
 }
 

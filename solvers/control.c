@@ -79,6 +79,7 @@ static status words_read(struct dict *d, struct control *c) {
     static const char *const formats[] = {"ascii", "binary"};
     static const char *const times[] = {"general", "fixed", "scientific"};
     static const char *const errors[] = {"write", "abort"};
+    static const char *const corrupt[] = {"stop", "previous"};
     static const char *const zips[] = {"off", "on", "no", "yes", "false",        "true",
                                        "n",   "y",  "f",  "t",   "uncompressed", "compressed"};
     int i;
@@ -94,6 +95,8 @@ static status words_read(struct dict *d, struct control *c) {
     c->time_format = (enum time_format)i;
     TRY(choice_or(d, "onError", errors, 2, 0, &i));
     c->write_on_error = i == 0;
+    TRY(choice_or(d, "onCorruptTime", corrupt, 2, 0, &i));
+    c->previous_if_corrupt = i == 1;
     return OK;
 }
 
@@ -190,6 +193,8 @@ static bool reached(double t, double target) {
 double trigger_next(const struct trigger *g, double t) {
     if (g->control != WRITE_ADJUSTABLE) return HUGE_VAL;
     double k = floor(t / g->interval);
+    if (!(fabs(k) < 1e15))
+        return t + 2e-12 * fabs(t); /* the interval is lost in t: due at the next time that can be told */
     while (reached(t, k * g->interval)) k += 1;
     return k * g->interval;
 }

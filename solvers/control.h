@@ -33,11 +33,12 @@ struct control {
     struct foam_format format;
     enum time_format time_format;
     int time_precision;
-    bool modifiable;       /* re-read when the file changes */
-    bool write_on_error;   /* onError write: the last good state is written */
-    bool write_processors; /* processorN folders too */
-    int log_interval;      /* steps between log entries; 0: about one a second */
-    long stamp[2];         /* of the file when read: seconds, nanoseconds */
+    bool modifiable;          /* re-read when the file changes */
+    bool write_on_error;      /* onError write: the last good state is written */
+    bool previous_if_corrupt; /* onCorruptTime previous: else stop */
+    bool write_processors;    /* processorN folders too */
+    int log_interval;         /* steps between log entries; 0: about one a second */
+    long stamp[2];            /* of the file when read: seconds, nanoseconds */
 };
 
 /* Reads CASE/system/controlDict. Keys of programs other than `application` are accepted; see dict_check_used. */

@@ -339,12 +339,15 @@ void decompose_free(struct decomposition *d) {
 }
 
 status decompose_begin(struct decomposition *d, const char *name) {
-    for (int k = 0; d && k < d->n; k++) TRY(time_begin(d->part[k].dir, name, d->part[k].tmp));
+    for (int k = 0; d && k < d->n; k++) {
+        d->part[k].sums.n = 0;
+        TRY(time_begin(d->part[k].dir, name, d->part[k].tmp));
+    }
     return OK;
 }
 
 status decompose_commit(struct decomposition *d, const struct instant *at) {
-    for (int k = 0; d && k < d->n; k++) TRY(time_stamp_write(d->part[k].tmp, at));
+    for (int k = 0; d && k < d->n; k++) TRY(time_stamp_write(d->part[k].tmp, at, &d->part[k].sums));
     for (int k = 0; d && k < d->n; k++) TRY(time_commit(d->part[k].dir, at->name));
     return OK;
 }

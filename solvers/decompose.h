@@ -14,6 +14,7 @@ struct part {
     int *across;           /* [nfaces] cell of the case on the other side; used for processor patches */
     char dir[TIME_PATH];   /* CASE/processorN */
     char tmp[TIME_PATH];   /* where a time is being written */
+    struct checksums sums; /* of its files so far */
 };
 struct decomposition {
     int n;

@@ -298,7 +298,7 @@ status field_check_range(const struct field *f, const struct field_place *place,
 }
 
 status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
-                   const double *values, patch_printer *print, const void *context) {
+                   const double *values, patch_printer *print, const void *context, struct file_sum *sum) {
     char path[PATH];
     struct sink *s;
     const signed char *k = dimensions;
@@ -315,5 +315,5 @@ status field_write(const struct field_writer *w, const char *name, int component
         sink_printf(s, "    }\n");
     }
     sink_printf(s, "}\n");
-    return sink_close(s);
+    return sink_close_sum(s, sum);
 }

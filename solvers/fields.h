@@ -57,7 +57,7 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
     __attribute__((format(printf, 4, 5)));
 
 /* Writing: a boundaryField entry for each patch. values: [ncells][components]; entry(patch) writes what stands between
- * the braces; location is the folder's name. */
+ * the braces; location is the folder's name; sum: of what was written. */
 struct field_writer {
     const struct polymesh *mesh;
     const struct foam_format *format;
@@ -65,6 +65,6 @@ struct field_writer {
 };
 typedef void patch_printer(struct sink *s, const struct field_writer *w, int patch, const void *context);
 status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
-                   const double *values, patch_printer *print, const void *context);
+                   const double *values, patch_printer *print, const void *context, struct file_sum *sum);
 
 #endif

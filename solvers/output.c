@@ -14,6 +14,7 @@ struct output {
     double *line[MAX_VAR];       /* root: [ncells] each */
     double last_time;            /* written; NAN: none */
     int precision;               /* of time names, widened where needed */
+    struct checksums sums;       /* of the time that is being written; root */
     struct decomposition *parts; /* NULL: no processorN folders; root */
     double *part_values;         /* root: [ncells][3] */
     double *patch_values;        /* root: [faces of the largest patch][3] */
@@ -169,20 +170,23 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
 }
 
 /* o->values in the case's folder, then each part's in its own. */
-static status write_one(const struct output *o, const struct field_writer *w, const char *name, int field,
-                        int components, const signed char dimensions[7]) {
+static status write_one(struct output *o, const struct field_writer *w, const char *name, int field, int components,
+                        const signed char dimensions[7]) {
     struct printing c = {o->setup->initial,     field,          components, o->values, NULL, o->values,
                          o->setup->mesh->patch, o->patch_values};
-    TRY(field_write(w, name, components, dimensions, o->values, print_patch, &c));
+    struct file_sum sum;
+    TRY(field_write(w, name, components, dimensions, o->values, print_patch, &c, &sum));
+    TRY(checksums_add(&o->sums, name, sum));
     for (int k = 0; o->parts && k < o->parts->n; k++) {
-        const struct part *part = &o->parts->part[k];
+        struct part *part = &o->parts->part[k];
         const struct field_writer there = {part->mesh, w->format, part->tmp, w->location};
         for (int i = 0; i < part->mesh->ncells; i++)
             memcpy(o->part_values + (long)i * components, o->values + (long)part->cell[i] * components,
                    (size_t)components * sizeof(double));
         c.part = part;
         c.values = o->part_values;
-        TRY(field_write(&there, name, components, dimensions, o->part_values, print_patch, &c));
+        TRY(field_write(&there, name, components, dimensions, o->part_values, print_patch, &c, &sum));
+        TRY(checksums_add(&part->sums, name, sum));
     }
     return OK;
 }
@@ -243,13 +247,14 @@ static status finish(struct output *o, const char *folder, const struct instant 
     snprintf(path, sizeof path, "%s/uniform/provenance", folder);
     snprintf(location, sizeof location, "%s/uniform", at->name);
     TRY(provenance_write(path, location, o->setup));
-    TRY(time_stamp_write(folder, at));
+    TRY(time_stamp_write(folder, at, &o->sums));
     TRY(decompose_commit(o->parts, at)); /* first: a time of the case is in all its parts */
     TRY(time_commit(o->setup->dir, at->name));
     return purge(o, at->name);
 }
 
 static status begin(struct output *o, const char *name, char folder[TIME_PATH]) {
+    o->sums.n = 0;
     TRY(time_begin(o->setup->dir, name, folder));
     return decompose_begin(o->parts, name);
 }

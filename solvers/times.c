@@ -2,6 +2,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ static double name_slack(const char *name) {
     return 0.51 * pow(10, (exponent ? strtod(exponent + 1, NULL) : 0) - decimals);
 }
 
+/* Leaves *at as it was if that fails. */
 static status stamp_read(const char *case_dir, struct instant *at) {
     char path[TIME_PATH];
     snprintf(path, sizeof path, "%s/%s/uniform/time", case_dir, at->name);
@@ -30,15 +32,17 @@ static status stamp_read(const char *case_dir, struct instant *at) {
     struct dict *d = NULL;
     TRY(dict_read(path, &d));
     long digits = at->digits;
-    double index = 0, named = at->t;
-    status s = dict_number(d, "value", NULL, &at->t);
-    if (!s && fabs(at->t - named) > name_slack(at->name))
+    double index = 0, named = strtod(at->name, NULL);
+    struct instant in = *at;
+    status s = dict_number(d, "value", NULL, &in.t);
+    if (!s && fabs(in.t - named) > name_slack(at->name))
         s = dict_fail(d, "value", "the folder is that of time %s", at->name);
     if (!s) s = dict_number(d, "index", NULL, &index);
     if (!s) s = dict_count_or(d, "writePrecision", digits, &digits);
-    if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &at->delta_t);
-    at->step = (long)index;
-    at->digits = (int)digits;
+    if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &in.delta_t);
+    in.step = (long)index;
+    in.digits = (int)digits;
+    if (!s) *at = in;
     dict_free(d);
     return s;
 }
@@ -63,8 +67,8 @@ status times_list(const char *case_dir, int *n, struct instant **out) {
         snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
         if (stat(path, &info) || !S_ISDIR(info.st_mode)) continue;
         memcpy(at.name, entry->d_name, strlen(entry->d_name) + 1);
-        s = stamp_read(case_dir, &at);
-        if (!s && *n == room) {
+        status_free(stamp_read(case_dir, &at)); /* time_verify says so of the time that is used */
+        if (*n == room) {
             struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
             if (more)
                 *out = more;
@@ -96,6 +100,50 @@ static status no_such_time(const char *case_dir, const struct control *c, int n,
     return dict_fail(c->dict, "startTime", "there is no such time folder in %s; there are:%s", case_dir, names);
 }
 
+status time_verify(const char *case_dir, const struct instant *at) {
+    char folder[TIME_PATH];
+    struct instant again = *at;
+    snprintf(folder, sizeof folder, "%.4000s/%s", case_dir, at->name);
+    TRY(checksums_verify(folder));
+    return stamp_read(case_dir, &again);
+}
+
+/* The newest whole time before list[*at], and what is wrong with it: found, or *at < 0. */
+static void find_whole(const char *case_dir, const struct instant *list, int *at) {
+    while (--*at >= 0) {
+        status s = time_verify(case_dir, &list[*at]);
+        if (!s) return;
+        status_free(s);
+    }
+}
+
+/* list[*at] is damaged. */
+static status fall_back(const char *case_dir, const struct control *c, const struct instant *list, int *at,
+                        status damage) {
+    const char *name = list[*at].name;
+    char cure[300] = "no time before it is whole: put the file back from a copy";
+    find_whole(case_dir, list, at);
+    if (*at >= 0 && c->previous_if_corrupt) {
+        printf("\nWARNING: time %s is damaged and left aside, as  onCorruptTime previous;  asks:\n    %s\n    The run "
+               "goes on from time %s, the newest whole one before it.\n\n",
+               name, status_text(damage), list[*at].name);
+        status_free(damage);
+        return OK;
+    }
+    if (*at >= 0)
+        snprintf(cure, sizeof cure,
+                 "start from the time before it (remove or rename the folder %s, or say  onCorruptTime previous;  in "
+                 "system/controlDict): %s is whole",
+                 name, list[*at].name);
+    char path[TIME_PATH], purpose[TIME_PATH + 80] = "";
+    snprintf(path, sizeof path, "%.3900s/%s/uniform/checksums", case_dir, name);
+    if (!access(path, F_OK))
+        snprintf(purpose, sizeof purpose, "; or, if the file was changed on purpose, remove %s", path);
+    status s = fail(ERR_INPUT, "%s; %s%s", status_text(damage), cure, purpose);
+    status_free(damage);
+    return s;
+}
+
 status times_start(const char *case_dir, const struct control *c, struct instant *out) {
     int n;
     struct instant *list;
@@ -108,11 +156,9 @@ status times_start(const char *case_dir, const struct control *c, struct instant
         if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
             strtod(list[i].name, NULL) == c->start_time)
             found = i;
-    status s = OK;
-    if (found >= 0)
-        *out = list[found];
-    else
-        s = no_such_time(case_dir, c, n, list);
+    status s = found < 0 ? no_such_time(case_dir, c, n, list) : time_verify(case_dir, &list[found]);
+    if (s && found >= 0) s = fall_back(case_dir, c, list, &found, s);
+    if (!s) *out = list[found];
     free(list);
     return s;
 }
@@ -180,11 +226,36 @@ status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]) {
     return make_folders(inner);
 }
 
+static status sync_one(const char *path) {
+    int file = open(path, O_RDONLY);
+    if (file >= 0 && !fsync(file)) return close(file) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
+    status s = fail(ERR_SYSTEM, "%s: cannot be brought to the disk: %s", path, strerror(errno));
+    if (file >= 0) close(file);
+    return s;
+}
+
+/* The contents of a folder and all below it, on the disk. */
+static status sync_folder(const char *path) {
+    DIR *folder = opendir(path);
+    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char inner[TIME_PATH];
+        struct stat info;
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+        s = !stat(inner, &info) && S_ISDIR(info.st_mode) ? sync_folder(inner) : sync_one(inner);
+    }
+    closedir(folder);
+    return s ? s : sync_one(path);
+}
+
 status time_commit(const char *case_dir, const char *name) {
     char tmp[TIME_PATH], old[TIME_PATH], path[TIME_PATH];
     hidden(case_dir, name, "tmp", tmp);
     hidden(case_dir, name, "old", old);
     snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    TRY(sync_folder(tmp));
     TRY(remove_folder(old));
     if (rename(path, old) && errno != ENOENT)
         return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
@@ -193,6 +264,7 @@ status time_commit(const char *case_dir, const char *name) {
         (void)rename(old, path);
         return fail(ERR_SYSTEM, "%s: cannot be put in place: %s", path, strerror(reason));
     }
+    TRY(sync_one(case_dir));
     return remove_folder(old);
 }
 
@@ -206,7 +278,7 @@ status time_remove(const char *case_dir, const char *name) {
     return remove_folder(tmp);
 }
 
-status time_stamp_write(const char *path, const struct instant *at) {
+status time_stamp_write(const char *path, const struct instant *at, struct checksums *sums) {
     char file[TIME_PATH + 16], location[TIME_NAME + 16];
     struct sink *s;
     const struct foam_format ascii = {.precision = 17};
@@ -218,7 +290,11 @@ status time_stamp_write(const char *path, const struct instant *at) {
                 at->step);
     sink_printf(s, "deltaT          %.17g;\ndeltaT0         %.17g;\n", at->delta_t, at->delta_t);
     sink_printf(s, "writePrecision  %d;\n", at->digits);
-    return sink_close(s);
+    struct file_sum sum;
+    TRY(sink_close_sum(s, &sum));
+    if (!sums) return OK;
+    TRY(checksums_add(sums, "uniform/time", sum));
+    return checksums_write(sums, path, at->name);
 }
 
 status times_clean(const char *case_dir) {

@@ -1,10 +1,14 @@
 """Whatever is done to a run, no result is lost that had been reported as written, and the message says what to do."""
+import gzip
 import itertools
 import os
+import random
+import re
 import shutil
 import signal
 import subprocess
 import unittest
+import zlib
 
 from tests.cases import harness, runs
 
@@ -107,6 +111,160 @@ class Folders(harness.Folder, unittest.TestCase):
             self.assertEqual(try_it(case, "-dry-run", **who).returncode, 0)
         finally:
             os.chmod(case, 0o755)
+
+
+def listed(folder):
+    """What uniform/checksums of a time says: {file: (size, CRC-32)}."""
+    with open(os.path.join(folder, "uniform", "checksums")) as f:
+        text = f.read()
+    (count,), found = re.findall(r"\nfiles +(\d+);", text), {}
+    for group, body in re.findall(r"\n(fields|uniform)\n\{\n(.*?)\n\}", text, flags=re.S):
+        for name, size, crc in re.findall(r'(\S+) +\{ size (\d+); crc32 "([0-9a-f]{8})"; \}', body):
+            found[name if group == "fields" else os.path.join(group, name)] = int(size), int(crc, 16)
+    assert len(found) == int(count)
+    return found
+
+
+def stored(folder, name):
+    """Path and contents of a file, zipped or not."""
+    path = os.path.join(folder, name)
+    path = path if os.path.exists(path) else path + ".gz"
+    with (gzip.open if path.endswith(".gz") else open)(path, "rb") as f:
+        return path, f.read()
+
+
+class Checksums(harness.Folder, unittest.TestCase):
+    FORMS = {"ascii": {"format": "ascii", "digits": 6}, "binary": {}, "zipped": {"compression": "on"},
+             "zipped ascii": {"format": "ascii", "digits": 6, "compression": "on"}}
+
+    def written(self, name, **options):
+        """A case of 36 cells that has written 0.001, 0.002, 0.003 and may go on to 0.004."""
+        case = runs.make(os.path.join(self.folder, name), (6, 6, 1), 0.003, interval=0.001, **options)
+        harness.program("granularGas", "-case", case)
+        harness.edit(case, CONTROL, endTime=0.004)
+        return case
+
+    def test_cover_all_that_is_written(self):
+        """By Python's zlib, in every form, and in the processor folders of two ranks."""
+        for form, options in self.FORMS.items():
+            case = runs.make(os.path.join(self.folder, "all " + form), (70, 40, 1), 0.002, interval=0.001, **options)
+            runs.add(case, CONTROL, "writeProcessors yes;\n")
+            harness.program("granularGas", "-case", case, ranks=2)
+            for folder in ("", "processor0", "processor1"):
+                folder = os.path.join(case, folder, "0.002")
+                sums = listed(folder)
+                there = runs.contents(folder, ignore=("provenance", "checksums"))
+                self.assertEqual(sums.keys(), {name.removesuffix(".gz") for name in there})
+                self.assertLess({*runs.FIELDS}, sums.keys())
+                for name, (size, crc) in sums.items():
+                    data = stored(folder, name)[1]
+                    self.assertEqual((len(data), zlib.crc32(data)), (size, crc), f"{form} {folder}/{name}")
+        self.assertEqual(listed(os.path.join(self.folder, "all binary", "0.002")), listed(os.path.join(self.folder, "all zipped", "0.002")))
+
+    @unittest.skipUnless(shutil.which("foamDictionary"), "OpenFOAM is not installed")
+    def test_openfoam_reads_them(self):
+        case = self.written("foreign")
+        said = subprocess.run(["foamDictionary", "-entry", "fields.rhoE.size", "-value", case + "/0.003/uniform/checksums"],
+                              env={**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam"}, capture_output=True, text=True, check=False)
+        self.assertEqual(said.stdout.split(), [str(listed(case + "/0.003")["rhoE"][0])], said.stderr)
+
+    def refused(self, case, file, *says):
+        done = harness.program("checkCase", case, check=False)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        for text in (f"error: {case}/{file}", "remove or rename the folder 0.003", "onCorruptTime previous;", "0.002 is whole",
+                     f"on purpose, remove {case}/0.003/uniform/checksums", *says):
+            self.assertIn(text, done.stderr)
+
+    def test_damage_is_refused(self):
+        """Each file of a time cut, emptied, with one bit turned, gone: named, with the cure."""
+        chance = random.Random(5)
+        for form in ("binary", "zipped ascii"):
+            case = self.written("damaged " + form, **self.FORMS[form])
+            for name in listed(case + "/0.003"):
+                path, _ = stored(case + "/0.003", name)
+                with open(path, "rb") as f:
+                    good = f.read()
+                bit = chance.randrange(8 * 10 if path.endswith(".gz") else 0, 8 * len(good))  # a header of gzip holds a date
+                turned = bytearray(good)
+                turned[bit // 8] ^= 1 << bit % 8
+                for what, bad in (("cut", good[:chance.randrange(1, len(good))]), ("empty", b""), (f"bit {bit}", turned), ("gone", None)):
+                    with self.subTest(form, file=name, what=what):
+                        os.remove(path)
+                        if bad is not None:
+                            with open(path, "wb") as f:
+                                f.write(bad)
+                        self.refused(case, "0.003/" + name)
+                with open(path, "wb") as f:
+                    f.write(good)
+            harness.program("checkCase", case)
+
+    def test_damaged_list(self):
+        """The list itself may not be cut anywhere, nor say other sizes."""
+        case = self.written("list")
+        path = os.path.join(case, "0.003", "uniform", "checksums")
+        with open(path) as f:
+            good = f.read()
+        end = good.index("files ")
+        for size in [0, end // 2, *range(end, len(good.rstrip()), 47)]:
+            with self.subTest(size=size):
+                with open(path, "w") as f:
+                    f.write(good[:size])
+                self.refused(case, "0.003/uniform/checksums")
+        with open(path, "w") as f:
+            f.write(re.sub(r" +U +\{.*?\}\n", "", good))
+        self.refused(case, "0.003/uniform/checksums", "7 files, not 8")
+        os.remove(path)
+        harness.program("checkCase", case)
+
+    def damage(self, case, *times):
+        for name in times:
+            path = os.path.join(case, name, "rhoE")
+            os.truncate(path, os.path.getsize(path) - 8)
+
+    def test_previous(self):
+        """onCorruptTime previous: from the newest whole time, said loudly, to the same end."""
+        case = self.written("previous")
+        straight = shutil.copytree(case, case + "_straight")
+        harness.program("granularGas", "-case", straight)
+        runs.add(case, CONTROL, "onCorruptTime previous;\n")
+        for damaged, taken, ranks in ((("0.003",), "0.002", 2), (("0.003", "0.002"), "0.001", 1), (("0.003", "0.002", "0.001"), "0", 1)):
+            with self.subTest(damaged=damaged):
+                part = runs.until(case, f"{case}_{taken}", "0.003")
+                self.damage(part, *damaged)
+                done = harness.program("granularGas", "-case", part, ranks=ranks)
+                self.assertRegex(done.stdout, rf"WARNING: time 0.003 is damaged .*onCorruptTime previous;.*\n.*0.003/rhoE.* it was cut.*\n"
+                                              rf".*goes on from time {taken}, the newest whole one")
+                self.assertIn(f"from time {taken} (step", done.stdout)
+                for name in runs.times(straight)[1:]:
+                    runs.same(self, runs.contents(os.path.join(straight, name)), runs.contents(os.path.join(part, name)), name)
+        part = runs.until(case, case + "_start", "0.003")
+        self.damage(part, "0.002")
+        harness.edit(part, CONTROL, startFrom="startTime", startTime=0.002, endTime=0.002)
+        self.assertIn("from time 0.001 (step", harness.program("granularGas", "-case", part).stdout)
+        runs.same(self, runs.contents(straight + "/0.002"), runs.contents(part + "/0.002"))
+
+    def test_nothing_to_fall_back_to(self):
+        case = self.written("alone")
+        runs.add(case, CONTROL, "onCorruptTime previous;\n")
+        self.damage(case, "0.003", "0.002", "0.001")
+        os.remove(os.path.join(case, "0", "U"))
+        shutil.rmtree(os.path.join(case, "0"))
+        done = harness.program("checkCase", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no time before it is whole", done.stderr)
+
+    def test_other_times_do_not_matter(self):
+        """Damage to a time that is not started from: a run goes on, pictures are made of the others."""
+        case = self.written("others")
+        for name in ("0.001", "0.002"):
+            with open(os.path.join(case, name, "uniform", "time"), "r+b") as f:
+                f.truncate(200 if name == "0.001" else 0)
+        harness.program("granularGas", "-case", case)
+        self.assertIn("0.004", runs.times(case))
+        done = harness.program("caseToVTK", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"time 0.001 is damaged and was left out\n +\S+/0.001/uniform/time")
+        self.assertEqual({n for n in os.listdir(case + "/VTK") if n.endswith(".vtk")}, {f"others_{t}.vtk" for t in ("0", "0.003", "0.004")})
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { KEYS = 50 };
+enum { KEYS = 10 };
 static const char SECRET[] = "qzvSecret";
 
 /* What lies outside the case, and ways to it. */

@@ -47,6 +47,8 @@ class Folder(harness.Folder, unittest.TestCase):
             if name != "box":
                 harness.edit(case, CONTROL, writeFormat=name)
                 harness.program("granularGas", "-case", case)
+                for time in ("0.001", "0.002"):  # what is asked here is behind them; tests/cases/test_faults.py
+                    os.remove(os.path.join(case, time, "uniform", "checksums"))
                 harness.edit(case, CONTROL, endTime="0.004")
             harness.program("checkCase", case)
         return self.bases[name]

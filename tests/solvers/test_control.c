@@ -154,7 +154,7 @@ static void test_folders_appear_whole(void **state) {
     struct instant *list, at = {.t = 0.1 + 1e-17, .step = 7, .delta_t = 0.01, .name = "0.1"};
     int n;
     assert_null(time_begin(folder, "0.1", tmp));
-    assert_null(time_stamp_write(tmp, &at));
+    assert_null(time_stamp_write(tmp, &at, NULL));
     assert_null(times_list(folder, &n, &list));
     assert_int_equal(n, 0);
     free(list);
@@ -162,7 +162,7 @@ static void test_folders_appear_whole(void **state) {
         if (twice) {
             at.step = 8;
             assert_null(time_begin(folder, "0.1", tmp));
-            assert_null(time_stamp_write(tmp, &at));
+            assert_null(time_stamp_write(tmp, &at, NULL));
         }
         assert_null(time_commit(folder, "0.1"));
         assert_null(times_list(folder, &n, &list));

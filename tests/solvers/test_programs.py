@@ -222,6 +222,10 @@ class Running(harness.Folder, unittest.TestCase):
         self.control(case, endTime=2e-3)
         done = harness.program("granularGas", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
+        self.assertIn("on purpose, remove", done.stderr)
+        os.remove(os.path.join(case, "0.001", "uniform", "checksums"))
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
         self.assertIn("remove rhoU and rhoE", done.stderr)
 
     def test_signal_and_run_time_modification(self):
