@@ -1,6 +1,8 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/case.h"
 
+#include "solvers/changes.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -66,6 +68,7 @@ static status read_state(struct setup *s) {
     int axis[3] = {0}, dim = polymesh_axes(s->mesh, axis);
     if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
+    TRY(changes_check_mesh(s));
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, dim, axis, &s->models->gas, &s->initial));
     TRY(make_grid(s));

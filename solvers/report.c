@@ -1,5 +1,7 @@
 #include "solvers/report.h"
 
+#include "solvers/changes.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,7 +107,6 @@ status provenance_write(const char *path, const char *location, const struct set
     sink_printf(o, "version         \"%s\";\ncompiler        \"%s\";\n", build_version(), build_compiler());
     sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date,
                 comm_size(s->comm));
-    sink_printf(o, "meshChecksum    \"%016lx\";\n", s->checksum);
     const struct gas_models *g = &s->models->gas;
     bool polyhedral = s->grid->mosaic != NULL;
     sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
@@ -113,6 +114,7 @@ status provenance_write(const char *path, const char *location, const struct set
     sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
                 polyhedral ? "polyReconstruct" : "reconstruct    ",
                 polyhedral ? g->polynomial->name : g->reconstruct->name);
+    changes_record(o, s);
     return sink_close(o);
 }
 

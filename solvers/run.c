@@ -1,5 +1,6 @@
 #include "solvers/run.h"
 
+#include "solvers/changes.h"
 #include "solvers/functions.h"
 #include "solvers/limiter.h"
 #include "solvers/lock.h"
@@ -88,6 +89,7 @@ static status print_check(const struct setup *s) {
     TRY(check_state(s, &stable));
     if (!comm_root(s->comm)) return OK;
     report_header(stdout, s, true);
+    changes_print(stdout, s);
     print_control(s);
     double dt = s->control->adjust ? fmin(stable, s->control->max_delta_t) : s->control->delta_t;
     printf("\nfirst time step about %.3g s", dt);
@@ -121,7 +123,10 @@ static status start(struct run *r) {
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
     r->written_time = s->start.t;
-    if (comm_root(s->comm)) report_header(stdout, s, true);
+    if (comm_root(s->comm)) {
+        report_header(stdout, s, true);
+        changes_print(stdout, s);
+    }
     TRY(progress_start(&r->progress, s, r->gas));
     return functions_execute(r->functions, r->gas, NULL, &r->now, s->start.name);
 }

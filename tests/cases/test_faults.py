@@ -267,5 +267,79 @@ class Checksums(harness.Folder, unittest.TestCase):
         self.assertEqual({n for n in os.listdir(case + "/VTK") if n.endswith(".vtk")}, {f"others_{t}.vtk" for t in ("0", "0.003", "0.004")})
 
 
+class Changes(harness.Folder, unittest.TestCase):
+    """What was changed between a written time and the restart from it is said, entry by entry."""
+
+    def written(self, name, **options):
+        case = runs.make(os.path.join(self.folder, name), (6, 6, 1), 0.002, interval=0.001, tables=True, **options)
+        harness.program("granularGas", "-case", case)
+        return case
+
+    def told(self, case, ranks=1):
+        """The lines of the log that tell changes."""
+        text = harness.program("granularGas", "-case", case, ranks=ranks).stdout
+        found = re.search(r"^Changed since time \S+ was written \(\S+\)\n((?:    .*\n)*)", text, flags=re.M)
+        return [line.strip() for line in found[1].splitlines()] if found else []
+
+    def test_nothing(self):
+        case = self.written("nothing")
+        self.assertEqual(self.told(case), [])
+        self.assertEqual(self.told(case, ranks=2), [])
+        with open(os.path.join(case, CONTROL)) as f:  # macros, comments, order and other spellings change nothing
+            text = f.read()
+        with open(os.path.join(case, CONTROL), "w") as f:
+            f.write(text.replace("endTime 0.002;", "last 2e-3; endTime $last; // the end").replace("application granularGas;", "")
+                    + "application granularGas;\n#remove last\n")
+        self.assertEqual(self.told(case), [])
+
+    def test_entries(self):
+        case = self.written("entries")
+        harness.edit(case, CONTROL, endTime=0.003)
+        harness.edit(case, "constant/granularProperties", restitution=0.8)
+        with open(os.path.join(case, "system", "fvSchemes")) as f:
+            text = f.read()
+        with open(os.path.join(case, "system", "fvSchemes"), "w") as f:
+            f.write(text.replace("reconstruct PHM;", "") + "meshEngine lattice;\n")
+        runs.add(case, "system/fvSolution", "limits { minDeltaTFraction 1e-4; }\n")
+        path = os.path.join(case, CONTROL)
+        with open(path) as f:
+            text = f.read()
+        with open(path, "w") as f:
+            f.write(text.replace("fields (T U)", "fields (T)"))
+        self.assertEqual(self.told(case, ranks=2), [
+            "system/controlDict: endTime 0.002 -> 0.003", "system/controlDict: functions.extreme.fields (T U) -> (T)",
+            "system/fvSchemes: reconstruct PHM -> (gone)", "system/fvSchemes: meshEngine (new) lattice",
+            "system/fvSolution: limits.minDeltaTFraction (new) 1e-4", "constant/granularProperties: grain.restitution 0.9 -> 0.8"])
+        self.assertEqual(self.told(case), [])  # 0.003 was written with them
+
+    def test_files(self):
+        case = self.written("files")
+        os.remove(os.path.join(case, "constant", "g"))
+        harness.edit(case, CONTROL, endTime=0.0025)
+        self.assertEqual(self.told(case)[1:], ["constant/g: dimensions [0 1 -2 0 0 0 0] -> (gone)", "constant/g: value (-3.0 -20.0 0.0) -> (gone)"])
+
+    def test_mesh(self):
+        """As many cells elsewhere: said; another number: refused."""
+        case = self.written("mesh")
+        shutil.copytree(case, case + "_other")
+        harness.boxes.write_mesh(case, (6, 6, 1), (1.2, 0.6, 0.1))
+        runs.add(case, CONTROL, "endTime 0.0021;\n")
+        mesh, warning, _ = self.told(case)
+        self.assertRegex(mesh, r"constant/polyMesh: checksum [0-9a-f]{16} -> [0-9a-f]{16}")
+        self.assertIn("another mesh", warning)
+        harness.boxes.write_mesh(case + "_other", (6, 4, 1), (0.6, 0.4, 0.1))
+        done = harness.program("granularGas", "-case", case + "_other", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"constant/polyMesh: it has 24 cells, but time 0.002 was written on a mesh of 36 cells; put that mesh back")
+
+    def test_unreadable(self):
+        """Provenance is no part of the state: the run goes on without it."""
+        case = self.written("unreadable")
+        path = os.path.join(case, "0.002", "uniform", "provenance")
+        os.truncate(path, os.path.getsize(path) // 2)
+        text = harness.program("checkCase", case).stdout
+        self.assertRegex(text, r"What has changed since time 0.002 is not known: \S+/provenance:\d+: ")
+
+
 if __name__ == "__main__":
     unittest.main()
