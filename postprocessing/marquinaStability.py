@@ -14,10 +14,10 @@ import numpy as np
 
 import boxes
 import haff
-from eos import GoldshteinShapiro, PerfectGas
+from eos import GoldshteinShapiro
 
 TOP = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-FLUXES = ("common", "Marquina", "MarquinaStable")
+
 
 
 class PrintedSound(GoldshteinShapiro):
@@ -79,24 +79,36 @@ def faces(reconstruct, k):
 
 
 WAVES = np.concatenate([np.linspace(0.01, 0.2, 20), np.linspace(0.2, np.pi, 200)])
+CELLS = 40  # of the runs
 
 
-def symbols(eos, nu, mach, flux, reconstruct):
-    """h/c d/dt of Fourier modes exp(i k x/h), one matrix for each of WAVES."""
-    A, M = matrices(eos, nu, mach, flux)
-    for k in WAVES:
-        left, right = faces(reconstruct, k)
-        yield -(1 - np.exp(-1j * k)) * (A * (left + right) - M * (right - left)) / 2
+def symbol(A, M, reconstruct, k):
+    """h/c d/dt of the Fourier mode exp(i k x/h), as a matrix."""
+    left, right = faces(reconstruct, k)
+    return -(1 - np.exp(-1j * k)) * (A * (left + right) - M * (right - left)) / 2
+
+
+def rates(values, dt):
+    """Of eigenvalues of symbols: exact in time (dt = 0) or with SSP-RK3 of dt in units of h/c."""
+    z = values * dt
+    return np.log(abs(1 + z + z**2 / 2 + z**3 / 6)) / dt if dt else values.real
 
 
 def growth(eos, nu, mach=0.0, flux="Marquina", reconstruct="firstOrder", courant=0.0):
-    """The largest rate over all waves; with SSP-RK3 of a Courant number dt (|u| + c)/h, or exact in time (0)."""
-    rates, dt = [], courant / (1 + abs(mach))
-    for S in symbols(eos, nu, mach, flux, reconstruct):
-        values = np.linalg.eigvals(S)
-        z = values * dt
-        rates.append(np.log(abs(1 + z + z**2 / 2 + z**3 / 6)).max() / dt if courant else values.real.max())
-    return max(rates)
+    """The largest rate over all waves. courant: dt (|u| + c)/h of SSP-RK3."""
+    A, M = matrices(eos, nu, mach, flux)
+    return max(rates(np.linalg.eigvals(symbol(A, M, reconstruct, k)), courant / (1 + abs(mach))).max() for k in WAVES)
+
+
+def worst_wave(eos, nu, mach, reconstruct, courant):
+    """Of Marquina's flux, among those that fit in CELLS: rate, k and the complex vector (rho, momentum, energy)."""
+    A, M = matrices(eos, nu, mach)
+    c, best = uniform(eos, nu, mach)[1], (-np.inf,)
+    for k in 2 * np.pi / CELLS * np.arange(1, CELLS // 2):
+        values, vectors = np.linalg.eig(symbol(A, M, reconstruct, k))
+        rate = rates(values, courant / (1 + abs(mach)))
+        best = max(best, (rate.max(), k, tuple(vectors[:, rate.argmax()] * (1, c, c * c))))
+    return best
 
 
 def onset(eos, mach=0.0, low=0.02, high=0.64, least=1e-3, **scheme):
@@ -121,19 +133,17 @@ def program(name):
     return os.path.join(os.environ.get("HAFF_BIN", os.path.join(TOP, "build", "bin")), name)
 
 
-def measured(nu, mach, flux, reconstruct="firstOrder", e=1.0, printed=False, courant=0.1, cells=40, noise=1e-7, pieces=8,
-             sound_steps=400.0, seed=1):
-    """The rate of granularGas: 1e-7 of noise in periodic uniform gas, over the part of the run in which it grows as an
-    exponential and is still small. nan: the run came to an end before that."""
-    eos = PrintedSound(e) if printed else GoldshteinShapiro(e)
-    rho, c = eos.rho(nu), eos.c(eos.rho(nu), 1.0)
-    random = np.random.default_rng(seed).uniform(-noise, noise, (3, cells))
-    end = sound_steps / c / (1 + mach)  # h = 1
+def run(eos, nu, mach, dU, flux, reconstruct, courant, sound_steps, pieces=16):
+    """Periodic uniform gas plus dU [3][CELLS], T = 1, h = 1, by granularGas: times in units of h/c, and the root mean
+    square of the change of rho over rho at each."""
+    U, c = uniform(eos, nu, mach)
+    rho, u = U[0] + dU[0], (U[1] + dU[1]) / (U[0] + dU[0])
+    T = (eos.gamma - 1) * ((U[2] + dU[2]) / rho - u * u / 2)
     with tempfile.TemporaryDirectory() as folder:
-        case = boxes.box_case(folder, (cells, 1, 1), (float(cells), 1.0, 1.0), rho * (1 + random[0]),
-                              np.outer(mach * c + c * random[1], (1, 0, 0)), eos.p(rho, 1.0) * (1 + random[2]), end, flux=flux,
-                              reconstruct=reconstruct, e=e, types={"x": "cyclic"}, courant=courant, interval=end / pieces)
-        if printed:
+        case = boxes.box_case(folder, (CELLS, 1, 1), (float(CELLS), 1.0, 1.0), rho, np.outer(u, (1, 0, 0)), eos.p(rho, T),
+                              sound_steps / c, flux=flux, reconstruct=reconstruct, e=eos.e, types={"x": "cyclic"},
+                              courant=courant, interval=sound_steps / c / pieces)
+        if isinstance(eos, PrintedSound):
             path = os.path.join(case, "constant", "granularProperties")
             with open(path) as f:
                 text = f.read().replace("Coeffs {", "Coeffs { printedSoundSpeed yes;")
@@ -141,7 +151,23 @@ def measured(nu, mach, flux, reconstruct="firstOrder", e=1.0, printed=False, cou
                 f.write(text)
         subprocess.run([program("granularGas"), "-case", case], capture_output=True)
         result = haff.Case(case)
-        times = [float(t) for t in result.times]
-        size = [np.abs(result.field("rho", t) / rho - 1).max() for t in result.times]
-    print(nu, mach, flux, times, size, file=sys.stderr) if os.environ.get("MQDEBUG") else None
-    return np.array(times) * c, np.array(size)
+        size = [np.sqrt(np.mean((result.field("rho", t) / U[0] - 1) ** 2)) for t in result.times]
+        return np.array([float(t) for t in result.times]) * c, np.array(size)
+
+
+def noise(eos, nu, mach=0.0, flux="Marquina", reconstruct="firstOrder", courant=0.2, sound_steps=200.0, size=1e-7):
+    """Noise of rho at the end of a run over that at its start."""
+    U, _ = uniform(eos, nu, mach)
+    dU = U[0] * characteristic(eos, U)[0] @ np.random.default_rng(1).uniform(-size, size, (3, CELLS))
+    _, sizes = run(eos, nu, mach, dU, flux, reconstruct, courant, sound_steps)
+    return sizes[-1] / sizes[0]
+
+
+def measured(eos, nu, mach=0.0, flux="Marquina", reconstruct="firstOrder", courant=0.2, size=1e-9):
+    """The rate of the worst wave of Marquina's flux in granularGas, and that of the formulas."""
+    rate, k, vector = worst_wave(eos, nu, mach, reconstruct, courant)
+    x = np.arange(CELLS)
+    wave = (np.array(vector)[:, None] * np.exp(1j * k * x)).real
+    wave *= size * uniform(eos, nu, mach)[0][0] / abs(wave[0]).max()
+    times, sizes = run(eos, nu, mach, wave, flux, reconstruct, courant, min(60.0, 5 / abs(rate)))
+    return np.polyfit(times, np.log(sizes), 1)[0], rate
