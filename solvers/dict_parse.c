@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, KEYS = 5000, COPIES = 1000000 };
+enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, KEYS = 10000, COPIES = 1000000 };
 enum mode { MERGE, OVERWRITE, PROTECT, ERROR };
 
 struct file { /* a file being read, and the one that includes it */
@@ -303,7 +303,7 @@ static status place(struct reading *r, const struct file *f, struct dict *d, con
     bool fresh = !e;
     if (fresh) {
         if (d->count == KEYS)
-            return complain(f, line, "%s has more than 5000 keywords", *d->name ? d->name : "the file");
+            return complain(f, line, "%s has more than 10000 keywords", *d->name ? d->name : "the file");
         TRY(document_grow(r->document, &d->entry, d->count, &d->room, sizeof *e));
         e = &d->entry[d->count];
         *e = (struct entry){.key = key};

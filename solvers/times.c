@@ -38,9 +38,10 @@ static status stamp_read(const char *case_dir, struct instant *at) {
     if (!s && fabs(in.t - named) > name_slack(at->name))
         s = dict_fail(d, "value", "the folder is that of time %s", at->name);
     if (!s) s = dict_number(d, "index", NULL, &index);
+    if (!s) s = dict_count_or(d, "index", 0, &in.step);
     if (!s) s = dict_count_or(d, "writePrecision", digits, &digits);
+    if (!s && (digits < 1 || digits > 17)) s = dict_fail(d, "writePrecision", "allowed is 1 to 17");
     if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &in.delta_t);
-    in.step = (long)index;
     in.digits = (int)digits;
     if (!s) *at = in;
     dict_free(d);

@@ -16,7 +16,7 @@ static void lay_traps(void) {
     static bool done;
     if (done) return;
     done = true;
-    scratch_write("secret", "qzvSecret qzvSecret; {", 22);
+    scratch_write("secret", "qzvSecret qzvSecret;", 20);
     scratch_write("case/system/plain", "plain 1;", 8);
     char link[256];
     snprintf(link, sizeof link, "%s/case/system/link", scratch());

@@ -9,7 +9,24 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-enum { PATH = 4096 };
+#if defined __SANITIZE_ADDRESS__
+#define SANITIZED
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+#define SANITIZED
+#endif
+#endif
+
+enum { PATH = 4096, MOST_KB = 256 * 1024 };
+
+/* A library that asks for too much may get it, or say no in good order: neither crashes. */
+static void check_memory(void) {
+#ifndef SANITIZED
+    struct rusage used;
+    getrusage(RUSAGE_SELF, &used);
+    PROMISE(used.ru_maxrss < MOST_KB, "a small file is read in little memory");
+#endif
+}
 
 static long replay(const char *path) {
     struct stat info;
@@ -42,11 +59,12 @@ static long replay(const char *path) {
     fflush(stdout);
     LLVMFuzzerTestOneInput(data, size);
     free(data);
+    check_memory();
     return 1;
 }
 
 int main(int argc, char **argv) {
-#ifndef __SANITIZE_ADDRESS__
+#ifndef SANITIZED
     struct rlimit memory = {1L << 30, 1L << 30}, seconds = {300, 300};
     setrlimit(RLIMIT_AS, &memory);
     setrlimit(RLIMIT_CPU, &seconds);
