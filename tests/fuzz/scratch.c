@@ -48,27 +48,29 @@ void scratch_write(const char *name, const void *data, size_t size) {
     PROMISE(f && fwrite(data, 1, size, f) == size && !fclose(f), "scratch files can be written");
 }
 
-static bool good_name(const char *name, size_t n) {
-    bool good = n > 0 && n < 60 && isalnum((unsigned char)*name) && name[n - 1] != '/';
-    for (size_t i = 0; i < n; i++) {
-        bool twice = i && name[i] == name[i - 1] && !isalnum((unsigned char)name[i]);
-        good = good && !twice && (isalnum((unsigned char)name[i]) || strchr("./", name[i])) && name[i];
+/* FILE or FOLDER/FILE of a case. Other folders are not made: an input must leave nothing behind for the next one. */
+static bool good_name(const char *name) {
+    static const char *const folders[] = {"system/", "constant/", "0/"};
+    for (int i = 0; i < 3; i++) {
+        size_t n = strlen(folders[i]);
+        if (!strncmp(name, folders[i], n - 1) && !name[n - 1]) return false; /* a file in place of the folder */
+        if (!strncmp(name, folders[i], n)) {
+            name += n;
+            break;
+        }
     }
+    bool good = isalnum((unsigned char)*name);
+    for (const char *c = name; *c; c++) good = good && (isalnum((unsigned char)*c) || *c == '.');
     return good;
 }
 
-/* Names may clash with folders; then the file is left out. */
 static void unpack_one(const char *folder, const char *name, size_t length, const void *data, size_t size) {
-    char path[PATH];
+    char path[PATH], clean[64];
     struct stat info;
-    if (place.count == FILES || !good_name(name, length)) return;
-    snprintf(path, sizeof path, "%s/%s/%.*s", scratch(), folder, (int)length, name);
-    if (!stat(path, &info)) return;
-    for (char *p = path + strlen(scratch()) + 1; (p = strchr(p, '/')); *p++ = '/') {
-        *p = 0;
-        bool is_file = !stat(path, &info) && !S_ISDIR(info.st_mode);
-        if (is_file) return;
-    }
+    snprintf(clean, sizeof clean, "%.*s", (int)(length < 60 ? length : 60), name);
+    if (place.count == FILES || !good_name(clean)) return;
+    snprintf(path, sizeof path, "%s/%s/%s", scratch(), folder, clean);
+    if (!lstat(path, &info)) return; /* a trap, or a name that stands twice */
     snprintf(place.written[place.count++], PATH, "%s", path);
     scratch_write(path + strlen(scratch()) + 1, data, size);
 }

@@ -22,8 +22,9 @@ void promise_broken(const char *text) __attribute__((noreturn));
 const char *scratch(void);
 /* Writes scratch()/NAME, making the folders above it. */
 void scratch_write(const char *name, const void *data, size_t size);
-/* An input of several files: each starts with a line `@@ NAME`. What has no such line is one file, `standard`. Names
- * lead nowhere else than into scratch()/folder; at most 8 files. scratch_clear removes what was written last. */
+/* An input of several files: each starts with a line `@@ NAME`, a file or one in system, constant or 0. What has no
+ * such line is one file, `standard`. All go to scratch()/folder, at most 8; scratch_clear removes what was written
+ * last. */
 void scratch_unpack(const char *folder, const char *standard, const uint8_t *data, size_t size);
 void scratch_clear(void);
 
