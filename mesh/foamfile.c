@@ -224,6 +224,8 @@ static status read_string(struct lexer *l, const char *p, struct token *t) {
         else if (*p == '\n' || !*p)
             return fail(ERR_INPUT, "%s:%d: the string \"%.*s is not closed on its line", l->source->path, t->line,
                         (int)strcspn(t->text, "\r\n"), t->text);
+        if ((unsigned char)*p < ' ' && !strchr("\t\r\n", *p))
+            return fail(ERR_INPUT, "%s:%d: found byte 0x%02x in a string", l->source->path, l->line, (unsigned char)*p);
         l->line += *p == '\n';
     }
     t->length = (int)(p - t->text);

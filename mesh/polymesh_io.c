@@ -291,7 +291,7 @@ static status read_patches(struct lexer *l, struct polymesh *m) {
     for (;;) {
         TRY(lexer_next(l, &t));
         if (token_is(&t, ")")) break;
-        if (!is_name(&t)) return lexer_fail(l, &t, "a patch name or ')' is needed");
+        if (t.kind != TOKEN_WORD) return lexer_fail(l, &t, "a patch name, a word without quotes, or ')' is needed");
         if (m->npatches == n) return lexer_fail(l, &t, "there are more than the %d patches announced", n);
         struct patch *p = &m->patch[m->npatches++];
         TRY(read_patch(l, m, &t, p));

@@ -95,6 +95,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         PROMISE(accepted(dict_check_used(d)), "what is marked as used is used");
         char *text = dict_print(d);
         PROMISE(text && (told || !strstr(text, SECRET)), "nothing outside the case is read");
+        for (const char *c = text; text && *c; c++)
+            PROMISE((unsigned char)*c >= ' ' || strchr("\t\r\n", *c), "a dictionary is text");
         free(text);
     }
     dict_free(d);
