@@ -84,9 +84,18 @@ status options_relaunch(int argc, char **argv, const struct options *o) {
                 strerror(reason));
 }
 
+/* A pipe that nobody reads any more was closed on purpose. */
+static void check_log(void) {
+    struct stat info;
+    bool failed = fflush(stdout) || ferror(stdout);
+    if (!failed || fstat(STDOUT_FILENO, &info) || S_ISFIFO(info.st_mode) || S_ISSOCK(info.st_mode)) return;
+    fprintf(stderr, "warning: standard output could not be written (is its disk full?): the log is incomplete, the "
+                    "written times are whole\n");
+}
+
 int program_end(struct comm *c, status s, bool debug) {
     int code = s ? (int)status_kind(s) : 0;
-    fflush(stdout);
+    check_log();
     if (s && (!c || comm_root(c))) code = status_print(s, debug);
     status_free(s);
     if (c) comm_finish(c);

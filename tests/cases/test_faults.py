@@ -1,5 +1,4 @@
 """Whatever is done to a run, no result is lost that had been reported as written, and the message says what to do."""
-import gzip
 import itertools
 import os
 import random
@@ -11,6 +10,7 @@ import unittest
 import zlib
 
 from tests.cases import harness, runs
+from tests.faults import faults
 
 GAS = os.path.join(harness.BIN, "granularGas")
 CONTROL = "system/controlDict"
@@ -82,55 +82,33 @@ class Lock(harness.Folder, unittest.TestCase):
             self.assertEqual(len(runs.times(case)), 2)
 
 
-class Folders(harness.Folder, unittest.TestCase):
-    def test_gone(self):
-        """The folder goes while the run is on: said, and not made anew."""
-        case = runs.make(os.path.join(self.folder, "gone"), (40, 30, 1), 1e6)
-        run = start(case)
-        os.rename(case, case + "_elsewhere")
-        run.send_signal(signal.SIGTERM)
-        error = run.communicate(timeout=60)[1]
-        self.assertEqual(run.returncode, 3)
-        self.assertIn(f"{case}: this folder is gone", error)
-        self.assertFalse(os.path.exists(case))
+class Faults(harness.Folder, unittest.TestCase):
+    """Every row of the fault table, in short: set HAFF_KILLS=1000 for the long form (an hour)."""
+    SAYS = {"the disk is full": "No space left on device", "an input/output error": "Input/output error", "a disk of 2 MB": "No space left",
+            "files may not grow": "earlier times are intact", "the case folder is not writable": "chmod u\\+w",
+            "becomes unwritable": "earlier times are intact", "moved away": "this folder is gone",
+            "the disk of the log": "the log is incomplete", "a second solver": "another run works on this case: granularGas, pid",
+            "cut in half$": r"rhoE: the file has \d+ bytes, the run wrote \d+", "previous": r"goes on from time 0\.0004",
+            "one bit": "not as it was written", "is removed": "the file is missing", "restitution": r"restitution 0\.9 -> 0\.8",
+            "as many cells": "another mesh", "other cells": "put that mesh back", "a wish to stop": "stopped as asked",
+            "controlDict is broken": r"controlDict:\d+: "}
 
-    def test_read_only(self):
-        """A folder that cannot be written to is named before anything is run; readers take it."""
-        who = {"user": 65534, "group": 65534} if os.geteuid() == 0 else {}
-        try:
-            subprocess.run([GAS, "-help"], capture_output=True, check=True, **who)
-        except (OSError, subprocess.CalledProcessError):
-            self.skipTest("root may write everywhere, and nobody else can start the program")
-        case = runs.make(os.path.join(self.folder, "closed"), (8, 1, 1), 1e-3)
-        os.chmod(self.folder, 0o755)
-        os.chmod(case, 0o555)
-        try:
-            done = try_it(case, **who)
-            self.assertEqual(done.returncode, 3, done.stderr)
-            self.assertRegex(done.stderr, rf"{case}: this folder cannot be written to: Permission denied; .*chmod")
-            self.assertEqual(try_it(case, "-dry-run", **who).returncode, 0)
-        finally:
-            os.chmod(case, 0o755)
-
-
-def listed(folder):
-    """What uniform/checksums of a time says: {file: (size, CRC-32)}."""
-    with open(os.path.join(folder, "uniform", "checksums")) as f:
-        text = f.read()
-    (count,), found = re.findall(r"\nfiles +(\d+);", text), {}
-    for group, body in re.findall(r"\n(fields|uniform)\n\{\n(.*?)\n\}", text, flags=re.S):
-        for name, size, crc in re.findall(r'(\S+) +\{ size (\d+); crc32 "([0-9a-f]{8})"; \}', body):
-            found[name if group == "fields" else os.path.join(group, name)] = int(size), int(crc, 16)
-    assert len(found) == int(count)
-    return found
-
-
-def stored(folder, name):
-    """Path and contents of a file, zipped or not."""
-    path = os.path.join(folder, name)
-    path = path if os.path.exists(path) else path + ".gz"
-    with (gzip.open if path.endswith(".gz") else open)(path, "rb") as f:
-        return path, f.read()
+    def test_table(self):
+        kills = int(os.environ.get("HAFF_KILLS", 20))
+        seen = set()
+        for outcome in faults.every_fault(self.folder, 1 if kills > 100 else 31, kills):
+            if not outcome:
+                continue  # it cannot be done here
+            with self.subTest(outcome.done):
+                self.assertGreater(outcome.times, 0)
+                self.assertEqual(outcome.lost, [], outcome.said)
+                self.assertEqual(outcome.after, [])
+                for what, says in self.SAYS.items():
+                    if re.search(what, outcome.done):
+                        seen.add(what)
+                        self.assertRegex(outcome.said, says)
+        needs_root = {"a disk of 2 MB", "the case folder is not writable", "becomes unwritable"}
+        self.assertLessEqual(self.SAYS.keys() - seen, needs_root)
 
 
 class Checksums(harness.Folder, unittest.TestCase):
@@ -152,21 +130,21 @@ class Checksums(harness.Folder, unittest.TestCase):
             harness.program("granularGas", "-case", case, ranks=2)
             for folder in ("", "processor0", "processor1"):
                 folder = os.path.join(case, folder, "0.002")
-                sums = listed(folder)
+                sums = faults.sums(folder)
                 there = runs.contents(folder, ignore=("provenance", "checksums"))
                 self.assertEqual(sums.keys(), {name.removesuffix(".gz") for name in there})
                 self.assertLess({*runs.FIELDS}, sums.keys())
                 for name, (size, crc) in sums.items():
-                    data = stored(folder, name)[1]
+                    data = faults.stored(folder, name)[1]
                     self.assertEqual((len(data), zlib.crc32(data)), (size, crc), f"{form} {folder}/{name}")
-        self.assertEqual(listed(os.path.join(self.folder, "all binary", "0.002")), listed(os.path.join(self.folder, "all zipped", "0.002")))
+        self.assertEqual(faults.sums(os.path.join(self.folder, "all binary", "0.002")), faults.sums(os.path.join(self.folder, "all zipped", "0.002")))
 
     @unittest.skipUnless(shutil.which("foamDictionary"), "OpenFOAM is not installed")
     def test_openfoam_reads_them(self):
         case = self.written("foreign")
         said = subprocess.run(["foamDictionary", "-entry", "fields.rhoE.size", "-value", case + "/0.003/uniform/checksums"],
                               env={**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam"}, capture_output=True, text=True, check=False)
-        self.assertEqual(said.stdout.split(), [str(listed(case + "/0.003")["rhoE"][0])], said.stderr)
+        self.assertEqual(said.stdout.split(), [str(faults.sums(case + "/0.003")["rhoE"][0])], said.stderr)
 
     def refused(self, case, file, *says):
         done = harness.program("checkCase", case, check=False)
@@ -180,8 +158,8 @@ class Checksums(harness.Folder, unittest.TestCase):
         chance = random.Random(5)
         for form in ("binary", "zipped ascii"):
             case = self.written("damaged " + form, **self.FORMS[form])
-            for name in listed(case + "/0.003"):
-                path, _ = stored(case + "/0.003", name)
+            for name in faults.sums(case + "/0.003"):
+                path, _ = faults.stored(case + "/0.003", name)
                 with open(path, "rb") as f:
                     good = f.read()
                 bit = chance.randrange(8 * 10 if path.endswith(".gz") else 0, 8 * len(good))  # a header of gzip holds a date

@@ -1,7 +1,6 @@
-"""Stops and restarts give the bytes of a run that went through; kills and failed writes leave whole times only."""
+"""Stops and restarts give the bytes of a run that went through; faults in test_faults.py."""
 import os
 import random
-import resource
 import shutil
 import signal
 import subprocess
@@ -142,40 +141,10 @@ class Restart(harness.Folder, unittest.TestCase):
                 self.assertEqual(whole[name], rest[name])
 
 
-class Faults(harness.Folder, unittest.TestCase):
+class Leftovers(harness.Folder, unittest.TestCase):
     def writer(self, name, n=(40, 30, 1), end=0.1, **options):
         """A case that writes at every step."""
         return runs.make(os.path.join(self.folder, name), n, end, adjust="no", step=2e-4, control="timeStep", interval=1, **options)
-
-    def test_kill(self):
-        """kill -9 while it writes at every step: what is there is whole, each next run goes on from it."""
-        case = self.writer("kill", n=(30, 20, 1), end=0.06, format="ascii")
-        straight = shutil.copytree(case, case + "_straight")
-        for c in (case, straight):
-            runs.add(c, CONTROL, "purgeWrite 4;\n")
-        harness.program("granularGas", "-case", straight)
-        checked = 0
-        for _ in range(40):
-            run = start(case)
-            for line in run.stdout:
-                if line.startswith("    written"):
-                    break
-            else:
-                break  # it has reached the end
-            time.sleep(random.random() * 0.03)
-            run.kill()
-            run.stdout.close()
-            self.assertEqual(run.wait(), -signal.SIGKILL)
-            for name in runs.times(case):
-                if float(name):
-                    runs.complete(self, case, name)
-                    checked += 1
-            for name in runs.times(case)[1:-2]:
-                shutil.rmtree(os.path.join(case, name))
-        self.assertGreater(checked, 40)
-        harness.program("granularGas", "-case", case)
-        self.assertEqual(runs.hidden(case), [])
-        runs.same(self, runs.contents(straight + "/0.06"), runs.contents(case + "/0.06"))
 
     def test_leftovers(self):
         """What a kill can leave between two renames: the old folder is put back, half-written ones go."""
@@ -192,47 +161,6 @@ class Faults(harness.Folder, unittest.TestCase):
         self.assertIn("0.0004", runs.times(case))
         runs.same(self, whole, runs.contents(case + "/0.0002"))
         self.assertEqual(runs.hidden(case), [".git"])
-
-    def failing(self, case, done):
-        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
-        self.assertIn("earlier times are intact", done.stderr)
-        self.assertEqual(runs.hidden(case), [])
-        names = runs.times(case)
-        for name in names[1:]:
-            runs.complete(self, case, name)
-        return names
-
-    def test_file_size_limit(self):
-        """Fields larger than ulimit -f allows: exit code 3 with the file's name, nothing half written."""
-        case = self.writer("limit", n=(60, 40, 1), digits=17, format="ascii")
-        run = start(case, stderr=subprocess.PIPE)
-        for line in run.stdout:
-            if line.startswith("    written"):
-                resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (20000, 20000))
-                break
-        text, error = run.communicate(timeout=60)
-        self.assertIn("File too large", error)
-        self.assertGreater(len(self.failing(case, subprocess.CompletedProcess([], run.returncode, text, error))), 1)
-
-    def test_full_disk(self):
-        """On a full disk the last time stays; with room again the run goes on."""
-        place = os.path.join(self.folder, "small")
-        os.mkdir(place)
-        if os.geteuid() or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", place], capture_output=True).returncode:
-            self.skipTest("no small file system can be mounted")
-        try:
-            case = shutil.copytree(self.writer("disk"), os.path.join(place, "disk"))
-            done = subprocess.run([GAS, "-case", case], capture_output=True, text=True)
-            self.assertIn("No space left", done.stderr)
-            names = self.failing(case, done)
-            self.assertGreater(len(names), 3)
-            for name in names[1:-1]:
-                shutil.rmtree(os.path.join(case, name))
-            harness.edit(case, CONTROL, stopAt="nextWrite")
-            harness.program("granularGas", "-case", case)
-            self.assertEqual(len(runs.times(case)), 3)
-        finally:
-            subprocess.run(["umount", place], check=True)
 
     def test_collapse(self):
         """Gas falls on a wall until it packs: message, exit code 2, a last state that can be read and taken up."""

@@ -1,0 +1,171 @@
+/* Faults of disks and machines, for tests: preloaded (LD_PRELOAD), it counts the calls that change files below the
+ * folder HAFF_FAULT_FOLDER, and at call number N of HAFF_FAULT="KIND:N" lets one happen.
+ *
+ *   count    none; the number of calls is told on standard error when the program ends
+ *   kill     the process dies (SIGKILL) in place of the call
+ *   power    the same, and what was not brought to the disk (fsync) is lost: contents of files, names in folders
+ *   full     from this call on nothing can be created or written: ENOSPC
+ *   error    this one call fails: EIO
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST = 4096 };
+struct unsynced { /* a file whose contents, or a name whose folder, is not on the disk yet */
+    dev_t device;
+    ino_t inode;
+    int file;        /* a copy of its descriptor; -1: a name */
+    char *from, *to; /* of a rename */
+};
+static struct { /* the state of the machine; one per process, hence static */
+    long calls;
+    int count;
+    struct unsynced list[MOST];
+} disk;
+
+#define REAL(name, type, ...)                                                                                          \
+    type (*real)(__VA_ARGS__);                                                                                         \
+    *(void **)&real = dlsym(RTLD_NEXT, #name)
+
+static bool below(const char *path) {
+    const char *folder = getenv("HAFF_FAULT_FOLDER");
+    return folder && !strncmp(path, folder, strlen(folder));
+}
+
+static bool below_file(int file) {
+    char link[64], path[PATH_MAX];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    ssize_t n = readlink(link, path, sizeof path - 1);
+    path[n > 0 ? n : 0] = 0;
+    return below(path);
+}
+
+static void lose_power(void) {
+    REAL(rename, int, const char *, const char *);
+    while (disk.count--) {
+        struct unsynced *u = &disk.list[disk.count];
+        if (u->file >= 0 && ftruncate(u->file, 0)) abort();
+        if (u->file < 0 && u->from) (void)real(u->to, u->from); /* the name it had */
+    }
+}
+
+/* 0, or the errno with which the call fails. grows: it takes room on the disk. */
+static int happens(bool grows) {
+    const char *fault = getenv("HAFF_FAULT"), *number = fault ? strchr(fault, ':') : NULL;
+    long at = number ? atol(number + 1) : -1;
+    disk.calls++;
+    if (at < 0 || disk.calls < at) return 0;
+    if (!strncmp(fault, "full", 4)) return grows ? ENOSPC : 0;
+    if (disk.calls > at) return 0;
+    if (!strncmp(fault, "error", 5)) return EIO;
+    if (!strncmp(fault, "power", 5)) lose_power();
+    kill(getpid(), SIGKILL);
+    return EIO;
+}
+
+static void remember(int file, const char *folder_of, const char *from, const char *to) {
+    struct stat info;
+    char folder[PATH_MAX] = "";
+    if (folder_of) snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(folder_of, '/') - folder_of), folder_of);
+    if (file >= 0 ? fstat(file, &info) : stat(folder, &info)) return;
+    for (int i = 0; file >= 0 && i < disk.count; i++)
+        if (disk.list[i].file >= 0 && disk.list[i].inode == info.st_ino && disk.list[i].device == info.st_dev) return;
+    if (disk.count == MOST) abort();
+    disk.list[disk.count++] = (struct unsynced){info.st_dev, info.st_ino, file >= 0 ? dup(file) : -1,
+                                                from ? strdup(from) : NULL, to ? strdup(to) : NULL};
+}
+
+static void forget(int file) {
+    struct stat info;
+    if (fstat(file, &info)) return;
+    int kept = 0;
+    for (int i = 0; i < disk.count; i++) {
+        struct unsynced *u = &disk.list[i];
+        if (u->inode != info.st_ino || u->device != info.st_dev) {
+            disk.list[kept++] = *u;
+            continue;
+        }
+        if (u->file >= 0) close(u->file);
+        free(u->from);
+        free(u->to);
+    }
+    disk.count = kept;
+}
+
+#define FAIL_IF(grows)                                                                                                 \
+    do {                                                                                                               \
+        int why = happens(grows);                                                                                      \
+        if (why) {                                                                                                     \
+            errno = why;                                                                                               \
+            return -1;                                                                                                 \
+        }                                                                                                              \
+    } while (0)
+
+int open(const char *path, int flags, ...) {
+    REAL(open, int, const char *, int, ...);
+    va_list args;
+    va_start(args, flags);
+    mode_t mode = flags & O_CREAT ? va_arg(args, mode_t) : 0;
+    va_end(args);
+    if (flags & O_CREAT && below(path)) FAIL_IF(true);
+    return real(path, flags, mode);
+}
+
+ssize_t write(int file, const void *data, size_t bytes) {
+    REAL(write, ssize_t, int, const void *, size_t);
+    if (!below_file(file)) return real(file, data, bytes);
+    FAIL_IF(true);
+    remember(file, NULL, NULL, NULL);
+    return real(file, data, bytes);
+}
+
+int fsync(int file) {
+    REAL(fsync, int, int);
+    if (!below_file(file)) return real(file);
+    FAIL_IF(false);
+    forget(file);
+    return 0; /* the power cut is ours: the real disk need not be waited for */
+}
+
+int rename(const char *from, const char *to) {
+    REAL(rename, int, const char *, const char *);
+    if (!below(to)) return real(from, to);
+    FAIL_IF(false);
+    int done = real(from, to);
+    if (!done) remember(-1, to, from, to);
+    return done;
+}
+
+int mkdir(const char *path, mode_t mode) {
+    REAL(mkdir, int, const char *, mode_t);
+    if (below(path)) FAIL_IF(true);
+    return real(path, mode);
+}
+
+int unlink(const char *path) {
+    REAL(unlink, int, const char *);
+    if (below(path)) FAIL_IF(false);
+    return real(path);
+}
+
+int rmdir(const char *path) {
+    REAL(rmdir, int, const char *);
+    if (below(path)) FAIL_IF(false);
+    return real(path);
+}
+
+__attribute__((destructor)) static void tell(void) {
+    const char *fault = getenv("HAFF_FAULT");
+    if (fault && !strncmp(fault, "count", 5) && disk.calls) fprintf(stderr, "%ld calls\n", disk.calls);
+}
