@@ -7,7 +7,10 @@
  * and a flagged cell is bad all the same, the step is rejected and halved. */
 #include "libcore/state.h"
 
-enum { GUARDED = 16 }; /* steps after an inadmissible state that are looked at stage by stage from the first */
+enum {
+    GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
+    SLOW = 50     /* halved to nothing so often in a row, a step tells of a collapse: beds that collide go on */
+};
 
 /* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
 static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
@@ -146,10 +149,10 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     const bool sources = source_active(&g->models.source, &g->models.material);
-    double allowed = maxCo / speed->rate, floor = least;
-    if (can_collapse(g) && speed->calm > 0) floor = larger(floor, fraction * (maxCo / speed->calm));
-    if (allowed < floor) return collapse(g, t, allowed, speed);
-    floor = can_collapse(g) ? smaller(floor, fraction * *dt) : 1e-12 * *dt;
+    const double allowed = maxCo / speed->rate, asked = *dt;
+    const double calm = can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
+    if (allowed < larger(least, calm)) return collapse(g, t, allowed, speed);
+    if (g->slow >= SLOW) return collapse(g, t, g->slow_dt, speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = false;
     for (;;) {
@@ -160,8 +163,10 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         if (!guarded) continue;
         g->counts.rejected++;
         *dt *= 0.5;
-        if (*dt < floor) return collapse(g, t, *dt, speed);
+        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return collapse(g, t, *dt, speed);
     }
+    g->slow = *dt < smaller(calm, fraction * asked) ? g->slow + 1 : 0;
+    g->slow_dt = *dt;
     if (g->guarded > 0) {
         TRY(count_floor(g));
         g->guarded--;

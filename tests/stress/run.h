@@ -21,9 +21,10 @@ struct outcome {
     char why[400]; /* of COLLAPSED and FAILED */
     int steps, cells;
     struct gas_counts counts;
-    double end;                 /* s: where the run was to end */
-    double least;               /* dt taken over the Courant step, the smallest */
-    double packed;              /* largest alpha / alpha_max at the end */
+    double end;    /* s: where the run was to end */
+    double least;  /* dt taken over the Courant step, the smallest */
+    double packed; /* largest alpha / alpha_max at the end */
+    double packed_at_first;
     double drift[CONSERVED];    /* of what was conserved, in units of its bound in watch.c; -1: not conserved here */
     double relative[CONSERVED]; /* the same over the sum of magnitudes: in the report */
     double source;              /* worst difference of a source step from the exact one, in units of its bound */
