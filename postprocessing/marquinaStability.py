@@ -1,7 +1,8 @@
 """Linear stability of Marquina's flux on uniform gas, from its formulas; and growth rates measured with granularGas.
 
-    marquinaStability.py FIGURE.png      table on stdout, figure
-    marquinaStability.py --check         onset of the formulas against a few runs; exit code 1 if they disagree
+    marquinaStability.py reports/marquinaStability.png      tables on stdout, figure; a minute or two
+    marquinaStability.py --check      formulas against a few runs; exit code 1 where a rate differs by 5 % or noise grows in
+                                      MarquinaStable (tests/postprocessing does the same, and more)
 
 reports/marquinaStability.md has the derivation. A rate is in units of c/h: amplitudes grow as exp(rate c t / h).
 """
@@ -163,11 +164,82 @@ def noise(eos, nu, mach=0.0, flux="Marquina", reconstruct="firstOrder", courant=
     return sizes[-1] / sizes[0]
 
 
-def measured(eos, nu, mach=0.0, flux="Marquina", reconstruct="firstOrder", courant=0.2, size=1e-9):
-    """The rate of the worst wave of Marquina's flux in granularGas, and that of the formulas."""
+def run_worst(eos, nu, mach, flux, reconstruct, courant, end, size=1e-9):
+    """run() with the worst wave of Marquina's flux; times, sizes and the rate of the formulas. end: None: e^5 of it."""
     rate, k, vector = worst_wave(eos, nu, mach, reconstruct, courant)
-    x = np.arange(CELLS)
-    wave = (np.array(vector)[:, None] * np.exp(1j * k * x)).real
+    wave = (np.array(vector)[:, None] * np.exp(1j * k * np.arange(CELLS))).real
     wave *= size * uniform(eos, nu, mach)[0][0] / abs(wave[0]).max()
-    times, sizes = run(eos, nu, mach, wave, flux, reconstruct, courant, min(60.0, 5 / abs(rate)))
+    times, sizes = run(eos, nu, mach, wave, flux, reconstruct, courant, end or min(60.0, 5 / abs(rate)))
+    return times, sizes, rate
+
+
+def measured(eos, nu, mach=0.0, reconstruct="firstOrder", courant=0.2):
+    """The rate of the worst wave of Marquina's flux in granularGas, and that of the formulas."""
+    times, sizes, rate = run_worst(eos, nu, mach, "Marquina", reconstruct, courant, None)
     return np.polyfit(times, np.log(sizes), 1)[0], rate
+
+
+def kept(eos, nu, mach=0.0, reconstruct="firstOrder", courant=0.2):
+    """What MarquinaStable keeps of that wave after 45 to 60 h/c."""
+    _, sizes, _ = run_worst(eos, nu, mach, "MarquinaStable", reconstruct, courant, 60.0)
+    return sizes[-4:].max() / sizes[0]
+
+
+GASES = {"correct A'": GoldshteinShapiro, "printed A'": PrintedSound}
+MACHS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9)
+
+
+def onsets():
+    print("| onset alpha | " + " | ".join(f"Mach {m:g}" for m in MACHS) + " |\n|---" + "|---" * len(MACHS) + "|")
+    for name, gas in GASES.items():
+        for e in (1.0, 0.9, 0.2):
+            values = [onset(gas(e), mach) for mach in MACHS]
+            print(f"| {name}, e = {e:g} | " + " | ".join(f"{v:.3f}" for v in values) + " |")
+
+
+def figure(path):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plot, axes = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True)
+    print("\n| scheme | Mach | alpha | rate, formulas | program | MarquinaStable keeps |\n|---|---|---|---|---|---|")
+    for ax, reconstruct in zip(axes, ("firstOrder", "WENO5")):
+        for i, mach in enumerate((0.0, 0.3, 0.7)):
+            for style, (name, gas) in zip(("-", ":"), GASES.items()):
+                nu = np.linspace(0.2, 0.62, 85)
+                ax.plot(nu, [worst_wave(gas(1.0), n, mach, reconstruct, 0.2)[0] for n in nu], f"C{i}{style}", lw=1.2,
+                        label=f"Mach {mach:g}, {name}")
+            for n in (0.25, 0.3, 0.35, 0.4, 0.425, 0.45, 0.475, 0.5, 0.55, 0.6):
+                rate, formulas = measured(GoldshteinShapiro(1.0), n, mach, reconstruct)
+                left = f"{kept(GoldshteinShapiro(1.0), n, mach, reconstruct):.1e}" if formulas > 1e-3 else ""
+                ax.plot(n, rate, f"C{i}o", ms=5, label="program, correct A'" if n == 0.25 and not i else None)
+                print(f"| {reconstruct} | {mach:g} | {n:g} | {formulas:.4f} | {rate:.4f} | {left} |", flush=True)
+        ax.axhline(0, color="0.6", lw=0.8)
+        ax.set(title=reconstruct, xlabel="volume fraction", ylim=(-0.05, 10))
+        ax.set_yscale("symlog", linthresh=0.02)
+    axes[0].set_ylabel("growth rate of the worst wave, c/h")
+    axes[0].legend(fontsize=7, loc="upper left")
+    plot.tight_layout()
+    plot.savefig(path, dpi=110)
+
+
+def check():
+    gas, failed = GoldshteinShapiro(1.0), False
+    for nu, mach, reconstruct in ((0.6, 0.0, "firstOrder"), (0.42, 0.3, "firstOrder"), (0.55, 0.2, "WENO5")):
+        rate, formulas = measured(gas, nu, mach, reconstruct)
+        stable = noise(gas, nu, mach, "MarquinaStable", reconstruct)
+        good = abs(rate / formulas - 1) < 0.05 and stable < 1
+        print(f"alpha {nu:g} Mach {mach:g} {reconstruct}: rate {rate:.4f}, formulas {formulas:.4f}; MarquinaStable: noise "
+              f"to {stable:.3f} of its start: {'good' if good else 'WRONG'}")
+        failed |= not good
+    return failed
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--check"]:
+        sys.exit(check())
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    onsets()
+    figure(sys.argv[1])
