@@ -51,7 +51,7 @@ static status cells_make(struct gas *g) {
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
     TRY(make_lines(g));
     measure_cells(c);
-    return fit_make(c->mosaic, g->models.polynomial, g->nvar, &c->fit);
+    return fit_make(c->mosaic, g->models.polynomial, &c->fit);
 }
 
 static void cells_free(struct gas *g) {

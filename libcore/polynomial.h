@@ -2,8 +2,9 @@
  *
  * U(x) = average + sum_k a_k phi_k(x), phi_k = the monomials of degree 1 (and 2) of (x - c)/h less their means over the
  * cell, h = volume^(1/dim): the average stays. Fits are linear in the averages and their weights are made once;
- * limiters and nonlinear weights act on the coefficients. Constants are reproduced to the last bit, and results do not
- * depend on units: what is small is so against the cell's value. */
+ * limiters and nonlinear weights act on the coefficients, in the frame that moves with the cell. The variables are
+ * those of a gas, (rho, rho u, E). Constants are reproduced to the last bit, and results depend neither on units nor on
+ * the velocity of the observer: what is small is so against the cell's density, sqrt(2 eps), and internal energy. */
 #ifndef LIBCORE_POLYNOMIAL_H
 #define LIBCORE_POLYNOMIAL_H
 
@@ -17,7 +18,7 @@ struct polynomial { /* a way to fit */
     const char *name, *about;
     int rings;  /* of the mosaic (mesh/mosaic.h) */
     int degree; /* 0, 1, 2 */
-    /* Fits a batch of cells to the averages U[v][size], mirrors included; NULL: the averages are the values. */
+    /* Fits a batch of cells to the averages U[dim + 2][size], mirrors included; NULL: the averages are the values. */
     void (*cells)(struct fit *f, int batch, const double *const *U);
 };
 extern const struct polynomial polynomial_table[]; /* firstOrder, linear (limited), CWENO3 */
@@ -25,10 +26,10 @@ extern const int polynomial_count;
 const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 
 /* The mosaic must outlive the fit. */
-status fit_make(const struct mosaic *m, const struct polynomial *p, int nvar, struct fit **out);
+status fit_make(const struct mosaic *m, const struct polynomial *p, struct fit **out);
 void fit_free(struct fit *f);
 
-/* Fits cells from <= i < to (< nnear): nvar lines U[v][size]. Cells are fitted in batches: those that share a batch
+/* Fits cells from <= i < to (< nnear): dim + 2 lines U[v][size]. Cells are fitted in batches: those that share a batch
  * with the first and the last one are fitted, too, from what U holds, and rightly once their own turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);
 /* Values at the face points from <= i < from + n, n <= BATCH, of the cells on side 0 (left) or 1 (right; not for

@@ -201,7 +201,7 @@ static status make_sectors(struct fit *f, int *length, int *member) {
         most = sectors > most ? sectors : most;
     }
     TRY(rows_make(f, length, m->dim, true, &f->sector));
-    TRY(allocate(&f->gradient, (long)most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
+    TRY(allocate(&f->gradient, (long)f->nvar * most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
     return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
 }
 
@@ -296,9 +296,9 @@ static status fill(struct fit *f) {
     return s;
 }
 
-status fit_make(const struct mosaic *m, const struct polynomial *p, int nvar, struct fit **out) {
+status fit_make(const struct mosaic *m, const struct polynomial *p, struct fit **out) {
     TRY(allocate(out, 1, sizeof **out, "a fit"));
-    **out = (struct fit){.mosaic = m, .kind = p, .nvar = nvar, .nbatches = (m->nnear + LANES - 1) / LANES};
+    **out = (struct fit){.mosaic = m, .kind = p, .nvar = m->dim + 2, .nbatches = (m->nnear + LANES - 1) / LANES};
     status s = fill(*out);
     if (s) {
         fit_free(*out);

@@ -18,7 +18,7 @@ struct rows {
 struct fit {
     const struct mosaic *mosaic; /* borrowed */
     const struct polynomial *kind;
-    int nvar, nbatches;
+    int nvar, nbatches;  /* nvar = dim + 2 */
     struct rows member;  /* of the stencil, with the weights of its value in every coefficient */
     struct rows halfway; /* linear: half the offsets to first-ring members, over h; no cells */
     struct rows sector;  /* CWENO3: sector by sector its members with their weights in the gradient */
@@ -26,7 +26,7 @@ struct fit {
     struct rows share;   /* CWENO3: linear weight of each sector, 0: left out */
     struct rows moment;  /* CWENO3: one row, moments over h^2 */
     struct rows point;   /* face points of the cells, arms over h; no cells */
-    double *gradient;    /* CWENO3: of the sectors of one batch, [sectors][dim][LANES] */
+    double *gradient;    /* CWENO3: of the sectors of one batch, [nvar][sectors][dim][LANES] */
     double *weight;      /* and their nonlinear weights, [sectors][LANES] */
     double *value;       /* [nvar][nvalues] at the rows of `point` */
     long nvalues;        /* of one variable */
