@@ -7,7 +7,7 @@ KERNEL void limit_towards(int n, int dim, double limit, const double (*restrict 
         double mean = average[0][i], rho = at[0][i], low = KEPT * mean, high = mean + (1 - KEPT) * (limit - mean);
         double down = (mean - low) / (mean - rho), up = (high - mean) / (rho - mean);
         double share = rho < low ? down : rho > high ? up : 0; /* NaN: 0 */
-        theta[i] = (rho >= low) & (rho <= high) ? 1 : share;
+        theta[i] = ((rho >= low) & (rho <= high)) ? 1 : share;
         square[0][i] = square[1][i] = 0;
     }
     for (int v = 0; v < dim + 2; v++)
@@ -23,8 +23,8 @@ KERNEL void limit_towards(int n, int dim, double limit, const double (*restrict 
     for (int i = 0; i < n; i++) { /* rho e is concave: along the way to the average it is at least linear */
         double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
         double here = at[dim + 1][i] - 0.5 * square[1][i] / at[0][i], low = KEPT * mean;
-        double share = (mean - low) / (mean - here), some = (mean > 0) & (here < low) ? share : 0;
-        share = (mean > 0) & (here >= low) ? 1 : some;
+        double share = (mean - low) / (mean - here), some = ((mean > 0) & (here < low)) ? share : 0;
+        share = ((mean > 0) & (here >= low)) ? 1 : some;
         square[0][i] = share;
         theta[i] *= share;
     }
