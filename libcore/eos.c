@@ -32,16 +32,6 @@ const struct param grain_param[] = {
      false,
      {0, 1, -1},
      "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"},
-    {"contactTime",
-     PARAM_NUMBER,
-     offsetof(struct material, contact_time),
-     0,
-     0,
-     1e30,
-     false,
-     {0, 0, 1},
-     "collisions of a grain that follow each other within it are elastic: bounds the sound speed of packed gas; 0: "
-     "none"},
 };
 const int grain_nparam = sizeof grain_param / sizeof *grain_param;
 

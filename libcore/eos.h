@@ -7,15 +7,14 @@
 
 #include "libcore/param.h"
 
-struct material {        /* parameters of the grains and of the equation of state; filled through the tables below */
-    double diameter;     /* sigma, m */
-    double mass;         /* of a grain, kg (1: rho is a number density) */
-    double restitution;  /* e, normal */
-    double threshold;    /* v_c, m/s: normal impacts slower than this are elastic; 0: none are (libcore/source.h) */
-    double contact_time; /* t_c, s: collisions that follow each other within it are elastic; 0: none are (the same) */
-    double gamma;        /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
-    double alpha_max;    /* packing fraction at which the pressure diverges */
-    bool printed_sound;  /* the sound speed with Serna & Marquina's printed A' (half of dA/drho; erratum S1) */
+struct material {       /* parameters of the grains and of the equation of state; filled through the tables below */
+    double diameter;    /* sigma, m */
+    double mass;        /* of a grain, kg (1: rho is a number density) */
+    double restitution; /* e, normal */
+    double threshold;   /* v_c, m/s: normal impacts slower than this are elastic; 0: none are (libcore/source.h) */
+    double gamma;       /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
+    double alpha_max;   /* packing fraction at which the pressure diverges */
+    bool printed_sound; /* the sound speed with Serna & Marquina's printed A' (half of dA/drho; erratum S1) */
 };
 
 struct eos {

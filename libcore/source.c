@@ -56,33 +56,6 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
     }
 }
 
-static void cool_any(const struct material *m, int n, double dt, const double *contact, double *eps) {
-    double g1 = m->gamma - 1, loss = 12 / sqrt(PI) * (1 - m->restitution * m->restitution) / m->diameter;
-    if (m->threshold > 0)
-        cool_above(n, g1, g1 * loss, m->threshold, dt, contact, eps);
-    else
-        cool(n, g1, g1 * loss, dt, contact, eps);
-}
-
-/* free = contact times the share psi of the losses that contacts of finite duration leave, by source.h */
-KERNEL static void part_contacts(int n, double g1, double per_contact, const double *restrict contact,
-                                 const double *restrict eps, double *restrict free) {
-    for (int i = 0; i < n; i++) {
-        double y = smaller(per_contact * contact[i] * sqrt(g1 * eps[i]), 60); /* e^-140: nothing */
-        free[i] = contact[i] * exponential(y * fma(fma(-0.0005783, y, 0.01682), y, -1.268));
-    }
-}
-
-/* The share is that of the middle of the step, which makes it one of second order. */
-static void cool_by_contacts(const struct material *m, int n, double dt, const double *contact, double *eps) {
-    double free[BATCH], middle[BATCH], g1 = m->gamma - 1, per_contact = 24 * m->contact_time / m->diameter;
-    memcpy(middle, eps, (size_t)n * sizeof *eps);
-    part_contacts(n, g1, per_contact, contact, eps, free);
-    cool_any(m, n, 0.5 * dt, free, middle);
-    part_contacts(n, g1, per_contact, contact, middle, free);
-    cool_any(m, n, dt, free, eps);
-}
-
 KERNEL static void internal_energy(int n, int dim, double *const U[MAX_VAR], double *restrict eps) {
     const double *restrict rho = U[0], *restrict E = U[dim + 1];
     for (int i = 0; i < n; i++) eps[i] = 0;
@@ -116,8 +89,13 @@ void source_apply(const struct sources *s, const struct eos *eos, const struct m
     double e[BATCH], contact[BATCH];
     internal_energy(n, dim, U, e);
     if (s->cooling && m->restitution < 1 && m->diameter > 0) {
+        double loss = 12 / sqrt(PI) * (1 - m->restitution * m->restitution) / m->diameter;
         eos->contact(m, n, U[0], contact);
-        (m->contact_time > 0 ? cool_by_contacts : cool_any)(m, n, dt, contact, e);
+        double g1 = m->gamma - 1;
+        if (m->threshold > 0)
+            cool_above(n, g1, g1 * loss, m->threshold, dt, contact, e);
+        else
+            cool(n, g1, g1 * loss, dt, contact, e);
     }
     for (int k = 0; k < dim; k++)
         if (kick[k] != 0) kick_momentum(n, kick[k], U[0], U[k + 1]);

@@ -7,13 +7,7 @@
  * 1 in warm gas, 0.0005 at T = v_c^2/40. So T stays above zero for all time, and a cluster is held up by its pressure.
  * That keeps its factor 1 + e, and with it p = rho T A(nu): elastic impacts would raise the collisional part of p by
  * up to (1 - e)/(1 + e) where T < v_c^2/10 (1.5 % at e = 0.97, two thirds at e = 0.2), and not at all where T >> v_c^2.
- *
- * Contacts that last t_c (material.contact_time): a collision is elastic if one of the two grains had another one less
- * than t_c before. For Maxwellian grains that collide omega = (24/sqrt pi) G sqrt T/sigma times a second each, the
- * share psi(y) = exp(-1.268 y + 0.01682 y^2 - 0.0005783 y^3),  y = sqrt(pi) omega t_c of the losses is left (Luding &
- * McNamara, Granular Matter 1 (1998) 113; checked by a sum over Maxwellian pairs: 0.1 % of psi at y = 2, 10 % at y =
- * 9). In packed gas omega = 6 c/sigma, so that cooling ends, and with it the rise of the sound speed, when sound
- * crosses about a grain in t_c. */
+ */
 #ifndef LIBCORE_SOURCE_H
 #define LIBCORE_SOURCE_H
 

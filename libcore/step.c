@@ -141,8 +141,10 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         ERR_STATE,
         "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
         "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
+        "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
+        "around\n"
         "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
-        t, place[0], place[1], place[2], dt, c->faces, c->cells, c->rejected,
+        t, place[0], place[1], place[2], dt, g->models.material.threshold, c->faces, c->cells, c->rejected,
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 

@@ -3,10 +3,9 @@ DefineConstant[ N = {500, Min 8, Name "cells"} ];
 L = 100;
 
 Point(1) = {10 - L, 0, 0};
-Point(2) = {10, 0, 0};
-Line(1) = {1, 2};
-Transfinite Curve {1} = N + 1;
+// Extruded, not a transfinite line: the cells are then equal to round-off, and so is the mass that flows in.
+tube[] = Extrude {L, 0, 0} { Point{1}; Layers{N}; };
 
 Physical Point("inlet") = {1};
-Physical Point("wall") = {2};
-Physical Curve("gas") = {1};
+Physical Point("wall") = {tube[0]};
+Physical Curve("gas") = {tube[1]};

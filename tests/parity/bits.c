@@ -70,8 +70,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true});
     struct gas_models m = models_of(flux);
     m.reconstruct = r;
-    m.material.threshold = dim >= 2 ? 2 : 0; /* all sinks */
-    m.material.contact_time = dim == 3 ? 1e-3 : 0;
+    m.material.threshold = dim == 2 ? 2 : 0; /* both sinks */
     TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
     TRY(gas_make(f, &m, 0, NULL, &g));
     TRY(fill(g, box.mesh.ncells, n));
