@@ -306,13 +306,29 @@ void entry_print(const struct entry *e, char *text, size_t room) {
     free(t.text);
 }
 
+/* Would the key be read again without its quotes? */
+static bool is_word(const char *key) {
+    struct source *s = NULL;
+    struct token t = {0};
+    status bad = source_from_text("", key, &s);
+    struct lexer l = {0};
+    if (!bad) l = lexer_start(s);
+    if (!bad) bad = lexer_next(&l, &t);
+    bool word = !bad && t.kind == TOKEN_WORD && !key[t.length] && t.text == s->text && !strchr("$#", *key) &&
+                strcmp(key, "FoamFile") != 0;
+    status_free(bad);
+    source_free(s);
+    return word;
+}
+
 static void add_dict(struct text *t, const struct dict *d, int depth) {
     for (int i = 0; i < d->count; i++) {
         const struct entry *e = &d->entry[i];
         for (int k = 0; k < depth; k++) add(t, "    ");
-        if (e->pattern) add(t, "\"");
+        const char *quote = e->pattern || !is_word(e->key) ? "\"" : "";
+        add(t, quote);
         add(t, e->key);
-        if (e->pattern) add(t, "\"");
+        add(t, quote);
         if (e->sub) {
             add(t, " {\n");
             add_dict(t, e->sub, depth + 1);

@@ -76,6 +76,17 @@ static void try_dict(struct dict *d, int *left) {
     (void)accepted(dict_check_used(d));
 }
 
+/* Restarts read what was printed: it must be the same dictionary. */
+static void try_print(const char *text) {
+    struct dict *d = NULL;
+    if (!text || strstr(text, "/* not shown */")) return;
+    PROMISE(accepted(dict_from_text("printed", text, &d)), "what was printed can be read");
+    char *again = dict_print(d);
+    PROMISE(again && !strcmp(text, again), "what was printed is the same dictionary");
+    free(again);
+    dict_free(d);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[256];
     struct dict *d = NULL;
@@ -94,6 +105,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         dict_mark_used(d);
         PROMISE(accepted(dict_check_used(d)), "what is marked as used is used");
         char *text = dict_print(d);
+        try_print(text);
         PROMISE(text && (told || !strstr(text, SECRET)), "nothing outside the case is read");
         for (const char *c = text; text && *c; c++)
             PROMISE((unsigned char)*c >= ' ' || strchr("\t\r\n", *c), "a dictionary is text");
