@@ -36,7 +36,7 @@ class Blast(harness.Folder, unittest.TestCase):
 
     def test_inelastic(self):
         packing = []
-        for e in (0.9, 0.7, 0.2):
+        for e in (0.9, 0.7, 0.2, 0):
             case = harness.copy("blast", self.folder)
             harness.edit(case, "constant/granularProperties", restitution=e)
             harness.mesh(case, 500)
@@ -47,9 +47,28 @@ class Blast(harness.Folder, unittest.TestCase):
                 self.compare(result, wanted)
         self.assertLess(packing[0] * 1.5, packing[1], "e = 0.7 clusters far more than 0.9")
         self.assertLess(packing[1] * 2, packing[2], "e = 0.2 clusters far more than 0.7")
+        self.assertLess(packing[2] * 1.1, packing[3], "and e = 0 even more")
 
     def test_dense(self):
         self.compare(self.short("blastDense", 2000, endTime=4), harness.entries("blastDense"))
+
+    def test_through_the_collapse(self):
+        """Grains that stick, far beyond the collapse: a packed cluster moves, and no mass is lost."""
+        case = harness.copy("blastDense", self.folder)
+        harness.mesh(case, 250)
+        harness.edit(case, "system/fvSchemes", reconstruct="PHM")
+        harness.edit(case, "constant/granularProperties", restitution=0)
+        harness.edit(case, "system/controlDict", endTime=4, writeInterval=4)
+        stopped = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(stopped.returncode, 2)
+        self.assertIn("inelastic collapse", stopped.stderr)
+        harness.edit(case, "constant/granularProperties", thresholdSpeed=0.04)
+        harness.edit(case, "system/controlDict", startFrom="startTime")
+        result = harness.run(case)
+        alpha, rho = (result.field(name, 4) for name in ("alpha", "rho"))
+        self.assertTrue(0.64 < alpha.max() < 0.65)
+        flown_in = 178 * 0.698 * 4
+        self.assertAlmostEqual(rho.sum() * 10 / 250 / (178 * 2 + 200 * 8 + flown_in), 1, delta=1e-12)
 
 
 if __name__ == "__main__":
