@@ -1,7 +1,5 @@
 #include "tests/stress/problem.h"
 
-/* ---- parts that families share ----------------------------------------------------------------------------------- */
-
 static double limit_alpha(const struct problem *p) {
     return p->material.alpha_max;
 }
@@ -84,8 +82,6 @@ static void draw_fields(struct problem *p, struct seed *s) {
     for (int v = 0; v < MAX_VAR; v++)
         for (int i = 0; i < 6; i++) p->wave[v][i] = seed_uniform(s, 0, 1);
 }
-
-/* ---- families ---------------------------------------------------------------------------------------------------- */
 
 static void riemann_draw(struct problem *p, struct seed *s) {
     for (int i = 0; i < 2; i++) p->side[i] = any_point(p, s);
@@ -207,9 +203,6 @@ static void fields(const struct problem *p, const struct place *where, struct po
     for (int k = 0; k < p->dim; k++) out->u[k] = p->size * c * random_field(p, 2 + k, x);
 }
 
-/* ---- polyhedral meshes: what is in them is drawn from the families above --------------------------------------------
- */
-
 enum { GUESTS = 8, FIRST_POLYHEDRAL = 10 };
 static int guest(const struct problem *p) {
     return (int)(p->seed % GUESTS);
@@ -262,9 +255,6 @@ int family_find(const char *name) {
         if (!strcmp(family_table[i].name, name)) return i;
     return -1;
 }
-
-/* ---- what all problems draw ---------------------------------------------------------------------------------------
- */
 
 static void draw_material(struct problem *p, struct seed *s) {
     static const double gammas[3] = {5. / 3, 2, 1.4};

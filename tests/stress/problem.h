@@ -11,7 +11,7 @@ enum edge { CLOSED, PERIODIC, OPEN_ENDED }; /* slip walls; cyclic; zeroGradient 
 struct place { /* where a cell is, 0 <= x < 1 of the box, and where that is in the problem's pattern */
     double x[3];
     double along; /* of the problem's direction, 0 .. 1 */
-    int tile;     /* of a coarse random pattern */
+    int tile;     /* of the pattern */
 };
 struct point { /* of the gas */
     double alpha, p, u[3];
@@ -52,7 +52,7 @@ int family_find(const char *name); /* -1: none */
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */
 void problem_state(const struct problem *p, const double x[3], double *rho, double u[3], double *T);
-/* Squared sound speed, and the same for given alpha and p. */
+/* Sound speed, m/s. */
 double problem_sound(const struct problem *p, double alpha, double pressure);
 
 #endif

@@ -40,9 +40,6 @@ static void set_models(struct scene *s, const struct scheme *scheme) {
     }
 }
 
-/* ---- a polyhedral mesh, made worse --------------------------------------------------------------------------------
- */
-
 /* Widths grow along x by `stretch` in all; y and z are squashed; one corner in four moves most of the way to the next
  * one along x, so that slivers and tiny cells lie beside large ones. */
 static void spoil_points(const struct problem *p, struct polymesh *m, double sliver) {
@@ -148,9 +145,6 @@ static void scene_free(struct scene *s) {
     if (s->sample.mesh) sample_free(&s->sample);
     free(s->centre);
 }
-
-/* ---- the run ------------------------------------------------------------------------------------------------------
- */
 
 static void place_of(const struct scene *s, int cell, double x[3]) {
     const struct problem *p = s->problem;

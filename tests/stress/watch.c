@@ -32,9 +32,6 @@ static long double kinetic(int dim, const double U[MAX_VAR]) {
     return square / (2 * (long double)U[0]);
 }
 
-/* ---- admissible? --------------------------------------------------------------------------------------------------
- */
-
 struct look {
     const struct gas *g;
     char *why;
@@ -71,9 +68,6 @@ static void look_on(struct watch *w, struct gas *g, const struct state *s) {
     if (!w->bad) w->bad = look(w, g, s);
 }
 
-/* ---- conserved? ---------------------------------------------------------------------------------------------------
- */
-
 struct tally {
     const struct gas *g;
     long double sum[MAX_VAR], magnitude[3];
@@ -103,9 +97,6 @@ static void tally(struct watch *w, const struct gas *g) {
         w->budget.rounding[i] += g->models.stepper->stages * t.magnitude[i];
     }
 }
-
-/* ---- the source ---------------------------------------------------------------------------------------------------
- */
 
 struct sourced {
     struct watch *w;
@@ -173,9 +164,6 @@ static long watched_sources(struct gas *g, double dt, const double kick[MAX_DIM]
     watch_cells(g, to, after_visit, &s);
     return said;
 }
-
-/* ---- the stages ---------------------------------------------------------------------------------------------------
- */
 
 static long watched_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                           double a, double dt) {
