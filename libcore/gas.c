@@ -57,7 +57,8 @@ int gas_variables(const struct gas *g) {
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
     g->engine->set_conserved(g, U);
     g->speed_known = false;
-    g->guarded = g->slow = 0;
+    g->guarded = 0;
+    g->slow = -1;
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {

@@ -98,7 +98,7 @@ struct gas {
     struct gas_speed speed;  /* of U, if speed_known */
     bool speed_known;
     int guarded; /* so many steps are still looked at stage by stage (libcore/step.c) */
-    int slow;    /* so many steps in a row were halved to nothing, the last one to slow_dt */
+    int slow;    /* so many steps in a row were tiny, the last one of slow_dt; < 0: not known */
     double slow_dt;
     struct gas_counts counts;
     long faces;     /* limited in the last redo, on this rank */

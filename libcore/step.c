@@ -9,7 +9,7 @@
 
 enum {
     GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
-    SLOW = 50     /* halved to nothing so often in a row, a step tells of a collapse: beds that collide go on */
+    SLOW = 50     /* tiny steps in a row tell a collapse: beds that collide need some and go on */
 };
 
 /* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
@@ -153,7 +153,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     const bool sources = source_active(&g->models.source, &g->models.material);
     const double allowed = maxCo / speed->rate, asked = *dt;
     const double calm = can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    if (allowed < larger(least, calm)) return collapse(g, t, allowed, speed);
+    const bool known = g->slow >= 0 && g->slow < SLOW; /* that it was no collapse up to now */
+    if (allowed < least || (allowed < calm && !known)) return collapse(g, t, allowed, speed);
     if (g->slow >= SLOW) return collapse(g, t, g->slow_dt, speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = false;
@@ -167,7 +168,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         *dt *= 0.5;
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return collapse(g, t, *dt, speed);
     }
-    g->slow = *dt < smaller(calm, fraction * asked) ? g->slow + 1 : 0;
+    bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
+    g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
     g->slow_dt = *dt;
     if (g->guarded > 0) {
         TRY(count_floor(g));

@@ -203,7 +203,7 @@ static status run_all(const struct request *r, const struct comm *c) {
 
 int main(int argc, char **argv) {
     struct comm *c;
-    struct request r = {.run = {.cap = 200}, .scheme = standard};
+    struct request r = {.run = {.cap = 120}, .scheme = standard};
     status s = comm_start(&argc, &argv, &c);
     if (s) return status_print(s, true);
     if (argc == 2 && !strcmp(argv[1], "-names")) {
