@@ -30,7 +30,7 @@ extern const struct flux flux_table[];
 extern const int flux_count;
 const struct flux *flux_find(const char *name); /* NULL: none */
 
-/* First order with a wave-speed bound: the last resort of the safety net; also a row of the table. */
+/* First order with a wave-speed bound. */
 void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);
 
 /* Left (rows) and right (columns) eigenvectors of the Jacobian along the normal for one state, normal component first,

@@ -1,13 +1,14 @@
 #include "libcore/limit.h"
 
-KERNEL void limit_towards(int n, int dim, double limit, const double (*restrict average)[BATCH],
-                          double (*restrict at)[BATCH], double *restrict theta) {
+KERNEL static void move_towards(int n, int dim, double limit, const double (*restrict average)[BATCH],
+                                double (*restrict at)[BATCH], double *restrict theta) {
     double square[2][BATCH];
     for (int i = 0; i < n; i++) {
         double mean = average[0][i], rho = at[0][i], low = KEPT * mean, high = mean + (1 - KEPT) * (limit - mean);
         double down = (mean - low) / (mean - rho), up = (high - mean) / (rho - mean);
         double share = rho < low ? down : rho > high ? up : 0; /* NaN: 0 */
-        theta[i] = ((rho >= low) & (rho <= high)) ? 1 : share;
+        const bool inside = (rho >= low) & (rho <= high);
+        theta[i] = inside ? 1 : share;
         square[0][i] = square[1][i] = 0;
     }
     for (int v = 0; v < dim + 2; v++)
@@ -23,10 +24,10 @@ KERNEL void limit_towards(int n, int dim, double limit, const double (*restrict 
     for (int i = 0; i < n; i++) { /* rho e is concave: along the way to the average it is at least linear */
         double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
         double here = at[dim + 1][i] - 0.5 * square[1][i] / at[0][i], low = KEPT * mean;
-        double share = (mean - low) / (mean - here), some = ((mean > 0) & (here < low)) ? share : 0;
-        share = ((mean > 0) & (here >= low)) ? 1 : some;
-        square[0][i] = share;
-        theta[i] *= share;
+        double share = (mean - low) / (mean - here), some = here < low ? share : 0;
+        some = here >= low ? 1 : some; /* NaN: 0 */
+        square[0][i] = mean > 0 ? some : 0;
+        theta[i] *= square[0][i];
     }
     for (int v = 0; v < dim + 2; v++)
         for (int i = 0; i < n; i++) {
@@ -34,6 +35,10 @@ KERNEL void limit_towards(int n, int dim, double limit, const double (*restrict 
             mixed = theta[i] > 0 ? mixed : average[v][i];
             at[v][i] = square[0][i] < 1 ? mixed : at[v][i];
         }
+}
+
+void limit_towards(int n, int dim, double limit, const double (*average)[BATCH], double (*at)[BATCH], double *theta) {
+    move_towards(n, dim, limit, average, at, theta);
 }
 
 KERNEL static void guaranteed_speed(int n, double limit, const struct faces *f, double *restrict s) {
@@ -81,7 +86,7 @@ void limit_faces(const struct faces *f, double limit, double *theta) {
 }
 
 /* The squares are summed from the last axis so that two of three commute under a swap of axes. */
-KERNEL bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
+KERNEL static bool mark_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
     const double *restrict m1 = U + size, *restrict m2 = U + 2 * size, *restrict m3 = U + 3 * size;
     uint64_t any = 0;
@@ -94,6 +99,10 @@ KERNEL bool find_bad(int n, int dim, long size, double limit, const double *rest
         any |= bits_of(bad[i]);
     }
     return any != 0;
+}
+
+bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad) {
+    return mark_bad(n, dim, size, limit, U, bad);
 }
 
 int raise_energy(int n, int dim, long size, double limit, double *restrict U, double *restrict bad,

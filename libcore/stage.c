@@ -16,8 +16,8 @@ void rows_visit(const struct forest *f, const struct tile *tile, int margin, row
 }
 
 /* The squares are summed from the last axis so that two of three commute under a swap of axes. */
-KERNEL void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity,
-                         double *restrict eps) {
+KERNEL static void find_velocity(int n, int dim, long size, const double *restrict U, double *const *velocity,
+                                 double *restrict eps) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
     double inverse[BATCH], square[BATCH];
     for (int i = 0; i < n; i++) {
@@ -36,8 +36,16 @@ KERNEL void velocity_row(int n, int dim, long size, const double *restrict U, do
     for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
 }
 
-KERNEL void root_row(int n, double *restrict c) {
+KERNEL static void take_roots(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
+}
+
+/* What other files call has no clones of its own: clang leaves such names undefined. */
+void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
+    find_velocity(n, dim, size, U, velocity, eps);
+}
+void root_row(int n, double *restrict c) {
+    take_roots(n, c);
 }
 
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n) {
@@ -164,12 +172,17 @@ KERNEL static void difference_row(int n, double inverse, const double *restrict 
         for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
 }
 
-KERNEL void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                       const double *restrict residual, double *restrict to) {
+KERNEL static void update_line(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                               const double *restrict residual, double *restrict to) {
     for (int i = 0; i < n; i++) {
         double moved = from[i] + dt * residual[i];
         to[i] = moved + a * (U0[i] - moved);
     }
+}
+
+void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                const double *restrict residual, double *restrict to) {
+    update_line(n, a, dt, U0, from, residual, to);
 }
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {

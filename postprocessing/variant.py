@@ -4,7 +4,7 @@
 
 copies the case to FOLDER/CASE-..., sets the first entry of each key in its dictionaries (VTK output is dropped), makes
 the mesh, runs granularGas of build/bin on one rank and appends a line of JSON to FOLDER/runs.json: case, settings, exit
-code, CPU seconds, steps, counts of the safety net as last printed, last line of the log.
+code, CPU seconds, steps, limited faces and cells and rejected steps as last printed, last line of the log.
 """
 import json
 import os
@@ -73,9 +73,10 @@ def run(case, limit=1200):
     with open(log) as f:
         text = f.read()
     steps = re.findall(r"^Time = (\S+)  step (\d+)", text, re.M)
-    net = re.findall(r"\(in all (\d+), (\d+), (\d+)\)", text)
+    limited = re.findall(r"^ +limited: .*\(in all (\d+), (\d+)\)", text, re.M) or [(0, 0)]
+    rejected = re.findall(r"^ +rejected: .*\(in all (\d+)\)", text, re.M) or [0]
     return {"code": code, "cpu": round(cpu, 2), "t": float(steps[-1][0]) if steps else 0, "steps": int(steps[-1][1]) if steps else 0,
-            "net": [int(n) for n in net[-1]] if net else [0, 0, 0], "last": text.strip().splitlines()[-1]}
+            "limited": [int(n) for n in limited[-1]], "rejected": int(rejected[-1]), "last": text.strip().splitlines()[-1]}
 
 
 if __name__ == "__main__":

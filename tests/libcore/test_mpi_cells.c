@@ -1,4 +1,4 @@
-/* Whole steps of the gas on mosaics: free stream, conservation, order, bits, the safety net; against the tiles. */
+/* Whole steps of the gas on mosaics: free stream, conservation, order, bits, the limiter; against the tiles. */
 #include "libcore/gas.h"
 
 #include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
@@ -247,7 +247,7 @@ static void slab(const struct scene *s, const double x[3], double *rho, double u
     for (int k = 0; k < s->dim; k++) u[k] = in ? -12 + k : 12; /* towards vacuum in the middle */
 }
 
-/* A strong rarefaction and, at its walls, strong shocks: the safety net may act, mass and energy stay. */
+/* A strong rarefaction and, at its walls, strong shocks: cells are limited, mass and energy stay. */
 static void vacuum(void **state) {
     (void)state;
     long mended = 0;

@@ -1,5 +1,5 @@
 /* Whole steps of the gas on forests of tiles: conservation, bits that depend on neither tiles nor dimension, quiet
- * states, the safety net and the stop at a collapse. */
+ * states, the limiter and the stop at a collapse. */
 #include "libcore/gas.h"
 #include "tests/box.h"
 
@@ -206,7 +206,7 @@ static void pellet(const double x[3], double *rho, double u[3], double *T) { /* 
 }
 
 /* What is left out is exactly zero: the same bits with and without skipping, in every dimension, with walls, cooling,
- * gravity, and cells that the safety net redoes. */
+ * gravity, and limited cells. */
 static void skipping_changes_no_bit(void **state) {
     (void)state;
     for (int flux = 0; flux < flux_count; flux++)
