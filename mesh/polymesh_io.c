@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PATH = 4096 };
+enum { PATH = 4096, PATCHES = 10000 }; /* as many as a field can name */
 
 /* ---- one file ---------------------------------------------------------------------------------------------------- */
 
@@ -283,8 +283,8 @@ static status read_patch(struct lexer *l, const struct polymesh *m, const struct
 static status read_patches(struct lexer *l, struct polymesh *m) {
     struct token t;
     TRY(lexer_next(l, &t));
-    if (t.kind != TOKEN_NUMBER || !(t.number >= 0 && t.number <= m->nfaces + 1.0))
-        return lexer_fail(l, &t, "the number of patches is needed");
+    if (t.kind != TOKEN_NUMBER || !(t.number >= 0 && t.number <= PATCHES) || t.number != (int)t.number)
+        return lexer_fail(l, &t, "the number of patches is needed, at most %d", PATCHES);
     int n = (int)t.number, next = m->ninternal;
     TRY(lexer_expect(l, '('));
     TRY(allocate(&m->patch, n, sizeof *m->patch, "patches"));
