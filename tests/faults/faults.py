@@ -163,6 +163,8 @@ def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
     shutil.copytree(base, case)
     calls = int(re.search(r"(\d+) calls", run(case, fault="count:0").stderr)[1])
     shutil.rmtree(case)
+    if every > 1:
+        outcome.done += f" (tried at every {every}th of {calls})"
     for at in range(1 + chance.randrange(every), calls + 1, every):
         shutil.copytree(base, case)
         tried = run(case, fault=f"{kind}:{at}")
@@ -239,7 +241,7 @@ def ranks(folder, count=1):
             going, text = start(case, 2, command=(os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS))
             os.kill(rank_process(going.pid, victim), signal.SIGKILL)
             rest, error = going.communicate(timeout=120)
-            outcome.take(case, last_lines(text + rest), "".join(re.findall(r"mpirun noticed.*(?:\n.+)*", error)) or error)
+            outcome.take(case, last_lines(text + rest), error or f"(no message; exit code {going.returncode})")
             if not going.returncode:
                 outcome.after.append("exit code 0")
             to_an_end(outcome, folder, case, n=(70, 40, 1))
@@ -418,7 +420,7 @@ def damaged(folder):
     """The state a run would start from."""
     for how in ("is cut in half", "has one bit turned", "is removed"):
         for previous in (False, True) if how == "is cut in half" else (False,):
-            outcome = Outcome(f"rhoE of the last time {how}" + (", with onCorruptTime previous" if previous else ""), note="the damaged file")
+            outcome = Outcome(f"rhoE of the last time {how}" + (", with onCorruptTime previous" if previous else ""), note="the damaged file itself")
             case, text = settled(folder, f"damaged {how} {previous}")
             straight = shutil.copytree(case, case + "_straight")
             run(straight)
