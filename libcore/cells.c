@@ -313,7 +313,9 @@ static void cells_note_limited(struct gas *g, double place[3]) {
     for (int i = 0; i < c->mosaic->nown; i++) {
         if (c->flag[i] == 0) continue;
         c->limited[i] += 1;
-        first_place_offer(&first, g->grid->centre + 3L * c->mosaic->cell[i]);
+        double here[3] = {0, 0, 0};
+        for (int k = 0; k < g->dim; k++) here[c->mosaic->axis[k]] = c->mosaic->centre[k][i];
+        first_place_offer(&first, here);
     }
     first_place_share(g, &first, place);
 }

@@ -1,6 +1,6 @@
 /* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D, and for every
- * polynomial on triangles and tetrahedra. CTest compares what the program prints when it is built with clones for the
- * machine's vectors, and without them at -O0. */
+ * polynomial on triangles and tetrahedra; last of flows that need the limiter. CTest compares what the program prints
+ * when it is built with clones for the machine's vectors, and without them at -O0. */
 #include "libcore/gas.h"
 #include "tests/box.h"
 
@@ -8,12 +8,22 @@
 
 #include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
 
+static bool harsh; /* which start */
+
 static void splash(int i, const int n[3], double *rho, double *T, double u[3]) {
     double x = (double)(i % n[0]) / n[0], y = (double)(i / n[0] % n[1]) / n[1], z = (double)(i / n[0] / n[1]) / n[2];
     bool inside = (x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5) < 0.07; /* no libm: the start has the same bits, too */
     *rho = (inside ? 700 : 100) + 40 * x * (1 - x) + 90 * y * z;
     *T = inside ? 3 : 1 + x;
     for (int k = 0; k < 3; k++) u[k] = 8 * (x - 0.5) * (y - 0.3) + (k == 0 ? 4 * (z - 0.4) : y);
+}
+
+/* Lumps near packing that fly at Mach 5000 into each other through a near vacuum. */
+static void lumps(int i, const int n[3], double *rho, double *T, double u[3]) {
+    double x = (double)(i % n[0]) / n[0], y = (double)(i / n[0] % n[1]) / n[1];
+    *rho = x > 0.4 && x < 0.6 ? 1100 : 1e-3;
+    *T = 1e-6;
+    for (int k = 0; k < 3; k++) u[k] = k == 0 ? (x < 0.5 ? 5 : -5) : 3 * x * y;
 }
 
 static status checksum(const struct gas *g, int cells, uint64_t *sum) {
@@ -32,7 +42,7 @@ static status fill(struct gas *g, int cells, const int n[3]) {
     TRY(allocate(&all, 5L * cells, sizeof *all, "fields"));
     for (int k = 0; k < 3; k++) u[k] = all + (2L + k) * cells;
     for (int i = 0; i < cells; i++) {
-        splash(i, n, &all[i], &all[cells + i], v);
+        (harsh ? lumps : splash)(i, n, &all[i], &all[cells + i], v);
         for (int k = 0; k < 3; k++) u[k][i] = v[k];
     }
     status s = gas_set(g, all, (const double *const *)u, all + cells);
@@ -76,6 +86,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     TRY(fill(g, box.mesh.ncells, n));
     TRY(advance(g));
     TRY(checksum(g, box.mesh.ncells, &sum));
+    if (harsh && !gas_counts(g).faces) return (fail)(ERR_STATE, "nothing was limited");
     if (comm_root(c)) printf("%dD %s %s %016llx\n", dim, flux->name, r->name, (unsigned long long)sum);
     gas_free(g);
     forest_free(f);
@@ -100,6 +111,7 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
     TRY(fill(g, mesh->ncells, (int[3]){mesh->ncells, 1, 1}));
     TRY(advance(g));
     TRY(checksum(g, mesh->ncells, &sum));
+    if (harsh && !gas_counts(g).faces) return (fail)(ERR_STATE, "nothing was limited");
     if (comm_root(c)) printf("%s %s %016llx\n", r->name, p->name, (unsigned long long)sum);
     gas_free(g);
     grid_free(grid);
@@ -119,6 +131,9 @@ int main(int argc, char **argv) {
         {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};
     for (int i = 0; i < 2; i++)
         for (int p = 0; p < polynomial_count && !s; p++) s = print_polynomial(c, &meshes[i], &polynomial_table[p]);
+    harsh = true;
+    for (int dim = 1; dim <= 3 && !s; dim++) s = print_scheme(c, dim, flux_find("common"), reconstruct_find("WENO5"));
+    for (int i = 0; i < 2 && !s; i++) s = print_polynomial(c, &meshes[i], polynomial_find("CWENO3"));
     int code = status_print(s, true);
     status_free(s);
     comm_finish(c);
