@@ -225,7 +225,7 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
         rate_batch(g, from, n, rate, fast);
         for (int i = 0; i < n; i++) {
             most[0] = larger(most[0], rate[i]);
-            most[1] = larger(most[1], rho[i] < 0.99 * g->limit ? rate[i] : 0);
+            most[1] = larger(most[1], rho[i] < PACKED * g->limit ? rate[i] : 0);
             most[2] = larger(most[2], fast[i]);
         }
     }

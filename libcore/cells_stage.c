@@ -92,6 +92,15 @@ static void side_averages(const struct gas *g, int side, const double *const *U,
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
+/* At the faces of packed cells the averages stand in for the polynomials, as in the tiles (libcore/stage.c). */
+static void flatten_packed(const struct gas *g, const struct points *p, const double *rho,
+                           const double (*average)[BATCH], double (*at)[BATCH]) {
+    const struct mosaic_faces *f = &g->cells->mosaic->face;
+    for (int i = 0; i < p->n; i++)
+        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limit)
+            for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
+}
+
 /* The states of the polynomials on one side of points from <= i < from + n. */
 static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
     const struct cells *c = g->cells;
@@ -105,6 +114,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     }
     fit_points(c->fit, side, from, p->n, U, out);
     limit_towards(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at, theta);
+    if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }

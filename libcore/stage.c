@@ -158,9 +158,27 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     }
 }
 
+/* Faces of packed cells at first order, in a gas whose slow impacts are elastic. There T is a millionth of u^2, an
+ * undershoot of E by as little would leave the cell without pressure, and its neighbours would press it to packing: the
+ * collapse that the threshold keeps away. */
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
+                           int column) {
+    double lower[MAX_VAR][BATCH];
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, lower, 0);
+    const double *rho = f.state[0];
+    bool packed[BATCH], any = false;
+    for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
+    if (!any) return;
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < s->n; i++)
+            if (packed[i]) out[v][column + i] = lower[v][i];
+}
+
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
     g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
+    if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
 

@@ -5,6 +5,7 @@
 #include "libcore/gas.h"
 #include "libcore/limit.h"
 
+#define PACKED 0.99  /* of the density limit: cells above it are packed */
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
 struct work { /* scratch of one tile, [size] each: stays in L2 through a stage */

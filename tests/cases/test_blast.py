@@ -56,7 +56,6 @@ class Blast(harness.Folder, unittest.TestCase):
         """Grains that stick, far beyond the collapse: a packed cluster moves, and no mass is lost."""
         case = harness.copy("blastDense", self.folder)
         harness.mesh(case, 250)
-        harness.edit(case, "system/fvSchemes", reconstruct="PHM")
         harness.edit(case, "constant/granularProperties", restitution=0)
         harness.edit(case, "system/controlDict", endTime=4, writeInterval=4)
         stopped = harness.program("granularGas", "-case", case, check=False)
