@@ -347,7 +347,10 @@ status decompose_begin(struct decomposition *d, const char *name) {
 }
 
 status decompose_commit(struct decomposition *d, const struct instant *at) {
-    for (int k = 0; d && k < d->n; k++) TRY(time_stamp_write(d->part[k].tmp, at, &d->part[k].sums));
+    for (int k = 0; d && k < d->n; k++) {
+        d->part[k].sums.part = k + 1;
+        TRY(time_stamp_write(d->part[k].tmp, at, &d->part[k].sums));
+    }
     for (int k = 0; d && k < d->n; k++) TRY(time_commit(d->part[k].dir, at->name));
     return OK;
 }
