@@ -254,9 +254,12 @@ static status add_group(struct gmsh_file *f, const char *name, int *index) {
                 return fail(ERR_INPUT,
                             "%s: the group '%s' has the name of the patch that the extrusion to 3D adds; rename it",
                             f->path, name);
-    int tag = 1;
-    for (int g = 0; g < f->ngroups; g++)
-        if (f->group[g].tag >= tag) tag = f->group[g].tag == INT_MAX ? tag : f->group[g].tag + 1;
+    int tag = 0;
+    for (bool used = true; used;) {
+        used = false;
+        tag++;
+        for (int g = 0; g < f->ngroups; g++) used = used || f->group[g].tag == tag;
+    }
     TRY(gmsh_file_group(f, 2, tag, index));
     f->group[*index].name = strdup(name);
     return f->group[*index].name ? OK : fail(ERR_SYSTEM, "no memory for a name");
