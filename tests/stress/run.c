@@ -247,7 +247,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     gas_speed(g, &speed);
     const double end = out->end = s->problem->duration / speed.rate;
     /* minDeltaTFraction; the first state may be dense already: its own time step is no collapse */
-    const double fraction = 1e-3 * (speed.calm > 0 ? speed.calm / speed.rate : 1);
+    const double fraction = o->fraction * (speed.calm > 0 ? speed.calm / speed.rate : 1);
     out->least = 1;
     for (out->steps = 0; t < end && out->steps < o->cap; out->steps++) {
         gas_speed(g, &speed);

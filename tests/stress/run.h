@@ -9,9 +9,10 @@ struct scheme { /* of a lattice and of polyhedra */
     double courant;
 };
 struct run_options {
-    int cap;      /* steps at most */
-    bool bare;    /* the engine as it is: nothing is checked but the last state */
-    bool verbose; /* a line per step */
+    int cap;         /* steps at most */
+    double fraction; /* minDeltaTFraction */
+    bool bare;       /* the engine as it is: nothing is checked but the last state */
+    bool verbose;    /* a line per step */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, FAILED };
 enum conserved { MASS, MOMENTUM, ENERGY, CONSERVED };

@@ -8,7 +8,7 @@
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare]\n"
-    "       [-cap STEPS] [-verbose] [-names]\n"
+    "       [-cap STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
     "  fails; S is default, or flux/reconstruct/polynomial/timeScheme/maxCo\n";
@@ -61,6 +61,8 @@ static bool parse(int argc, char **argv, struct request *r) {
             r->schemes = atol(next);
         else if (!strcmp(a, "-cap"))
             r->run.cap = atoi(next);
+        else if (!strcmp(a, "-fraction"))
+            r->run.fraction = atof(next);
         else if (!strcmp(a, "-list"))
             r->list = next;
         else if (!strcmp(a, "-table"))
@@ -203,7 +205,7 @@ static status run_all(const struct request *r, const struct comm *c) {
 
 int main(int argc, char **argv) {
     struct comm *c;
-    struct request r = {.run = {.cap = 120}, .scheme = standard};
+    struct request r = {.run = {.cap = 120, .fraction = 1e-3}, .scheme = standard};
     status s = comm_start(&argc, &argv, &c);
     if (s) return status_print(s, true);
     if (argc == 2 && !strcmp(argv[1], "-names")) {
