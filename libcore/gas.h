@@ -83,9 +83,9 @@ void gas_speed(struct gas *g, struct gas_speed *speed);
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]);
 
 /* One step from t by *dt, or by a halved *dt where the state would leave the admissible set. It fails (ERR_STATE) below
- * `least` (s), and in a gas that cools where the Courant step of a state that was set, or 50 steps in a row, are below
- * `fraction` of maxCo / calm: "inelastic collapse at t = .., (x y z)"; the state is then the last good one. speed: from
- * gas_speed for the present state. */
+ * `least` (s), and in a gas that cools below `fraction` of maxCo / calm: at once in a state that was set, else after
+ * 100 steps in a row of which the later ones fell by half, or 500: "inelastic collapse at t = .., (x y z)"; the state is then the last good one.
+ * speed: from gas_speed for the present state. */
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);

@@ -99,8 +99,8 @@ struct gas {
     struct gas_speed speed;  /* of U, if speed_known */
     bool speed_known;
     int guarded; /* so many steps are still looked at stage by stage (libcore/step.c) */
-    int slow;    /* so many steps in a row were tiny, the last one of slow_dt; < 0: not known */
-    double slow_dt;
+    int slow;    /* so many steps in a row were tiny; slow_dt: an earlier one and the last; < 0: not known */
+    double slow_dt[2];
     struct gas_counts counts;
     long faces;     /* limited in the last redo, on this rank */
     long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */

@@ -9,7 +9,8 @@
 
 enum {
     GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
-    SLOW = 50     /* tiny steps in a row tell a collapse: beds that collide need some and go on */
+    SLOW = 50,    /* tiny steps in a row, after as many, in which the step falls by half tell a collapse, */
+    STUCK = 500   /* and so do these: dense gas that hits a wall needs some and goes on */
 };
 
 /* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
@@ -153,9 +154,9 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     const bool sources = source_active(&g->models.source, &g->models.material);
     const double allowed = maxCo / speed->rate, asked = *dt;
     const double calm = can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    const bool known = g->slow >= 0 && g->slow < SLOW; /* that it was no collapse up to now */
-    if (allowed < least || (allowed < calm && !known)) return collapse(g, t, allowed, speed);
-    if (g->slow >= SLOW) return collapse(g, t, g->slow_dt, speed);
+    if (allowed < least || (allowed < calm && g->slow < 0)) return collapse(g, t, allowed, speed);
+    if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
+        return collapse(g, t, g->slow_dt[1], speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = false;
     for (;;) {
@@ -170,7 +171,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     }
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
-    g->slow_dt = *dt;
+    if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
+    g->slow_dt[1] = *dt;
     if (g->guarded > 0) {
         TRY(count_floor(g));
         g->guarded--;
