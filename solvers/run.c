@@ -39,9 +39,10 @@ static void catch_signals(void) {
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
-    for (int i = 0; i < 5; i++)
-        if (!sigaction(signals[i], NULL, &was) && was.sa_handler != SIG_IGN) /* nohup stays */
-            sigaction(signals[i], &action, NULL);
+    for (int i = 0; i < 5; i++) {
+        bool nohup = !sigaction(signals[i], NULL, &was) && was.sa_handler == SIG_IGN && signals[i] == SIGHUP;
+        if (!nohup) sigaction(signals[i], &action, NULL); /* SIGINT, too, which shells ignore in the background */
+    }
     /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
