@@ -18,7 +18,11 @@ static status line_check(const struct segregation_line *l, enum segregation_clos
 
 static void shape(struct segregation *s) {
     const struct segregation_line *l = &s->line;
-    for (int i = 0; i < l->n; i++) s->width[i] = l->face[i + 1] - l->face[i];
+    s->thinnest = HUGE_VAL;
+    for (int i = 0; i < l->n; i++) {
+        s->width[i] = l->face[i + 1] - l->face[i];
+        s->thinnest = smaller(s->width[i], s->thinnest);
+    }
     for (int i = 1; i < l->n; i++) {
         s->nearness[i] = 1 / (l->node[i] - l->node[i - 1]);
         s->share[i] = (l->face[i] - l->node[i - 1]) * s->nearness[i];
@@ -130,21 +134,21 @@ static void take_flux(struct segregation *s, double late, const double *phi) {
     if (s->line.law && s->scheme.newton) use_law_slope(s, late);
 }
 
-KERNEL void segregation_rows(struct segregation *s, double dt, const double *phi, const double *found) {
-    const int n = s->line.n;
-    const double *restrict flux = s->flux, *restrict up = s->upward, *restrict down = s->downward;
-    const double *restrict width = s->width;
-    double *restrict diagonal = s->matrix.diagonal, *restrict right = s->matrix.right;
-    double *restrict below = s->matrix.below, *restrict above = s->matrix.above;
+KERNEL static void rows(int n, double dt, const double *restrict width, const double *restrict phi,
+                        const double *restrict found, const double *restrict flux, const double *restrict up,
+                        const double *restrict down, const struct tridiagonal *matrix) {
+    double *restrict diagonal = matrix->diagonal, *restrict right = matrix->right;
+    double *restrict below = matrix->below, *restrict above = matrix->above;
     for (int j = 0; j < n; j++) {
         double k = dt / width[j];
         right[j] = (phi[j] - found[j]) - k * (flux[j + 1] - flux[j]);
         diagonal[j] = 1 + k * (up[j + 1] - down[j]);
+        above[j] = k * down[j + 1]; /* the last one is 0, and not used */
     }
-    for (int j = 0; j < n - 1; j++) {
-        above[j] = dt / width[j] * down[j + 1];
-        below[j] = -(dt / width[j + 1]) * up[j + 1];
-    }
+    for (int j = 0; j < n - 1; j++) below[j] = -(dt / width[j + 1]) * up[j + 1];
+}
+void segregation_rows(struct segregation *s, double dt, const double *phi, const double *found) {
+    rows(s->line.n, dt, s->width, phi, found, s->flux, s->upward, s->downward, &s->matrix);
 }
 
 bool segregation_solve(struct segregation *s) {
@@ -176,14 +180,30 @@ static void close_wall(struct segregation *s, bool top, const double *found) {
     m->right[wall] = -left - times * m->right[next];
 }
 
+/* The largest |x|; not a number if one of them is none. */
+KERNEL static double largest(int n, const double *restrict x) {
+    enum { LANES = 8 };
+    double most[LANES] = {0}, none[LANES] = {0};
+    int i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (int k = 0; k < LANES; k++) {
+            most[k] = larger(fabs(x[i + k]), most[k]);
+            none[k] += 0 * x[i + k];
+        }
+    for (int k = 0; i < n; i++, k++) {
+        most[k] = larger(fabs(x[i]), most[k]);
+        none[k] += 0 * x[i];
+    }
+    for (int k = 1; k < LANES; k++) {
+        most[0] = larger(most[0], most[k]);
+        none[0] += none[k];
+    }
+    return most[0] + none[0];
+}
+
 /* Newton leaves of the balance what is quadratic in the change: at most this times its square. */
 static double leftover(const struct segregation *s, double dt, double late) {
-    double most = 0, thinnest = HUGE_VAL;
-    for (int i = 0; i < s->line.n; i++) {
-        most = larger(most, fabs(s->line.speed[i]));
-        thinnest = smaller(thinnest, s->width[i]);
-    }
-    return 2 * late * late * dt * most / thinnest;
+    return 2 * late * late * dt * largest(s->line.n, s->line.speed) / s->thinnest;
 }
 
 /* s->found; false: it did not settle. The paper's criterion: the last change is below tolerance * largest phi; with
@@ -200,26 +220,25 @@ static bool settle(struct segregation *s, double dt, double late, const double *
         if (!closed) close_wall(s, true, s->found);
         s->counts.iterations++;
         if (!segregation_solve(s)) return false;
-        double change = 0, largest = 0;
-        for (int i = 0; i < n; i++) {
-            change = larger(change, fabs(s->matrix.right[i]));
-            largest = larger(largest, fabs(s->found[i]));
-            s->found[i] += s->matrix.right[i];
-        }
+        double change = largest(n, s->matrix.right), size = largest(n, s->found);
         if (!(change <= 10)) return false; /* also not a number */
+        for (int i = 0; i < n; i++) s->found[i] += s->matrix.right[i];
         double left = quadratic ? smaller(change, next * change * change) : change;
-        if (left < s->scheme.tolerance * largest || change == 0) return true;
+        if (left < s->scheme.tolerance * size || change == 0) return true;
     }
     return false;
 }
 
-static bool within_bounds(const struct segregation *s) {
+/* By how much a phi is beyond 0 or 1. */
+static double beyond(int n, const double *phi) {
     double least = 0, most = 1;
-    for (int i = 0; i < s->line.n; i++) {
-        least = smaller(least, s->found[i]);
-        most = larger(most, s->found[i]);
+    for (int i = 0; i < n; i++) {
+        least = smaller(phi[i], least);
+        most = larger(phi[i], most);
     }
-    if (least < -SEGREGATION_ROUND || most > 1 + SEGREGATION_ROUND) return false;
+    return larger(-least, most - 1);
+}
+static bool resolved(const struct segregation *s) {
     for (int i = 1; i < s->line.n; i++)
         if (segregation_coarse(s, i)) return false;
     return true;
@@ -249,12 +268,14 @@ static status step(struct segregation *s, double dt, double late, double *phi) {
     if (!settled && !bounds)
         return fail(ERR_STATE, "the iteration has not settled after %d rounds; a smaller deltaT helps", s->scheme.most);
     s->counts.steps++;
-    if (bounds && !(settled && within_bounds(s))) {
+    double out = bounds ? beyond(s->line.n, s->found) : 0;
+    if (bounds && (!settled || out > SEGREGATION_ROUND || !resolved(s))) {
         s->counts.unsolved += !settled;
         take_flux(s, late, phi);
         TRY(segregation_bound(s, dt, phi, s->found));
+        out = beyond(s->line.n, s->found);
     }
-    if (bounds) round_off(s, s->found);
+    if (out > 0) round_off(s, s->found);
     memcpy(phi, s->found, (size_t)s->line.n * sizeof *phi);
     return OK;
 }
@@ -290,7 +311,7 @@ status segregation_advance(struct segregation *s, double allowed, double *dt, do
         if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
         if (e && status_kind(e) != ERR_STATE) return e;
         double error = e ? HUGE_VAL : 5. / 6 * difference(s, s->whole, s->halves);
-        double factor = smaller(4, larger(0.25, 0.9 * cbrt(allowed / larger(error, 1e-300))));
+        double factor = smaller(4, larger(0.25, 0.9 * power(larger(allowed, 1e-290) / larger(error, 1e-290), 1. / 3)));
         status_free(e);
         if (error <= allowed) {
             for (int i = 0; i < s->line.n; i++) phi[i] = 0.5 * (s->whole[i] + s->halves[i]);

@@ -102,6 +102,5 @@ status segregation_bound(struct segregation *s, double dt, const double *phi, do
     }
     find_bounds(s, phi);
     limit(s, dt, found);
-    for (int j = 0; j < n; j++) found[j] = smaller(larger(found[j], 0), 1); /* round-off */
     return OK;
 }

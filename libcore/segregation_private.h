@@ -13,6 +13,7 @@ struct segregation {
     struct segregation_line line;
     struct segregation_scheme scheme;
     struct segregation_counts counts;
+    double thinnest;           /* cell's width */
     double *room;              /* holds all arrays of double */
     double *width;             /* [n] */
     double *share, *nearness;  /* [n + 1] weight of the node above in a face's values; 1 / distance of its nodes */
