@@ -1,0 +1,261 @@
+/* Segregation on lattices: orders, uniform states in any flow without divergence, bounds, mass, one to three axes. */
+#include "libcore/segregation.h"
+#include "libcore/segregation_lattice.h"
+
+#include "tests/checks.h" /* after what it would hide */
+#include "tests/libcore/oracle.h"
+
+static const double PI = 3.14159265358979323846;
+
+struct box { /* [-size/2, size/2]^dim, n cells a side */
+    struct segregation_lattice as;
+    double *u[3], *f[3], *D[3], *phi, size;
+    long cells, faces[3];
+    struct segregation_field *s;
+};
+static void box_make(struct box *b, int dim, int n, double size) {
+    *b = (struct box){.as.dim = dim, .size = size, .cells = 1};
+    for (int k = 0; k < 3; k++) {
+        b->as.n[k] = k < dim ? n : 1;
+        b->as.width[k] = size / n;
+        b->cells *= b->as.n[k];
+    }
+    ok(allocate(&b->phi, b->cells, sizeof(double), "phi"));
+    for (int k = 0; k < dim; k++) {
+        b->faces[k] = b->cells / n * (n + 1);
+        double **arrays[] = {&b->u[k], &b->f[k], &b->D[k]};
+        for (int i = 0; i < 3; i++) ok(allocate(arrays[i], b->faces[k], sizeof(double), "faces"));
+        b->as.u[k] = b->u[k];
+        b->as.f[k] = b->f[k];
+        b->as.D[k] = b->D[k];
+    }
+}
+static void box_free(struct box *b) {
+    segregation_field_free(b->s);
+    for (int k = 0; k < 3; k++) {
+        free(b->u[k]);
+        free(b->f[k]);
+        free(b->D[k]);
+    }
+    free(b->phi);
+}
+/* Place of a cell (k = -1), or of a face of axis k; is the face on the boundary? */
+static bool place_of(const struct box *b, int k, long i, double x[3]) {
+    bool boundary = false;
+    for (int a = 0; a < 3; a++) {
+        int n = b->as.n[a] + (a == k);
+        long j = i % n;
+        i /= n;
+        x[a] = a < b->as.dim ? ((double)j + (a == k ? 0 : 0.5)) * b->as.width[a] - 0.5 * b->size : 0;
+        boundary = boundary || (a == k && (j == 0 || j == n - 1));
+    }
+    return boundary;
+}
+static double mass_of(const struct box *b) {
+    double sum = 0;
+    for (long c = 0; c < b->cells; c++) sum += b->phi[c];
+    return sum / (double)b->cells;
+}
+/* f along (fx, fy, fz) and D on inner faces. */
+static void fill_faces(struct box *b, const double f[3], double D) {
+    double x[3];
+    for (int k = 0; k < b->as.dim; k++)
+        for (long i = 0; i < b->faces[k]; i++)
+            if (!place_of(b, k, i, x)) {
+                b->f[k][i] = f[k];
+                b->D[k][i] = D;
+            }
+}
+/* Cells of a flow in x, y (curl of a stream function at the corners): no divergence to round-off, walls all around. */
+static double stream(const struct box *b, double x, double y) {
+    double a = PI * (x / b->size + 0.5), c = PI * (y / b->size + 0.5);
+    return sin(a) * sin(c) * (1 + 0.5 * sin(3 * a) * cos(2 * c));
+}
+static void stir(struct box *b) {
+    double x[3];
+    const double h = b->as.width[0];
+    for (int k = 0; k < 2; k++)
+        for (long i = 0; i < b->faces[k]; i++)
+            b->u[k][i] = place_of(b, k, i, x) ? 0
+                         : k == 0             ? (stream(b, x[0], x[1] + h / 2) - stream(b, x[0], x[1] - h / 2)) / h
+                                              : -(stream(b, x[0] + h / 2, x[1]) - stream(b, x[0] - h / 2, x[1])) / h;
+}
+
+/* One axis: what the line's scheme gives with one iteration of Newton. */
+static void the_line_again(void **state) {
+    (void)state;
+    enum { N = 200 };
+    double face[N + 1], node[N], speed[N], D[N + 1], phi[N];
+    struct segregation_scheme scheme = {.newton = true, .tolerance = 1e30, .most = 1};
+    struct segregation_line line = {.n = N, .face = face, .node = node, .speed = speed, .diffusivity = D};
+    struct segregation *s;
+    struct box b;
+    box_make(&b, 1, N, 1);
+    fill_faces(&b, (double[3]){-1, 0, 0}, 0.02);
+    ok(segregation_field_make(&b.as, &b.s));
+    for (int i = 0; i <= N; i++) {
+        face[i] = -0.5 + i / (double)N;
+        D[i] = 0.02;
+    }
+    for (int i = 0; i < N; i++) {
+        node[i] = 0.5 * (face[i] + face[i + 1]);
+        speed[i] = -1;
+        b.phi[i] = phi[i] = 0.5 + 0.3 * sin(3 * node[i]);
+    }
+    ok(segregation_make(&line, &scheme, &s));
+    for (int i = 0; i < 200; i++) {
+        ok(segregation_step(s, 1e-3, false, phi));
+        ok(segregation_field_step(b.s, 1e-3, b.phi));
+    }
+    for (int i = 0; i < N; i++) assert_near(b.phi[i], phi[i], 1e-11);
+    segregation_free(s);
+    box_free(&b);
+}
+
+static void uniform_states(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int mixed = 0; mixed < 2; mixed++) {
+            struct box b;
+            box_make(&b, dim, 40, 1);
+            stir(&b);
+            fill_faces(&b, (double[3]){0}, mixed ? 0.02 : 0);
+            ok(segregation_field_make(&b.as, &b.s));
+            for (long c = 0; c < b.cells; c++) b.phi[c] = 0.37;
+            double dt = 0.9 / segregation_field_rate(b.s);
+            for (int i = 0; i < 50; i++) ok(segregation_field_step(b.s, dt, b.phi));
+            for (long c = 0; c < b.cells; c++) assert_near(b.phi[c], 0.37, 1e-13);
+            box_free(&b);
+        }
+}
+
+/* A kink of the paper that travels obliquely and is carried: exact away from the walls of a larger box. */
+static double oblique(const double x[3], double t, const double d[3], const double u[3], int dim) {
+    const double f = -1, D = 0.05, c = -0.25;
+    double along = 0;
+    for (int k = 0; k < dim; k++) along += d[k] * (x[k] - u[k] * t);
+    return (c - f) / (2 * f) * (-1 + tanh((c - f) * (along - c * t) / (2 * D)));
+}
+static void order(void **state) {
+    (void)state;
+    const double d[3][3] = {{0.6, 0.8, 0}, {0.6, 0.8, 0}, {0.36, 0.48, 0.8}}, u[3] = {0.5, -0.3, 0.2};
+    for (int dim = 2; dim <= 3; dim++) {
+        double before = 0;
+        for (int n = dim == 2 ? 64 : 24; n <= (dim == 2 ? 256 : 48); n *= 2) {
+            struct box b;
+            double x[3], most = 0, T = 0.4;
+            box_make(&b, dim, n, 3);
+            fill_faces(&b, (double[3]){-d[dim - 1][0], -d[dim - 1][1], -d[dim - 1][2]}, 0.05);
+            for (int k = 0; k < dim; k++)
+                for (long i = 0; i < b.faces[k]; i++) b.u[k][i] = u[k];
+            ok(segregation_field_make(&b.as, &b.s));
+            for (long c = 0; c < b.cells; c++) {
+                place_of(&b, -1, c, x);
+                b.phi[c] = oblique(x, 0, d[dim - 1], u, dim);
+            }
+            int steps = n / 2;
+            for (int i = 0; i < steps; i++) ok(segregation_field_step(b.s, T / steps, b.phi));
+            for (long c = 0; c < b.cells; c++) {
+                place_of(&b, -1, c, x);
+                if (fabs(x[0]) < 0.5 && fabs(x[1]) < 0.5 && fabs(x[2]) < 0.5)
+                    most = fmax(most, fabs(b.phi[c] - oblique(x, T, d[dim - 1], u, dim)));
+            }
+            if (before > 0) assert_near(log2(before / most), 2, dim == 2 ? 0.02 : 0.06);
+            if (dim == 2) assert_true(segregation_field_counts(b.s).bounded == 0);
+            before = most;
+            box_free(&b);
+        }
+    }
+}
+
+/* Layers stirred and unmixed without diffusion: 0 .. 1 and the mass stay; so they do with long steps. */
+static void bounds_and_mass(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (double courant = 0.5; courant < 3; courant *= 4)
+            for (double D = 0; D < 1e-3; D += 5e-4) {
+                struct box b;
+                double x[3];
+                box_make(&b, dim, dim == 2 ? 64 : 20, 1);
+                stir(&b);
+                fill_faces(&b, (double[3]){-0.2, -0.7, 0.3}, D);
+                ok(segregation_field_make(&b.as, &b.s));
+                for (long c = 0; c < b.cells; c++) {
+                    place_of(&b, -1, c, x);
+                    b.phi[c] = x[1] > 0.1 ? 1 : x[0] > 0.2 ? 0.4 : 0;
+                }
+                double mass = mass_of(&b), dt = courant / segregation_field_rate(b.s);
+                for (int i = 0; i < 100; i++) {
+                    ok(segregation_field_step(b.s, dt, b.phi));
+                    for (long c = 0; c < b.cells; c++) assert_true(b.phi[c] >= 0 && b.phi[c] <= 1);
+                }
+                assert_near(mass_of(&b), mass, 1e-13);
+                box_free(&b);
+            }
+}
+
+/* In at the left, out at the right, unmixed on the way: steady in the end, where what comes in goes out. */
+static void through_flow(void **state) {
+    (void)state;
+    struct box b;
+    double x[3], *inflow, in = 0, out = 0;
+    box_make(&b, 2, 32, 1);
+    fill_faces(&b, (double[3]){0, -0.4, 0}, 0.02);
+    ok(allocate(&inflow, b.faces[0], sizeof *inflow, "inflow"));
+    for (long i = 0; i < b.faces[0]; i++) {
+        b.u[0][i] = 1;
+        inflow[i] = 0.6;
+    }
+    b.as.inflow[0] = inflow;
+    ok(segregation_field_make(&b.as, &b.s));
+    for (int i = 0; i < 400; i++) ok(segregation_field_step(b.s, 0.02, b.phi));
+    for (long c = 0; c < b.cells; c++) {
+        place_of(&b, -1, c, x);
+        assert_true(b.phi[c] >= 0 && b.phi[c] <= 1);
+        if (c >= 32 && c % 32 == 31) assert_true(b.phi[c] < b.phi[c - 32]); /* the small ones below */
+    }
+    for (long row = 0; row < 32; row++) {
+        in += 0.6 * b.as.width[1];
+        out += b.phi[32 * row + 31] * b.as.width[1];
+    }
+    assert_near(out, in, 1e-9);
+    free(inflow);
+    box_free(&b);
+}
+
+/* What a plane between mirror images holds, three axes repeat. */
+static void axes_are_alike(void **state) {
+    (void)state;
+    struct box b[3];
+    double x[3];
+    const int axes[3][2] = {{0, 1}, {1, 2}, {2, 0}};
+    for (int k = 0; k < 3; k++) {
+        double f[3] = {0};
+        const int a = axes[k][0], c = axes[k][1];
+        box_make(&b[k], 3, 12, 1);
+        f[a] = 0.3;
+        f[c] = -0.5;
+        fill_faces(&b[k], f, 0.01);
+        ok(segregation_field_make(&b[k].as, &b[k].s));
+        for (long i = 0; i < b[k].cells; i++) {
+            place_of(&b[k], -1, i, x);
+            b[k].phi[i] = 0.5 + 0.4 * sin(5 * x[a]) * cos(3 * x[c] + 1);
+        }
+        for (int i = 0; i < 40; i++) ok(segregation_field_step(b[k].s, 2e-3, b[k].phi));
+    }
+    for (long i = 0; i < 12; i++)
+        for (long j = 0; j < 12; j++) /* splitting errors differ by the order of the axes */
+            for (int k = 0; k < 3; k++) {
+                const long s[3] = {1, 12, 144};
+                assert_near(b[k].phi[i * s[axes[k][0]] + j * s[axes[k][1]]], b[0].phi[i + 12 * j], 1e-5);
+            }
+    for (int k = 0; k < 3; k++) box_free(&b[k]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_line_again),  cmocka_unit_test(uniform_states), cmocka_unit_test(order),
+        cmocka_unit_test(bounds_and_mass), cmocka_unit_test(through_flow),   cmocka_unit_test(axes_are_alike),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
