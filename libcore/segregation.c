@@ -75,9 +75,9 @@ double segregation_mass(const struct segregation *s, const double *phi) {
 
 /* N = f P (1 - P) at P = (1 - late) phi + late found, and its slope: dN/dfound (Newton), or what (4) has there
  * (Picard, which keeps one factor of found^2). */
-KERNEL static void percolation(int n, const double *restrict f, double late, bool newton, const double *restrict phi,
-                               const double *restrict found, double *restrict P, double *restrict value,
-                               double *restrict slope) {
+KERNEL static void percolation_line(int n, const double *restrict f, double late, bool newton,
+                                    const double *restrict phi, const double *restrict found, double *restrict P,
+                                    double *restrict value, double *restrict slope) {
     const double kept = newton ? 2 * late : late, old = 2 * (1 - late);
     for (int i = 0; i < n; i++) {
         P[i] = (1 - late) * phi[i] + late * found[i];
@@ -128,15 +128,16 @@ static void use_law_slope(struct segregation *s, double late) {
 
 static void take_flux(struct segregation *s, double late, const double *phi) {
     const int n = s->line.n;
-    percolation(n, s->line.speed, late, s->scheme.newton, phi, s->found, s->mean, s->value, s->slope);
+    percolation_line(n, s->line.speed, late, s->scheme.newton, phi, s->found, s->mean, s->value, s->slope);
     if (s->line.law) use_law(s);
     central_flux(n, s, late);
     if (s->line.law && s->scheme.newton) use_law_slope(s, late);
 }
 
-KERNEL static void rows(int n, double dt, const double *restrict width, const double *restrict phi,
-                        const double *restrict found, const double *restrict flux, const double *restrict up,
-                        const double *restrict down, const struct tridiagonal *matrix) {
+KERNEL static void segregation_line_rows(int n, double dt, const double *restrict width, const double *restrict phi,
+                                         const double *restrict found, const double *restrict flux,
+                                         const double *restrict up, const double *restrict down,
+                                         const struct tridiagonal *matrix) {
     double *restrict diagonal = matrix->diagonal, *restrict right = matrix->right;
     double *restrict below = matrix->below, *restrict above = matrix->above;
     for (int j = 0; j < n; j++) {
@@ -148,7 +149,7 @@ KERNEL static void rows(int n, double dt, const double *restrict width, const do
     for (int j = 0; j < n - 1; j++) below[j] = -(dt / width[j + 1]) * up[j + 1];
 }
 void segregation_rows(struct segregation *s, double dt, const double *phi, const double *found) {
-    rows(s->line.n, dt, s->width, phi, found, s->flux, s->upward, s->downward, &s->matrix);
+    segregation_line_rows(s->line.n, dt, s->width, phi, found, s->flux, s->upward, s->downward, &s->matrix);
 }
 
 bool segregation_solve(struct segregation *s) {
@@ -181,7 +182,7 @@ static void close_wall(struct segregation *s, bool top, const double *found) {
 }
 
 /* The largest |x|; not a number if one of them is none. */
-KERNEL static double largest(int n, const double *restrict x) {
+KERNEL static double largest_magnitude(int n, const double *restrict x) {
     enum { LANES = 8 };
     double most[LANES] = {0}, none[LANES] = {0};
     int i = 0;
@@ -203,7 +204,7 @@ KERNEL static double largest(int n, const double *restrict x) {
 
 /* Newton leaves of the balance what is quadratic in the change: at most this times its square. */
 static double leftover(const struct segregation *s, double dt, double late) {
-    return 2 * late * late * dt * largest(s->line.n, s->line.speed) / s->thinnest;
+    return 2 * late * late * dt * largest_magnitude(s->line.n, s->line.speed) / s->thinnest;
 }
 
 /* s->found; false: it did not settle. The paper's criterion: the last change is below tolerance * largest phi; with
@@ -220,7 +221,7 @@ static bool settle(struct segregation *s, double dt, double late, const double *
         if (!closed) close_wall(s, true, s->found);
         s->counts.iterations++;
         if (!segregation_solve(s)) return false;
-        double change = largest(n, s->matrix.right), size = largest(n, s->found);
+        double change = largest_magnitude(n, s->matrix.right), size = largest_magnitude(n, s->found);
         if (!(change <= 10)) return false; /* also not a number */
         for (int i = 0; i < n; i++) s->found[i] += s->matrix.right[i];
         double left = quadratic ? smaller(change, next * change * change) : change;

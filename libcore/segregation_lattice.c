@@ -29,9 +29,9 @@ static struct run inner_run(const struct segregation_field *s, int k, long outer
     return (struct run){outer * n * across, outer * (n + 1) * across + across, (n - 1) * across};
 }
 
-KERNEL static void central_flux(long n, double per_width, const double *restrict below, const double *restrict above,
-                                const double *restrict u, const double *restrict f, const double *restrict D,
-                                double *restrict flux) {
+KERNEL static void central_flux_lattice(long n, double per_width, const double *restrict below,
+                                        const double *restrict above, const double *restrict u,
+                                        const double *restrict f, const double *restrict D, double *restrict flux) {
     for (long i = 0; i < n; i++) {
         double a = below[i], b = above[i];
         flux[i] = 0.5 * (u[i] * (a + b) + f[i] * (a * (1 - a) + b * (1 - b))) - D[i] * per_width * (b - a);
@@ -39,9 +39,9 @@ KERNEL static void central_flux(long n, double per_width, const double *restrict
 }
 
 /* Engquist-Osher: g = u phi + f phi (1 - phi) turns at `turn`. */
-KERNEL static void monotone_flux(long n, double per_width, const double *restrict below, const double *restrict above,
-                                 const double *restrict u, const double *restrict f, const double *restrict D,
-                                 double *restrict flux) {
+KERNEL static void monotone_flux_lattice(long n, double per_width, const double *restrict below,
+                                         const double *restrict above, const double *restrict u,
+                                         const double *restrict f, const double *restrict D, double *restrict flux) {
     for (long i = 0; i < n; i++) {
         double a = below[i], b = above[i], bend = f[i], half = bend != 0 ? 0.5 * (u[i] + bend) / bend : 0;
         double turn = bend != 0 ? half : u[i] >= 0 ? 1 : 0;
@@ -107,9 +107,9 @@ struct lines {
 };
 
 /* The Jacobian of the flux at phi: up to the cell below a face, down to the one above. */
-KERNEL static void assemble(long count, double per_width, const double *restrict a, const double *restrict b,
-                            const double *restrict u, const double *restrict f, const double *restrict D,
-                            double *restrict up, double *restrict down) {
+KERNEL static void assemble_lines(long count, double per_width, const double *restrict a, const double *restrict b,
+                                  const double *restrict u, const double *restrict f, const double *restrict D,
+                                  double *restrict up, double *restrict down) {
     for (long i = 0; i < count; i++) {
         double g = D[i] * per_width;
         up[i] = 0.5 * (u[i] + f[i] * (1 - 2 * a[i])) + g;
@@ -117,8 +117,8 @@ KERNEL static void assemble(long count, double per_width, const double *restrict
     }
 }
 /* Thomas' elimination without pivots, LINES systems abreast. */
-KERNEL static void eliminate(long n, double half, const double *restrict up, const double *restrict down,
-                             double *restrict above, double *restrict right) {
+KERNEL static void eliminate_lines(long n, double half, const double *restrict up, const double *restrict down,
+                                   double *restrict above, double *restrict right) {
     for (int c = 0; c < LINES; c++) {
         double inverse = 1 / (1 + half * (up[LINES + c] - down[c]));
         above[c] = half * down[LINES + c] * inverse;
@@ -162,9 +162,9 @@ static void solve_lines(struct segregation_field *s, double dt, const struct lin
         down[c] = smaller(u[c], 0);
         up[n * LINES + c] = larger(u[n * LINES + c], 0);
     }
-    assemble((n - 1) * LINES, 1 / l->width[k], phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES, up + LINES,
-             down + LINES);
-    eliminate(n, 0.5 * dt / l->width[k], up, down, above, right);
+    assemble_lines((n - 1) * LINES, 1 / l->width[k], phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES,
+                   up + LINES, down + LINES);
+    eliminate_lines(n, 0.5 * dt / l->width[k], up, down, above, right);
     for (int c = 0; c < b->count; c++) {
         double *change = s->change + b->cell + c * b->cell_next, *flux = s->flux[k] + b->face + c * b->face_next;
         for (long i = 0; i < n; i++) change[i * b->step] = right[i * LINES + c];
@@ -216,7 +216,7 @@ static void monotone_steps(struct segregation_field *s, double dt, const double 
     if (steps < 1) steps = 1;
     memcpy(s->low, phi, (size_t)s->cells * sizeof *phi);
     for (long i = 0; i < steps; i++) {
-        take_flux(s, monotone_flux, s->low, s->part);
+        take_flux(s, monotone_flux_lattice, s->low, s->part);
         subtract_divergence(s, dt / (double)steps, s->part, s->low);
         for (int k = 0; k < s->lattice.dim; k++)
             for (long j = 0; j < s->faces[k]; j++)
@@ -300,7 +300,7 @@ static void bound(struct segregation_field *s, double dt, const double *phi) {
 
 status segregation_field_step(struct segregation_field *s, double dt, double *phi) {
     double least = 0, most = 1, none = 0;
-    take_flux(s, central_flux, phi, s->flux);
+    take_flux(s, central_flux_lattice, phi, s->flux);
     memset(s->change, 0, (size_t)s->cells * sizeof *s->change);
     subtract_divergence(s, dt, s->flux, s->change);
     for (int k = 0; k < s->lattice.dim; k++) solve_axis(s, dt, k, phi);
