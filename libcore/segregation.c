@@ -300,8 +300,13 @@ static double difference(const struct segregation *s, const double *a, const dou
     return sum / length;
 }
 
-/* Steps of dt err by e, halves by e/4: the mean of both by 5/6 of their difference. Parts that decay within dt turn
- * their sign in Crank-Nicolson's step and keep it in two: the mean ends them. */
+bool segregation_error(double differ, double allowed, double *factor) {
+    const double error = smaller(5. / 6 * differ, 1); /* infinite: a step that failed */
+    *factor = smaller(4, larger(0.25, 0.9 * power(larger(allowed, 1e-290) / larger(error, 1e-290), 1. / 3)));
+    return error <= allowed;
+}
+
+/* Parts that decay within dt turn their sign in Crank-Nicolson's step and keep it in two: the mean ends them. */
 status segregation_advance(struct segregation *s, double allowed, double *dt, double *next, double *phi) {
     const size_t size = (size_t)s->line.n * sizeof *phi;
     for (int tries = 0; tries < 60; tries++) {
@@ -311,10 +316,9 @@ status segregation_advance(struct segregation *s, double allowed, double *dt, do
         if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
         if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
         if (e && status_kind(e) != ERR_STATE) return e;
-        double error = e ? HUGE_VAL : 5. / 6 * difference(s, s->whole, s->halves);
-        double factor = smaller(4, larger(0.25, 0.9 * power(larger(allowed, 1e-290) / larger(error, 1e-290), 1. / 3)));
+        double factor, differ = e ? HUGE_VAL : difference(s, s->whole, s->halves);
         status_free(e);
-        if (error <= allowed) {
+        if (segregation_error(differ, allowed, &factor)) {
             for (int i = 0; i < s->line.n; i++) phi[i] = 0.5 * (s->whole[i] + s->halves[i]);
             *next = *dt * factor;
             return OK;

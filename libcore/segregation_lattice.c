@@ -1,8 +1,11 @@
 #include "libcore/segregation_lattice.h"
+#include "libcore/segregation_private.h"
 
 #include <stdlib.h>
 
 enum { LINES = BATCH }; /* solved at a time */
+
+static const double ROUND = 1e-15; /* of phi */
 
 struct segregation_field {
     struct segregation_lattice lattice;
@@ -13,8 +16,9 @@ struct segregation_field {
     double *room;
     double *flux[MAX_DIM], *low_flux[MAX_DIM], *part[MAX_DIM]; /* [faces] mean over the step; part of it let through */
     double *change, *next, *low, *least, *most;                /* [cells] */
+    double *ease, *before, *whole, *halves;                    /* [cells] 1 / capacity; of steps made of steps */
     bool *watched, *sharp;                                     /* [cells] limiting; beside a coarse face */
-    double *line_phi, *line_right, *line_up, *line_down, *line_above; /* [longest + 1][LINES] */
+    double *line_phi, *line_right, *line_up, *line_down, *line_above, *line_ease; /* [longest + 1][LINES] */
 };
 
 /* A run: the inner faces of an axis within one outer index, contiguous with the cells below and above. */
@@ -81,23 +85,24 @@ static void take_flux(const struct segregation_field *s, flux_function *function
     }
 }
 
-KERNEL static void add_difference(long n, double factor, const double *restrict low, const double *restrict high,
-                                  double *restrict out) {
-    for (long i = 0; i < n; i++) out[i] -= factor * (high[i] - low[i]);
+KERNEL static void add_difference(long n, double factor, const double *restrict ease, const double *restrict low,
+                                  const double *restrict high, double *restrict out) {
+    for (long i = 0; i < n; i++) out[i] -= factor * ease[i] * (high[i] - low[i]);
 }
-/* out -= dt div flux */
+/* out -= dt/capacity div flux */
 static void subtract_divergence(const struct segregation_field *s, double dt, double *const flux[MAX_DIM],
                                 double *out) {
     for (int k = 0; k < s->lattice.dim; k++) {
         const long across = s->stride[k], n = s->lattice.n[k];
         for (long outer = 0; outer < outer_count(s, k); outer++) {
             const double *low = flux[k] + outer * (n + 1) * across;
-            add_difference(n * across, dt / s->lattice.width[k], low, low + across, out + outer * n * across);
+            add_difference(n * across, dt / s->lattice.width[k], s->ease + outer * n * across, low, low + across,
+                           out + outer * n * across);
         }
     }
 }
 
-/* ---- (I + dt/2 J_k) change = change along the lines of axis k; flux_k += J_k change / 2 ---- */
+/* ---- (I + late dt J_k) change = change along the lines of axis k; flux_k += late J_k change ---- */
 
 struct lines {
     int k, count;              /* lines of a batch */
@@ -117,19 +122,19 @@ KERNEL static void assemble_lines(long count, double per_width, const double *re
     }
 }
 /* Thomas' elimination without pivots, LINES systems abreast. */
-KERNEL static void eliminate_lines(long n, double half, const double *restrict up, const double *restrict down,
-                                   double *restrict above, double *restrict right) {
+KERNEL static void eliminate_lines(long n, double part, const double *restrict ease, const double *restrict up,
+                                   const double *restrict down, double *restrict above, double *restrict right) {
     for (int c = 0; c < LINES; c++) {
-        double inverse = 1 / (1 + half * (up[LINES + c] - down[c]));
-        above[c] = half * down[LINES + c] * inverse;
+        double k = part * ease[c], inverse = 1 / (1 + k * (up[LINES + c] - down[c]));
+        above[c] = k * down[LINES + c] * inverse;
         right[c] *= inverse;
     }
     for (long i = 1; i < n; i++) {
         const double *restrict u = up + i * LINES, *restrict d = down + i * LINES;
         for (int c = 0; c < LINES; c++) {
-            double below = -half * u[c];
-            double pivot = (1 + half * (u[LINES + c] - d[c])) - below * above[(i - 1) * LINES + c], inverse = 1 / pivot;
-            above[i * LINES + c] = half * d[LINES + c] * inverse;
+            double k = part * ease[i * LINES + c], below = -k * u[c];
+            double pivot = (1 + k * (u[LINES + c] - d[c])) - below * above[(i - 1) * LINES + c], inverse = 1 / pivot;
+            above[i * LINES + c] = k * d[LINES + c] * inverse;
             right[i * LINES + c] = (right[i * LINES + c] - below * right[(i - 1) * LINES + c]) * inverse;
         }
     }
@@ -146,7 +151,7 @@ static void gather(const struct lines *b, long n, long start, long next, const d
         for (long i = 0; i < n; i++) to[i * LINES + c] = from[start + c * next + i * b->step];
 }
 
-static void solve_lines(struct segregation_field *s, double dt, const struct lines *b, const double *phi) {
+static void solve_lines(struct segregation_field *s, double dt, double late, const struct lines *b, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
     const long n = b->n;
     const int k = b->k;
@@ -154,6 +159,7 @@ static void solve_lines(struct segregation_field *s, double dt, const struct lin
     double *u = s->line_above, *f = u + (n + 1) * LINES, *D = f + (n + 1) * LINES, *above = u;
     gather(b, n, b->cell, b->cell_next, phi, phi_line);
     gather(b, n, b->cell, b->cell_next, s->change, right);
+    gather(b, n, b->cell, b->cell_next, s->ease, s->line_ease);
     gather(b, n + 1, b->face, b->face_next, l->u[k], u);
     gather(b, n + 1, b->face, b->face_next, l->f[k], f);
     gather(b, n + 1, b->face, b->face_next, l->D[k], D);
@@ -164,18 +170,18 @@ static void solve_lines(struct segregation_field *s, double dt, const struct lin
     }
     assemble_lines((n - 1) * LINES, 1 / l->width[k], phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES,
                    up + LINES, down + LINES);
-    eliminate_lines(n, 0.5 * dt / l->width[k], up, down, above, right);
+    eliminate_lines(n, late * dt / l->width[k], s->line_ease, up, down, above, right);
     for (int c = 0; c < b->count; c++) {
         double *change = s->change + b->cell + c * b->cell_next, *flux = s->flux[k] + b->face + c * b->face_next;
         for (long i = 0; i < n; i++) change[i * b->step] = right[i * LINES + c];
         for (long i = 0; i <= n; i++) {
             double below = i > 0 ? right[(i - 1) * LINES + c] : 0, beyond = i < n ? right[i * LINES + c] : 0;
-            flux[i * b->step] += 0.5 * (up[i * LINES + c] * below + down[i * LINES + c] * beyond);
+            flux[i * b->step] += late * (up[i * LINES + c] * below + down[i * LINES + c] * beyond);
         }
     }
 }
 
-static void solve_axis(struct segregation_field *s, double dt, int k, const double *phi) {
+static void solve_axis(struct segregation_field *s, double dt, double late, int k, const double *phi) {
     const long across = s->stride[k], n = s->lattice.n[k], outer = outer_count(s, k);
     struct lines b = {.k = k, .n = n, .step = across};
     const long lines = k ? across : outer; /* that lie side by side */
@@ -186,7 +192,7 @@ static void solve_axis(struct segregation_field *s, double dt, int k, const doub
             b.count = (int)(lines - first < LINES ? lines - first : LINES);
             b.cell = o * n * across + first * b.cell_next;
             b.face = o * (n + 1) * across + first * b.face_next;
-            solve_lines(s, dt, &b, phi);
+            solve_lines(s, dt, late, &b, phi);
         }
 }
 
@@ -250,7 +256,7 @@ static void limit_cell(struct segregation_field *s, double dt, long c) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {
         struct sides f = sides_of(s, k, c);
-        double per = dt / s->lattice.width[k], in = s->flux[k][f.low], out = s->flux[k][f.high];
+        double per = dt * s->ease[c] / s->lattice.width[k], in = s->flux[k][f.low], out = s->flux[k][f.high];
         gain += per * (larger(in, 0) - smaller(out, 0));
         loss += per * (larger(out, 0) - smaller(in, 0));
     }
@@ -266,7 +272,7 @@ static double limited(const struct segregation_field *s, double dt, long c) {
     double out = s->low[c];
     for (int k = 0; k < s->lattice.dim; k++) {
         struct sides f = sides_of(s, k, c);
-        out -= dt / s->lattice.width[k] *
+        out -= dt * s->ease[c] / s->lattice.width[k] *
                (s->part[k][f.high] * s->flux[k][f.high] - s->part[k][f.low] * s->flux[k][f.low]);
     }
     return out;
@@ -295,15 +301,15 @@ static void bound(struct segregation_field *s, double dt, const double *phi) {
     }
     for (int k = 0; k < s->lattice.dim; k++)
         for (long j = 0; j < s->faces[k]; j++) s->counts.corrected += s->part[k][j] < 1;
-    for (long c = 0; c < s->cells; c++) s->next[c] = smaller(larger(s->next[c], 0), 1); /* round-off */
 }
 
-status segregation_field_step(struct segregation_field *s, double dt, double *phi) {
+/* late: 1/2 Crank-Nicolson, 1 implicit Euler. */
+static status step(struct segregation_field *s, double dt, double late, double *phi) {
     double least = 0, most = 1, none = 0;
     take_flux(s, central_flux_lattice, phi, s->flux);
     memset(s->change, 0, (size_t)s->cells * sizeof *s->change);
     subtract_divergence(s, dt, s->flux, s->change);
-    for (int k = 0; k < s->lattice.dim; k++) solve_axis(s, dt, k, phi);
+    for (int k = 0; k < s->lattice.dim; k++) solve_axis(s, dt, late, k, phi);
     memcpy(s->next, phi, (size_t)s->cells * sizeof *phi);
     subtract_divergence(s, dt, s->flux, s->next);
     for (long c = 0; c < s->cells; c++) {
@@ -313,9 +319,48 @@ status segregation_field_step(struct segregation_field *s, double dt, double *ph
     }
     if (!(none == 0)) return fail(ERR_STATE, "the step of %g s is too long for the lines' systems", dt);
     s->counts.steps++;
-    if (s->coarse || least < -1e-13 || most > 1 + 1e-13) bound(s, dt, phi);
-    memcpy(phi, s->next, (size_t)s->cells * sizeof *phi);
+    if (s->coarse || least < -ROUND || most > 1 + ROUND) bound(s, dt, phi);
+    for (long c = 0; c < s->cells; c++) phi[c] = smaller(larger(s->next[c], 0), 1); /* round-off */
     return OK;
+}
+
+status segregation_field_step(struct segregation_field *s, double dt, bool damped, double *phi) {
+    if (!damped) return step(s, dt, 0.5, phi);
+    memcpy(s->before, phi, (size_t)s->cells * sizeof *phi);
+    status e = step(s, 0.5 * dt, 1, phi);
+    if (!e) e = step(s, 0.5 * dt, 1, phi);
+    if (e) memcpy(phi, s->before, (size_t)s->cells * sizeof *phi);
+    return e;
+}
+
+static double difference(const struct segregation_field *s) {
+    double sum = 0, all = 0;
+    for (long c = 0; c < s->cells; c++) {
+        sum += fabs(s->whole[c] - s->halves[c]) / s->ease[c];
+        all += 1 / s->ease[c];
+    }
+    return sum / all;
+}
+
+status segregation_field_advance(struct segregation_field *s, double allowed, double *dt, double *next, double *phi) {
+    const size_t size = (size_t)s->cells * sizeof *phi;
+    for (int tries = 0; tries < 60; tries++) {
+        memcpy(s->whole, phi, size);
+        memcpy(s->halves, phi, size);
+        status e = step(s, *dt, 0.5, s->whole);
+        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
+        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
+        double factor, error = e ? HUGE_VAL : difference(s);
+        status_free(e);
+        if (segregation_error(error, allowed, &factor)) {
+            for (long c = 0; c < s->cells; c++) phi[c] = 0.5 * (s->whole[c] + s->halves[c]);
+            *next = *dt * factor;
+            return OK;
+        }
+        s->counts.rejected++;
+        *dt *= smaller(factor, 0.5);
+    }
+    return fail(ERR_STATE, "no time step down to %g s has an error below %g", *dt, allowed);
 }
 
 /* ---- making ---- */
@@ -328,8 +373,8 @@ static void find_rates(struct segregation_field *s) {
             struct sides f = sides_of(s, k, c);
             double out = larger(l->u[k][f.high] + fabs(l->f[k][f.high]), 0),
                    in = larger(fabs(l->f[k][f.low]) - l->u[k][f.low], 0);
-            flow += (out + in) / l->width[k];
-            spread += (l->D[k][f.low] + l->D[k][f.high]) / (l->width[k] * l->width[k]);
+            flow += s->ease[c] * (out + in) / l->width[k];
+            spread += s->ease[c] * (l->D[k][f.low] + l->D[k][f.high]) / (l->width[k] * l->width[k]);
             s->sharp[c] = s->sharp[c] || beside_coarse(s, k, c, f);
         }
         s->coarse = s->coarse || s->sharp[c];
@@ -340,20 +385,22 @@ static void find_rates(struct segregation_field *s) {
 
 static status make_room(struct segregation_field *s) {
     const int dim = s->lattice.dim;
-    long longest = 0, doubles = 5 * s->cells;
+    long longest = 0, doubles = 9 * s->cells;
     for (int k = 0; k < dim; k++) {
         doubles += 3 * s->faces[k];
         if (s->lattice.n[k] > longest) longest = s->lattice.n[k];
     }
     const long buffer = (longest + 1) * LINES;
-    TRY(allocate(&s->room, doubles + 7 * buffer, sizeof(double), "segregation on a lattice"));
+    TRY(allocate(&s->room, doubles + 8 * buffer, sizeof(double), "segregation on a lattice"));
     TRY(allocate(&s->watched, 2 * s->cells, sizeof(bool), "segregation on a lattice"));
     s->sharp = s->watched + s->cells;
-    double *at = s->room, **const lines[] = {&s->line_phi, &s->line_right, &s->line_up, &s->line_down, &s->line_above},
-           **const cells[] = {&s->change, &s->next, &s->low, &s->least, &s->most};
-    for (int i = 0; i < 5; i++, at += buffer) *lines[i] = at; /* line_above: three of them */
+    double *at = s->room,
+           **const lines[] = {&s->line_phi, &s->line_right, &s->line_up, &s->line_down, &s->line_ease, &s->line_above},
+           **const cells[] = {&s->change, &s->next,   &s->low,   &s->least, &s->most,
+                              &s->ease,   &s->before, &s->whole, &s->halves};
+    for (int i = 0; i < 6; i++, at += buffer) *lines[i] = at; /* line_above: three of them */
     at += 2 * buffer;
-    for (int i = 0; i < 5; i++, at += s->cells) *cells[i] = at;
+    for (int i = 0; i < 9; i++, at += s->cells) *cells[i] = at;
     for (int k = 0; k < dim; k++) {
         s->flux[k] = at;
         s->low_flux[k] = at + s->faces[k];
@@ -379,6 +426,7 @@ status segregation_field_make(const struct segregation_lattice *lattice, struct 
         segregation_field_free(s);
         return e;
     }
+    for (long c = 0; c < s->cells; c++) s->ease[c] = lattice->capacity ? 1 / lattice->capacity[c] : 1;
     find_rates(s);
     *out = s;
     return OK;

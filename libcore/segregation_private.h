@@ -37,6 +37,9 @@ void segregation_rows(struct segregation *s, double dt, const double *phi, const
 bool segregation_solve(struct segregation *s);
 /* found[n] <- phi' of the same balance within bounds; s->flux and found are those of Crank-Nicolson's last iterate. */
 status segregation_bound(struct segregation *s, double dt, const double *phi, double *found);
+/* Of a step taken whole and by halves that differ so much (mean): is the mean of both near enough, and by which factor
+ * may the step grow? Steps of dt err by e, halves by e/4, the mean of both by 5/6 of their difference. */
+bool segregation_error(double differ, double allowed, double *factor);
 /* A face on which a central flux is not monotone. */
 static inline bool segregation_coarse(const struct segregation *s, int face) {
     const double *f = s->line.speed;

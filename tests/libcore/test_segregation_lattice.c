@@ -105,7 +105,7 @@ static void the_line_again(void **state) {
     ok(segregation_make(&line, &scheme, &s));
     for (int i = 0; i < 200; i++) {
         ok(segregation_step(s, 1e-3, false, phi));
-        ok(segregation_field_step(b.s, 1e-3, b.phi));
+        ok(segregation_field_step(b.s, 1e-3, false, b.phi));
     }
     for (int i = 0; i < N; i++) assert_near(b.phi[i], phi[i], 1e-11);
     segregation_free(s);
@@ -123,7 +123,7 @@ static void uniform_states(void **state) {
             ok(segregation_field_make(&b.as, &b.s));
             for (long c = 0; c < b.cells; c++) b.phi[c] = 0.37;
             double dt = 0.9 / segregation_field_rate(b.s);
-            for (int i = 0; i < 50; i++) ok(segregation_field_step(b.s, dt, b.phi));
+            for (int i = 0; i < 50; i++) ok(segregation_field_step(b.s, dt, false, b.phi));
             for (long c = 0; c < b.cells; c++) assert_near(b.phi[c], 0.37, 1e-13);
             box_free(&b);
         }
@@ -154,7 +154,7 @@ static void order(void **state) {
                 b.phi[c] = oblique(x, 0, d[dim - 1], u, dim);
             }
             int steps = n / 2;
-            for (int i = 0; i < steps; i++) ok(segregation_field_step(b.s, T / steps, b.phi));
+            for (int i = 0; i < steps; i++) ok(segregation_field_step(b.s, T / steps, false, b.phi));
             for (long c = 0; c < b.cells; c++) {
                 place_of(&b, -1, c, x);
                 if (fabs(x[0]) < 0.5 && fabs(x[1]) < 0.5 && fabs(x[2]) < 0.5)
@@ -186,7 +186,7 @@ static void bounds_and_mass(void **state) {
                 }
                 double mass = mass_of(&b), dt = courant / segregation_field_rate(b.s);
                 for (int i = 0; i < 100; i++) {
-                    ok(segregation_field_step(b.s, dt, b.phi));
+                    ok(segregation_field_step(b.s, dt, false, b.phi));
                     for (long c = 0; c < b.cells; c++) assert_true(b.phi[c] >= 0 && b.phi[c] <= 1);
                 }
                 assert_near(mass_of(&b), mass, 1e-13);
@@ -208,7 +208,7 @@ static void through_flow(void **state) {
     }
     b.as.inflow[0] = inflow;
     ok(segregation_field_make(&b.as, &b.s));
-    for (int i = 0; i < 400; i++) ok(segregation_field_step(b.s, 0.02, b.phi));
+    for (int i = 0; i < 400; i++) ok(segregation_field_step(b.s, 0.02, false, b.phi));
     for (long c = 0; c < b.cells; c++) {
         place_of(&b, -1, c, x);
         assert_true(b.phi[c] >= 0 && b.phi[c] <= 1);
@@ -241,7 +241,7 @@ static void axes_are_alike(void **state) {
             place_of(&b[k], -1, i, x);
             b[k].phi[i] = 0.5 + 0.4 * sin(5 * x[a]) * cos(3 * x[c] + 1);
         }
-        for (int i = 0; i < 40; i++) ok(segregation_field_step(b[k].s, 2e-3, b[k].phi));
+        for (int i = 0; i < 40; i++) ok(segregation_field_step(b[k].s, 2e-3, false, b[k].phi));
     }
     for (long i = 0; i < 12; i++)
         for (long j = 0; j < 12; j++) /* splitting errors differ by the order of the axes */
@@ -252,10 +252,89 @@ static void axes_are_alike(void **state) {
     for (int k = 0; k < 3; k++) box_free(&b[k]);
 }
 
+/* A capacity slows the change, keeps uniform states and the sum of capacity phi. */
+static void capacity(void **state) {
+    (void)state;
+    struct box b, twice;
+    double most = 0, *weight, *half, was = 0, is = 0;
+    box_make(&b, 2, 32, 1);
+    stir(&b);
+    fill_faces(&b, (double[3]){0}, 0.01);
+    ok(allocate(&weight, b.cells, sizeof *weight, "capacity"));
+    for (long c = 0; c < b.cells; c++) weight[c] = 1.5 + sin(0.37 * (double)c);
+    b.as.capacity = weight;
+    ok(segregation_field_make(&b.as, &b.s));
+    for (long c = 0; c < b.cells; c++) b.phi[c] = 0.37;
+    double dt = 0.9 / segregation_field_rate(b.s);
+    for (int i = 0; i < 20; i++) ok(segregation_field_step(b.s, dt, false, b.phi));
+    for (long c = 0; c < b.cells; c++) most = fmax(most, fabs(b.phi[c] - 0.37));
+    assert_true(most < 1e-13);
+    for (long c = 0; c < b.cells; c++) was += weight[c] * (b.phi[c] = c % 32 < 9 ? 1 : 0.1);
+    for (int i = 0; i < 50; i++) ok(segregation_field_step(b.s, dt, false, b.phi));
+    for (long c = 0; c < b.cells; c++) is += weight[c] * b.phi[c];
+    assert_close(is, was, 1e-13, "mass");
+    box_make(&twice, 2, 32, 1);
+    stir(&twice);
+    fill_faces(&twice, (double[3]){0}, 0.01);
+    ok(allocate(&half, b.cells, sizeof *half, "capacity"));
+    for (long c = 0; c < b.cells; c++) half[c] = 2;
+    twice.as.capacity = half;
+    ok(segregation_field_make(&twice.as, &twice.s));
+    segregation_field_free(b.s);
+    b.as.capacity = NULL;
+    ok(segregation_field_make(&b.as, &b.s));
+    memcpy(twice.phi, b.phi, (size_t)b.cells * sizeof *b.phi);
+    for (int i = 0; i < 20; i++) {
+        ok(segregation_field_step(b.s, 0.5 * dt, false, b.phi));
+        ok(segregation_field_step(twice.s, dt, false, twice.phi));
+    }
+    for (long c = 0; c < b.cells; c++) assert_near(twice.phi[c], b.phi[c], 1e-14);
+    free(weight);
+    free(half);
+    box_free(&b);
+    box_free(&twice);
+}
+
+/* Towards the steady layers of a closed box, steps grow far beyond a Courant number of 1; errors as allowed^(2/3). */
+static double settled(double allowed, int *steps, double *longest, double *phi) {
+    struct box b;
+    double dt = 1e-4, next, t = 0;
+    box_make(&b, 2, 32, 1);
+    fill_faces(&b, (double[3]){0, -1, 0}, 0.1);
+    ok(segregation_field_make(&b.as, &b.s));
+    for (long c = 0; c < b.cells; c++) b.phi[c] = 0.55 + 0.2 * sin(3. * (double)(c % 32) / 32);
+    const double mass = mass_of(&b);
+    for (*steps = 0, *longest = 0; t < 0.5; t += dt, dt = fmin(next, 0.5 - t), ++*steps) {
+        ok(segregation_field_advance(b.s, allowed, &dt, &next, b.phi));
+        *longest = fmax(*longest, dt * segregation_field_rate(b.s));
+        if (0.5 - t - dt < 1e-12) break;
+    }
+    assert_near(mass_of(&b), mass, 1e-13);
+    double most = 0;
+    for (long c = 0; c < b.cells; c++) most = fmax(most, fabs(b.phi[c] - phi[c]));
+    memcpy(phi, b.phi, (size_t)b.cells * sizeof *phi);
+    box_free(&b);
+    return most;
+}
+static void adaptive_steps(void **state) {
+    (void)state;
+    static double fine[32 * 32], coarse[32 * 32];
+    int steps;
+    double longest, error[2];
+    settled(1e-9, &steps, &longest, fine);
+    for (int k = 0; k < 2; k++) {
+        memcpy(coarse, fine, sizeof fine);
+        error[k] = settled(k ? 1e-6 : 1e-4, &steps, &longest, coarse);
+        assert_true(steps < (k ? 100 : 30) && longest > (k ? 0.5 : 2));
+    }
+    assert_close(error[0] / error[1], pow(100, 2. / 3), 0.3, "errors at 1e-4 and 1e-6");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_line_again),  cmocka_unit_test(uniform_states), cmocka_unit_test(order),
         cmocka_unit_test(bounds_and_mass), cmocka_unit_test(through_flow),   cmocka_unit_test(axes_are_alike),
+        cmocka_unit_test(capacity),        cmocka_unit_test(adaptive_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
