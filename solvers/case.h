@@ -3,10 +3,14 @@
 #define SOLVERS_CASE_H
 
 #include "mesh/grid.h"
-#include "solvers/control.h"
-#include "solvers/initial.h"
-#include "solvers/models.h"
+#include "solvers/medium.h"
+#include "solvers/times.h"
 
+enum { MAX_FILES = 8 };
+struct setup_file { /* a dictionary of the case */
+    const char *folder, *name;
+    const struct dict *dict; /* NULL: not there */
+};
 struct setup { /* the same on every rank, the grid apart */
     const struct comm *comm;
     char dir[TIME_PATH];
@@ -15,20 +19,20 @@ struct setup { /* the same on every rank, the grid apart */
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3 */
     unsigned long checksum;
+    int dim, axis[3];        /* the solved axes */
     struct lattice *lattice; /* NULL: the mesh is none, see why */
     char why[256];
-    struct grid *grid; /* of a forest where the mesh is a lattice and fvSchemes does not ask for a mosaic */
-    struct case_models *models;
+    struct grid *grid; /* of a forest where the mesh is a lattice and the medium does not ask for a mosaic */
+    int nfiles;
+    struct setup_file file[MAX_FILES]; /* the medium's dictionaries, for log, provenance and changes.h */
+    struct medium *medium;
     struct instant start;
-    struct initial *initial;
 };
-/* Is maxCo one that the time scheme allows? */
-status case_courant(const struct control *c, const struct stepper *stepper);
 /* Collective. */
-status case_read(const char *dir, const char *application, const struct comm *c, struct setup **out);
+status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out);
 void case_free(struct setup *s);
-/* The gas on the case's grid, without a state. Collective. */
-status case_gas(const struct setup *s, struct gas **out);
+/* s->grid, of the given rings where it is a mosaic. Collective. */
+status setup_grid(struct setup *s, bool mosaic, int rings);
 /* Bytes a run needs on all ranks together, about. */
 double case_memory(const struct setup *s);
 

@@ -6,30 +6,21 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { FILES = 6, SHOWN = 20, KEY = 1024 };
+enum { FILES = MAX_FILES + 1, SHOWN = 20, KEY = 1024 };
 
-struct file {
-    const char *folder, *name;
-    const struct dict *dict; /* NULL: not there */
-};
-
-static void list_files(const struct setup *s, struct file out[FILES]) {
-    const struct case_models *m = s->models;
-    const struct file all[FILES] = {{"system", "controlDict", s->control->dict},
-                                    {"system", "fvSchemes", m->schemes},
-                                    {"system", "fvSolution", m->solution},
-                                    {"constant", "granularProperties", m->properties},
-                                    {"constant", "g", m->g},
-                                    {"constant", "shaking", m->shaking}};
-    memcpy(out, all, sizeof all);
+/* controlDict, then those of the medium. */
+static int list_files(const struct setup *s, struct setup_file out[FILES]) {
+    out[0] = (struct setup_file){"system", "controlDict", s->control->dict};
+    memcpy(out + 1, s->file, (size_t)s->nfiles * sizeof *out);
+    return 1 + s->nfiles;
 }
 
 void changes_record(struct sink *o, const struct setup *s) {
-    struct file file[FILES];
-    list_files(s, file);
+    struct setup_file file[FILES];
+    const int n = list_files(s, file);
     sink_printf(o, "meshChecksum    \"%016lx\";\ncells           %d;\n", s->checksum, s->mesh->ncells);
     sink_printf(o, "dictionaries\n{\n");
-    for (int i = 0; i < FILES; i++) {
+    for (int i = 0; i < n; i++) {
         char *text = file[i].dict ? dict_print(file[i].dict) : NULL;
         if (!text) continue;
         sink_printf(o, "    %s\n    {\n", file[i].name);
@@ -140,11 +131,11 @@ struct teller { /* prints the heading before the first line */
 
 static void say(struct teller *t, const char *what, const char *key, const char *was, const char *is) {
     if (!t->lines++) fprintf(t->file, "Changed since time %s was written (%s)\n", t->time, t->date);
-    fprintf(t->file, "    %s: %s%s%.100s%s%.100s\n", what, key, was ? " " : " (new) ", was ? was : "", is && was ? " -> " : "",
-            is ? is : " -> (gone)");
+    fprintf(t->file, "    %s: %s%s%.100s%s%.100s\n", what, key, was ? " " : " (new) ", was ? was : "",
+            is && was ? " -> " : "", is ? is : " -> (gone)");
 }
 
-static void compare(struct teller *t, const struct file *file, const struct dict *was) {
+static void compare(struct teller *t, const struct setup_file *file, const struct dict *was) {
     char what[64];
     struct entries a = {0}, b = {0};
     int differ = 0;
@@ -167,7 +158,7 @@ static status tell(FILE *f, const struct setup *s, struct dict *was) {
     const char *checksum, *version, *date;
     char now[32];
     struct dict *all, *one;
-    struct file file[FILES];
+    struct setup_file file[FILES];
     TRY(dict_word_or(was, "meshChecksum", "", &checksum));
     TRY(dict_word_or(was, "version", build_version(), &version));
     TRY(dict_word_or(was, "date", "no date", &date));
@@ -179,8 +170,8 @@ static status tell(FILE *f, const struct setup *s, struct dict *was) {
         fprintf(f, "    WARNING: the fields of time %s belong to another mesh; they are taken cell by cell\n",
                 s->start.name);
     }
-    list_files(s, file);
-    for (int i = 0; all && i < FILES; i++) {
+    const int n = list_files(s, file);
+    for (int i = 0; all && i < n; i++) {
         TRY(dict_sub_optional(all, file[i].name, &one));
         compare(&t, &file[i], one);
     }

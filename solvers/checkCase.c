@@ -1,4 +1,4 @@
-/* checkCase: everything granularGas -dry-run checks. */
+/* checkCase: everything the solver's -dry-run checks. */
 #include "solvers/program.h"
 #include "solvers/run.h"
 
@@ -32,6 +32,6 @@ int main(int argc, char **argv) {
         return 0;
     }
     if (!s) s = comm_start(&argc, &argv, &c);
-    if (!s) s = run_check(dir, c);
+    if (!s) s = run_check(dir, &gas_medium, c);
     return program_end(c, s, false);
 }

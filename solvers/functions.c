@@ -21,52 +21,43 @@ static const struct function_type function_table[] = {
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
-static const struct {
-    const char *name;
-    int components;
-} field_table[GAS_FIELDS] = {
-    [GAS_RHO] = {"rho", 1}, [GAS_ALPHA] = {"alpha", 1}, [GAS_U] = {"U", 3},     [GAS_T] = {"T", 1},
-    [GAS_P] = {"p", 1},     [GAS_C] = {"c", 1},         [GAS_MACH] = {"Ma", 1}, [GAS_LIMITED] = {"limited", 1},
-};
-const char *gas_field_name(enum gas_field field) {
-    return field_table[field].name;
-}
-int gas_field_components(enum gas_field field) {
-    return field_table[field].components;
+const struct quantity *quantity_of(const struct function *f, int field) {
+    return &f->setup->medium->type->quantity[field];
 }
 
-void functions_list(FILE *f) {
+void functions_list(const struct medium_type *m, FILE *f) {
     for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i].name, function_table[i].about);
     fprintf(f, "  fields:");
-    for (int i = 0; i < GAS_FIELDS; i++) fprintf(f, " %s", field_table[i].name);
+    for (int i = 0; i < m->noffered; i++) fprintf(f, " %s", m->quantity[i].name);
     fprintf(f, "\n");
 }
 
 static status read_fields(struct function *f, struct dict *d) {
-    static const enum gas_field five[] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P};
-    const char *const *words;
+    const struct medium_type *m = f->setup->medium->type;
+    const char *const *words, *names[MAX_QUANTITIES];
+    char known[256] = "";
     int n;
-    if (f->type->make == vtk_make && !dict_has(d, "fields")) {
-        f->nfields = 5;
-        memcpy(f->field, five, sizeof five);
-        return OK;
+    for (const int *q = m->shown; f->type->make == vtk_make && !dict_has(d, "fields") && *q >= 0; q++)
+        f->field[f->nfields++] = *q;
+    if (f->nfields) return OK;
+    for (int k = 0; k < m->noffered; k++) {
+        names[k] = m->quantity[k].name;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", k ? " " : "", names[k]);
     }
-    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of rho alpha U T p c Ma limited"));
+    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of %s", known));
     for (int i = 0; i < n; i++) {
-        const char *names[GAS_FIELDS];
-        int k;
-        for (k = 0; k < GAS_FIELDS; k++) names[k] = field_table[k].name;
-        for (k = 0; k < GAS_FIELDS && strcmp(words[i], names[k]);) k++;
-        if (k == GAS_FIELDS) {
-            const char *near = nearest_name(words[i], names, GAS_FIELDS);
-            return dict_fail(d, "fields", "there is no field '%s'; known are rho alpha U T p c Ma limited%s%s%s",
-                             words[i], near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        int k = 0;
+        while (k < m->noffered && strcmp(words[i], names[k])) k++;
+        if (k == m->noffered) {
+            const char *near = nearest_name(words[i], names, m->noffered);
+            return dict_fail(d, "fields", "there is no field '%s'; known are %s%s%s%s", words[i], known,
+                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
         }
         for (int j = 0; j < f->nfields; j++)
-            if ((int)f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
-        f->field[f->nfields++] = (enum gas_field)k;
+            if (f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
+        f->field[f->nfields++] = k;
     }
-    if (!n) return dict_fail(d, "fields", "it is empty; known are rho alpha U T p c Ma limited");
+    if (!n) return dict_fail(d, "fields", "it is empty; known are %s", known);
     return OK;
 }
 
@@ -124,7 +115,7 @@ void functions_free(struct functions *f) {
     if (!f) return;
     for (int i = 0; i < f->n; i++) {
         struct function *g = &f->all[i];
-        for (int k = 0; k < GAS_FIELDS; k++)
+        for (int k = 0; k < MAX_QUANTITIES; k++)
             if (g->file[k]) fclose(g->file[k]);
         free(g->spot);
         free(g->line);
@@ -142,19 +133,18 @@ double functions_next(const struct functions *f, double t) {
     return next;
 }
 
-status functions_execute(struct functions *f, const struct gas *g, const struct moment *before,
-                         const struct moment *now, const char *name) {
+status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name) {
     for (int i = 0; i < f->n; i++) {
         struct function *one = &f->all[i];
         if (before && !trigger_due(&one->trigger, before, now)) continue;
-        TRY(status_note(one->type->execute(one, g, now, name), "function object '%s'", one->name));
+        TRY(status_note(one->type->execute(one, now, name), "function object '%s'", one->name));
     }
     return OK;
 }
 
-void function_block(const struct function *f, const struct gas *g, int block, enum gas_field field, double *lines[3]) {
+void function_block(const struct function *f, int block, int field, double *lines[3]) {
     for (int c = 0; c < 3; c++) lines[c] = f->block_values + (long)c * f->setup->grid->block[block].ncells;
-    gas_block_field(g, block, field, lines);
+    f->setup->medium->type->block(f->setup->medium, block, field, lines);
 }
 
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {

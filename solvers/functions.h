@@ -9,12 +9,11 @@ struct functions;
 /* Reads the dictionary and checks all of it; opens no file. Collective. */
 status functions_make(const struct setup *s, struct functions **out);
 void functions_free(struct functions *f);
-void functions_list(FILE *f); /* every type with its line */
+void functions_list(const struct medium_type *m, FILE *f); /* every type with its line */
 
 /* The first time after t at which one of them wants a step to end; INFINITY: none. */
 double functions_next(const struct functions *f, double t);
 /* Executes those that are due; before NULL: the start, when all are. name: of the time, for files. Collective. */
-status functions_execute(struct functions *f, const struct gas *g, const struct moment *before,
-                         const struct moment *now, const char *name);
+status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name);
 
 #endif

@@ -24,16 +24,15 @@ status extremes_make(struct function *f, struct dict *d) {
 }
 
 /* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
-static void find_extremes(const struct function *f, const struct gas *g, enum gas_field field, double value[2],
-                          int cell[2]) {
+static void find_extremes(const struct function *f, int field, double value[2], int cell[2]) {
     const struct grid *grid = f->setup->grid;
     double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], *lines[3];
     for (int b = 0; b < grid->nblocks; b++) {
         const struct grid_block *block = &grid->block[b];
-        function_block(f, g, b, field, lines);
+        function_block(f, b, field, lines);
         for (int i = 0; i < block->ncells; i++) {
             double v = lines[0][i];
-            if (gas_field_components(field) == 3) {
+            if (quantity_of(f, field)->components == 3) {
                 double square = 0;
                 for (int k = 0; k < grid->dim; k++) square += lines[k][i] * lines[k][i];
                 v = sqrt(square);
@@ -58,7 +57,7 @@ static void find_extremes(const struct function *f, const struct gas *g, enum ga
     }
 }
 
-status extremes_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+status extremes_execute(struct function *f, const struct moment *now, const char *time) {
     (void)time;
     bool root = comm_root(f->setup->comm);
     status s = OK;
@@ -71,15 +70,15 @@ status extremes_execute(struct function *f, const struct gas *g, const struct mo
     for (int k = 0; k < f->nfields; k++) {
         double v[2];
         int cell[2];
-        find_extremes(f, g, f->field[k], v, cell);
+        find_extremes(f, f->field[k], v, cell);
         if (!root || s) continue;
         const double *a = f->setup->centre + 3L * cell[0], *b = f->setup->centre + 3L * cell[1];
         fprintf(f->file[0], "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
-                gas_field_name(f->field[k]), v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
+                quantity_of(f, f->field[k])->name, v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
         s = finish_row(f, f->file[0]);
         if (f->log)
-            printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, gas_field_name(f->field[k]), v[0],
-                   gas_field_name(f->field[k]), v[1]);
+            printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, quantity_of(f, f->field[k])->name, v[0],
+                   quantity_of(f, f->field[k])->name, v[1]);
     }
     return comm_agree(f->setup->comm, s);
 }
@@ -95,12 +94,11 @@ status integral_make(struct function *f, struct dict *d) {
 }
 
 /* One block: the sums of a field's m components and, last, of the weights; the extremes. */
-static void reduce_block(const struct function *f, const struct gas *g, enum gas_field field, int b, int m,
-                         double sum[4], double extreme[3]) {
+static void reduce_block(const struct function *f, int field, int b, int m, double sum[4], double extreme[3]) {
     const struct grid_block *block = &f->setup->grid->block[b];
     const double *volume = f->setup->grid->volume;
     double *lines[3];
-    function_block(f, g, b, field, lines);
+    function_block(f, b, field, lines);
     for (int c = 0; c <= m; c++) sum[c] = 0;
     for (int i = 0; i < block->ncells; i++) {
         double weight = f->operation == SUM ? 1 : volume[block->cell[i]];
@@ -113,14 +111,14 @@ static void reduce_block(const struct function *f, const struct gas *g, enum gas
 }
 
 /* Sums run cell by cell within a block and block by block over all ranks: the same bits on any number of them. */
-static status reduce(const struct function *f, const struct gas *g, enum gas_field field, double out[3]) {
+static status reduce(const struct function *f, int field, double out[3]) {
     const struct grid *grid = f->setup->grid;
-    bool vector = gas_field_components(field) == 3;
+    bool vector = quantity_of(f, field)->components == 3;
     int m = vector ? grid->dim : 1;
     double *per_block, sum[4] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     TRY(allocate(&per_block, (m + 1L) * (grid->nblocks + 1), sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++) {
-        reduce_block(f, g, field, b, m, sum, result);
+        reduce_block(f, field, b, m, sum, result);
         for (int c = 0; c <= m; c++) per_block[(long)c * grid->nblocks + b] = sum[c];
     }
     status s = OK;
@@ -150,28 +148,28 @@ static status integral_open(struct function *f) {
     fprintf(f->file[0], "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", grid->ncells_all,
             volume + part);
     for (int k = 0; k < f->nfields; k++)
-        fprintf(f->file[0], "\t%s(%s)", operation_names[f->operation], gas_field_name(f->field[k]));
+        fprintf(f->file[0], "\t%s(%s)", operation_names[f->operation], quantity_of(f, f->field[k])->name);
     fprintf(f->file[0], "\n");
     return OK;
 }
 
-status integral_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+status integral_execute(struct function *f, const struct moment *now, const char *time) {
     (void)time;
     bool root = comm_root(f->setup->comm);
     status s = root && !f->file[0] ? integral_open(f) : OK;
     if (root && !s) fprintf(f->file[0], "%-16.12g", now->t);
     for (int k = 0; k < f->nfields; k++) {
         double v[3];
-        status reduced = reduce(f, g, f->field[k], v);
+        status reduced = reduce(f, f->field[k], v);
         if (!s) s = reduced;
         if (!root || s) continue;
-        if (gas_field_components(f->field[k]) == 3)
+        if (quantity_of(f, f->field[k])->components == 3)
             fprintf(f->file[0], "\t(%.15g %.15g %.15g)", v[0], v[1], v[2]);
         else
             fprintf(f->file[0], "\t%.15g", v[0]);
         if (f->log)
-            printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[f->operation], gas_field_name(f->field[k]),
-                   v[0]);
+            printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[f->operation],
+                   quantity_of(f, f->field[k])->name, v[0]);
     }
     if (root && !s) s = finish_row(f, f->file[0]);
     return comm_agree(f->setup->comm, s);
@@ -195,8 +193,8 @@ static status write_file(const struct function *f, const struct moment *now, con
     return vtk_series_write(folder, f->setup->name, now->t);
 }
 
-status vtk_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
-    struct vtk_field fields[GAS_FIELDS];
+status vtk_execute(struct function *f, const struct moment *now, const char *time) {
+    struct vtk_field fields[MAX_QUANTITIES];
     const struct setup *s = f->setup;
     long n = s->mesh->ncells;
     bool root = comm_root(s->comm);
@@ -206,8 +204,9 @@ status vtk_execute(struct function *f, const struct gas *g, const struct moment 
     TRY(comm_agree(s->comm, e));
     for (int k = 0; k < f->nfields; k++) {
         double *values = root ? f->all_values + 3 * n * k : NULL;
-        TRY(output_gather(s, g, f->field[k], values));
-        fields[k] = (struct vtk_field){gas_field_name(f->field[k]), gas_field_components(f->field[k]), values};
+        TRY(output_gather(s, f->field[k], values));
+        fields[k] =
+            (struct vtk_field){quantity_of(f, f->field[k])->name, quantity_of(f, f->field[k])->components, values};
     }
     return comm_agree(s->comm, root ? write_file(f, now, time, fields) : OK);
 }

@@ -43,9 +43,9 @@ status function_place(struct function *f, struct dict *d, const char *key, int n
     return OK;
 }
 
-status function_sample(const struct function *f, const struct gas *g, enum gas_field field, double **out) {
+status function_sample(const struct function *f, int field, double **out) {
     const struct grid *grid = f->setup->grid;
-    int m = gas_field_components(field);
+    int m = quantity_of(f, field)->components;
     double *lines[3];
     TRY(allocate(out, (long)(f->nspots + 1) * m, sizeof(double), "samples"));
     for (long i = 0; i < (long)f->nspots * m; i++) (*out)[i] = -HUGE_VAL;
@@ -53,7 +53,7 @@ status function_sample(const struct function *f, const struct gas *g, enum gas_f
         bool wanted = false;
         for (int i = 0; i < f->nspots; i++) wanted |= f->spot[i].block == b;
         if (!wanted) continue;
-        function_block(f, g, b, field, lines);
+        function_block(f, b, field, lines);
         for (int i = 0; i < f->nspots; i++) {
             if (f->spot[i].block != b) continue;
             double *to = *out + (long)i * m;
@@ -85,7 +85,7 @@ status probes_make(struct function *f, struct dict *d) {
 }
 
 static status probes_open(struct function *f, int field) {
-    TRY(function_open(f, f->setup->start.name, gas_field_name(f->field[field]), &f->file[field]));
+    TRY(function_open(f, f->setup->start.name, quantity_of(f, f->field[field])->name, &f->file[field]));
     for (int i = 0; i < f->nspots; i++)
         fprintf(f->file[field], "# Probe %d (%.12g %.12g %.12g)%s\n", i, f->spot[i].x[0], f->spot[i].x[1],
                 f->spot[i].x[2], f->spot[i].inside ? "" : "  # Not Found");
@@ -93,12 +93,12 @@ static status probes_open(struct function *f, int field) {
     return OK;
 }
 
-status probes_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+status probes_execute(struct function *f, const struct moment *now, const char *time) {
     (void)time;
     for (int k = 0; k < f->nfields; k++) {
         double *values;
-        int m = gas_field_components(f->field[k]);
-        TRY(function_sample(f, g, f->field[k], &values));
+        int m = quantity_of(f, f->field[k])->components;
+        TRY(function_sample(f, f->field[k], &values));
         status s = OK;
         if (comm_root(f->setup->comm)) {
             if (!f->file[k]) s = probes_open(f, k);
@@ -179,15 +179,15 @@ static status write_line(const struct function *f, const struct line *l, double 
     FILE *file;
     int length = snprintf(name, sizeof name, "%s", l->name);
     for (int k = 0; k < f->nfields; k++)
-        if (vectors ? k == only : gas_field_components(f->field[k]) == 1)
-            length += snprintf(name + length, sizeof name - (size_t)length, "_%s", gas_field_name(f->field[k]));
+        if (vectors ? k == only : quantity_of(f, f->field[k])->components == 1)
+            length += snprintf(name + length, sizeof name - (size_t)length, "_%s", quantity_of(f, f->field[k])->name);
     snprintf(name + length, sizeof name - (size_t)length, ".xy");
     TRY(function_open(f, time, name, &file));
     for (int i = l->first; i < l->first + l->n; i++) {
         if (!f->spot[i].inside) continue;
         print_place(file, l, &f->spot[l->first], &f->spot[i]);
         for (int k = 0; k < f->nfields; k++) {
-            if (!vectors && gas_field_components(f->field[k]) == 1) fprintf(file, "\t%.12g", values[k][i]);
+            if (!vectors && quantity_of(f, f->field[k])->components == 1) fprintf(file, "\t%.12g", values[k][i]);
             for (int x = 0; vectors && k == only && x < 3; x++) fprintf(file, "\t%.12g", values[k][3 * (long)i + x]);
         }
         fprintf(file, "\n");
@@ -197,20 +197,20 @@ static status write_line(const struct function *f, const struct line *l, double 
                                : OK;
 }
 
-status sets_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time) {
+status sets_execute(struct function *f, const struct moment *now, const char *time) {
     (void)now;
-    double *values[GAS_FIELDS] = {NULL};
+    double *values[MAX_QUANTITIES] = {NULL};
     bool scalars = false;
     status s = OK;
     for (int k = 0; k < f->nfields; k++) {
-        status sampled = function_sample(f, g, f->field[k], &values[k]);
+        status sampled = function_sample(f, f->field[k], &values[k]);
         if (!s) s = sampled;
-        scalars |= gas_field_components(f->field[k]) == 1;
+        scalars |= quantity_of(f, f->field[k])->components == 1;
     }
     for (int i = 0; !s && comm_root(f->setup->comm) && i < f->nlines; i++) {
         if (scalars) s = write_line(f, &f->line[i], values, time, false, -1);
         for (int k = 0; !s && k < f->nfields; k++)
-            if (gas_field_components(f->field[k]) == 3) s = write_line(f, &f->line[i], values, time, true, k);
+            if (quantity_of(f, f->field[k])->components == 3) s = write_line(f, &f->line[i], values, time, true, k);
     }
     for (int k = 0; k < f->nfields; k++) free(values[k]);
     return comm_agree(f->setup->comm, s);

@@ -22,45 +22,44 @@ struct function {
     struct trigger trigger;
     bool log;
     int nfields;
-    enum gas_field field[GAS_FIELDS];
+    int field[MAX_QUANTITIES];
     int operation; /* volFieldValue */
     int nspots;
     struct spot *spot;
     int nlines;
     struct line *line;
-    bool ascii;             /* vtk */
-    struct vtk_grid *grid;  /* vtk, on the root */
-    FILE *file[GAS_FIELDS]; /* root; opened by the first execution */
-    double *block_values;   /* [3][largest block] */
-    double *all_values;     /* vtk: root's [nfields][3 ncells] */
+    bool ascii;                 /* vtk */
+    struct vtk_grid *grid;      /* vtk, on the root */
+    FILE *file[MAX_QUANTITIES]; /* root; opened by the first execution */
+    double *block_values;       /* [3][largest block] */
+    double *all_values;         /* vtk: root's [nfields][3 ncells] */
 };
 struct function_type {
     const char *name, *about;
     status (*make)(struct function *f, struct dict *d);
-    status (*execute)(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+    status (*execute)(struct function *f, const struct moment *now, const char *time);
 };
 
-const char *gas_field_name(enum gas_field field);
-int gas_field_components(enum gas_field field); /* 1 or 3 */
+const struct quantity *quantity_of(const struct function *f, int field);
 /* Values of a block's cells in f->block_values; lines[c] for computational axis c. */
-void function_block(const struct function *f, const struct gas *g, int block, enum gas_field field, double *lines[3]);
+void function_block(const struct function *f, int block, int field, double *lines[3]);
 /* postProcessing/<function>/<folder>/<file>, made with its folders; on the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
 /* Appends spots for n points; outside the mesh: an error unless allowed. Collective. */
 status function_place(struct function *f, struct dict *d, const char *key, int n, const double *points,
                       bool allow_outside);
 /* Values at the spots on every rank: [nspots][components], physical axes; malloc'd. */
-status function_sample(const struct function *f, const struct gas *g, enum gas_field field, double **out);
+status function_sample(const struct function *f, int field, double **out);
 
 status probes_make(struct function *f, struct dict *d);
-status probes_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+status probes_execute(struct function *f, const struct moment *now, const char *time);
 status sets_make(struct function *f, struct dict *d);
-status sets_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+status sets_execute(struct function *f, const struct moment *now, const char *time);
 status extremes_make(struct function *f, struct dict *d);
-status extremes_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+status extremes_execute(struct function *f, const struct moment *now, const char *time);
 status integral_make(struct function *f, struct dict *d);
-status integral_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+status integral_execute(struct function *f, const struct moment *now, const char *time);
 status vtk_make(struct function *f, struct dict *d);
-status vtk_execute(struct function *f, const struct gas *g, const struct moment *now, const char *time);
+status vtk_execute(struct function *f, const struct moment *now, const char *time);
 
 #endif

@@ -3,7 +3,8 @@
 #ifndef SOLVERS_LIMITER_H
 #define SOLVERS_LIMITER_H
 
-#include "solvers/functions.h"
+#include "libcore/gas.h"
+#include "solvers/case.h"
 
 struct limiter_table {        /* zeroed: nothing happened yet */
     struct gas_counts counts; /* at the last row */

@@ -1,5 +1,6 @@
 #include "solvers/output.h"
 
+#include "libcore/boundary.h"
 #include "solvers/decompose.h"
 #include "solvers/report.h"
 
@@ -11,7 +12,6 @@
 struct output {
     const struct setup *setup;
     double *values;              /* root: [ncells][3] */
-    double *line[MAX_VAR];       /* root: [ncells] each */
     double last_time;            /* written; NAN: none */
     int precision;               /* of time names, widened where needed */
     struct checksums sums;       /* of the time that is being written; root */
@@ -56,7 +56,6 @@ status output_make(const struct setup *s, struct output **out) {
     TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
     TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
     if (o->parts) TRY(allocate(&o->part_values, 3 * n, sizeof(double), "a field to write"));
-    for (int v = 0; v < 2 + s->grid->dim; v++) TRY(allocate(&o->line[v], n, sizeof(double), "a field to write"));
     return OK;
 }
 
@@ -66,7 +65,6 @@ void output_free(struct output *o) {
     free(o->part_values);
     free(o->patch_values);
     free(o->values);
-    for (int v = 0; v < MAX_VAR; v++) free(o->line[v]);
     free(o->name);
     free(o);
 }
@@ -83,23 +81,23 @@ static void interleave(const struct setup *s, double *const *line, bool vector, 
         for (long i = 0; i < n; i++) out[3 * i + s->grid->axis[k]] = line[k][i];
 }
 
-status output_gather(const struct setup *s, const struct gas *g, enum gas_field field, double *out) {
+status output_gather(const struct setup *s, int quantity, double *out) {
     double *line[3] = {NULL, NULL, NULL};
-    int components = field == GAS_U ? s->grid->dim : 1;
+    const bool vector = s->medium->type->quantity[quantity].components == 3;
+    int components = vector ? s->grid->dim : 1;
     status e = OK;
     for (int k = 0; !e && k < components && comm_root(s->comm); k++)
         e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
     e = comm_agree(s->comm, e);
-    if (!e) e = gas_field(g, field, line);
-    if (!e && comm_root(s->comm)) interleave(s, line, field == GAS_U, out);
+    if (!e) e = s->medium->type->gather(s->medium, quantity, line);
+    if (!e && comm_root(s->comm)) interleave(s, line, vector, out);
     for (int k = 0; k < 3; k++) free(line[k]);
     return e;
 }
 
 struct printing { /* context of a patch entry */
-    const struct initial *initial;
-    int field; /* enum field_id, or -1: derived on every patch */
-    int components;
+    const struct medium *medium;
+    int quantity, components;
     const double *values;        /* of the cells of the mesh that is written */
     const struct part *part;     /* of a decomposed case, or NULL */
     const double *all;           /* with part: of the case's cells */
@@ -160,22 +158,27 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
         print_cells(s, w, p, c, true);
         return;
     }
-    const enum field_id *from = c->initial->from[p];
-    bool given = c->field >= 0 && ((int)from[0] == c->field || (int)from[1] == c->field || (int)from[2] == c->field);
-    const struct patch_field *q = given ? &c->initial->field[c->field]->patch[p] : NULL;
-    sink_printf(s, "        %-15s %s;\n", "type", given ? q->type : "calculated");
-    const struct boundary_type *b = given ? boundary_find(q->type) : NULL;
-    if (b && b->value) print_given(s, w, p, b->value, q, c);
+    const struct patch_field *given = c->medium->type->patch(c->medium, c->quantity, p);
+    sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
+    const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
+    if (b && b->value) print_given(s, w, p, b->value, given, c);
     if (!given || (b && b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false);
 }
 
 /* o->values in the case's folder, then each part's in its own. */
-static status write_one(struct output *o, const struct field_writer *w, const char *name, int field, int components,
-                        const signed char dimensions[7]) {
-    struct printing c = {o->setup->initial,     field,          components, o->values, NULL, o->values,
+static status write_one(struct output *o, const struct field_writer *writer, int quantity) {
+    const struct quantity *q = &o->setup->medium->type->quantity[quantity];
+    const int components = q->components;
+    const char *name = q->name;
+    struct printing c = {o->setup->medium,      quantity,       components, o->values, NULL, o->values,
                          o->setup->mesh->patch, o->patch_values};
+    struct foam_format exact = *writer->format;
+    struct field_writer all_digits = *writer;
+    exact.precision = 17;
+    all_digits.format = &exact;
+    const struct field_writer *w = q->exact ? &all_digits : writer;
     struct file_sum sum;
-    TRY(field_write(w, name, components, dimensions, o->values, print_patch, &c, &sum));
+    TRY(field_write(w, name, components, q->dimensions, o->values, print_patch, &c, &sum));
     TRY(checksums_add(&o->sums, name, sum));
     for (int k = 0; o->parts && k < o->parts->n; k++) {
         struct part *part = &o->parts->part[k];
@@ -185,42 +188,23 @@ static status write_one(struct output *o, const struct field_writer *w, const ch
                    (size_t)components * sizeof(double));
         c.part = part;
         c.values = o->part_values;
-        TRY(field_write(&there, name, components, dimensions, o->part_values, print_patch, &c, &sum));
+        TRY(field_write(&there, name, components, q->dimensions, o->part_values, print_patch, &c, &sum));
         TRY(checksums_add(&part->sums, name, sum));
     }
     return OK;
 }
 
-/* Derived fields with the user's digits, the conserved ones with all: they restart the run bit by bit. */
-static status write_fields(struct output *o, const struct gas *g, const struct field_writer *w) {
-    static const signed char momentum[7] = {1, -2, -1, 0, 0, 0, 0}, energy[7] = {1, -1, -2, 0, 0, 0, 0};
-    static const enum gas_field source[FIELD_COUNT] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P};
+/* Each rank takes part in each gather, whether or not the root could write what came before. */
+static status write_fields(struct output *o, const struct field_writer *w) {
     const struct setup *s = o->setup;
-    bool root = comm_root(s->comm);
-    struct foam_format exact = *w->format;
-    exact.precision = 17;
-    struct field_writer all_digits = *w;
-    all_digits.format = &exact;
+    const struct medium *m = s->medium;
     status e = OK;
-    for (int f = FIELD_ALPHA; f < FIELD_COUNT; f++) {
-        status gathered = output_gather(s, g, source[f], o->values);
-        if (!gathered && !e && root)
-            e = write_one(o, w, field_kinds[f].name, f, field_kinds[f].components, field_kinds[f].dimensions);
+    for (const int *q = m->type->written; *q >= 0; q++) {
+        if (m->type->present && !m->type->present(m, *q)) continue;
+        status gathered = output_gather(s, *q, o->values);
+        if (!gathered && !e && comm_root(s->comm)) e = write_one(o, w, *q);
         if (gathered) status_free(e), e = gathered;
     }
-    TRY(comm_agree(s->comm, e));
-    if (gas_counts(g).cells > 0) {
-        TRY(output_gather(s, g, GAS_LIMITED, o->values));
-        TRY(comm_agree(s->comm, root ? write_one(o, w, "limited", -1, 1, (const signed char[7]){0}) : OK));
-    }
-    TRY(gas_get_conserved(g, o->line));
-    if (!root) return comm_agree(s->comm, OK);
-    interleave(s, o->line, false, o->values);
-    e = write_one(o, &all_digits, "rho", FIELD_RHO, 1, field_kinds[FIELD_RHO].dimensions);
-    interleave(s, o->line + 1, true, o->values);
-    if (!e) e = write_one(o, &all_digits, "rhoU", -1, 3, momentum);
-    interleave(s, o->line + 1 + s->grid->dim, false, o->values);
-    if (!e) e = write_one(o, &all_digits, "rhoE", -1, 1, energy);
     return comm_agree(s->comm, e);
 }
 
@@ -259,17 +243,16 @@ static status begin(struct output *o, const char *name, char folder[TIME_PATH]) 
     return decompose_begin(o->parts, name);
 }
 
-static status write_all(struct output *o, const struct gas *g, const struct instant *at, char folder[TIME_PATH]) {
+static status write_all(struct output *o, const struct instant *at, char folder[TIME_PATH]) {
     const struct setup *s = o->setup;
     bool root = comm_root(s->comm);
     const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
-    TRY(write_fields(o, g, &w));
+    TRY(write_fields(o, &w));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
-status output_write(struct output *o, const struct gas *g, double t, long step, double delta_t,
-                    char written[TIME_NAME]) {
+status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]) {
     const struct setup *s = o->setup;
     const struct control *c = s->control;
     struct instant at = {
@@ -279,7 +262,7 @@ status output_write(struct output *o, const struct gas *g, double t, long step, 
     if (digits > o->precision && comm_root(s->comm))
         printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
     o->precision = digits;
-    status e = write_all(o, g, &at, folder);
+    status e = write_all(o, &at, folder);
     if (e) { /* room on a full disk; the next run would do it too */
         if (*folder) status_free(remove_folder(folder));
         for (int k = 0; o->parts && k < o->parts->n; k++)

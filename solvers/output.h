@@ -1,5 +1,4 @@
-/* Written times: the five fields, the conserved state, uniform/time, and `limited`, how often each cell was limited
- * since the run started, if any was; one at a time, whole or not at all. */
+/* Written times: the quantities of the medium and uniform/time; one at a time, whole or not at all. */
 #ifndef SOLVERS_OUTPUT_H
 #define SOLVERS_OUTPUT_H
 
@@ -10,11 +9,11 @@ status output_make(const struct setup *s, struct output **out);
 void output_free(struct output *o);
 
 /* Collective; the root writes CASE/NAME. written: the folder's name (on the root). */
-status output_write(struct output *o, const struct gas *g, double t, long step, double delta_t,
+status output_write(struct output *o, double t, long step, double delta_t,
                     char written[TIME_NAME]);
 
 /* One field on the root, interleaved [ncells][components] with vectors in physical axes; collective. out: room for
  * 3 ncells doubles on the root. */
-status output_gather(const struct setup *s, const struct gas *g, enum gas_field field, double *out);
+status output_gather(const struct setup *s, int quantity, double *out);
 
 #endif

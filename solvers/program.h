@@ -21,4 +21,8 @@ status options_relaunch(int argc, char **argv, const struct options *o);
 /* Prints an error once (on the root), frees it, ends MPI; the exit code. c may be NULL: MPI was not started. */
 int program_end(struct comm *c, status s, bool debug);
 
+struct medium_type;
+/* The main of a solver. */
+int solver_main(int argc, char **argv, const struct medium_type *type);
+
 #endif

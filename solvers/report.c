@@ -72,11 +72,10 @@ static void print_mesh(FILE *f, const struct setup *s) {
 }
 
 static void print_dictionaries(FILE *f, const struct setup *s) {
-    const struct dict *all[] = {s->control->dict,      s->models->schemes, s->models->solution,
-                                s->models->properties, s->models->g,       s->models->shaking};
-    for (int i = 0; i < 6; i++) {
-        char *text = all[i] ? dict_print(all[i]) : NULL;
-        if (text) fprintf(f, "\n// %s\n%s", dict_path(all[i]), text);
+    for (int i = -1; i < s->nfiles; i++) {
+        const struct dict *d = i < 0 ? s->control->dict : s->file[i].dict;
+        char *text = d ? dict_print(d) : NULL;
+        if (text) fprintf(f, "\n// %s\n%s", dict_path(d), text);
         free(text);
     }
     fprintf(f, "\n");
@@ -88,7 +87,7 @@ void report_header(FILE *f, const struct setup *s, bool dictionaries) {
     fprintf(f, "haff %s\n    compiler  %s\n    started   %s on %s, %d rank%s\n    case      %s\n", build_version(),
             build_compiler(), date, host, comm_size(s->comm), comm_size(s->comm) == 1 ? "" : "s", s->dir);
     print_mesh(f, s);
-    models_print(f, s->models, s->grid->mosaic != NULL);
+    s->medium->type->describe(s->medium, f);
     fprintf(f, "Control\n    from time %s (step %ld) to %g, maxCo %g\n", s->start.name, s->start.step,
             s->control->end_time, s->control->max_co);
     if (dict_has(s->control->dict, "libs")) fprintf(f, "    'libs' is ignored: nothing is loaded at run time\n");
@@ -107,27 +106,18 @@ status provenance_write(const char *path, const char *location, const struct set
     sink_printf(o, "version         \"%s\";\ncompiler        \"%s\";\n", build_version(), build_compiler());
     sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date,
                 comm_size(s->comm));
-    const struct gas_models *g = &s->models->gas;
-    bool polyhedral = s->grid->mosaic != NULL;
-    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
-                g->stepper->name);
-    sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
-                polyhedral ? "polyReconstruct" : "reconstruct    ",
-                polyhedral ? g->polynomial->name : g->reconstruct->name);
+    s->medium->type->provenance(s->medium, o);
     changes_record(o, s);
     return sink_close(o);
 }
 
-status progress_start(struct progress *p, const struct setup *s, struct gas *g) {
+void progress_start(struct progress *p, const struct setup *s) {
     *p = (struct progress){.start_clock = clock_now(), .last_log = -HUGE_VAL, .first_step = s->start.step};
     p->mark_clock = p->start_clock;
     p->mark_time = s->start.t;
-    p->counts = gas_counts(g);
-    return gas_totals(g, p->totals);
 }
 
-/* Smallest and largest value of a scalar field over all ranks. */
-static status extremes(const struct setup *s, const struct gas *g, enum gas_field field, double range[2]) {
+status report_extremes(const struct setup *s, int quantity, double range[2]) {
     const struct grid *grid = s->grid;
     double pair[2] = {HUGE_VAL, HUGE_VAL};
     for (int b = 0; b < grid->nblocks; b++) {
@@ -135,7 +125,7 @@ static status extremes(const struct setup *s, const struct gas *g, enum gas_fiel
         double *values = NULL;
         TRY(allocate(&values, n, sizeof(double), "a block's field"));
         double *const out[3] = {values, NULL, NULL};
-        gas_block_field(g, b, field, out);
+        s->medium->type->block(s->medium, b, quantity, out);
         for (int i = 0; i < n; i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);
@@ -146,23 +136,6 @@ static status extremes(const struct setup *s, const struct gas *g, enum gas_fiel
     range[0] = pair[0];
     range[1] = -pair[1];
     return OK;
-}
-
-/* What must stay, drifts; what flows in or out or is taken by a source, changes. */
-static const char *word_for(const struct setup *s, bool energy) {
-    for (int p = 0; p < s->mesh->npatches; p++) {
-        const struct boundary_type *type = s->initial->rules[p].velocity.type;
-        if (type && !type->reflects) return "change";
-    }
-    return energy && source_active(&s->models->gas.source, &s->models->gas.material) ? "change" : "drift";
-}
-
-static void print_totals(FILE *f, const struct progress *p, const struct setup *s, const double now[MAX_VAR]) {
-    int dim = s->grid->dim;
-    const double *was = p->totals;
-    fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(s, false), now[0] / was[0] - 1);
-    for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);
-    fprintf(f, ")  energy %.10g (%s %+.2e)\n", now[1 + dim], word_for(s, true), now[1 + dim] / was[1 + dim] - 1);
 }
 
 static void print_duration(FILE *f, double seconds) {
@@ -193,40 +166,16 @@ static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) 
     fprintf(f, "\n");
 }
 
-static const char *plural(long n) {
-    return n == 1 ? "" : "s";
-}
-
-/* What was done since the entry before to keep the state admissible. */
-static void print_limited(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
-    const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
-    const long floored = n->floored - was->floored;
-    if (cells > 0)
-        fprintf(f, "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld, %ld)\n", faces,
-                plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
-    if (rejected > 0) fprintf(f, "    rejected: %ld step%s (in all %ld)\n", rejected, plural(rejected), n->rejected);
-    if (floored > 0)
-        fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
-                n->energy - was->energy, n->floored, n->energy);
-}
-
-status progress_print(struct progress *p, const struct setup *s, struct gas *g, const struct step_entry *e) {
-    double alpha[2], T[2], mach[2], totals[MAX_VAR];
-    TRY(extremes(s, g, GAS_ALPHA, alpha));
-    TRY(extremes(s, g, GAS_T, T));
-    TRY(extremes(s, g, GAS_MACH, mach));
-    TRY(gas_totals(g, totals));
+status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e) {
+    const bool root = comm_root(s->comm);
     p->last_log = clock_now();
-    struct gas_counts n = gas_counts(g), was = p->counts;
-    p->counts = n;
-    if (!comm_root(s->comm)) return OK;
-    printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
-    if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
-    printf(")  Courant %.4f\n", e->courant);
-    printf("    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
-           mach[1]);
-    print_totals(stdout, p, s, totals);
-    print_limited(stdout, &was, &n);
+    if (root) {
+        printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
+        if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
+        printf(")  Courant %.4f\n", e->courant);
+    }
+    TRY(s->medium->type->log(s->medium, stdout));
+    if (!root) return OK;
     print_pace(stdout, p, e);
     fflush(stdout);
     return OK;

@@ -15,10 +15,8 @@ status provenance_write(const char *path, const char *location, const struct set
 
 struct progress {                 /* of a run, for its log */
     double start_clock, last_log; /* s */
-    double totals[MAX_VAR];       /* at the start */
     double mark_clock, mark_time; /* s: where the present pace was measured from */
     double pace;                  /* s of the clock for a second of the run, lately */
-    struct gas_counts counts;     /* at the last entry */
     long first_step;
 };
 double clock_now(void); /* s, wall */
@@ -31,8 +29,11 @@ struct step_entry { /* what one log entry says */
     double place[3]; /* of the cell that limits, if `limit` is the Courant number */
     bool at_cell;
 };
-status progress_start(struct progress *p, const struct setup *s, struct gas *g);
-/* Collective: prints extremes, totals, counts, speed and what is left. */
-status progress_print(struct progress *p, const struct setup *s, struct gas *g, const struct step_entry *e);
+void progress_start(struct progress *p, const struct setup *s);
+/* Collective: prints the step, the medium's lines, speed and what is left. */
+status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e);
+
+/* Smallest and largest value of a scalar quantity over all ranks. */
+status report_extremes(const struct setup *s, int quantity, double range[2]);
 
 #endif

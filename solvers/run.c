@@ -2,7 +2,6 @@
 
 #include "solvers/changes.h"
 #include "solvers/functions.h"
-#include "solvers/limiter.h"
 #include "solvers/lock.h"
 #include "solvers/output.h"
 #include "solvers/params.h"
@@ -13,17 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char application[] = "granularGas";
-
 struct run {
     struct setup *setup;
-    struct gas *gas;
     struct functions *functions;
     struct output *output;
     struct progress progress;
-    struct limiter_table limiter;
     struct moment now;
-    double dt;           /* s: the last step */
+    double dt;           /* s: the last step, or the next to try */
     double written_time; /* NAN: none yet */
     bool stop;
 };
@@ -48,9 +43,10 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN);
 }
 
-static status read_everything(const char *dir, const struct comm *c, struct setup **s, struct functions **f) {
+static status read_everything(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **s,
+                              struct functions **f) {
     *f = NULL;
-    TRY(case_read(dir, application, c, s));
+    TRY(case_read(dir, type, c, s));
     TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
@@ -69,30 +65,15 @@ static void print_control(const struct setup *s) {
     }
 }
 
-static status check_state(const struct setup *s, double *stable) {
-    struct gas *g = NULL;
-    struct gas_speed speed;
-    TRY(case_gas(s, &g));
-    status e = OK;
-    if (s->initial->conserved[0])
-        gas_set_conserved(g, (const double *const *)s->initial->conserved);
-    else
-        e = gas_set(g, s->initial->rho, (const double *const *)s->initial->u, s->initial->T);
-    if (!e) e = gas_check(g);
-    if (!e) gas_speed(g, &speed);
-    if (!e) *stable = s->control->max_co / speed.rate;
-    gas_free(g);
-    return e;
-}
-
 static status print_check(const struct setup *s) {
-    double stable = 0;
-    TRY(check_state(s, &stable));
+    struct pace pace;
+    TRY(s->medium->type->start(s->medium));
+    s->medium->type->plan(s->medium, s->control, &pace);
     if (!comm_root(s->comm)) return OK;
     report_header(stdout, s, true);
     changes_print(stdout, s);
     print_control(s);
-    double dt = s->control->adjust ? fmin(stable, s->control->max_delta_t) : s->control->delta_t;
+    double dt = s->control->adjust ? fmin(pace.stable, s->control->max_delta_t) : s->control->delta_t;
     printf("\nfirst time step about %.3g s", dt);
     if (isfinite(s->control->end_time))
         printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
@@ -100,10 +81,10 @@ static status print_check(const struct setup *s) {
     return OK;
 }
 
-status run_check(const char *dir, const struct comm *c) {
+status run_check(const char *dir, const struct medium_type *type, const struct comm *c) {
     struct setup *s = NULL;
     struct functions *f = NULL;
-    status e = read_everything(dir, c, &s, &f);
+    status e = read_everything(dir, type, c, &s, &f);
     if (!e) e = print_check(s);
     functions_free(f);
     case_free(s);
@@ -112,14 +93,7 @@ status run_check(const char *dir, const struct comm *c) {
 
 static status start(struct run *r) {
     struct setup *s = r->setup;
-    const struct initial *i = s->initial;
-    TRY(case_gas(s, &r->gas));
-    if (i->conserved[0])
-        gas_set_conserved(r->gas, (const double *const *)i->conserved);
-    else
-        TRY(gas_set(r->gas, i->rho, (const double *const *)i->u, i->T));
-    TRY(comm_agree(s->comm, gas_check(r->gas)));
-    initial_drop_cells(s->initial);
+    TRY(s->medium->type->start(s->medium));
     TRY(comm_agree(s->comm, output_make(s, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
@@ -128,12 +102,12 @@ static status start(struct run *r) {
         report_header(stdout, s, true);
         changes_print(stdout, s);
     }
-    TRY(progress_start(&r->progress, s, r->gas));
-    return functions_execute(r->functions, r->gas, NULL, &r->now, s->start.name);
+    progress_start(&r->progress, s);
+    return functions_execute(r->functions, NULL, &r->now, s->start.name);
 }
 
 static status write_now(struct run *r, char name[TIME_NAME]) {
-    TRY(output_write(r->output, r->gas, r->now.t, r->now.step, r->dt, name));
+    TRY(output_write(r->output, r->now.t, r->now.step, r->dt, name));
     r->written_time = r->now.t;
     if (comm_root(r->setup->comm)) printf("    written: %s\n", name);
     return OK;
@@ -144,10 +118,10 @@ static void read_again(struct run *r) {
     struct setup *s = r->setup;
     struct control *changed = NULL;
     control_stamp(s->control, s->dir); /* a wrong file is told of once */
-    status e = control_read(s->dir, application, &changed);
+    status e = control_read(s->dir, s->medium->type->application, &changed);
     if (!e && changed->functions) dict_mark_used(changed->functions);
     if (!e) e = dict_check_used(changed->dict);
-    if (!e) e = case_courant(changed, s->models->gas.stepper);
+    if (!e && s->medium->type->check_control) e = s->medium->type->check_control(s->medium, changed);
     e = comm_agree(s->comm, e);
     if (e) {
         if (comm_root(s->comm)) {
@@ -195,48 +169,51 @@ static status after_step(struct run *r, const struct moment *before, const struc
         TRY(write_now(r, name));
     else
         time_name(c->time_format, c->time_precision, now->t, name);
-    TRY(functions_execute(r->functions, r->gas, before, now, name));
+    TRY(functions_execute(r->functions, before, now, name));
     if (r->stop && !ended && comm_root(r->setup->comm)) printf("stopped as asked at time %.10g\n", now->t);
     return OK;
 }
 
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
-    struct gas_speed speed;
+    struct medium *m = s->medium;
+    struct pace pace;
     struct step_entry e = {.end_time = HUGE_VAL};
     enum dt_limit limit;
     double end;
-    gas_speed(r->gas, &speed);
     const struct control *c = s->control;
+    m->type->plan(m, c, &pace);
     double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
-    double dt = control_step(c, r->now.t, r->now.step, c->max_co / speed.rate, next, &end, &limit), planned = dt;
+    double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
-    if (w.log > 0 && limit == DT_COURANT) {
-        gas_fastest_place(r->gas, &speed, e.place);
+    if (w.log > 0 && limit == DT_COURANT && !pace.limit) {
+        m->type->place(m, e.place);
         e.at_cell = true;
     }
-    TRY(gas_step(r->gas, r->now.t, &dt, c->max_co, c->min_delta_t, s->models->min_fraction, &speed));
+    TRY(m->type->step(m, c, r->now.t, &dt));
     const struct moment before = r->now;
     r->now = (struct moment){
         .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
-    r->dt = dt;
-    TRY(limiter_record(&r->limiter, s, r->gas, &r->now));
+    r->dt = m->next > 0 ? m->next : dt;
+    if (m->type->after) TRY(m->type->after(m, &r->now));
     if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
         control_ended(c, r->now.t)) {
         e.t = r->now.t;
         e.dt = dt;
-        e.courant = dt * speed.rate;
+        e.courant = dt * pace.rate;
         e.step = r->now.step;
-        e.limit = dt < planned ? "a rejected step" : dt_limit_name(limit);
+        e.limit = dt < planned                        ? "a rejected step"
+                  : limit == DT_COURANT && pace.limit ? pace.limit
+                                                      : dt_limit_name(limit);
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
-        TRY(progress_print(&r->progress, s, r->gas, &e));
+        TRY(progress_print(&r->progress, s, &e));
     }
     if (w.changed > 0) read_again(r);
     return after_step(r, &before, &w);
 }
 
-/* The gas holds the last good state: it is kept for a look, unless it is on disk already. */
+/* The medium holds the last good state: it is kept for a look, unless it is on disk already. */
 static status keep_last(struct run *r, status cause) {
     char name[TIME_NAME];
     if (status_kind(cause) != ERR_STATE || !r->output || !r->setup->control->write_on_error) return cause;
@@ -244,7 +221,7 @@ static status keep_last(struct run *r, status cause) {
     status e = write_now(r, name);
     if (!e) {
         r->now.fields = true;
-        e = functions_execute(r->functions, r->gas, NULL, &r->now, name);
+        e = functions_execute(r->functions, NULL, &r->now, name);
     }
     status_free(e);
     return cause;
@@ -262,34 +239,30 @@ static status loop(struct run *r) {
         status e = step_once(r);
         if (e) return keep_last(r, e);
     }
-    double share = gas_computed_share(r->gas);
     if (comm_root(s->comm)) {
         double spent = clock_now() - r->progress.start_clock;
         long steps = r->now.step - s->start.step;
         printf("end at time %.10g: %ld steps in %.2f s, %.4g million cell steps per second\n", r->now.t, steps, spent,
                1e-6 * (double)steps * s->mesh->ncells / spent);
-        if (share < 1) printf("%.1f %% of the cell updates were computed; the rest was uniform\n", 100 * share);
     }
-    return OK;
+    return s->medium->type->finish ? s->medium->type->finish(s->medium, stdout) : OK;
 }
 
 /* On the root. What a killed run left half written may go only when no other run can be at work on it. */
-static status lock_and_clean(const char *dir, struct lock **lock) {
+static status lock_and_clean(const char *dir, const char *application, struct lock **lock) {
     TRY(lock_take(dir, application, lock));
     return times_clean(dir);
 }
 
-status run_case(const char *dir, const struct comm *c) {
+status run_case(const char *dir, const struct medium_type *type, const struct comm *c) {
     struct run r = {.written_time = NAN};
     struct lock *lock = NULL;
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
-    status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, &lock) : OK);
-    if (!e) e = read_everything(dir, c, &r.setup, &r.functions);
+    status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
+    if (!e) e = read_everything(dir, type, c, &r.setup, &r.functions);
     if (!e) e = loop(&r);
     output_free(r.output);
-    limiter_close(&r.limiter);
-    gas_free(r.gas);
     functions_free(r.functions);
     case_free(r.setup);
     lock_release(lock);

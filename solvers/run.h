@@ -5,11 +5,11 @@
 #include "solvers/case.h"
 
 /* Reads and checks everything; prints mesh, models, keys, memory; writes nothing. Collective. */
-status run_check(const char *dir, const struct comm *c);
+status run_check(const char *dir, const struct medium_type *type, const struct comm *c);
 
 /* Runs the case to its end, or until stopAt, SIGTERM, SIGINT, SIGHUP, SIGXCPU or SIGUSR1 (the state is then written, OK
  * is returned). The case is locked meanwhile (lock.h).
- * ERR_STATE: the gas left the admissible states or collapsed; the last good state was written unless onError abort. */
-status run_case(const char *dir, const struct comm *c);
+ * ERR_STATE: the medium left the admissible states; the last good state was written unless onError abort. */
+status run_case(const char *dir, const struct medium_type *type, const struct comm *c);
 
 #endif
