@@ -22,6 +22,21 @@ static status parse(int argc, char **argv, const char **dir, bool *help) {
     return *dir ? case_folder(*dir) : fail(ERR_INPUT, "which case? usage: checkCase DIR");
 }
 
+/* By controlDict's `application`; what is wrong with that file run_check says. */
+static const struct medium_type *medium_of(const char *dir) {
+    char path[TIME_PATH];
+    struct dict *d = NULL;
+    const char *name = "";
+    snprintf(path, sizeof path, "%.4000s/system/controlDict", dir);
+    status e = dict_read(path, &d);
+    if (!e) e = dict_word_or(d, "application", "", &name);
+    const struct medium_type *type =
+        !e && !strcmp(name, segregation_medium.application) ? &segregation_medium : &gas_medium;
+    status_free(e);
+    dict_free(d);
+    return type;
+}
+
 int main(int argc, char **argv) {
     struct comm *c = NULL;
     const char *dir = NULL;
@@ -32,6 +47,6 @@ int main(int argc, char **argv) {
         return 0;
     }
     if (!s) s = comm_start(&argc, &argv, &c);
-    if (!s) s = run_check(dir, &gas_medium, c);
+    if (!s) s = run_check(dir, medium_of(dir), c);
     return program_end(c, s, false);
 }

@@ -110,6 +110,7 @@ enum { RANKS = 5 };
 struct compiler {
     const char *text, *p;
     int depth, stack;
+    bool phi; /* is it a variable? */
     struct expr *e;
 };
 
@@ -158,6 +159,10 @@ static status name(struct compiler *c) {
     while (isalnum((unsigned char)c->p[length]) || c->p[length] == '_') length++;
     const char *word = c->p, *variable = length == 1 ? strchr("xyzt", *word) : NULL;
     struct step step = {.op = NUMBER, .number = acos(-1)};
+    if (c->phi && length == 3 && !memcmp(word, "phi", 3)) {
+        c->p += length;
+        return emit(c, (struct step){.op = VARIABLE, .variable = 4});
+    }
     if (variable) step = (struct step){.op = VARIABLE, .variable = *word == 't' ? 3 : *word - 'x'};
     if (length == 1 && *word == 'e') step.number = exp(1);
     if (variable || (length == 1 && *word == 'e') || (length == 2 && !memcmp(word, "pi", 2))) {
@@ -275,11 +280,11 @@ static status ternary(struct compiler *c) {
     return OK;
 }
 
-status expr_compile(const char *text, struct expr **out) {
+static status compile(const char *text, bool phi, struct expr **out) {
     *out = NULL;
     size_t length = strlen(text);
     if (length > LENGTH) return fail(ERR_INPUT, "expression '%.60s...' is longer than %d characters", text, LENGTH);
-    struct compiler c = {.text = text, .p = text};
+    struct compiler c = {.text = text, .p = text, .phi = phi};
     c.e = calloc(1, sizeof *c.e + (length + 1) * sizeof *c.e->step); /* a step takes one character or more */
     if (!c.e) return fail(ERR_SYSTEM, "no memory for an expression");
     status e = ternary(&c);
@@ -293,12 +298,23 @@ status expr_compile(const char *text, struct expr **out) {
     return OK;
 }
 
+status expr_compile(const char *text, struct expr **out) {
+    return compile(text, false, out);
+}
+status expr_compile_phi(const char *text, struct expr **out) {
+    return compile(text, true, out);
+}
+
 void expr_free(struct expr *e) {
     free(e);
 }
 
 double expr_value(const struct expr *e, double x, double y, double z, double t) {
-    const double variable[] = {x, y, z, t};
+    return expr_value_phi(e, x, y, z, t, 0);
+}
+
+double expr_value_phi(const struct expr *e, double x, double y, double z, double t, double phi) {
+    const double variable[] = {x, y, z, t, phi};
     double stack[STACK + 1], *top = stack; /* top: the last value */
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
         switch (s->op) {

@@ -10,6 +10,9 @@ struct expr;
 status expr_compile(const char *text, struct expr **out); /* error: column, what was found, what is known */
 void expr_free(struct expr *e);
 double expr_value(const struct expr *e, double x, double y, double z, double t);
+/* With a fifth variable, phi. */
+status expr_compile_phi(const char *text, struct expr **out);
+double expr_value_phi(const struct expr *e, double x, double y, double z, double t, double phi);
 status expr_constant(const char *text, double *out); /* no variables allowed */
 
 #endif

@@ -13,11 +13,11 @@
 enum { PATH = 4096, TYPES = 32 };
 
 const struct field_kind field_kinds[FIELD_COUNT] = {
-    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density"},
-    {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, "packing fraction"},
-    {"U", 3, {0, 1, -1, 0, 0, 0, 0}, "velocity"},
-    {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass"},
-    {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure"},
+    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density", NULL},
+    {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, "packing fraction", NULL},
+    {"U", 3, {0, 1, -1, 0, 0, 0, 0}, "velocity", NULL},
+    {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass", NULL},
+    {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure", NULL},
 };
 
 bool field_exists(const char *path) {
@@ -139,8 +139,9 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     bool known = false;
     names[n++] = "empty";
     names[n++] = "cyclic";
-    if (kind->components == 1) names[n++] = "calculated";
-    for (int i = 0; i < boundary_count && n < TYPES; i++)
+    for (int i = 0; kind->types && kind->types[i]; i++) names[n++] = kind->types[i];
+    if (kind->components == 1 && !kind->types) names[n++] = "calculated";
+    for (int i = 0; !kind->types && i < boundary_count && n < TYPES; i++)
         if (kind->components == 3 ? boundary_table[i].vector : boundary_table[i].scalar)
             names[n++] = boundary_table[i].name;
     for (int i = 0; i < n; i++) known |= !strcmp(type, names[i]);

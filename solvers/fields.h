@@ -11,6 +11,7 @@ struct field_kind {
     int components;            /* 1 or 3 */
     signed char dimensions[7]; /* kg m s K mol A cd */
     const char *about;
+    const char *const *types; /* patch types it takes besides empty and cyclic, NULL ends them; NULL: boundary.h's */
 };
 extern const struct field_kind field_kinds[FIELD_COUNT];
 

@@ -65,6 +65,6 @@ struct medium { /* first member of each medium's own struct */
     double next; /* s: uniform/time's deltaT, where a restart needs the step to try next; 0: the last step */
 };
 
-extern const struct medium_type gas_medium;
+extern const struct medium_type gas_medium, segregation_medium;
 
 #endif

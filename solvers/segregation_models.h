@@ -1,0 +1,32 @@
+/* What the dictionaries of granularSegregation choose: constant/segregationProperties, system/fvSchemes, fvSolution. */
+#ifndef SOLVERS_SEGREGATION_MODELS_H
+#define SOLVERS_SEGREGATION_MODELS_H
+
+#include "libcore/segregation.h"
+#include "solvers/dict.h"
+#include "solvers/expr.h"
+#include <stdio.h>
+
+enum percolation { PERCOLATION_CONSTANT, PERCOLATION_EXPRESSION, PERCOLATION_EXPONENTIAL, PERCOLATION_STRESS };
+struct segregation_models {
+    struct dict *properties, *schemes, *solution;
+    enum percolation percolation;
+    struct expr *velocity_law;    /* of x y z; m/s */
+    struct expr *diffusivity_law; /* of x y z phi; m^2/s; NULL: the number */
+    double velocity, diffusivity;
+    double A, B, q, rho;         /* (q/rho) d/dy A exp(B|y|) */
+    const char *case_dir, *time; /* of a granularGas run whose rho T is the kinetic stress */
+    struct segregation_scheme scheme;
+    bool on_walls;         /* the end cells' values stand on the walls: the paper's line */
+    int damped;            /* steps at the start of the case */
+    double time_tolerance; /* of an adaptive step */
+};
+status segregation_models_read(const char *case_dir, struct segregation_models **out);
+void segregation_models_free(struct segregation_models *m);
+void segregation_models_list(FILE *f);
+void segregation_boundaries_list(FILE *f);
+void segregation_models_print(FILE *f, const struct segregation_models *m);
+const char *segregation_closure_name(const struct segregation_models *m);
+const char *segregation_iteration_name(const struct segregation_models *m);
+
+#endif
