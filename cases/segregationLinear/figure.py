@@ -1,0 +1,28 @@
+"""Concentration of small grains in time and height for four diffusivities (Christov, Fig. 3), errors against the exact solution."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import numpy as np  # noqa: E402
+
+import figures  # noqa: E402
+import mixture  # noqa: E402
+import segregation  # noqa: E402
+
+case = figures.folder()
+fig, axes = figures.panels(2, 2, width=7.0, height=2.5)
+print("largest error at t = 0.12, 0.48, 1, 2 s; largest drift of the integral:", file=sys.stderr)
+for ax, D in zip(axes.flat, (0.002, 0.02, 0.1, 0.5)):
+    path = case if D == 0.1 else os.path.join(case, f"D{D:g}")
+    t, y, phi = mixture.history(path)
+    ax.contour(t, y, phi.T, levels=np.arange(1, 19) / 19, colors="k", linewidths=0.5)
+    figures.label(ax, "$t$ (s)", "$y$ (m)", f"$D_r$ = {D:g}")
+    worst = []
+    for time in (0.12, 0.48, 1, 2):
+        here = phi[np.argmin(np.abs(t - time))]
+        exact = np.array(segregation.gray_chugunov(y[::10], time, -1, D, 0.5, 0.55), float)
+        worst.append(np.max(np.abs(here[::10] - exact)))
+    mass = np.sum(0.5 * (phi[:, 1:] + phi[:, :-1]) * np.diff(y), axis=1)
+    print(f"   D_r {D:g}:", " ".join(f"{v:.1e}" for v in worst), f" {np.max(np.abs(mass / mass[0] - 1)):.1e}", file=sys.stderr)
+figures.save(fig, os.path.join(case, "segregationLinear.png"))

@@ -1,0 +1,23 @@
+"""Runs of granularSegregation on lines along y."""
+import numpy as np
+
+import haff
+
+
+def profile(path, time=None):
+    """y and phi of a case, ascending; with `wallValues wall;` the first and the last value stand on the walls."""
+    case = haff.Case(path)
+    y = case.centres[:, 1]
+    order = np.argsort(y)
+    y, phi = y[order], case.field("phi", time)[order]
+    width = y[2] - y[1]
+    if abs(2 * (y[1] - y[0]) - 1.5 * width) < 1e-6 * width:  # half cells at the ends
+        y[0], y[-1] = y[1] - width, y[-2] + width
+    return y, phi
+
+
+def history(path):
+    """Times, y and phi[time][y]."""
+    times = haff.Case(path).times
+    profiles = [profile(path, t) for t in times]
+    return np.array([float(t) for t in times]), profiles[0][0], np.array([p for _, p in profiles])
