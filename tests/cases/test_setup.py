@@ -109,8 +109,11 @@ class Setup(unittest.TestCase):
     def test_every_case_is_whole(self):
         for name in CASES:
             folder = os.path.join(SOURCE, "cases", name)
-            for file in ("README.md", "mesh.geo", "expected.json", "figure.py", "Allrun", "Allclean", "0/U",
-                         "constant/granularProperties", "system/controlDict", "system/fvSchemes", "system/fvSolution"):
+            with open(os.path.join(folder, "system", "controlDict")) as f:
+                mixture = "granularSegregation;" in f.read()
+            for file in ("README.md", "mesh.geo", "expected.json", "figure.py", "Allrun", "Allclean", "0/phi" if mixture else "0/U",
+                         "constant/segregationProperties" if mixture else "constant/granularProperties",
+                         "system/controlDict", "system/fvSchemes", "system/fvSolution"):
                 self.assertTrue(os.path.exists(os.path.join(folder, file)), f"{name}/{file}")
             for file in ("Allrun", "Allclean"):
                 self.assertTrue(os.stat(os.path.join(folder, file)).st_mode & stat.S_IXUSR)
