@@ -1,6 +1,7 @@
-/* A bidisperse mixture on a line as a medium (medium.h) of granularSegregation: phi, the concentration of the small
- * grains. Every rank computes the whole line: it is too short to share. */
+/* A bidisperse mixture as a medium (medium.h) of granularSegregation: phi, the concentration of the small grains, on a
+ * line of cells or, carried by a flow U, on a lattice. Every rank computes all of it: it is too small to share. */
 #include "solvers/report.h"
+#include "solvers/segregation_box.h"
 #include "solvers/segregation_line.h"
 
 #include <math.h>
@@ -10,12 +11,14 @@
 struct mixture {
     struct medium base;
     struct segregation_models *models;
-    struct segregation_setup line;
-    struct field *field;
+    struct field *field, *U;       /* U: NULL at rest */
+    struct segregation_setup line; /* with one solved axis */
     struct segregation *solver;
-    double *phi;                      /* [n] along the line */
+    struct segregation_box box; /* with more */
+    struct segregation_field *carried;
+    double *phi;                      /* [cells] along the line, or of the box */
     double mass;                      /* at the start */
-    double rate;                      /* 1/s: Courant number of percolation / dt */
+    double rate;                      /* 1/s: Courant number / dt */
     long steps;                       /* since the start of the case */
     struct segregation_counts counts; /* at the last log entry */
 };
@@ -23,14 +26,15 @@ static struct mixture *of(const struct medium *m) {
     return (struct mixture *)(uintptr_t)m;
 }
 
-enum { PHI, PERCOLATION, DIFFUSIVITY, QUANTITIES };
+enum { PHI, U, PERCOLATION, DIFFUSIVITY, QUANTITIES };
 static const struct quantity quantities[] = {
     [PHI] = {"phi", 1, {0, 0, 0, 0, 0, 0, 0}, true},
+    [U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, true},
     [PERCOLATION] = {"percolation", 1, {0, 1, -1, 0, 0, 0, 0}, false},
     [DIFFUSIVITY] = {"diffusivity", 1, {0, 2, -1, 0, 0, 0, 0}, false},
 };
-static const int written[] = {PHI, -1};
-static const char *const walls[] = {"noFlux", NULL};
+static const int written[] = {PHI, U, -1}, shown[] = {PHI, -1};
+static const char *const walls[] = {"noFlux", "fixedValue", "zeroGradient", NULL};
 static const struct field_kind phi_kind = {"phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", walls};
 
 static status mixture_read(struct setup *s) {
@@ -45,34 +49,79 @@ static status mixture_read(struct setup *s) {
     return OK;
 }
 
-static status mixture_state(struct setup *s) {
-    struct mixture *x = of(s->medium);
+static bool on_line(const struct mixture *x) {
+    return x->base.setup->dim == 1;
+}
+static int place_of(const struct mixture *x, int cell) {
+    return on_line(x) ? x->line.place[cell] : x->box.place[cell];
+}
+
+static status read_phi(struct setup *s, struct mixture *x) {
     char path[2 * TIME_PATH];
-    TRY(segregation_setup_make(s, x->models, &x->line));
-    TRY(segregation_setup_laws(s, &x->line));
-    const struct field_place place = {s->mesh, x->line.centre, s->start.t};
+    const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t};
+    const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
     snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.name);
     TRY(field_read(path, &phi_kind, &place, &x->field));
     for (int i = 0; i < s->mesh->ncells; i++)
-        if (!(x->models->scheme.unbounded && s->start.step > 0) &&
-            !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
+        if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
             return field_fail(x->field, &place, i, "it must lie between 0 and 1");
+    for (int p = 0; on_line(x) && p < s->mesh->npatches; p++) {
+        const struct patch_field *q = &x->field->patch[p];
+        if (strcmp(q->type, "noFlux") && strcmp(q->type, "empty"))
+            return fail(ERR_INPUT, "%s:%d: patch %s: a line of cells ends in walls: noFlux", dict_path(x->field->dict),
+                        q->line, s->mesh->patch[p].name);
+    }
+    return OK;
+}
+
+static status read_flow(struct setup *s, struct mixture *x) {
+    char path[2 * TIME_PATH];
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    snprintf(path, sizeof path, "%s/%s/U", s->dir, s->start.name);
+    if (!field_exists(path)) return OK;
+    return field_read(path, &field_kinds[FIELD_U], &place, &x->U);
+}
+
+static status mixture_state(struct setup *s) {
+    struct mixture *x = of(s->medium);
+    if (on_line(x)) {
+        TRY(segregation_setup_make(s, x->models, &x->line));
+        TRY(segregation_setup_laws(s, &x->line));
+        TRY(read_phi(s, x));
+    } else {
+        TRY(read_phi(s, x));
+        TRY(read_flow(s, x));
+        TRY(segregation_box_make(s, x->models, x->field, x->U, &x->box));
+    }
     return setup_grid(s, false, 1);
+}
+
+static double content(const struct mixture *x) {
+    if (on_line(x)) return segregation_mass(x->solver, x->phi);
+    const struct setup *s = x->base.setup;
+    double row = 0, sum = 0;
+    for (int i = 0; i < s->mesh->ncells; i++) { /* in pieces, which keeps the digits of many equal cells */
+        row += s->volume[i] * x->phi[x->box.place[i]];
+        if (i % 1000 != 999) continue;
+        sum += row;
+        row = 0;
+    }
+    return sum + row;
 }
 
 static status mixture_start(struct medium *m) {
     struct mixture *x = of(m);
     const struct setup *s = m->setup;
     const struct segregation_line *l = &x->line.line;
-    TRY(allocate(&x->phi, l->n, sizeof(double), "phi"));
-    TRY(segregation_make(l, &x->models->scheme, &x->solver));
-    for (int i = 0; i < l->n; i++) {
-        x->phi[i] = x->field->values[x->line.cell[i]];
-        x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
-    }
+    TRY(allocate(&x->phi, on_line(x) ? l->n : x->box.cells, sizeof(double), "phi"));
+    TRY(on_line(x) ? segregation_make(l, &x->models->scheme, &x->solver)
+                   : segregation_field_make(&x->box.lattice, &x->carried));
+    for (int i = 0; i < s->mesh->ncells; i++) x->phi[place_of(x, i)] = x->field->values[i];
+    for (int i = 0; i < l->n; i++) x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
+    if (!on_line(x)) x->rate = segregation_field_rate(x->carried);
     free(x->field->values);
     x->field->values = NULL;
-    x->mass = segregation_mass(x->solver, x->phi);
+    x->mass = content(x);
     x->steps = s->start.step;
     if (s->control->adjust) m->next = s->start.delta_t;
     return OK;
@@ -81,7 +130,10 @@ static status mixture_start(struct medium *m) {
 static void mixture_free(struct medium *m) {
     struct mixture *x = of(m);
     segregation_free(x->solver);
+    segregation_field_free(x->carried);
     segregation_setup_free(&x->line);
+    segregation_box_free(&x->box);
+    field_free(x->U);
     segregation_models_free(x->models);
     field_free(x->field);
     free(x->phi);
@@ -89,7 +141,12 @@ static void mixture_free(struct medium *m) {
 }
 
 static void mixture_describe(const struct medium *m, FILE *f) {
-    segregation_models_print(f, of(m)->models);
+    const struct mixture *x = of(m);
+    const struct face_flow_change *c = &x->box.change;
+    segregation_models_print(f, x->models);
+    if (x->box.flows)
+        fprintf(f, "    %-22s divergence %.3g 1/s, made %.3g by changes of %.3g m/s at most; outflow times %.6g\n",
+                "velocity U", c->before, c->after, c->largest, c->scaled);
 }
 
 static void mixture_provenance(const struct medium *m, struct sink *o) {
@@ -110,30 +167,46 @@ static void mixture_plan(struct medium *m, const struct control *c, struct pace 
     *out = (struct pace){.stable = m->next > 0 ? m->next : first, .rate = x->rate, .limit = "timeTolerance"};
 }
 
+static status advance(struct mixture *x, const struct control *c, double *dt, double *next) {
+    const double allowed = x->models->time_tolerance;
+    const bool damped = x->steps < x->models->damped;
+    if (on_line(x))
+        return c->adjust ? segregation_advance(x->solver, allowed, dt, next, x->phi)
+                         : segregation_step(x->solver, *dt, damped, x->phi);
+    return c->adjust ? segregation_field_advance(x->carried, allowed, dt, next, x->phi)
+                     : segregation_field_step(x->carried, *dt, damped, x->phi);
+}
+
 static status mixture_step(struct medium *m, const struct control *c, double t, double *dt) {
     struct mixture *x = of(m);
     double next = 0;
-    status e = c->adjust ? segregation_advance(x->solver, x->models->time_tolerance, dt, &next, x->phi)
-                         : segregation_step(x->solver, *dt, x->steps < x->models->damped, x->phi);
+    status e = advance(x, c, dt, &next);
     if (e) return status_note(e, "at t = %.10g", t);
     m->next = next;
     x->steps++;
     return OK;
 }
 
+/* Of a lattice a step is one sweep along each axis, without iteration. */
+static struct segregation_counts counts_of(const struct mixture *x) {
+    if (on_line(x)) return segregation_counts(x->solver);
+    const struct segregation_lattice_counts n = segregation_field_counts(x->carried);
+    return (struct segregation_counts){n.steps, n.steps, n.bounded, 0, n.corrected, n.rejected};
+}
+
 static status mixture_log(struct medium *m, FILE *f) {
     struct mixture *x = of(m);
-    const struct segregation_counts n = segregation_counts(x->solver), was = x->counts;
-    const double mass = segregation_mass(x->solver, x->phi);
-    double low = x->phi[0], high = x->phi[0];
-    for (int i = 1; i < x->line.line.n; i++) {
-        low = fmin(low, x->phi[i]);
-        high = fmax(high, x->phi[i]);
+    const struct segregation_counts n = counts_of(x), was = x->counts;
+    const double mass = content(x);
+    double low = 1, high = 0;
+    for (int i = 0; i < m->setup->mesh->ncells; i++) {
+        low = fmin(low, x->phi[place_of(x, i)]);
+        high = fmax(high, x->phi[place_of(x, i)]);
     }
     x->counts = n;
     if (!comm_root(m->setup->comm)) return OK;
-    fprintf(f, "    phi %.6g .. %.6g  small grains %.10g (drift %+.2e)  iterations %ld in %ld solves\n", low, high,
-            mass, mass / x->mass - 1, n.iterations - was.iterations, n.steps - was.steps);
+    fprintf(f, "    phi %.6g .. %.6g  small grains %.10g (%s %+.2e)  iterations %ld in %ld solves\n", low, high, mass,
+            x->box.flows ? "change" : "drift", mass / x->mass - 1, n.iterations - was.iterations, n.steps - was.steps);
     if (n.corrected > was.corrected)
         fprintf(f, "    bounded: %ld faces of %ld solves (in all %ld)\n", n.corrected - was.corrected,
                 n.bounded - was.bounded, n.corrected);
@@ -143,43 +216,57 @@ static status mixture_log(struct medium *m, FILE *f) {
 }
 
 static status mixture_finish(struct medium *m, FILE *f) {
-    const struct segregation_counts n = segregation_counts(of(m)->solver);
+    const struct segregation_counts n = counts_of(of(m));
     if (comm_root(m->setup->comm) && n.steps)
         fprintf(f, "%ld solves, %.3g iterations each; %ld with bounds; %ld steps rejected\n", n.steps,
                 (double)n.iterations / (double)n.steps, n.bounded, n.rejected);
     return OK;
 }
 
-static double value_at(const struct mixture *x, int quantity, int i) {
-    const struct segregation_setup *l = &x->line;
+static double value_at(const struct mixture *x, int quantity, int cell, int component) {
+    const struct segregation_models *m = x->models;
+    const int i = place_of(x, cell);
+    const double *at = x->base.setup->centre + 3L * cell;
     if (quantity == PHI) return x->phi[i];
-    if (quantity == PERCOLATION) return l->speed[i];
-    return segregation_diffusivity(l, l->node[i], x->phi[i]);
+    if (quantity == U) return x->U ? x->U->values[3L * cell + x->base.setup->axis[component]] : 0;
+    if (quantity == PERCOLATION && on_line(x)) return x->line.speed[i];
+    if (quantity == PERCOLATION)
+        return m->velocity_law ? expr_value(m->velocity_law, at[0], at[1], at[2], 0) : m->velocity;
+    return m->diffusivity_law ? expr_value_phi(m->diffusivity_law, at[0], at[1], at[2], 0, x->phi[i]) : m->diffusivity;
+}
+static int lines_of(const struct medium *m, int quantity) {
+    return quantity == U ? m->setup->dim : 1;
 }
 
 static void mixture_block(const struct medium *m, int block, int quantity, double *const out[3]) {
-    const struct mixture *x = of(m);
     const struct grid_block *b = &m->setup->grid->block[block];
-    for (int i = 0; i < b->ncells; i++) out[0][i] = value_at(x, quantity, x->line.place[b->cell[i]]);
+    for (int k = 0; k < lines_of(m, quantity); k++)
+        for (int i = 0; i < b->ncells; i++) out[k][i] = value_at(of(m), quantity, b->cell[i], k);
 }
 
 static status mixture_gather(const struct medium *m, int quantity, double *const out[3]) {
-    const struct mixture *x = of(m);
-    for (int i = 0; comm_root(m->setup->comm) && i < x->line.line.n; i++)
-        out[0][x->line.cell[i]] = value_at(x, quantity, i);
+    for (int k = 0; comm_root(m->setup->comm) && k < lines_of(m, quantity); k++)
+        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value_at(of(m), quantity, i, k);
     return OK;
 }
 
+static bool mixture_present(const struct medium *m, int quantity) {
+    return quantity != U || of(m)->U;
+}
+
 static const struct patch_field *mixture_patch(const struct medium *m, int quantity, int patch) {
-    return quantity == PHI ? &of(m)->field->patch[patch] : NULL;
+    const struct field *f = quantity == PHI ? of(m)->field : quantity == U ? of(m)->U : NULL;
+    return f ? &f->patch[patch] : NULL;
 }
 
 static const char help[] =
     "granularSegregation -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
-    "Solves the segregation of small from large grains on the line of cells of the case in DIR (default: here):\n\n"
-    "    d phi/dt + d/dy (f phi (1 - phi)) = d/dy (D d phi/dy), without flux through the walls,\n\n"
-    "by the implicit scheme of Christov (2018), second order in time and space, conservative and bounded.\n\n"
-    "  -np N        on N ranks: the line is computed by each, the results are the same\n"
+    "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
+    "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through the walls,\n\n"
+    "on a line of cells by the implicit scheme of Christov (2018), on a lattice factored by axes and carried by a flow "
+    "U;\n"
+    "second order in time and space, conservative and bounded.\n\n"
+    "  -np N        on N ranks: all is computed by each, the results are the same\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
@@ -194,7 +281,7 @@ const struct medium_type segregation_medium = {
     .quantity = quantities,
     .noffered = QUANTITIES,
     .written = written,
-    .shown = written,
+    .shown = shown,
     .read = mixture_read,
     .state = mixture_state,
     .start = mixture_start,
@@ -208,5 +295,6 @@ const struct medium_type segregation_medium = {
     .finish = mixture_finish,
     .block = mixture_block,
     .gather = mixture_gather,
+    .present = mixture_present,
     .patch = mixture_patch,
 };

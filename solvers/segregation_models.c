@@ -11,8 +11,8 @@ enum { PATH = 4096 };
 #define NUMBER(name, member, standard, low, high, open, ...)                                                           \
     { name, PARAM_NUMBER, MEMBER(member), standard, low, high, open, __VA_ARGS__ }
 
-static const struct param velocity_param[] = {
-    NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1}, "f, along the solved axis")};
+static const struct param velocity_param[] = {NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1},
+                                                     "f, along the solved axis, or direction (x y z)")};
 static const struct param exponential_param[] = {
     NUMBER("A", A, NAN, 0, HUGE_VAL, false, {1, -1, -2}, "kinetic stress A exp(B|y|)"),
     NUMBER("B", B, NAN, -HUGE_VAL, HUGE_VAL, true, {0, -1, 0}, "of A exp(B|y|)"),
@@ -59,10 +59,22 @@ static status read_law(struct dict *d, const char *key, bool phi, struct expr **
                        dict_line(d, key), key, text);
 }
 
+static status read_direction(struct dict *d, struct segregation_models *m) {
+    double *v = m->direction;
+    m->has_direction = dict_has(d, "direction");
+    if (!m->has_direction) return OK;
+    TRY(dict_vector(d, "direction", NULL, v));
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(length > 0)) return dict_fail(d, "direction", "it must not be (0 0 0)");
+    for (int k = 0; k < 3; k++) v[k] /= length;
+    return OK;
+}
+
 static status read_percolation(struct dict *d, struct segregation_models *m) {
     int type;
     TRY(dict_choice(d, "type", percolation_names, COUNT(percolation_names), &type));
     m->percolation = (enum percolation)type;
+    TRY(read_direction(d, m));
     if (m->percolation == PERCOLATION_EXPRESSION) return read_law(d, "velocity", false, &m->velocity_law);
     if (m->percolation == PERCOLATION_EXPONENTIAL)
         return params_read(d, exponential_param, COUNT(exponential_param), m);
@@ -184,7 +196,8 @@ void segregation_models_list(FILE *f) {
 }
 
 void segregation_boundaries_list(FILE *f) {
-    fprintf(f, "  %-14s %s\n  %-14s %s\n", "noFlux", "a wall", "empty",
+    fprintf(f, "  %-14s %s\n  %-14s %s\n  %-14s %s\n  %-14s %s\n", "noFlux", "a wall", "fixedValue",
+            "where U leads in; needs value", "zeroGradient", "where U leads out", "empty",
             "the axis is not solved; on patches of type empty");
 }
 

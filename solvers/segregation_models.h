@@ -15,6 +15,8 @@ struct segregation_models {
     struct expr *diffusivity_law; /* of x y z phi; m^2/s; NULL: the number */
     double velocity, diffusivity;
     double A, B, q, rho;         /* (q/rho) d/dy A exp(B|y|) */
+    bool has_direction;          /* with two or three solved axes */
+    double direction[3];         /* unit vector along which f is counted, physical axes */
     const char *case_dir, *time; /* of a granularGas run whose rho T is the kinetic stress */
     struct segregation_scheme scheme;
     bool on_walls;         /* the end cells' values stand on the walls: the paper's line */

@@ -121,6 +121,62 @@ class Segregation(harness.Folder, unittest.TestCase):
             drift = abs(np.sum(0.5 * (phi[1:] + phi[:-1]) * np.diff(y)) / 0.55 - 1)
             self.assertTrue(low <= drift <= high, f"{closure}: {drift}")
 
+    def chute(self, N, **control):
+        case = harness.copy("segregationChute", self.folder)
+        harness.mesh(case, N)
+        harness.edit(case, "system/controlDict", **control)
+        return case
+
+    def test_chute(self):
+        """Steady and sorted, the small grains run where the flow carries as much as came in; within 0 .. 1."""
+        N = 40
+        case = self.chute(N, deltaT=5e-3, writeInterval=6)
+        log = self.run_case(case)
+        at = np.round(harness.haff.Case(case).centres, 9)
+        phi = harness.haff.Case(case).field("phi")
+        self.assertTrue((phi >= 0).all() and (phi <= 1).all())
+        last = at[:, 0] == at[:, 0].max()
+        order = np.argsort(at[last, 1])
+        y, phi = at[last, 1][order], phi[last][order]
+        k = np.argmax(phi < 0.5)
+        height = y[k - 1] + (phi[k - 1] - 0.5) / (phi[k - 1] - phi[k]) * (y[k] - y[k - 1])
+        self.assertLess(abs(height / 0.02 - segregation.chute_height(0.5)), 0.5 / N)
+        self.assertIn("velocity U", log)
+
+    def test_chute_restart(self):
+        """In two parts and on two ranks, with fixed and chosen steps, the bits of one run; U comes along."""
+        for adjust in ("no", "yes"):
+            whole = self.chute(10, endTime=0.2, deltaT=5e-3, writeInterval=0.1, adjustTimeStep=adjust)
+            parts, ranks = (shutil.copytree(whole, whole + other) for other in ("_parts", "_ranks"))
+            self.run_case(whole)
+            harness.edit(parts, "system/controlDict", endTime=0.1)
+            self.run_case(parts)
+            harness.edit(parts, "system/controlDict", endTime=0.2)
+            self.run_case(parts)
+            self.run_case(ranks, ranks=2)
+            self.assertIn("U", os.listdir(whole + "/0.2"))
+            for other in (parts, ranks):
+                runs.same(self, runs.contents(whole + "/0.2"), runs.contents(other + "/0.2"), adjust)
+
+    def test_chute_errors(self):
+        case = self.chute(8)
+        rows = (("constant/segregationProperties", " direction (0.43837 -0.89879 0);", "", "add  direction (x y z);"),
+                ("0/phi", "fixedValue; value uniform 0.5;", "zeroGradient;", "phi must be fixedValue"),
+                ("0/phi", "base    { type noFlux; }", "base    { type zeroGradient; }", "phi must be noFlux"),
+                ("system/fvSchemes", "conservative;", "conservative;\nwallValues wall;", "wallValues cell;"))
+        for file, old, new, message in rows:
+            path = os.path.join(case, file)
+            with open(path) as f:
+                text = f.read()
+            self.assertIn(old, text)
+            with open(path, "w") as f:
+                f.write(text.replace(old, new, 1))
+            done = harness.program("checkCase", case, check=False)
+            self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
+            self.assertIn(message, done.stderr)
+            with open(path, "w") as f:
+                f.write(text)
+
     def test_errors(self):
         """Bad input is named with file and line, and a cure; nothing is written."""
         case = self.case("segregationLinear", 21)
