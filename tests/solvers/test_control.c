@@ -151,7 +151,7 @@ static void test_names(void **state) {
 static void test_folders_appear_whole(void **state) {
     (void)state;
     char tmp[TIME_PATH], path[512];
-    struct instant *list, at = {.t = 0.1 + 1e-17, .step = 7, .delta_t = 0.01, .name = "0.1"};
+    struct instant *list, at = {.t = 0.1 + 1e-17, .step = 7, .delta_t = 0.01, .digits = 6, .name = "0.1"};
     int n;
     assert_null(time_begin(folder, "0.1", tmp));
     assert_null(time_stamp_write(tmp, &at, NULL));
