@@ -29,6 +29,11 @@ static status check(const struct builder *a) {
     if (m->scheme.closure != SEGREGATION_CONSERVATIVE || m->on_walls)
         return dict_fail(m->schemes, m->on_walls ? "wallValues" : "closure",
                          "with %d solved axes only  closure conservative; wallValues cell;", s->dim);
+    if (m->scheme.unbounded)
+        return dict_fail(m->schemes, "bounded", "with %d solved axes phi is always bounded", s->dim);
+    if (!m->scheme.newton)
+        return dict_fail(m->solution, "iteration", "with %d solved axes a step is one factored Newton iteration",
+                         s->dim);
     if (m->percolation > PERCOLATION_EXPRESSION)
         return fail(ERR_INPUT, "%s: percolation: with %d solved axes it is constant or expression",
                     dict_path(m->properties), s->dim);

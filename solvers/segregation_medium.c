@@ -74,6 +74,21 @@ static status read_phi(struct setup *s, struct mixture *x) {
     return OK;
 }
 
+/* Of patches with a value. */
+static status check_patches(const struct setup *s, const struct field *f) {
+    for (int p = 0; p < s->mesh->npatches; p++) {
+        const struct patch_field *q = &f->patch[p];
+        if (strcmp(q->type, "fixedValue")) continue;
+        for (int i = 0; i < (q->values ? s->mesh->patch[p].nfaces : 1); i++) {
+            const double v = q->values ? q->values[i] : q->uniform[0];
+            if (!(v >= 0 && v <= 1))
+                return fail(ERR_INPUT, "%s:%d: patch %s: value of phi is %g; it must lie between 0 and 1",
+                            dict_path(f->dict), q->value_line, s->mesh->patch[p].name, v);
+        }
+    }
+    return OK;
+}
+
 static status read_flow(struct setup *s, struct mixture *x) {
     char path[2 * TIME_PATH];
     const struct field_place place = {s->mesh, s->centre, s->start.t};
@@ -90,6 +105,7 @@ static status mixture_state(struct setup *s) {
         TRY(read_phi(s, x));
     } else {
         TRY(read_phi(s, x));
+        TRY(check_patches(s, x->field));
         TRY(read_flow(s, x));
         TRY(segregation_box_make(s, x->models, x->field, x->U, &x->box));
     }

@@ -162,6 +162,8 @@ class Segregation(harness.Folder, unittest.TestCase):
         case = self.chute(8)
         rows = (("constant/segregationProperties", " direction (0.43837 -0.89879 0);", "", "add  direction (x y z);"),
                 ("0/phi", "fixedValue; value uniform 0.5;", "zeroGradient;", "phi must be fixedValue"),
+                ("0/phi", "value uniform 0.5;", "value uniform 1.5;", "it must lie between 0 and 1"),
+                ("system/fvSolution", "Newton", "Picard", "factored Newton"),
                 ("0/phi", "base    { type noFlux; }", "base    { type zeroGradient; }", "phi must be noFlux"),
                 ("system/fvSchemes", "conservative;", "conservative;\nwallValues wall;", "wallValues cell;"))
         for file, old, new, message in rows:
