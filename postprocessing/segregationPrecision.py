@@ -57,7 +57,7 @@ def solve(case):
     log = subprocess.run([os.path.join(BIN, "granularSegregation"), "-case", case], check=True, capture_output=True, text=True).stdout
     steps, rate = re.search(r"(\d+) steps in .*, (\S+) million", log).groups()
     cells = int(re.search(r"(\d+) cells;", log).group(1))
-    return int(steps) * cells / (1e6 * float(rate)), int(re.search(r"(\d+) solves", log).group(1))
+    return int(steps) * cells / (1e6 * float(rate)), int(re.findall(r"(\d+) solves, ", log)[-1])
 
 
 def measure(case, M, closure, iteration, adjust, damped):
