@@ -9,8 +9,7 @@ status output_make(const struct setup *s, struct output **out);
 void output_free(struct output *o);
 
 /* Collective; the root writes CASE/NAME. written: the folder's name (on the root). */
-status output_write(struct output *o, double t, long step, double delta_t,
-                    char written[TIME_NAME]);
+status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]);
 
 /* One field on the root, interleaved [ncells][components] with vectors in physical axes; collective. out: room for
  * 3 ncells doubles on the root. */
