@@ -158,6 +158,23 @@ class Segregation(harness.Folder, unittest.TestCase):
             for other in (parts, ranks):
                 runs.same(self, runs.contents(whole + "/0.2"), runs.contents(other + "/0.2"), adjust)
 
+    def refused(self, case, rows, *commands):
+        """rows: of file, what stands there, what it is replaced by, what the message says. Nothing is written."""
+        for file, old, new, message in rows:
+            path = os.path.join(case, file)
+            with open(path) as f:
+                text = f.read()
+            self.assertIn(old, text)
+            with open(path, "w") as f:
+                f.write(text.replace(old, new, 1))
+            for command in commands:
+                done = harness.program(*command, check=False)
+                self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
+                self.assertIn(message, done.stderr)
+            self.assertEqual(runs.times(case), ["0"])
+            with open(path, "w") as f:
+                f.write(text)
+
     def test_chute_errors(self):
         case = self.chute(8)
         rows = (("constant/segregationProperties", " direction (0.43837 -0.89879 0);", "", "add  direction (x y z);"),
@@ -166,18 +183,7 @@ class Segregation(harness.Folder, unittest.TestCase):
                 ("system/fvSolution", "Newton", "Picard", "factored Newton"),
                 ("0/phi", "base    { type noFlux; }", "base    { type zeroGradient; }", "phi must be noFlux"),
                 ("system/fvSchemes", "conservative;", "conservative;\nwallValues wall;", "wallValues cell;"))
-        for file, old, new, message in rows:
-            path = os.path.join(case, file)
-            with open(path) as f:
-                text = f.read()
-            self.assertIn(old, text)
-            with open(path, "w") as f:
-                f.write(text.replace(old, new, 1))
-            done = harness.program("checkCase", case, check=False)
-            self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
-            self.assertIn(message, done.stderr)
-            with open(path, "w") as f:
-                f.write(text)
+        self.refused(case, rows, ("checkCase", case))
 
     def test_errors(self):
         """Bad input is named with file and line, and a cure; nothing is written."""
@@ -196,20 +202,7 @@ class Segregation(harness.Folder, unittest.TestCase):
                 ("0/phi", "uniform 0.55", "uniform 1.5", "it must lie between 0 and 1"),
                 ("0/phi", "bottom { type noFlux; }", "bottom { type noFlx; }", "did you mean 'noFlux'?"),
                 ("system/controlDict", "fields (phi)", "fields (ph)", "did you mean 'phi'?"))
-        for file, old, new, message in rows:
-            path = os.path.join(case, file)
-            with open(path) as f:
-                text = f.read()
-            self.assertIn(old, text)
-            with open(path, "w") as f:
-                f.write(text.replace(old, new, 1))
-            for command in (("granularSegregation", "-case", case), ("checkCase", case)):
-                done = harness.program(*command, check=False)
-                self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
-                self.assertIn(message, done.stderr)
-            self.assertEqual(runs.times(case), ["0"])
-            with open(path, "w") as f:
-                f.write(text)
+        self.refused(case, rows, ("granularSegregation", "-case", case), ("checkCase", case))
         self.assertIn("The case is sound.", harness.program("checkCase", case).stdout)
 
     def test_help(self):
