@@ -84,8 +84,8 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 
 /* One step from t by *dt, or by a halved *dt where the state would leave the admissible set. It fails (ERR_STATE) below
  * `least` (s), and in a gas that cools below `fraction` of maxCo / calm: at once in a state that was set, else after
- * 100 steps in a row of which the later ones fell by half, or 500: "inelastic collapse at t = .., (x y z)"; the state is then the last good one.
- * speed: from gas_speed for the present state. */
+ * 100 steps in a row of which the later ones fell by half, or 500: "inelastic collapse at t = .., (x y z)"; the state
+ * is then the last good one. speed: from gas_speed for the present state. */
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);

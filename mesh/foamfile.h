@@ -57,8 +57,8 @@ struct foam_header {
 status foam_header_read(struct lexer *l, struct foam_header *h);
 
 /* Reads `N ( ... )`, `N { v }`, `( ... )`, binary `N` + `(` bytes `)`; components per entry (3: `(x y z)`).
- * *out is allocated [n * components]; non-finite numbers and wrong counts are errors with their line. `N { v }` is refused
- * where N > most: what else a list holds, and so its memory, is bounded by the size of the file. */
+ * *out is allocated [n * components]; non-finite numbers and wrong counts are errors with their line. `N { v }` is
+ * refused where N > most: what else a list holds, and so its memory, is bounded by the size of the file. */
 status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
                               double **out);
 status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long most, long *n, int **out);

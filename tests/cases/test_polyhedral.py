@@ -35,7 +35,7 @@ MANY = {"triangles": FLAT % (0.028, 0.028), "tets": DEEP % (0.09, 0.09, "")}  # 
 
 
 def openfoam(test, name, case, *arguments):
-    done = subprocess.run([name, "-case", case, *arguments], capture_output=True, text=True,
+    done = subprocess.run([name, "-case", case, *arguments], capture_output=True, text=True, cwd=case,  # polyDualMesh leaves files there
                           env={"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ})
     test.assertEqual(done.returncode, 0, done.stdout[-1500:] + done.stderr[-1500:])
     return done.stdout

@@ -126,7 +126,7 @@ static void threshold_of_any_step(void **state) {
         double before = T0;
         for (double loss = 1e-3; loss < 1e13; loss *= 10) { /* = B sqrt(T0) dt, in a single step */
             double dt = loss / (rate * sqrt(T0)), found = cooled(v, T0, dt, 1);
-            assert_true(found > 0 && found <= before); /* longer steps cool more */
+            assert_true(found > 0 && found <= before);                              /* longer steps cool more */
             assert_close(found, exact_cooled(v, T0, dt), 0.27, "T after one step"); /* worst: 26 %, path 10 */
             before = found;
         }
