@@ -1,4 +1,5 @@
-"""Concentration of small grains in time and height for four diffusivities (Christov, Fig. 3), errors against the exact solution."""
+"""Concentration of small grains in time and height for four diffusivities (Christov, Fig. 3), errors against the exact solution;
+little and no diffusion beside the exact solution without (Gray & Thornton 2005)."""
 import os
 import sys
 
@@ -26,3 +27,19 @@ for ax, D in zip(axes.flat, (0.002, 0.02, 0.1, 0.5)):
     mass = np.sum(0.5 * (phi[:, 1:] + phi[:, :-1]) * np.diff(y), axis=1)
     print(f"   D_r {D:g}:", " ".join(f"{v:.1e}" for v in worst), f" {np.max(np.abs(mass / mass[0] - 1)):.1e}", file=sys.stderr)
 figures.save(fig, os.path.join(case, "segregationLinear.png"))
+
+fig, axes = figures.panels(1, 3)
+print("without diffusion: D_r, mean difference to Gray & Thornton's shocks at t = 0.24, 0.72, 2 s:", file=sys.stderr)
+for D, style in (("0", "-"), ("0.002", "--")):
+    t, y, phi = mixture.history(os.path.join(case, "D" + D))
+    away = []
+    for ax, time in zip(axes.flat, (0.24, 0.72, 2)):
+        here, exact = phi[np.argmin(np.abs(t - time))], segregation.gray_thornton_uniform(y, time, 0.5, 0.55)
+        if D == "0":
+            ax.plot(exact, y, color="0.7", linewidth=2.5, label="exact, no diffusion")
+        ax.plot(here, y, style, color="C0" if D == "0" else "C3", linewidth=1, label=f"$D_r$ = {D}")
+        figures.label(ax, r"$\phi$", "$y$ (m)", f"$t$ = {time:g} s")
+        away.append(np.mean(np.abs(here - exact)))
+    print(f"   {D}:", " ".join(f"{v:.1e}" for v in away), f" phi in {phi.min():.3g} .. {phi.max():.10g}", file=sys.stderr)
+axes.flat[2].legend(loc="upper right")
+figures.save(fig, os.path.join(case, "grayThornton.png"))
