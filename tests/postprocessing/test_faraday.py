@@ -1,0 +1,237 @@
+"""The measures of patterns on layers whose waves are known: with noise, without a wave, with the wrong period, growing;
+from arrays and from the files of a case. The mean of the strongest wavelengths is shown to be the worse estimator."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+from tests.cases import harness
+from tests.cases.harness import boxes
+
+import faraday
+
+L, CELLS, CYCLES = 300.0, 150, 50
+X = (np.arange(CELLS) + 0.5) * L / CELLS
+PHASES = {0.0: 1.0, 0.25: 0.5, 0.5: 0.05, 0.75: 0.0}  # of the period: how high the wave then is
+
+
+def wave(mode, amplitude=1.8, noise=0.6, seed=1, period=2, jitter=0.2):
+    """Samples of a wave that turns over with `period` and wanders, each column shaken by independent noise."""
+    rng = np.random.default_rng(seed)
+    cycles, places = np.arange(20, 20 + CYCLES), np.cumsum(rng.normal(0, jitter, CYCLES))
+    found = []
+    for high in PHASES.values():
+        sign = np.cos(2 * np.pi * cycles / period)
+        clean = amplitude * high * sign[:, None] * np.cos(2 * np.pi * mode * X / L + 0.7 + places[:, None])
+        found.append((cycles, faraday.modes(5 + clean + rng.normal(0, noise, (CYCLES, CELLS)))))
+    return found
+
+
+class Measures(unittest.TestCase):
+    def test_amplitude_and_phase(self):
+        c = faraday.modes((3 + 1.5 * np.cos(2 * np.pi * 4 * X / L + 0.4) - 0.2 * np.sin(2 * np.pi * 9 * X / L))[None])[0]
+        np.testing.assert_allclose(c[[0, 4, 9]], [3, 1.5 * np.exp(0.4j), 0.2j], atol=1e-13)
+        self.assertLess(np.abs(np.delete(c, [0, 4, 9])).max(), 1e-13)
+        self.assertAlmostEqual(faraday.spectrum(c[None])[4], 1.5**2 / 2, places=12)
+
+    def test_wave_in_noise(self):
+        """Noise of 0.6 in a column is 0.1 in a mode; the wave is 1.8 at one phase and drowned at two of four."""
+        for mode in (5, 8, 11):
+            for seed in range(5):
+                found = wave(mode, seed=seed)
+                result = faraday.measure(found, L)
+                self.assertEqual(result["mode"], mode)
+                self.assertEqual(result["wavelength"], L / mode)
+                self.assertTrue(result["stands"])
+                self.assertEqual(result["phase"], 0)
+                self.assertLess(result["flip"], -0.95)
+                self.assertLess(abs(L / result["centroid"] - mode), 0.1)
+                np.testing.assert_allclose([result["shorter"], result["longer"]], [L / (mode + 1), L / (mode - 1)])
+                # one column of variance 0.36: 2 * 0.36 / CELLS in each mode
+                self.assertLess(abs(result["floor"] / (2 * 0.36 / CELLS) - 1), 0.05)
+
+    def test_worse_estimator(self):
+        """The mean of the strongest wavelengths misses by more than the box's quantum, with a deviation of its own size."""
+        for seed in range(5):
+            found = wave(8, seed=seed)
+            mean, deviation = faraday.strongest(found, L)
+            result = faraday.measure(found, L)
+            self.assertGreater(abs(mean - L / 8), 2 * abs(result["centroid"] - L / 8))
+            self.assertGreater(deviation, 5 * result["spread"] + 5)
+
+    def test_between_two_modes(self):
+        a, b = wave(7, amplitude=1.2, seed=3), wave(8, amplitude=1.2, seed=4)
+        both = [(n, c + d) for (n, c), (_, d) in zip(a, b)]
+        result = faraday.measure(both, L)
+        self.assertIn(result["mode"], (7, 8))
+        self.assertLess(abs(L / result["centroid"] - 7.5), 0.25)
+        self.assertGreater(result["spread"], 1.5)
+
+    def test_harmonic_is_not_the_pattern(self):
+        cycles, c = wave(6, seed=5)[0]
+        c = c + 0.6 * wave(12, seed=6)[0][1]
+        self.assertLess(abs(L / faraday.measure([(cycles, c)], L)["centroid"] - 6), 0.1)
+
+    def test_noise_is_no_pattern(self):
+        for seed in range(60):
+            result = faraday.measure(wave(8, amplitude=0.0, seed=seed), L)
+            self.assertFalse(result["stands"], f"seed {seed}: {faraday.describe(result)}")
+
+    def test_wave_of_the_plate_is_no_pattern(self):
+        """A wave that stays as it is from period to period, as a tilted box would make."""
+        result = faraday.measure(wave(8, period=1), L)
+        self.assertGreater(result["contrast"], faraday.CONTRAST)
+        self.assertGreater(result["flip"], 0.9)
+        self.assertFalse(result["stands"])
+
+    def test_slow_colour(self):
+        """Long waves that come and go without a period: high over the floor, not turning over."""
+        rng = np.random.default_rng(2)
+        a = np.zeros((CYCLES, CELLS // 2 + 1), complex)
+        for n in range(1, CYCLES):
+            a[n, 1:4] = 0.8 * a[n - 1, 1:4] + rng.normal(size=3) + 1j * rng.normal(size=3)
+        a += 0.05 * (rng.normal(size=a.shape) + 1j * rng.normal(size=a.shape))
+        result = faraday.measure([(np.arange(CYCLES), a)], L)
+        self.assertGreater(result["contrast"], faraday.CONTRAST)
+        self.assertFalse(result["stands"])
+
+    def test_flip_wants_cycles_that_follow(self):
+        cycles, c = wave(8)[0]
+        every_second = faraday.measure([(cycles[::2], c[::2])], L)
+        self.assertTrue(np.isnan(every_second["flip"]))
+        self.assertFalse(every_second["stands"])
+
+    def test_jumps(self):
+        cycles, c = wave(8, noise=0.0, jitter=0.0)[0]
+        np.testing.assert_allclose(faraday.jumps(c[:, 8], cycles), np.pi, atol=1e-10)
+
+    def test_growth(self):
+        cycles = np.arange(40)
+        rng = np.random.default_rng(3)
+        for factor in (1.3, 1.7):
+            c = np.exp(rng.normal(0, 0.02, 40)) / (1 / 1.8 + 1 / (0.002 * factor**cycles))  # saturates at 1.8
+            noisy = np.abs(c * np.exp(1j) + 0.003 * (rng.normal(size=40) + 1j * rng.normal(size=40)))
+            found, first, last = faraday.growth(cycles, noisy, 0.003 * np.sqrt(2))
+            self.assertLess(abs(found / factor - 1), 0.07)
+            self.assertGreater(first, 2)
+            self.assertLess(noisy[last], 0.91)
+        self.assertTrue(np.isnan(faraday.growth(cycles, np.full(40, 0.1), 0.1)[0]))
+
+    def test_fastest(self):
+        """Findings, section 1: 1.617 (42.9), 1.681 (37.5), 1.573 (33.3) give 38.1."""
+        found = faraday.fastest([300 / 7, 300 / 8, 300 / 9], [1.617, 1.681, 1.573])
+        self.assertLess(abs(found - 38.1), 0.1)
+        self.assertTrue(np.isnan(faraday.fastest([3, 2, 1], [1.5, 1.2, 1.4])))
+
+
+G = "dimensions [0 1 -2 0 0 0 0]; // 1 2 3\nvalue ({0});\n"
+SHAKING = "type sinusoidal; amplitude 2.75; // Gamma\nfrequency 4; phase 1.5707963267948966;\n"
+
+
+class Files(unittest.TestCase):
+    """A layer written into a case: a bell curve of alpha about the height wanted."""
+
+    def setUp(self):
+        self.case = tempfile.mkdtemp(prefix="haff")
+        self.n, self.size = (60, 40, 1), (120.0, 20.0, 1.0)
+        os.makedirs(os.path.join(self.case, "system"))
+        self.gravity(1, "0 -981 0")
+
+    def tearDown(self):
+        shutil.rmtree(self.case)
+
+    def gravity(self, up, value):
+        """The plate lies across axis `up`, 0 or 1."""
+        boxes.write_dictionary(self.case, "constant", "g", G.format(value))
+        boxes.write_dictionary(self.case, "constant", "shaking", SHAKING)
+        self.up = up
+        turn = [1, 0, 2] if up == 0 else [0, 1, 2]
+        n, size = [self.n[k] for k in turn], [self.size[k] for k in turn]
+        boxes.write_mesh(self.case, n, size, {"xy"[1 - up]: "cyclic"})
+        self.at = boxes.centres(n, size)
+
+    def layer(self, t, height, **fields):
+        """height: function of the place across."""
+        y, x = self.at[:, self.up], self.at[:, 1 - self.up]
+        boxes.write_field(self.case, "alpha", 0.5 * np.exp(-((y - height(x)) ** 2) / 4), time="%g" % t)
+        for name, values in fields.items():
+            boxes.write_field(self.case, name, values, time="%g" % t)
+
+    def test_heights(self):
+        self.layer(1, lambda x: 8 + np.sin(2 * np.pi * x / 40))
+        layer = faraday.Layer(self.case)
+        np.testing.assert_allclose(layer.height("1"), 8 + np.sin(2 * np.pi * layer.x / 40), atol=1e-4)
+        self.assertEqual((layer.length, layer.frequency, layer.acceleration, layer.dim), (120, 4, 2.75, 2))
+        self.assertAlmostEqual(layer.amplitude, 981 * 2.75 / (8 * np.pi) ** 2, places=12)
+
+    def test_gravity_up_an_axis(self):
+        """As in cases/vibratedLayer: the plate is where x is greatest."""
+        self.gravity(0, "981 0 0")
+        self.layer(1, lambda x: 20 - (8 + np.sin(2 * np.pi * x / 40)))
+        layer = faraday.Layer(self.case)
+        np.testing.assert_allclose(layer.height("1"), 8 + np.sin(2 * np.pi * layer.x / 40), atol=1e-4)
+
+    def test_empty_column(self):
+        x, y = self.at[:, 0], self.at[:, 1]
+        boxes.write_field(self.case, "alpha", np.where((x > 30) & (np.abs(y - 5.25) < 0.1), 0.3, 0.0), time="1")
+        np.testing.assert_allclose(faraday.Layer(self.case).height("1"), 5.25, atol=1e-9)
+
+    def test_profile(self):
+        """Two halves that move against each other at T = 1 have T = 1 + 9/dim of the whole; the mean of U is by mass."""
+        right = self.at[:, 0] > 60
+        U = np.zeros((len(self.at), 3))
+        U[:, 1] = np.where(right, 3, -3)
+        flat = lambda x: 6 + 0 * x
+        self.layer(1, flat, U=U, T=np.ones(len(self.at)), p=np.where(right, 2.0, 4.0))
+        layer = faraday.Layer(self.case)
+        found = layer.profile("1")
+        np.testing.assert_allclose(found["T"], 1 + 9 / 2, rtol=1e-12)
+        np.testing.assert_allclose(layer.profile("1", dim=3)["T"], 1 + 9 / 3, rtol=1e-12)
+        np.testing.assert_allclose(found["U"], 0, atol=1e-12)
+        np.testing.assert_allclose(found["p"], 3, rtol=1e-12)
+        np.testing.assert_allclose(found["alpha"], 0.5 * np.exp(-((found["y"] - 6) ** 2) / 4), rtol=1e-12)
+        self.assertTrue((np.diff(found["y"]) > 0).all())
+
+    def test_peaks_and_valleys(self):
+        """Over two times with the wave turned over in between."""
+        zero = dict(U=np.zeros((len(self.at), 3)), T=np.zeros(len(self.at)))
+        for n, sign in ((1, 1), (2, -1)):
+            self.layer(n, lambda x: 8 + 3 * sign * np.cos(2 * np.pi * x / 40 + 0.3), **zero)
+        layer = faraday.Layer(self.case)
+        for where, centre in (("valleys", 5.3), ("all", 8), ("peaks", 10.7)):
+            found = layer.profile(["1", "2"], where, 3)
+            self.assertAlmostEqual(found["alpha"] @ found["y"] / found["alpha"].sum(), centre, delta=0.1)
+
+    def test_command(self):
+        rng = np.random.default_rng(4)
+        for n in range(8):
+            for phase, high in ((0, 2.0), (0.5, 0.1)):
+                noise = rng.normal(0, 0.1, 60)
+                up = lambda x: high * (-1)**n * np.cos(2 * np.pi * x / 30)
+                self.layer((n + phase) / 4, lambda x: 8 + up(x) + noise[(x / 2).astype(int)])
+        picture = os.path.join(self.case, "pattern.png")
+        script = os.path.join(harness.SOURCE, "postprocessing", "faraday.py")
+        done = subprocess.run([sys.executable, script, self.case, "-from", "2", "-figure", picture], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"^pattern: wavelength 30 \(24 \.\. 40\), centroid 30")
+        last = re.search(r"phase 0.000 of the period, cycles 2 to 7: amplitude (\S+), mean height (\S+)\n", done.stdout)
+        np.testing.assert_allclose([float(v) for v in last.groups()], [2, 8], atol=0.1)
+        self.assertTrue(os.path.exists(picture))
+        done = subprocess.run([sys.executable, script, self.case, "-from", "6.9"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("three cycles", done.stderr)
+
+    def test_no_box(self):
+        hole = self.at[:, 0] < 3
+        boxes.write_mesh(self.case, self.n, self.size, hole=hole & (self.at[:, 1] < 3))
+        with self.assertRaisesRegex(ValueError, "no full box"):
+            faraday.Layer(self.case)
+
+
+if __name__ == "__main__":
+    unittest.main()
