@@ -1,8 +1,8 @@
-/* xoshiro256++ and normals by Marsaglia's polar method. Only operations that IEEE 754 rounds correctly are used, and no
- * logarithm of a library's: those differ in their last bits. */
+/* xoshiro256++ and normals by Marsaglia's polar method, with our logarithm: those of libraries differ in their last
+ * bits. */
 #include "libcore/random.h"
 
-#include <math.h>
+#include "libcore/kernel.h"
 
 static uint64_t rotate(uint64_t x, int k) {
     return (x << k) | (x >> (64 - k));
@@ -36,16 +36,6 @@ static uint64_t next(struct random *r) {
 
 double random_uniform(struct random *r) {
     return (double)(next(r) >> 11) * 0x1p-53;
-}
-
-/* ln x = k ln 2 + 2 artanh f, f = (m - 1)/(m + 1), |f| < 0.172: the terms left out are below 1e-18. */
-static double logarithm(double x) {
-    int k;
-    double m = frexp(x, &k), sum = 0;
-    if (m < 0.7071067811865476) m *= 2, k--;
-    double f = (m - 1) / (m + 1), f2 = f * f;
-    for (int j = 21; j >= 1; j -= 2) sum = sum * f2 + 1. / j;
-    return k * 0.6931471805599453 + 2 * f * sum;
 }
 
 double random_normal(struct random *r) {
