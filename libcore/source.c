@@ -89,7 +89,7 @@ void source_apply(const struct sources *s, const struct eos *eos, const struct m
     double e[BATCH], contact[BATCH];
     internal_energy(n, dim, U, e);
     if (s->cooling && m->restitution < 1 && m->diameter > 0) {
-        double loss = 12 / sqrt(PI) * (1 - m->restitution * m->restitution) / m->diameter;
+        double loss = cooling_factor(m) * (1 - m->restitution * m->restitution) / m->diameter;
         eos->contact(m, n, U[0], contact);
         double g1 = m->gamma - 1;
         if (m->threshold > 0)

@@ -25,8 +25,9 @@ bool source_active(const struct sources *s, const struct material *m);
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]);
 
 /* n cells: U[v] = rho, rho u .., E are moved by dt; temperature first, T = T0 / (1 + B sqrt(T0) dt/2)^2 with
- * B = (gamma - 1)(12/sqrt pi)(1 - e^2) G/sigma, then the velocity by `kick`. With a threshold the temperature step is
- * of second order in dt; for any dt T stays positive, does not rise, and is within 27 % of the exact value. */
+ * B = (gamma - 1)(12/sqrt pi)(1 - e^2) G/sigma (disks: 4 in place of 12), then the velocity by `kick`. With a threshold
+ * the temperature step is of second order in dt; for any dt T stays positive, does not rise, and is within 27 % of the
+ * exact value. */
 void source_apply(const struct sources *s, const struct eos *eos, const struct material *m, int n, int dim, double dt,
                   const double kick[MAX_DIM], double *const U[MAX_VAR]);
 

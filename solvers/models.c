@@ -81,6 +81,7 @@ static status read_grains(struct dict *d, struct gas_models *m) {
     TRY(params_read(sub, grain_param, grain_nparam, &m->material));
     TABLE_CHOICE(d, "equationOfState", eos_table, eos_count, NULL, &i);
     m->eos = &eos_table[i];
+    m->material.disks = m->eos->disks;
     for (i = 0; i < eos_count; i++) { /* coefficients of the models not chosen may stay in the file */
         snprintf(coeffs, sizeof coeffs, "%sCoeffs", eos_table[i].name);
         TRY(dict_sub_optional(d, coeffs, &sub));
@@ -92,7 +93,9 @@ static status read_grains(struct dict *d, struct gas_models *m) {
     if (!sub) TRY(dict_from_text(coeffs, "", &none));
     status s = params_read(sub ? sub : none, m->eos->param, m->eos->nparam, &m->material);
     dict_free(none);
-    return s;
+    TRY(s);
+    const char *objection = eos_objection(m->eos, &m->material);
+    return objection ? dict_fail(d, "equationOfState", "%s", objection) : OK;
 }
 
 static status read_properties(struct dict *d, struct gas_models *m) {
@@ -195,6 +198,10 @@ static status open_in(const char *case_dir, const char *name, bool optional, str
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
     TRY(open_in(dir, "constant/granularProperties", false, &m->properties));
     TRY(read_properties(m->properties, &m->gas));
+    if (m->gas.material.disks && dim == 3)
+        return dict_fail(m->properties, "equationOfState",
+                         "%s is for disks, which move in one or two dimensions; an 'empty' patch takes an axis away",
+                         m->gas.eos->name);
     TRY(open_in(dir, "system/fvSchemes", false, &m->schemes));
     TRY(read_schemes(m->schemes, m));
     TRY(open_in(dir, "system/fvSolution", false, &m->solution));

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 
+#include "libcore/eos.h"
 #include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
@@ -48,6 +49,15 @@ static inline void assert_close(double found, double expected, double relative, 
 static inline void assert_near(double found, double expected, double allowed) {
     if (!(fabs(found - expected) <= allowed))
         fail_msg("%.17g, expected %.17g, error %.3g, allowed %.3g", found, expected, fabs(found - expected), allowed);
+}
+
+/* Grains of diameter sigma with the defaults of an equation of state. */
+static inline struct material grains_of(const struct eos *eos, double e, double sigma) {
+    struct material m = {.diameter = sigma, .mass = 1, .restitution = e, .disks = eos->disks};
+    for (int i = 0; i < eos->nparam; i++)
+        if (eos->param[i].kind == PARAM_NUMBER)
+            memcpy((char *)&m + eos->param[i].offset, &eos->param[i].standard, sizeof(double));
+    return m;
 }
 
 #endif
