@@ -6,7 +6,7 @@
 
 /* Sums of a cell, one behind the other: the shares of grains, what their impacts gave, the sum of shares times
  * squared deviation from the mean, the mean velocity. Behind those of all cells: the number of samples. */
-enum { SHARE, IMPACTS, DEVIATION, MEAN, MOST_CELLS = 1 << 24 };
+enum { SHARE, IMPACTS, DEVIATION, MEAN, MOST_CELLS = 1 << 24, TERMS = 38 };
 
 struct share {
     long cell;
@@ -16,6 +16,7 @@ struct reach { /* of a kernel along one axis */
     int n;
     long *offset;  /* of the cell, mirrored or wrapped, in the grid */
     double *value; /* Gaussian: share; Heaviside: squared distance of the centre */
+    double *s;     /* Gaussian: place of the upper face in widths */
 };
 struct coarse {
     struct grain_observer observer; /* first */
@@ -24,11 +25,13 @@ struct coarse {
     int size;              /* doubles of a cell */
     double per[3];         /* 1/h */
     double *sums;
+    double term[TERMS], half; /* bell_integrals; the integral to 3 */
     struct reach reach[3];
     struct share *shares; /* of the place at hand */
 };
 
 static void observe(struct grain_observer *self, const struct grain_impact *i);
+static void bell_make(struct coarse *c);
 
 static status make_reach(struct coarse *c) {
     const struct coarse_grid *g = &c->grid;
@@ -46,6 +49,7 @@ static status make_reach(struct coarse *c) {
                         MOST_CELLS);
         TRY(allocate(&c->reach[k].offset, (long)most, sizeof(long), "a kernel"));
         TRY(allocate(&c->reach[k].value, (long)most, sizeof(double), "a kernel"));
+        TRY(allocate(&c->reach[k].s, (long)most, sizeof(double), "a kernel"));
         c->reach[k].n = 1; /* of axes that are not solved */
         c->reach[k].value[0] = g->kernel == COARSE_GAUSSIAN;
     }
@@ -54,6 +58,7 @@ static status make_reach(struct coarse *c) {
 
 static status fill(struct coarse *c, const struct coarse_grid *grid) {
     c->observer.impact = observe;
+    bell_make(c);
     c->grid = *grid;
     c->size = MEAN + grid->dim;
     c->cells = 1;
@@ -83,6 +88,7 @@ void coarse_free(struct coarse *c) {
     for (int k = 0; k < 3; k++) {
         free(c->reach[k].offset);
         free(c->reach[k].value);
+        free(c->reach[k].s);
     }
     free(c->shares);
     free(c->sums);
@@ -125,30 +131,41 @@ static inline long cell_of(const struct coarse *c, const double x[3]) {
     return cell;
 }
 
-/* Integral of exp(-t^2/2) from 0 to s, |s| <= 3, by its series: the same bits everywhere, which exp does not give. */
-static double bell_integral(double s) {
-    const double y = -0.5 * s * s;
-    double term = s, sum = s;
-    for (int i = 1; i < 40; i++) {
-        term *= y / i;
-        sum += term / (2 * i + 1);
+/* out[i]: integral of exp(-t^2/2) from 0 to s[i], |s[i]| <= 3, by its series: the same bits everywhere, which exp does
+ * not give. */
+static void bell_integrals(const struct coarse *c, int n, const double *restrict s, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = 0;
+    for (int k = TERMS - 1; k >= 0; k--)
+        for (int i = 0; i < n; i++) out[i] = out[i] * (s[i] * s[i]) + c->term[k];
+    for (int i = 0; i < n; i++) out[i] *= s[i];
+}
+
+static void bell_make(struct coarse *c) {
+    double power = 1;
+    for (int k = 0; k < TERMS; k++) {
+        c->term[k] = power / (2 * k + 1);
+        power *= -0.5 / (k + 1);
     }
-    return sum;
+    bell_integrals(c, 1, &(const double){3}, &c->half);
 }
 
 static int gaussian(struct coarse *c, const double x[3]) {
     const struct coarse_grid *g = &c->grid;
-    const double end = bell_integral(3);
     for (int k = 0; k < g->dim; k++) {
         struct reach *r = &c->reach[k];
-        const int first = below((x[k] - 3 * g->width - g->low[k]) * c->per[k]);
-        double done = -end;
-        r->n = 0;
-        for (int i = first; done < end; i++) {
-            const double s = (g->low[k] + (i + 1) * g->h[k] - x[k]) / g->width;
-            const double to = s >= 3 ? end : s <= -3 ? -end : bell_integral(s);
-            r->offset[r->n] = fold(c, k, i);
-            r->value[r->n++] = (to - done) / (2 * end);
+        const double from = x[k] - g->low[k];
+        const int first = below((from - 3 * g->width) * c->per[k]), last = below((from + 3 * g->width) * c->per[k]);
+        double done = -c->half;
+        r->n = last + 1 - first;
+        for (int i = 0; i < r->n; i++) {
+            const double s = ((first + i + 1) * g->h[k] - from) / g->width;
+            r->s[i] = s > 3 || i == r->n - 1 ? 3 : s < -3 ? -3 : s;
+            r->offset[i] = fold(c, k, first + i);
+        }
+        bell_integrals(c, r->n, r->s, r->value);
+        for (int i = 0; i < r->n; i++) {
+            const double to = r->value[i];
+            r->value[i] = (to - done) / (2 * c->half);
             done = to;
         }
     }
