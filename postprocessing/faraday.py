@@ -42,9 +42,10 @@ class Layer:
         g = np.array(dictionary(self.case, "g")["value"])
         self.up = int(np.argmax(np.abs(g)))
         self.sign = -np.sign(g[self.up])
-        shaking = dictionary(self.case, "shaking")
-        self.frequency, self.acceleration = shaking["frequency"][0], shaking["amplitude"][0]
-        self.amplitude = np.abs(g).max() * self.acceleration / (2 * np.pi * self.frequency) ** 2
+        if os.path.exists(os.path.join(self.case.path, "constant", "shaking")):
+            shaking = dictionary(self.case, "shaking")
+            self.frequency, self.acceleration = shaking["frequency"][0], shaking["amplitude"][0]
+            self.amplitude = np.abs(g).max() * self.acceleration / (2 * np.pi * self.frequency) ** 2
         places, points = self.case.centres, self.case.mesh.points
         low, high = points.min(axis=0), points.max(axis=0)
         digits = 9 - int(np.ceil(np.log10((high - low).max())))

@@ -1,0 +1,47 @@
+"""Reads the cloud of grains that granularMD writes beside the fields: TIME/lagrangian/grains. Needs numpy only.
+
+    cloud = grains.read(haff.Case("cases/faradayMD"), "20")
+    cloud["x"], cloud["U"], cloud["id"], cloud["d"], cloud["cell"]    # [n][3], [n][3], [n], [n], [n]
+"""
+import os
+
+import numpy as np
+
+import haff
+
+KINDS = {"vectorField": 3, "scalarField": 1, "labelField": 1}
+
+
+def folder(case, time):
+    return os.path.join(case.path, time if isinstance(time, str) else case.time(time), "lagrangian", "grains")
+
+
+def positions(path):
+    """Places [n][3] and cells [n]: lines (x y z) cell."""
+    f = haff.FoamFile(path)
+    if not f.header.get("class", "").startswith("Cloud"):
+        raise haff.FormatError(f"{path}: class {f.header.get('class')} is no cloud")
+    values = np.array(haff.words(f.body), float)
+    if len(values) != 1 + 4 * int(values[0]):
+        raise haff.FormatError(f"{path}: {len(values) - 1} numbers for {int(values[0])} grains; 4 each are expected")
+    rows = values[1:].reshape(-1, 4)
+    return rows[:, :3], rows[:, 3].astype(int)
+
+
+def places(case, time):
+    return positions(os.path.join(folder(case, time), "positions"))[0]
+
+
+def read(case, time):
+    """{"x", "cell" and every field of the cloud}."""
+    where = folder(case, time)
+    x, cell = positions(os.path.join(where, "positions"))
+    found = {"x": x, "cell": cell}
+    for name in sorted({n.removesuffix(".gz") for n in os.listdir(where)} - {"positions"}):
+        f = haff.FoamFile(os.path.join(where, name))
+        if f.header.get("class") in KINDS:
+            kind = f.label if f.header["class"] == "labelField" else f.scalar
+            found[name] = f.numbers(0, KINDS[f.header["class"]], kind)[0]
+            if len(found[name]) != len(x):
+                raise haff.FormatError(f"{f.path}: {len(found[name])} values for {len(x)} grains")
+    return found
