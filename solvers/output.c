@@ -162,7 +162,7 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
     if (b && b->value) print_given(s, w, p, b->value, given, c);
-    if (!given || (b && b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false);
+    if (!b || (b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false); /* OpenFOAM wants it */
 }
 
 /* o->values in the case's folder, then each part's in its own. */

@@ -57,10 +57,10 @@ def drop_vtk(case):
         f.write(re.sub(r"^ *vtk +\{[^}]*\}\n", "", text, flags=re.M))
 
 
-def mesh(case, cells):
-    """mesh.geo with N = cells through gmsh and gmshToCase."""
+def mesh(case, cells, option="N"):
+    """mesh.geo with N (or another option) = cells through gmsh and gmshToCase."""
     msh = os.path.join(case, "mesh.msh")
-    subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "N", str(cells), os.path.join(case, "mesh.geo"), "-o", msh],
+    subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", option, str(cells), os.path.join(case, "mesh.geo"), "-o", msh],
                    check=True, capture_output=True)
     program("gmshToCase", msh, "-case", case)
 
