@@ -17,8 +17,10 @@ struct segregation_field {
     double *flux[MAX_DIM], *low_flux[MAX_DIM], *part[MAX_DIM]; /* [faces] mean over the step; part of it let through */
     double *change, *next, *low, *least, *most;                /* [cells] */
     double *ease, *before, *whole, *halves;                    /* [cells] 1 / capacity; of steps made of steps */
+    double *D[MAX_DIM];                                        /* [faces] of the law; else NULL */
     bool *watched, *sharp;                                     /* [cells] limiting; beside a coarse face */
     double *line_phi, *line_right, *line_up, *line_down, *line_above, *line_ease; /* [longest + 1][LINES] */
+    double *line_seam;
 };
 
 /* A run: the inner faces of an axis within one outer index, contiguous with the cells below and above. */
@@ -60,6 +62,18 @@ KERNEL static void monotone_flux_lattice(long n, double per_width, const double 
 typedef void flux_function(long, double, const double *restrict, const double *restrict, const double *restrict,
                            const double *restrict, const double *restrict, double *restrict);
 
+/* The faces at both ends of a cyclic axis are one. */
+static void seam_flux(const struct segregation_field *s, flux_function *function, int k, const double *phi,
+                      double *flux) {
+    const struct segregation_lattice *l = &s->lattice;
+    const long across = s->stride[k], n = l->n[k];
+    for (long outer = 0; outer < outer_count(s, k); outer++) {
+        const long low = outer * (n + 1) * across, cell = outer * n * across;
+        function(across, 1 / l->width[k], phi + cell + (n - 1) * across, phi + cell, l->u[k] + low, l->f[k] + low,
+                 l->D[k] + low, flux + low);
+        memcpy(flux + low + n * across, flux + low, (size_t)across * sizeof *flux);
+    }
+}
 /* Boundary faces carry the cell's phi out and the inflow's in. */
 static void boundary_flux(const struct segregation_field *s, int k, const double *phi, double *flux) {
     const struct segregation_lattice *l = &s->lattice;
@@ -81,7 +95,10 @@ static void take_flux(const struct segregation_field *s, flux_function *function
             function(r.n, 1 / l->width[k], phi + r.cell, phi + r.cell + s->stride[k], l->u[k] + r.face,
                      l->f[k] + r.face, l->D[k] + r.face, flux[k] + r.face);
         }
-        boundary_flux(s, k, phi, flux[k]);
+        if (l->cyclic[k])
+            seam_flux(s, function, k, phi, flux[k]);
+        else
+            boundary_flux(s, k, phi, flux[k]);
     }
 }
 
@@ -142,6 +159,32 @@ KERNEL static void eliminate_lines(long n, double part, const double *restrict e
         for (int c = 0; c < LINES; c++) right[i * LINES + c] -= above[i * LINES + c] * right[(i + 1) * LINES + c];
 }
 
+/* The same where the last cells border on the first ones (Sherman & Morrison). up and down of the seam stand in front
+ * and behind; those behind are put in order again. */
+static void eliminate_cyclic(long n, double part, const double *ease, double *up, double *down, double *above,
+                             double *right, double *seam) {
+    const long last = (n - 1) * LINES;
+    double corner[LINES];
+    memset(seam, 0, (size_t)n * LINES * sizeof *seam);
+    for (int c = 0; c < LINES; c++) {
+        const double first = part * ease[c], end = part * ease[last + c];
+        const double shift = -(1 + first * (up[LINES + c] - down[c])), far = end * down[n * LINES + c];
+        corner[c] = -first * up[c] / shift;
+        seam[c] = shift;
+        seam[last + c] = far;
+        down[c] += first > 0 ? shift / first : 0;
+        up[n * LINES + c] -= end > 0 ? far * corner[c] / end : 0;
+    }
+    eliminate_lines(n, part, ease, up, down, above, right);
+    eliminate_lines(n, part, ease, up, down, above, seam);
+    for (int c = 0; c < LINES; c++) {
+        const double factor = (right[c] + corner[c] * right[last + c]) / (1 + seam[c] + corner[c] * seam[last + c]);
+        for (long i = c; i < n * LINES; i += LINES) right[i] -= factor * seam[i];
+        down[c] = down[n * LINES + c];
+        up[n * LINES + c] = up[c];
+    }
+}
+
 static void gather(const struct lines *b, long n, long start, long next, const double *from, double *to) {
     if (next == 1) {
         for (long i = 0; i < n; i++) memcpy(to + i * LINES, from + start + i * b->step, (size_t)b->count * sizeof *to);
@@ -155,6 +198,7 @@ static void solve_lines(struct segregation_field *s, double dt, double late, con
     const struct segregation_lattice *l = &s->lattice;
     const long n = b->n;
     const int k = b->k;
+    const bool cyclic = l->cyclic[k];
     double *phi_line = s->line_phi, *up = s->line_up, *down = s->line_down, *right = s->line_right;
     double *u = s->line_above, *f = u + (n + 1) * LINES, *D = f + (n + 1) * LINES, *above = u;
     gather(b, n, b->cell, b->cell_next, phi, phi_line);
@@ -163,19 +207,27 @@ static void solve_lines(struct segregation_field *s, double dt, double late, con
     gather(b, n + 1, b->face, b->face_next, l->u[k], u);
     gather(b, n + 1, b->face, b->face_next, l->f[k], f);
     gather(b, n + 1, b->face, b->face_next, l->D[k], D);
-    for (int c = 0; c < LINES; c++) {
+    for (int c = 0; c < LINES && !cyclic; c++) {
         up[c] = down[n * LINES + c] = 0;
         down[c] = smaller(u[c], 0);
         up[n * LINES + c] = larger(u[n * LINES + c], 0);
     }
     assemble_lines((n - 1) * LINES, 1 / l->width[k], phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES,
                    up + LINES, down + LINES);
-    eliminate_lines(n, late * dt / l->width[k], s->line_ease, up, down, above, right);
+    if (cyclic) {
+        assemble_lines(LINES, 1 / l->width[k], phi_line + (n - 1) * LINES, phi_line, u, f, D, up, down);
+        memcpy(up + n * LINES, up, LINES * sizeof *up);
+        memcpy(down + n * LINES, down, LINES * sizeof *down);
+        eliminate_cyclic(n, late * dt / l->width[k], s->line_ease, up, down, above, right, s->line_seam);
+    } else {
+        eliminate_lines(n, late * dt / l->width[k], s->line_ease, up, down, above, right);
+    }
     for (int c = 0; c < b->count; c++) {
         double *change = s->change + b->cell + c * b->cell_next, *flux = s->flux[k] + b->face + c * b->face_next;
         for (long i = 0; i < n; i++) change[i * b->step] = right[i * LINES + c];
         for (long i = 0; i <= n; i++) {
-            double below = i > 0 ? right[(i - 1) * LINES + c] : 0, beyond = i < n ? right[i * LINES + c] : 0;
+            double below = i > 0 ? right[(i - 1) * LINES + c] : cyclic ? right[(n - 1) * LINES + c] : 0;
+            double beyond = i < n ? right[i * LINES + c] : cyclic ? right[c] : 0;
             flux[i * b->step] += late * (up[i * LINES + c] * below + down[i * LINES + c] * beyond);
         }
     }
@@ -213,7 +265,7 @@ static bool beside_coarse(const struct segregation_field *s, int k, long cell, s
     const double enough = 2 / l->width[k];
     bool low = fabs(l->u[k][sides.low]) + fabs(l->f[k][sides.low]) > enough * l->D[k][sides.low];
     bool high = fabs(l->u[k][sides.high]) + fabs(l->f[k][sides.high]) > enough * l->D[k][sides.high];
-    return (low && i > 0) || (high && i < l->n[k] - 1);
+    return (low && (i > 0 || l->cyclic[k])) || (high && (i < l->n[k] - 1 || l->cyclic[k]));
 }
 
 /* Low fluxes: the mean of as many monotone steps as dt needs; s->low is their phi. */
@@ -242,8 +294,11 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
         double least = 1, most = 0;
         widen(&least, &most, phi[c], s->low[c]);
         for (int k = 0; k < l->dim && s->sharp[c]; k++) {
-            if (i[k] > 0) widen(&least, &most, phi[c - s->stride[k]], s->low[c - s->stride[k]]);
-            if (i[k] < l->n[k] - 1) widen(&least, &most, phi[c + s->stride[k]], s->low[c + s->stride[k]]);
+            const long around = l->cyclic[k] ? (l->n[k] - 1) * s->stride[k] : 0; /* 0: the cell itself */
+            const long below = i[k] > 0 ? c - s->stride[k] : c + around;
+            const long above = i[k] < l->n[k] - 1 ? c + s->stride[k] : c - around;
+            widen(&least, &most, phi[below], s->low[below]);
+            widen(&least, &most, phi[above], s->low[above]);
         }
         s->least[c] = s->sharp[c] ? larger(least, 0) : 0;
         s->most[c] = s->sharp[c] ? smaller(most, 1) : 1;
@@ -278,6 +333,18 @@ static double limited(const struct segregation_field *s, double dt, long c) {
     return out;
 }
 
+/* Of a seam's two copies the smaller part holds for both. */
+static void join_parts(struct segregation_field *s) {
+    for (int k = 0; k < s->lattice.dim; k++) {
+        const long across = s->stride[k], n = s->lattice.n[k] * across;
+        for (long outer = 0; s->lattice.cyclic[k] && outer < outer_count(s, k); outer++)
+            for (long i = 0; i < across; i++) {
+                double *low = s->part[k] + outer * (n + across) + i, *high = low + n;
+                *low = *high = smaller(*low, *high);
+            }
+    }
+}
+
 /* s->next within bounds; s->flux becomes what exceeds the low flux. */
 static void bound(struct segregation_field *s, double dt, const double *phi) {
     s->counts.bounded++;
@@ -298,20 +365,54 @@ static void bound(struct segregation_field *s, double dt, const double *phi) {
         }
         for (long c = 0; c < s->cells; c++)
             if (s->watched[c]) limit_cell(s, dt, c);
+        join_parts(s);
     }
     for (int k = 0; k < s->lattice.dim; k++)
         for (long j = 0; j < s->faces[k]; j++) s->counts.corrected += s->part[k][j] < 1;
 }
 
-/* late: 1/2 Crank-Nicolson, 1 implicit Euler. */
-static status step(struct segregation_field *s, double dt, double late, double *phi) {
-    double least = 0, most = 1, none = 0;
+/* s->flux, s->next <- a step from phi with D as it is. late: 1/2 Crank-Nicolson, 1 implicit Euler. */
+static void central_step(struct segregation_field *s, double dt, double late, const double *phi) {
     take_flux(s, central_flux_lattice, phi, s->flux);
     memset(s->change, 0, (size_t)s->cells * sizeof *s->change);
     subtract_divergence(s, dt, s->flux, s->change);
     for (int k = 0; k < s->lattice.dim; k++) solve_axis(s, dt, late, k, phi);
     memcpy(s->next, phi, (size_t)s->cells * sizeof *phi);
     subtract_divergence(s, dt, s->flux, s->next);
+}
+
+static void find_rates(struct segregation_field *s);
+KERNEL static void face_means(long n, const double *restrict below, const double *restrict above,
+                              double *restrict out) {
+    for (long i = 0; i < n; i++) out[i] = 0.5 * (below[i] + above[i]);
+}
+/* D of the law at phi. */
+static void take_law(struct segregation_field *s, const double *phi) {
+    const struct segregation_lattice *l = &s->lattice;
+    for (int k = 0; k < l->dim; k++) {
+        const long across = s->stride[k], n = l->n[k] * across;
+        double *at = s->part[k];
+        for (long outer = 0; outer < outer_count(s, k); outer++) {
+            const double *cells = phi + outer * n;
+            double *low = at + outer * (n + across);
+            face_means(n - across, cells, cells + across, low + across);
+            face_means(across, cells, l->cyclic[k] ? cells + n - across : cells, low);
+            face_means(across, cells + n - across, l->cyclic[k] ? cells : cells + n - across, low + n);
+        }
+        l->law(l->context, k, at, s->D[k]);
+    }
+    find_rates(s);
+}
+
+static status step(struct segregation_field *s, double dt, double late, double *phi) {
+    double least = 0, most = 1, none = 0;
+    if (s->lattice.law) {
+        take_law(s, phi);
+        central_step(s, dt, late, phi);
+        for (long c = 0; c < s->cells; c++) s->low[c] = 0.5 * (phi[c] + smaller(larger(s->next[c], 0), 1));
+        take_law(s, s->low);
+    }
+    central_step(s, dt, late, phi);
     for (long c = 0; c < s->cells; c++) {
         least = smaller(s->next[c], least);
         most = larger(s->next[c], most);
@@ -367,6 +468,9 @@ status segregation_field_advance(struct segregation_field *s, double allowed, do
 
 static void find_rates(struct segregation_field *s) {
     const struct segregation_lattice *l = &s->lattice;
+    memset(s->sharp, 0, (size_t)s->cells * sizeof *s->sharp);
+    s->coarse = false;
+    s->rate = s->advance_rate = 0;
     for (long c = 0; c < s->cells; c++) {
         double flow = 0, spread = 0;
         for (int k = 0; k < l->dim; k++) {
@@ -387,18 +491,18 @@ static status make_room(struct segregation_field *s) {
     const int dim = s->lattice.dim;
     long longest = 0, doubles = 9 * s->cells;
     for (int k = 0; k < dim; k++) {
-        doubles += 3 * s->faces[k];
+        doubles += (s->lattice.law ? 4 : 3) * s->faces[k];
         if (s->lattice.n[k] > longest) longest = s->lattice.n[k];
     }
     const long buffer = (longest + 1) * LINES;
-    TRY(allocate(&s->room, doubles + 8 * buffer, sizeof(double), "segregation on a lattice"));
+    TRY(allocate(&s->room, doubles + 9 * buffer, sizeof(double), "segregation on a lattice"));
     TRY(allocate(&s->watched, 2 * s->cells, sizeof(bool), "segregation on a lattice"));
     s->sharp = s->watched + s->cells;
-    double *at = s->room,
-           **const lines[] = {&s->line_phi, &s->line_right, &s->line_up, &s->line_down, &s->line_ease, &s->line_above},
+    double *at = s->room, **const lines[] = {&s->line_phi,  &s->line_right, &s->line_up,   &s->line_down,
+                                             &s->line_seam, &s->line_ease,  &s->line_above},
            **const cells[] = {&s->change, &s->next,   &s->low,   &s->least, &s->most,
                               &s->ease,   &s->before, &s->whole, &s->halves};
-    for (int i = 0; i < 6; i++, at += buffer) *lines[i] = at; /* line_above: three of them */
+    for (int i = 0; i < 7; i++, at += buffer) *lines[i] = at; /* line_above: three of them */
     at += 2 * buffer;
     for (int i = 0; i < 9; i++, at += s->cells) *cells[i] = at;
     for (int k = 0; k < dim; k++) {
@@ -406,6 +510,9 @@ static status make_room(struct segregation_field *s) {
         s->low_flux[k] = at + s->faces[k];
         s->part[k] = at + 2 * s->faces[k];
         at += 3 * s->faces[k];
+        if (!s->lattice.law) continue;
+        s->lattice.D[k] = s->D[k] = at;
+        at += s->faces[k];
     }
     return OK;
 }

@@ -11,6 +11,7 @@
  * line of cells, second order in space and time; on one axis it is Newton's first iterate of segregation.h. All change
  * is a sum of fluxes through faces, so that phi is conserved to round-off. Central fluxes and bounds as there: where
  * |u| + |f| > 2 D/h or phi would leave 0 .. 1, fluxes are pulled towards those of explicit Engquist-Osher steps.
+ * D(phi) is taken at the middle of the step, of a first solution with D at its start.
  */
 #ifndef LIBCORE_SEGREGATION_LATTICE_H
 #define LIBCORE_SEGREGATION_LATTICE_H
@@ -25,6 +26,10 @@ struct segregation_lattice { /* borrowed, with its arrays; cells: axis 0 fastest
      * boundary percolation and diffusivity must be 0; where u leads in there phi is `inflow` (NULL: 0). */
     const double *u[MAX_DIM], *f[MAX_DIM], *D[MAX_DIM], *inflow[MAX_DIM];
     const double *capacity; /* [cells], greater than 0; NULL: 1 */
+    bool cyclic[MAX_DIM];   /* the first and the last faces of the axis are the same: u, f and D are, too */
+    /* Or D of the faces of axis k from phi on them, 0 where a wall is; NULL: the arrays above. */
+    void (*law)(const void *context, int k, const double *phi, double *D);
+    const void *context; /* of law */
 };
 struct segregation_lattice_counts {
     long steps, bounded, substeps; /* steps; those that needed bounds; monotone steps for them */

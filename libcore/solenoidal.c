@@ -41,6 +41,11 @@ static void apply(const struct poisson *a, const double *p, double *out) {
                 to[i] += jump;
                 to[i + across] += from ? -jump : jump;
             }
+            for (long i = 0, last = n - across; i < across && l->cyclic[k]; i++) {
+                double jump = !open[i - across] ? 0 : !from ? per : per * (from[last + i] - from[i]);
+                to[last + i] += jump;
+                to[i] += from ? -jump : jump;
+            }
         }
     }
 }
@@ -90,6 +95,12 @@ static double take_gradient(const struct poisson *a) {
                 u[i] += change;
                 most = larger(fabs(change), most);
             }
+            for (long i = 0, last = n - across; i < across && l->cyclic[k]; i++) {
+                const double *p = a->p + o * n;
+                double change = open[i - across] ? (p[i] - p[last + i]) / l->width[k] : 0;
+                u[i - across] = u[last + i] += change;
+                most = larger(fabs(change), most);
+            }
         }
     }
     return most;
@@ -102,7 +113,7 @@ static status balance(const struct poisson *a, double *scaled) {
     for (int pass = 0; pass < 2; pass++) {
         for (int k = 0; k < l->dim; k++) {
             const long across = a->stride[k], n = l->n[k] * across;
-            for (long o = 0; o < runs(a, k); o++)
+            for (long o = 0; o < runs(a, k) && !l->cyclic[k]; o++)
                 for (long i = 0; i < 2 * across; i++) {
                     const bool low = i < across;
                     double *u = l->u[k] + o * (n + across) + (low ? i : n + i - across);

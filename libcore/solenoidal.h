@@ -10,6 +10,7 @@ struct face_flow {       /* faces of axis k: n[k] + 1 along it, axis 0 fastest; 
     double width[MAX_DIM];
     double *u[MAX_DIM];        /* m/s; 0 on walls */
     const bool *open[MAX_DIM]; /* inner faces that are no walls; false on the boundary */
+    bool cyclic[MAX_DIM];      /* the first and the last faces of the axis are the same: u and open are, too */
 };
 struct face_flow_change {
     double scaled;        /* what leaves through the boundary was multiplied by it, to be what enters */

@@ -121,7 +121,7 @@ def write_files(folder, n, size, owner, neighbour, faces, patches, binary):
 
 
 DIMENSIONS = {"rho": "[1 -3 0 0 0 0 0]", "alpha": "[0 0 0 0 0 0 0]", "U": "[0 1 -1 0 0 0 0]",
-              "T": "[0 2 -2 0 0 0 0]", "p": "[1 -1 -2 0 0 0 0]"}
+              "T": "[0 2 -2 0 0 0 0]", "p": "[1 -1 -2 0 0 0 0]", "phi": "[0 0 0 0 0 0 0]"}
 
 
 def write_field(case, name, values, patches='".*" zeroGradient', time="0", binary=False):

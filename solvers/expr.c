@@ -110,7 +110,7 @@ enum { RANKS = 5 };
 struct compiler {
     const char *text, *p;
     int depth, stack;
-    bool phi; /* is it a variable? */
+    bool mixture; /* are phi and shearRate variables? */
     struct expr *e;
 };
 
@@ -133,6 +133,8 @@ static status emit(struct compiler *c, struct step step) {
     c->e->step[c->e->count++] = step;
     return OK;
 }
+
+static const char *const mixture_names[] = {"phi", "shearRate"};
 
 static status ternary(struct compiler *c);
 
@@ -159,10 +161,11 @@ static status name(struct compiler *c) {
     while (isalnum((unsigned char)c->p[length]) || c->p[length] == '_') length++;
     const char *word = c->p, *variable = length == 1 ? strchr("xyzt", *word) : NULL;
     struct step step = {.op = NUMBER, .number = acos(-1)};
-    if (c->phi && length == 3 && !memcmp(word, "phi", 3)) {
-        c->p += length;
-        return emit(c, (struct step){.op = VARIABLE, .variable = 4});
-    }
+    for (int i = 0; c->mixture && i < 2; i++)
+        if (strlen(mixture_names[i]) == (size_t)length && !memcmp(word, mixture_names[i], (size_t)length)) {
+            c->p += length;
+            return emit(c, (struct step){.op = VARIABLE, .variable = EXPR_PHI + i});
+        }
     if (variable) step = (struct step){.op = VARIABLE, .variable = *word == 't' ? 3 : *word - 'x'};
     if (length == 1 && *word == 'e') step.number = exp(1);
     if (variable || (length == 1 && *word == 'e') || (length == 2 && !memcmp(word, "pi", 2))) {
@@ -174,10 +177,11 @@ static status name(struct compiler *c) {
             c->p += length;
             return call(c, &functions[i]);
         }
-    const char *names[sizeof functions / sizeof *functions];
+    const char *names[sizeof functions / sizeof *functions + 2];
     char text[32];
     int n = 0;
     for (; n < (int)(sizeof functions / sizeof *functions); n++) names[n] = functions[n].name;
+    for (int i = 0; c->mixture && i < 2; i++) names[n++] = mixture_names[i];
     snprintf(text, sizeof text, "%.*s", length, word);
     const char *near = length > 2 ? nearest_name(text, names, n) : NULL;
     if (near) {
@@ -280,11 +284,11 @@ static status ternary(struct compiler *c) {
     return OK;
 }
 
-static status compile(const char *text, bool phi, struct expr **out) {
+static status compile(const char *text, bool mixture, struct expr **out) {
     *out = NULL;
     size_t length = strlen(text);
     if (length > LENGTH) return fail(ERR_INPUT, "expression '%.60s...' is longer than %d characters", text, LENGTH);
-    struct compiler c = {.text = text, .p = text, .phi = phi};
+    struct compiler c = {.text = text, .p = text, .mixture = mixture};
     c.e = calloc(1, sizeof *c.e + (length + 1) * sizeof *c.e->step); /* a step takes one character or more */
     if (!c.e) return fail(ERR_SYSTEM, "no memory for an expression");
     status e = ternary(&c);
@@ -301,7 +305,7 @@ static status compile(const char *text, bool phi, struct expr **out) {
 status expr_compile(const char *text, struct expr **out) {
     return compile(text, false, out);
 }
-status expr_compile_phi(const char *text, struct expr **out) {
+status expr_compile_mixture(const char *text, struct expr **out) {
     return compile(text, true, out);
 }
 
@@ -310,11 +314,17 @@ void expr_free(struct expr *e) {
 }
 
 double expr_value(const struct expr *e, double x, double y, double z, double t) {
-    return expr_value_phi(e, x, y, z, t, 0);
+    return expr_value_mixture(e, x, y, z, t, 0, 0);
 }
 
-double expr_value_phi(const struct expr *e, double x, double y, double z, double t, double phi) {
-    const double variable[] = {x, y, z, t, phi};
+bool expr_uses(const struct expr *e, int variable) {
+    for (int i = 0; i < e->count; i++)
+        if (e->step[i].op == VARIABLE && e->step[i].variable == variable) return true;
+    return false;
+}
+
+double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate) {
+    const double variable[] = {x, y, z, t, phi, shear_rate};
     double stack[STACK + 1], *top = stack; /* top: the last value */
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
         switch (s->op) {

@@ -10,9 +10,11 @@ struct expr;
 status expr_compile(const char *text, struct expr **out); /* error: column, what was found, what is known */
 void expr_free(struct expr *e);
 double expr_value(const struct expr *e, double x, double y, double z, double t);
-/* With a fifth variable, phi. */
-status expr_compile_phi(const char *text, struct expr **out);
-double expr_value_phi(const struct expr *e, double x, double y, double z, double t, double phi);
+/* With two more variables, phi and shearRate. */
+enum { EXPR_PHI = 4, EXPR_SHEAR_RATE };
+status expr_compile_mixture(const char *text, struct expr **out);
+double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate);
+bool expr_uses(const struct expr *e, int variable);
 status expr_constant(const char *text, double *out); /* no variables allowed */
 
 #endif

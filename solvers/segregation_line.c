@@ -110,35 +110,37 @@ static void point(const struct segregation_setup *l, double at, double x[3]) {
     x[l->axis] = at;
 }
 
-double segregation_diffusivity(const struct segregation_setup *l, double at, double phi) {
-    if (!l->models->diffusivity_law) return l->models->diffusivity;
+static double diffusivity_at(const struct segregation_setup *l, int face, double phi) {
     double x[3];
-    point(l, at, x);
-    return expr_value_phi(l->models->diffusivity_law, x[0], x[1], x[2], 0, phi);
+    point(l, l->face[face], x);
+    return segregation_diffusivity(l->models, x, phi, l->shear_rate ? l->shear_rate[face] : 0);
 }
 
 static void diffusivity_law(const void *context, int nfaces, const double *phi, double *diffusivity) {
-    const struct segregation_setup *l = context;
-    for (int i = 0; i < nfaces; i++) diffusivity[i] = fmax(0, segregation_diffusivity(l, l->face[i], phi[i]));
+    for (int i = 0; i < nfaces; i++) diffusivity[i] = larger(0, diffusivity_at(context, i, phi[i]));
+}
+
+/* On a face the mean of both cells. */
+static status set_shear_rate(struct segregation_setup *l, const double *cells) {
+    const int n = l->line.n;
+    TRY(allocate(&l->shear_rate, n + 1, sizeof(double), "a line"));
+    for (int i = 0; i <= n; i++)
+        l->shear_rate[i] = 0.5 * (cells[l->cell[i > 0 ? i - 1 : 0]] + cells[l->cell[i < n ? i : n - 1]]);
+    return OK;
 }
 
 static status set_diffusivity(struct segregation_setup *l) {
-    enum { SAMPLES = 21 };
     const int n = l->line.n;
-    if (!l->models->diffusivity_law) {
-        for (int i = 0; i <= n; i++) l->diffusivity[i] = l->models->diffusivity;
-        return OK;
+    if (l->models->diffusivity_law) {
+        l->line.law = diffusivity_law;
+        l->line.context = l;
     }
-    l->line.law = diffusivity_law;
-    l->line.context = l;
-    for (int i = 0; i <= n; i++)
-        for (int k = 0; k < SAMPLES; k++) {
-            const double phi = k / (SAMPLES - 1.), D = segregation_diffusivity(l, l->face[i], phi);
-            if (D >= 0 && isfinite(D)) continue;
-            return fail(ERR_INPUT,
-                        "%s: diffusivity: the expression gives %g at %c = %g, phi = %g; it must be 0 or more",
-                        dict_path(l->models->properties), D, "xyz"[l->axis], l -> face[i], phi);
-        }
+    for (int i = 0; i <= n; i++) {
+        double x[3];
+        point(l, l->face[i], x);
+        TRY(segregation_diffusivity_check(l->models, x, l->shear_rate ? l->shear_rate[i] : 0));
+        l->diffusivity[i] = l->models->diffusivity;
+    }
     return OK;
 }
 
@@ -150,7 +152,7 @@ static void set_exponential(struct segregation_setup *l) {
     }
 }
 
-status segregation_setup_laws(const struct setup *s, struct segregation_setup *l) {
+status segregation_setup_laws(const struct setup *s, const struct segregation_flow *flow, struct segregation_setup *l) {
     const struct segregation_models *m = l->models;
     const int n = l->line.n;
     double x[3];
@@ -164,6 +166,7 @@ status segregation_setup_laws(const struct setup *s, struct segregation_setup *l
             return fail(ERR_INPUT, "%s: percolation: f is %g at (%g %g %g)", dict_path(m->properties), l->speed[i],
                         x[0], x[1], x[2]);
     }
+    if (flow->shear_rate) TRY(set_shear_rate(l, flow->shear_rate));
     return set_diffusivity(l);
 }
 
@@ -175,4 +178,5 @@ void segregation_setup_free(struct segregation_setup *l) {
     free(l->node);
     free(l->speed);
     free(l->diffusivity);
+    free(l->shear_rate);
 }

@@ -3,7 +3,7 @@
 #define SOLVERS_SEGREGATION_LINE_H
 
 #include "solvers/case.h"
-#include "solvers/segregation_models.h"
+#include "solvers/segregation_flow.h"
 
 struct segregation_setup {
     int axis;         /* physical */
@@ -12,19 +12,14 @@ struct segregation_setup {
     int *place;       /* [ncells] its inverse */
     double *centre;   /* [ncells][3] as the mesh has it, but those of the end cells on the walls if asked for */
     double *face, *node, *speed, *diffusivity; /* of line */
+    double *shear_rate;                        /* [n + 1] at its faces; NULL: no law asks for it */
     const struct segregation_models *models;
     struct segregation_line line;
 };
 /* Fills *out; segregation_setup_free after success and failure. */
 status segregation_setup_make(const struct setup *s, const struct segregation_models *m, struct segregation_setup *out);
-/* f and D; t: of the case's start. */
-status segregation_setup_laws(const struct setup *s, struct segregation_setup *l);
-double segregation_diffusivity(const struct segregation_setup *l, double at, double phi); /* at: along the axis */
+/* f and D. */
+status segregation_setup_laws(const struct setup *s, const struct segregation_flow *flow, struct segregation_setup *l);
 void segregation_setup_free(struct segregation_setup *l);
-
-/* (q/rho) d(rho T)/dy at node[n] (m, ascending, along the physical axis), from fields of a granularGas run, averaged
- * over the other axes. The error names what is missing. */
-status stress_velocity(const struct setup *s, const struct segregation_models *m, int axis, int n, const double *node,
-                       double *out);
 
 #endif

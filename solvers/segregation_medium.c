@@ -11,7 +11,8 @@
 struct mixture {
     struct medium base;
     struct segregation_models *models;
-    struct field *field, *U;       /* U: NULL at rest */
+    struct field *field;
+    struct segregation_flow flow;
     struct segregation_setup line; /* with one solved axis */
     struct segregation *solver;
     struct segregation_box box; /* with more */
@@ -46,6 +47,7 @@ static status mixture_read(struct setup *s) {
     s->file[s->nfiles++] = (struct setup_file){"system", "fvSchemes", x->models->schemes};
     s->file[s->nfiles++] = (struct setup_file){"system", "fvSolution", x->models->solution};
     s->file[s->nfiles++] = (struct setup_file){"constant", "segregationProperties", x->models->properties};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "g", x->models->g};
     return OK;
 }
 
@@ -89,25 +91,18 @@ static status check_patches(const struct setup *s, const struct field *f) {
     return OK;
 }
 
-static status read_flow(struct setup *s, struct mixture *x) {
-    char path[2 * TIME_PATH];
-    const struct field_place place = {s->mesh, s->centre, s->start.t};
-    snprintf(path, sizeof path, "%s/%s/U", s->dir, s->start.name);
-    if (!field_exists(path)) return OK;
-    return field_read(path, &field_kinds[FIELD_U], &place, &x->U);
-}
-
 static status mixture_state(struct setup *s) {
     struct mixture *x = of(s->medium);
     if (on_line(x)) {
         TRY(segregation_setup_make(s, x->models, &x->line));
-        TRY(segregation_setup_laws(s, &x->line));
+        TRY(segregation_flow_read(s, x->models, &x->flow));
+        TRY(segregation_setup_laws(s, &x->flow, &x->line));
         TRY(read_phi(s, x));
     } else {
         TRY(read_phi(s, x));
         TRY(check_patches(s, x->field));
-        TRY(read_flow(s, x));
-        TRY(segregation_box_make(s, x->models, x->field, x->U, &x->box));
+        TRY(segregation_flow_read(s, x->models, &x->flow));
+        TRY(segregation_box_make(s, x->models, x->field, &x->flow, &x->box));
     }
     return setup_grid(s, false, 1);
 }
@@ -117,7 +112,7 @@ static double content(const struct mixture *x) {
     const struct setup *s = x->base.setup;
     double row = 0, sum = 0;
     for (int i = 0; i < s->mesh->ncells; i++) { /* in pieces, which keeps the digits of many equal cells */
-        row += s->volume[i] * x->phi[x->box.place[i]];
+        row += (x->flow.density ? x->flow.density[i] * s->volume[i] : s->volume[i]) * x->phi[x->box.place[i]];
         if (i % 1000 != 999) continue;
         sum += row;
         row = 0;
@@ -149,7 +144,7 @@ static void mixture_free(struct medium *m) {
     segregation_field_free(x->carried);
     segregation_setup_free(&x->line);
     segregation_box_free(&x->box);
-    field_free(x->U);
+    segregation_flow_free(&x->flow);
     segregation_models_free(x->models);
     field_free(x->field);
     free(x->phi);
@@ -161,8 +156,9 @@ static void mixture_describe(const struct medium *m, FILE *f) {
     const struct face_flow_change *c = &x->box.change;
     segregation_models_print(f, x->models);
     if (x->box.flows)
-        fprintf(f, "    %-22s divergence %.3g 1/s, made %.3g by changes of %.3g m/s at most; outflow times %.6g\n",
-                "velocity U", c->before, c->after, c->largest, c->scaled);
+        fprintf(f, "    %-22s divergence %.3g %s, made %.3g by changes of %.3g %s at most; outflow times %.6g\n",
+                x->flow.density ? "mass flow rho U" : "velocity U", c->before, x->flow.density ? "kg/m^3/s" : "1/s",
+                c->after, c->largest, x->flow.density ? "kg/m^2/s" : "m/s", c->scaled);
 }
 
 static void mixture_provenance(const struct medium *m, struct sink *o) {
@@ -244,11 +240,12 @@ static double value_at(const struct mixture *x, int quantity, int cell, int comp
     const int i = place_of(x, cell);
     const double *at = x->base.setup->centre + 3L * cell;
     if (quantity == PHI) return x->phi[i];
-    if (quantity == U) return x->U ? x->U->values[3L * cell + x->base.setup->axis[component]] : 0;
+    if (quantity == U) return x->flow.U ? x->flow.U[3L * cell + x->base.setup->axis[component]] : 0;
     if (quantity == PERCOLATION && on_line(x)) return x->line.speed[i];
+    if (quantity == PERCOLATION && x->flow.percolation) return x->flow.percolation[cell];
     if (quantity == PERCOLATION)
         return m->velocity_law ? expr_value(m->velocity_law, at[0], at[1], at[2], 0) : m->velocity;
-    return m->diffusivity_law ? expr_value_phi(m->diffusivity_law, at[0], at[1], at[2], 0, x->phi[i]) : m->diffusivity;
+    return segregation_diffusivity(m, at, x->phi[i], x->flow.shear_rate ? x->flow.shear_rate[cell] : 0);
 }
 static int lines_of(const struct medium *m, int quantity) {
     return quantity == U ? m->setup->dim : 1;
@@ -267,11 +264,11 @@ static status mixture_gather(const struct medium *m, int quantity, double *const
 }
 
 static bool mixture_present(const struct medium *m, int quantity) {
-    return quantity != U || of(m)->U;
+    return quantity != U || (of(m)->flow.U && !on_line(of(m)));
 }
 
 static const struct patch_field *mixture_patch(const struct medium *m, int quantity, int patch) {
-    const struct field *f = quantity == PHI ? of(m)->field : quantity == U ? of(m)->U : NULL;
+    const struct field *f = quantity == PHI ? of(m)->field : quantity == U ? of(m)->flow.given : NULL;
     return f ? &f->patch[patch] : NULL;
 }
 
@@ -279,9 +276,12 @@ static const char help[] =
     "granularSegregation -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
     "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through the walls,\n\n"
-    "on a line of cells by the implicit scheme of Christov (2018), on a lattice factored by axes and carried by a flow "
-    "U;\n"
-    "second order in time and space, conservative and bounded.\n\n"
+    "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
+    "them, and\n"
+    "carried by a flow U: of the start folder, or of a time of a granularGas case (velocity { case ..; time ..; }), "
+    "with "
+    "its\n"
+    "density as weight if asked for. Second order in time and space, conservative and bounded.\n\n"
     "  -np N        on N ranks: all is computed by each, the results are the same\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -listModels  models, schemes and function objects with their parameters\n"

@@ -1,5 +1,6 @@
 #include "solvers/segregation_models.h"
 
+#include "solvers/fields.h"
 #include "solvers/params.h"
 
 #include <math.h>
@@ -11,8 +12,9 @@ enum { PATH = 4096 };
 #define NUMBER(name, member, standard, low, high, open, ...)                                                           \
     { name, PARAM_NUMBER, MEMBER(member), standard, low, high, open, __VA_ARGS__ }
 
-static const struct param velocity_param[] = {NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1},
-                                                     "f, along the solved axis, or direction (x y z)")};
+static const struct param velocity_param[] = {
+    NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1},
+           "f, along the solved axis, or direction (x y z) (default: against constant/g)")};
 static const struct param exponential_param[] = {
     NUMBER("A", A, NAN, 0, HUGE_VAL, false, {1, -1, -2}, "kinetic stress A exp(B|y|)"),
     NUMBER("B", B, NAN, -HUGE_VAL, HUGE_VAL, true, {0, -1, 0}, "of A exp(B|y|)"),
@@ -43,6 +45,7 @@ static const char *const diffusivity_names[] = {"constant", "expression"};
 static const char *const closure_names[] = {"conservative", "paper", "neumann"};
 static const char *const iteration_names[] = {"Newton", "Picard"};
 static const char *const wall_names[] = {"cell", "wall"};
+static const char *const weight_names[] = {"uniform", "rho"};
 static const char *const closure_about[] = {"no flux through the walls: conserves to round-off (default)",
                                             "f phi (1 - phi) = D phi_y at the walls, one-sided: does not conserve",
                                             "phi_y = 0 at the walls, one-sided: for the kink"};
@@ -52,11 +55,11 @@ static status choice_or(struct dict *d, const char *key, const char *const *name
     return dict_has(d, key) ? dict_choice(d, key, names, n, out) : OK;
 }
 
-static status read_law(struct dict *d, const char *key, bool phi, struct expr **out) {
+static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
     const char *text;
     TRY(dict_word(d, key, &text));
-    return status_note(phi ? expr_compile_phi(text, out) : expr_compile(text, out), "%s:%d: %s \"%s\"", dict_path(d),
-                       dict_line(d, key), key, text);
+    return status_note(mixture ? expr_compile_mixture(text, out) : expr_compile(text, out), "%s:%d: %s \"%s\"",
+                       dict_path(d), dict_line(d, key), key, text);
 }
 
 static status read_direction(struct dict *d, struct segregation_models *m) {
@@ -70,6 +73,42 @@ static status read_direction(struct dict *d, struct segregation_models *m) {
     return OK;
 }
 
+/* Without a direction f is counted against gravity. */
+static status read_gravity(struct dict *d, struct segregation_models *m) {
+    static const signed char unit[3] = {0, 1, -2};
+    double g[3];
+    dict_mark_used(d);
+    TRY(dict_vector(d, "value", unit, g));
+    const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    if (m->has_direction || !(size > 0)) return OK;
+    m->has_direction = true;
+    for (int k = 0; k < 3; k++) m->direction[k] = -g[k] / size;
+    return OK;
+}
+
+/* A number or latestTime, the default. */
+static status read_time(struct dict *d, double *out) {
+    static const char *const names[] = {"latestTime"};
+    static const signed char unit[3] = {0, 0, 1};
+    int latest;
+    *out = NAN;
+    if (!dict_has(d, "time")) return OK;
+    status number = dict_number(d, "time", unit, out);
+    if (!number) return OK;
+    status word = dict_choice(d, "time", names, 1, &latest);
+    status_free(word ? word : number);
+    return word ? number : OK;
+}
+
+static status read_velocity(struct dict *d, struct segregation_models *m) {
+    int weight;
+    TRY(dict_word(d, "case", &m->velocity_case));
+    TRY(read_time(d, &m->velocity_time));
+    TRY(choice_or(d, "weight", weight_names, COUNT(weight_names), &weight));
+    m->weighted = weight == 1;
+    return OK;
+}
+
 static status read_percolation(struct dict *d, struct segregation_models *m) {
     int type;
     TRY(dict_choice(d, "type", percolation_names, COUNT(percolation_names), &type));
@@ -80,12 +119,12 @@ static status read_percolation(struct dict *d, struct segregation_models *m) {
         return params_read(d, exponential_param, COUNT(exponential_param), m);
     if (m->percolation == PERCOLATION_CONSTANT) return params_read(d, velocity_param, COUNT(velocity_param), m);
     TRY(dict_word(d, "case", &m->case_dir));
-    TRY(dict_word_or(d, "time", "latestTime", &m->time));
+    TRY(read_time(d, &m->time));
     return params_read(d, stress_param, COUNT(stress_param), m);
 }
 
 static status read_properties(struct dict *d, struct segregation_models *m) {
-    struct dict *percolation, *diffusivity;
+    struct dict *percolation, *diffusivity, *velocity = NULL;
     int type;
     TRY(dict_sub(d, "percolation", &percolation));
     TRY(read_percolation(percolation, m));
@@ -95,6 +134,9 @@ static status read_properties(struct dict *d, struct segregation_models *m) {
         TRY(read_law(diffusivity, "value", true, &m->diffusivity_law));
     else
         TRY(params_read(diffusivity, diffusivity_param, COUNT(diffusivity_param), m));
+    m->sheared = m->diffusivity_law && expr_uses(m->diffusivity_law, EXPR_SHEAR_RATE);
+    TRY(dict_sub_optional(d, "velocity", &velocity));
+    if (velocity) TRY(read_velocity(velocity, m));
     return dict_check_used(d);
 }
 
@@ -144,6 +186,12 @@ static status read_all(const char *dir, struct segregation_models *m) {
     TRY(read_schemes(m->schemes, m));
     TRY(open_in(dir, "system/fvSolution", &m->solution));
     TRY(read_solution(m->solution, m));
+    char path[PATH];
+    snprintf(path, sizeof path, "%s/constant/g", dir);
+    if (field_exists(path)) {
+        TRY(dict_read(path, &m->g));
+        TRY(read_gravity(m->g, m));
+    }
     if (m->scheme.closure == SEGREGATION_PAPER && !m->diffusivity_law && m->diffusivity == 0)
         return dict_fail(m->schemes, "closure",
                          "f phi (1 - phi) = D phi_y at the walls needs D > 0; say  closure conservative;");
@@ -167,10 +215,26 @@ void segregation_models_free(struct segregation_models *m) {
     if (!m) return;
     expr_free(m->velocity_law);
     expr_free(m->diffusivity_law);
+    dict_free(m->g);
     dict_free(m->properties);
     dict_free(m->schemes);
     dict_free(m->solution);
     free(m);
+}
+
+double segregation_diffusivity(const struct segregation_models *m, const double x[3], double phi, double shear_rate) {
+    if (!m->diffusivity_law) return m->diffusivity;
+    return expr_value_mixture(m->diffusivity_law, x[0], x[1], x[2], 0, phi, shear_rate);
+}
+status segregation_diffusivity_check(const struct segregation_models *m, const double x[3], double shear_rate) {
+    enum { SAMPLES = 21 };
+    for (int k = 0; m->diffusivity_law && k < SAMPLES; k++) {
+        const double phi = k / (SAMPLES - 1.), D = segregation_diffusivity(m, x, phi, shear_rate);
+        if (D >= 0 && isfinite(D)) continue;
+        return fail(ERR_INPUT, "%s: diffusivity: the expression gives %g at (%g %g %g), phi = %g; it must be 0 or more",
+                    dict_path(m->properties), D, x[0], x[1], x[2], phi);
+    }
+    return OK;
 }
 
 void segregation_models_list(FILE *f) {
@@ -182,7 +246,12 @@ void segregation_models_list(FILE *f) {
     params_print(f, stress_param, COUNT(stress_param));
     fprintf(f, "\ndiffusivity { type .. }\n  constant\n");
     params_print(f, diffusivity_param, COUNT(diffusivity_param));
-    fprintf(f, "  expression\n    value \"..\" of x, y, z, phi, in m^2/s\n\nsystem/fvSchemes: closure\n");
+    fprintf(f,
+            "  expression\n    value \"..\" of x, y, z, phi, shearRate (sqrt(2 S:S) of the flow), in m^2/s\n"
+            "\nvelocity { } (default: the start folder's U, at rest without one)\n"
+            "    case, time (latestTime): of a granularGas run whose U carries\n"
+            "    weight (uniform): or rho: (rho phi)_t + div(rho U phi) + ..: of a steady gas rho U has no divergence\n"
+            "\nsystem/fvSchemes: closure\n");
     for (int i = 0; i < COUNT(closure_names); i++) fprintf(f, "  %-20s %s\n", closure_names[i], closure_about[i]);
     fprintf(f, "\nsystem/fvSchemes: wallValues\n  %-20s %s\n  %-20s %s\n", "cell",
             "at the centres of all cells (default)", "wall",
@@ -210,17 +279,26 @@ static const char *text_of(const struct dict *d, const char *sub, const char *ke
     return text;
 }
 
+static void print_time(FILE *f, const char *case_dir, double time) {
+    fprintf(f, isnan(time) ? " of %s, latest time" : " of %s, time %.12g", case_dir, time);
+}
+
 void segregation_models_print(FILE *f, const struct segregation_models *m) {
     fprintf(f, "Models\n    %-22s %s", "percolation", percolation_names[m->percolation]);
     if (m->percolation == PERCOLATION_CONSTANT) fprintf(f, " %.10g m/s", m->velocity);
     if (m->percolation == PERCOLATION_EXPRESSION) fprintf(f, " %s", text_of(m->properties, "percolation", "velocity"));
     if (m->percolation == PERCOLATION_EXPONENTIAL) fprintf(f, " (%g/%g) d/dy %g exp(%g |y|)", m->q, m->rho, m->A, m->B);
-    if (m->percolation == PERCOLATION_STRESS) fprintf(f, " of %s, time %s", m->case_dir, m->time);
+    if (m->percolation == PERCOLATION_STRESS) print_time(f, m->case_dir, m->time);
     fprintf(f, "\n    %-22s ", "diffusivity");
     if (m->diffusivity_law)
         fprintf(f, "expression %s\n", text_of(m->properties, "diffusivity", "value"));
     else
         fprintf(f, "constant %.10g m^2/s\n", m->diffusivity);
+    if (m->velocity_case) {
+        fprintf(f, "    %-22s", "velocity");
+        print_time(f, m->velocity_case, m->velocity_time);
+        fprintf(f, ", weight %s\n", weight_names[m->weighted]);
+    }
     fprintf(f, "    %-22s %s\n    %-22s %s\n    %-22s %s\n", "closure", segregation_closure_name(m), "wallValues",
             wall_names[m->on_walls], "bounded", m->scheme.unbounded ? "no" : "yes");
     fprintf(f, "    %-22s %s\n    %-22s %g\n    %-22s %d\n    %-22s %d\n    %-22s %g\n", "iteration",

@@ -9,15 +9,20 @@
 
 enum percolation { PERCOLATION_CONSTANT, PERCOLATION_EXPRESSION, PERCOLATION_EXPONENTIAL, PERCOLATION_STRESS };
 struct segregation_models {
-    struct dict *properties, *schemes, *solution;
+    struct dict *properties, *schemes, *solution, *g; /* g: NULL where it is not there */
     enum percolation percolation;
     struct expr *velocity_law;    /* of x y z; m/s */
-    struct expr *diffusivity_law; /* of x y z phi; m^2/s; NULL: the number */
+    struct expr *diffusivity_law; /* of x y z phi shearRate; m^2/s; NULL: the number */
+    bool sheared;                 /* it has shearRate */
     double velocity, diffusivity;
-    double A, B, q, rho;         /* (q/rho) d/dy A exp(B|y|) */
-    bool has_direction;          /* with two or three solved axes */
-    double direction[3];         /* unit vector along which f is counted, physical axes */
-    const char *case_dir, *time; /* of a granularGas run whose rho T is the kinetic stress */
+    double A, B, q, rho;       /* (q/rho) d/dy A exp(B|y|) */
+    bool has_direction;        /* with two or three solved axes */
+    double direction[3];       /* unit vector along which f is counted, physical axes; default: against g */
+    const char *case_dir;      /* of a granularGas run whose rho T is the kinetic stress */
+    double time;               /* s, of it; NAN: the latest */
+    const char *velocity_case; /* of a granularGas run whose U carries; NULL: the start folder's U */
+    double velocity_time;      /* s, of it; NAN: the latest */
+    bool weighted;             /* its rho is the weight */
     struct segregation_scheme scheme;
     bool on_walls;         /* the end cells' values stand on the walls: the paper's line */
     int damped;            /* steps at the start of the case */
@@ -28,6 +33,9 @@ void segregation_models_free(struct segregation_models *m);
 void segregation_models_list(FILE *f);
 void segregation_boundaries_list(FILE *f);
 void segregation_models_print(FILE *f, const struct segregation_models *m);
+double segregation_diffusivity(const struct segregation_models *m, const double x[3], double phi, double shear_rate);
+/* Is it a number of 0 or more there, whatever phi? */
+status segregation_diffusivity_check(const struct segregation_models *m, const double x[3], double shear_rate);
 const char *segregation_closure_name(const struct segregation_models *m);
 const char *segregation_iteration_name(const struct segregation_models *m);
 

@@ -1,12 +1,11 @@
 """granularSegregation through the real program: orders, exact solutions, conservation, bounds, restarts, errors."""
 import os
 import shutil
-import subprocess
 import unittest
 
 import numpy as np
 
-from tests.cases import harness, runs
+from tests.cases import harness, mixtures, runs
 
 import mixture  # noqa: E402  (postprocessing is on the path by harness)
 import segregation  # noqa: E402
@@ -14,21 +13,7 @@ import segregation  # noqa: E402
 EXACT = os.path.join(harness.SOURCE, "tests", "oracles", "gray_chugunov_exact.csv")
 
 
-class Segregation(harness.Folder, unittest.TestCase):
-    def case(self, name, M, properties=None, **control):
-        """A shipped case with M nodes, ready to run."""
-        case = harness.copy(name, self.folder)
-        msh = os.path.join(case, "mesh.msh")
-        subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "M", str(M), os.path.join(case, "mesh.geo"), "-o", msh],
-                       check=True, capture_output=True)
-        harness.program("gmshToCase", msh, "-case", case)
-        harness.edit(case, "system/controlDict", **control)
-        harness.edit(case, "constant/segregationProperties", **(properties or {}))
-        return case
-
-    def run_case(self, case, **options):
-        return harness.program("granularSegregation", "-case", case, **options).stdout
-
+class Segregation(mixtures.Mixture, unittest.TestCase):
     def test_kink_order(self):
         """The errors and orders of the scheme (4) with (7), as an independent implementation has them."""
         expected = {51: 1.2651e-2, 101: 4.8219e-3, 201: 1.1912e-3, 401: 3.0606e-4}
@@ -121,12 +106,6 @@ class Segregation(harness.Folder, unittest.TestCase):
             drift = abs(np.sum(0.5 * (phi[1:] + phi[:-1]) * np.diff(y)) / 0.55 - 1)
             self.assertTrue(low <= drift <= high, f"{closure}: {drift}")
 
-    def chute(self, N, **control):
-        case = harness.copy("segregationChute", self.folder)
-        harness.mesh(case, N)
-        harness.edit(case, "system/controlDict", **control)
-        return case
-
     def test_chute(self):
         """Steady and sorted, the small grains run where the flow carries as much as came in; within 0 .. 1."""
         N = 40
@@ -157,23 +136,6 @@ class Segregation(harness.Folder, unittest.TestCase):
             self.assertIn("U", os.listdir(whole + "/0.2"))
             for other in (parts, ranks):
                 runs.same(self, runs.contents(whole + "/0.2"), runs.contents(other + "/0.2"), adjust)
-
-    def refused(self, case, rows, *commands):
-        """rows: of file, what stands there, what it is replaced by, what the message says. Nothing is written."""
-        for file, old, new, message in rows:
-            path = os.path.join(case, file)
-            with open(path) as f:
-                text = f.read()
-            self.assertIn(old, text)
-            with open(path, "w") as f:
-                f.write(text.replace(old, new, 1))
-            for command in commands:
-                done = harness.program(*command, check=False)
-                self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
-                self.assertIn(message, done.stderr)
-            self.assertEqual(runs.times(case), ["0"])
-            with open(path, "w") as f:
-                f.write(text)
 
     def test_chute_errors(self):
         case = self.chute(8)

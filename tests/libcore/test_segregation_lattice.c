@@ -330,11 +330,139 @@ static void adaptive_steps(void **state) {
     assert_close(error[0] / error[1], pow(100, 2. / 3), 0.3, "errors at 1e-4 and 1e-6");
 }
 
+/* All axes cyclic: what is on both ends is the same face. */
+static void fill_cyclic(struct box *b, const double u[3], const double f[3], double D) {
+    for (int k = 0; k < b->as.dim; k++) {
+        b->as.cyclic[k] = true;
+        for (long i = 0; i < b->faces[k]; i++) {
+            b->u[k][i] = u[k];
+            b->f[k][i] = f[k];
+            b->D[k][i] = D;
+        }
+    }
+}
+
+/* A wave that is carried round and spreads, exactly known; order 2, nothing lost. */
+static void cyclic_wave(void **state) {
+    (void)state;
+    const double u[3] = {0.6, -0.3, 0.4}, none[3] = {0}, D = 0.02, T = 0.5;
+    for (int dim = 1; dim <= 3; dim++) {
+        double before = 0;
+        for (int n = 16; n <= 32; n *= 2) {
+            struct box b;
+            double x[3], most = 0;
+            box_make(&b, dim, n, 1);
+            fill_cyclic(&b, u, none, D);
+            ok(segregation_field_make(&b.as, &b.s));
+            for (int end = 0; end < 2; end++) {
+                for (long c = 0; c < b.cells; c++) {
+                    place_of(&b, -1, c, x);
+                    double phase = 0, t = end ? T : 0;
+                    for (int k = 0; k < dim; k++) phase += 2 * PI * (x[k] - u[k] * t);
+                    double exact = 0.5 + 0.4 * exp(-4 * PI * PI * dim * D * t) * sin(phase);
+                    if (!end) b.phi[c] = exact;
+                    most = fmax(most, fabs(b.phi[c] - exact));
+                }
+                double mass = mass_of(&b);
+                for (int i = 0; i < 2 * n && !end; i++) ok(segregation_field_step(b.s, T / (2 * n), false, b.phi));
+                assert_near(mass_of(&b), mass, 1e-14);
+            }
+            if (before > 0) assert_near(log2(before / most), 2, 0.1);
+            before = most;
+            box_free(&b);
+        }
+    }
+}
+
+/* Moved by some cells, the same start gives the same end, moved, wherever the seam is: with and without bounds. */
+static void cyclic_shift(void **state) {
+    (void)state;
+    enum { N = 18 };
+    const double u[3] = {0.6, -0.3, 0.4}, f[3] = {-0.3, 0.5, 0.2};
+    for (int dim = 1; dim <= 3; dim++)
+        for (int sharp = 0; sharp < 2; sharp++) {
+            struct box b[2];
+            double mass = 0;
+            for (int i = 0; i < 2; i++) {
+                box_make(&b[i], dim, N, 1);
+                fill_cyclic(&b[i], u, f, sharp ? 0 : 0.05);
+                ok(segregation_field_make(&b[i].as, &b[i].s));
+            }
+            for (long c = 0; c < b[0].cells; c++) {
+                long moved = 0, stride = 1;
+                for (int k = 0; k < dim; k++, stride *= N) moved += (c / stride + 5 * (k + 1)) % N * stride;
+                b[0].phi[c] = sharp ? (c * 7 % 13 < 5) : 0.5 + 0.4 * sin(0.37 * (double)(c % 101));
+                b[1].phi[moved] = b[0].phi[c];
+                mass += b[0].phi[c];
+            }
+            for (int i = 0; i < 2; i++)
+                for (int j = 0; j < 30; j++)
+                    ok(segregation_field_step(b[i].s, 1 / segregation_field_rate(b[i].s), j < 2, b[i].phi));
+            assert_close(mass_of(&b[0]), mass / (double)b[0].cells, 1e-13, "mass");
+            for (long c = 0; c < b[0].cells; c++) {
+                long moved = 0, stride = 1;
+                for (int k = 0; k < dim; k++, stride *= N) moved += (c / stride + 5 * (k + 1)) % N * stride;
+                assert_true(b[0].phi[c] >= 0 && b[0].phi[c] <= 1);
+                assert_near(b[1].phi[moved], b[0].phi[c], 1e-11);
+            }
+            assert_true((segregation_field_counts(b[0].s).corrected > 0) == (sharp > 0));
+            for (int i = 0; i < 2; i++) box_free(&b[i]);
+        }
+}
+
+/* D = D0 (1 - phi): f phi (1 - phi) = D phi_y at rest, phi = c exp(f y / D0). Steps of half the length err a quarter.
+ */
+struct law {
+    const struct box *b;
+    double D0;
+};
+static void thinning(const void *context, int k, const double *phi, double *D) {
+    const struct law *l = context;
+    double x[3];
+    for (long i = 0; i < l->b->faces[k]; i++) D[i] = place_of(l->b, k, i, x) ? 0 : l->D0 * (1 - phi[i]);
+}
+static void run_law(int n, double T, int steps, double *phi) {
+    struct box b;
+    const struct law law = {&b, 0.4};
+    box_make(&b, 2, n, 1);
+    fill_faces(&b, (double[3]){0, -1, 0}, 0);
+    b.as.law = thinning;
+    b.as.context = &law;
+    ok(segregation_field_make(&b.as, &b.s));
+    for (long c = 0; c < b.cells; c++) b.phi[c] = 0.3 + 0.1 * cos(PI * ((double)(c / n) + 0.5) / n);
+    const double mass = mass_of(&b);
+    for (int i = 0; i < steps; i++) ok(segregation_field_step(b.s, T / steps, i < 2 && T > 1, b.phi));
+    assert_near(mass_of(&b), mass, 1e-14);
+    for (long c = 0; c < n; c++) phi[c] = b.phi[c * n];
+    box_free(&b);
+}
+static void law_of_phi(void **state) {
+    (void)state;
+    double phi[64], finer[64], finest[64], change = 0, last = 0, error[2];
+    for (int k = 0; k < 2; k++) {
+        const int n = 16 << k;
+        const double c = 0.3 / 0.4 / (1 - exp(-1 / 0.4)); /* mean 0.3 on a length of 1 */
+        run_law(n, 8, 400, phi);
+        error[k] = 0;
+        for (int i = 0; i < n; i++) error[k] += fabs(phi[i] - c * exp(-(i + 0.5) / n / 0.4)) / n;
+    }
+    assert_near(log2(error[0] / error[1]), 2, 0.1);
+    run_law(16, 0.2, 8, phi);
+    run_law(16, 0.2, 16, finer);
+    run_law(16, 0.2, 32, finest);
+    for (int i = 0; i < 16; i++) {
+        change = fmax(change, fabs(finer[i] - phi[i]));
+        last = fmax(last, fabs(finest[i] - finer[i]));
+    }
+    assert_near(log2(change / last), 2, 0.2);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_line_again),  cmocka_unit_test(uniform_states), cmocka_unit_test(order),
         cmocka_unit_test(bounds_and_mass), cmocka_unit_test(through_flow),   cmocka_unit_test(axes_are_alike),
-        cmocka_unit_test(capacity),        cmocka_unit_test(adaptive_steps),
+        cmocka_unit_test(capacity),        cmocka_unit_test(adaptive_steps), cmocka_unit_test(cyclic_wave),
+        cmocka_unit_test(cyclic_shift),    cmocka_unit_test(law_of_phi),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,11 +117,47 @@ static void shut_off(void **state) {
     room_free(&r);
 }
 
+/* A flow in x that repeats, past a step, between walls in y: as much goes round as did; moved, it gives the same. */
+static void round_a_cyclic_axis(void **state) {
+    (void)state;
+    enum { N = 24, MOVED = 7 };
+    struct room r[2];
+    struct face_flow_change c;
+    for (int m = 0; m < 2; m++) {
+        room_make(&r[m], 2, N, false);
+        r[m].flow.cyclic[0] = true;
+        for (int j = 0; j < N; j++)
+            for (int i = 0; i <= N; i++) {
+                const int x = (i + N - m * MOVED) % N;
+                const bool solid = j < N / 3 && x >= 5 && x <= 9, below = solid && x < 9;
+                const long f = (long)(N + 1) * j + i, g = (long)N * j + i;
+                r[m].open[0][f] = !solid;
+                r[m].flow.u[0][f] = solid ? 0 : 1 + sin(3. * x + j);
+                if (i < N && j < N / 3 + 1 && x >= 5 && x < 9 && (below || j == N / 3)) r[m].open[1][g] = false;
+                if (i < N) r[m].flow.u[1][g] = r[m].open[1][g] ? cos(2. * x * j) : 0;
+            }
+        ok(face_flow_project(&r[m].flow, &c));
+        assert_true(c.after < 1e-12 * c.before && c.scaled == 1);
+    }
+    for (int j = 0; j < N; j++)
+        for (int i = 0; i <= N; i++)
+            assert_near(r[1].flow.u[0][(N + 1) * j + (i + MOVED) % N], r[0].flow.u[0][(N + 1) * j + i], 1e-11);
+    double through[2] = {0, 0};
+    for (int j = 0; j < N; j++) {
+        through[0] += r[0].flow.u[0][(N + 1) * j];
+        through[1] += r[0].flow.u[0][(N + 1) * j + 7];
+    }
+    assert_near(through[0], through[1], 1e-11);
+    assert_true(through[0] > 1);
+    for (int m = 0; m < 2; m++) room_free(&r[m]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_rooms),
         cmocka_unit_test(through_a_step),
         cmocka_unit_test(shut_off),
+        cmocka_unit_test(round_a_cyclic_axis),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
