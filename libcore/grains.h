@@ -3,7 +3,9 @@
  *
  * An impact of two grains with relative velocity v and unit normal k (from a to b), v.k < 0, gives each the impulse
  * m (1 + e)/2 (v.k) k; e = restitution, or 1 where |v.k| < threshold (the rule of libcore/source.h, which keeps
- * inelastic collapse away). A wall has infinite mass and its own restitution.
+ * inelastic collapse away). A wall has infinite mass and its own restitution. Grains leave an impact with at least
+ * 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration relative to the box: even without a
+ * threshold, time goes on (slowly: a collapse then takes millions of impacts).
  *
  * Space is a box with axes 0..dim-1, periodic or walled axis by axis. The box as a whole may be shaken: its
  * displacement is s_k(t) = shake[k] cos(omega t + phase). All positions and velocities in this header are in the frame
@@ -45,14 +47,14 @@ struct grain {
     int32_t cell;
     uint32_t changes; /* of its velocity: events predicted with an older number are void */
 };
-struct grain_event {  /* next of its grain */
+struct grain_event {  /* impact predicted for its grain; it is no later than the grain's first */
     double t;         /* s; HUGE_VAL: none */
     int32_t partner;  /* >= 0: grain; < 0: -1 - (2 axis + side) a wall; others are the engine's own */
     uint32_t changes; /* of the partner when predicted */
 };
 struct grain_counts {
     int64_t pairs, walls;      /* impacts */
-    int64_t elastic;           /* impacts of e < 1 that were below the threshold */
+    int64_t elastic;           /* impacts of e < 1 that were below the threshold, or too slow to tell from rest */
     int64_t events;            /* all that were taken from the queue */
     double lost;               /* J: energy the impacts took (pairs and walls), in the frame of the wall for walls */
     double wall_impulse[3][2]; /* kg m/s: sum of the impulses given to the walls, along their outward normal */

@@ -1,0 +1,70 @@
+/* Impacts.
+ *
+ * What leaves an impact does so with at least a normal speed of v0 = 1e-13 (|u_a| + |u_b|) + 1e-7 sqrt(G d), which is
+ * far below any approach speed except where without a threshold infinitely many impacts would fall into a finite time
+ * (inelastic collapse; a grain at rest on the floor). There it is what bounds their number: a grain that hops on a
+ * floor stays 2 v0/G > 0 in the air, and grains that touch within round-off move apart by more than round-off. */
+#include "libcore/grains_private.h"
+
+static double speed(const double u[3]) {
+    return sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+}
+
+/* The speed after an approach at `speed`, and what is counted */
+static double rebound_speed(struct grains *g, double approach, double e, double least) {
+    bool soft = approach < g->law.threshold || e * approach < least;
+    if (e < 1 && soft) g->counts.elastic++;
+    return fmax(soft ? approach : e * approach, least);
+}
+
+static void tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
+                 double distance, double impulse) {
+    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b};
+    const struct grain *p = &g->grain[a];
+    for (int k = 0; k < g->dim; k++) {
+        i.x[0][k] = p->x[k] - grains_swing(&g->box, k, t).s;
+        if (g->box.periodic[k]) i.x[0][k] = grains_wrap(&g->box, k, i.x[0][k]);
+        i.x[1][k] = i.x[0][k] + (b < 0 ? 0 : r[k]);
+        i.normal[k] = r[k] / distance;
+    }
+    observer->impact(observer, &i);
+}
+
+void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[a], *q = &g->grain[b];
+    double r[3], square = 0, b_rv = 0, least = g->gentle + 1e-13 * (speed(p->u) + speed(q->u));
+    for (int k = 0; k < 3; k++) {
+        r[k] = nearest(g, k, q->x[k] - p->x[k]);
+        square += r[k] * r[k];
+        b_rv += r[k] * (q->u[k] - p->u[k]);
+    }
+    double distance = sqrt(square), normal = b_rv / distance, growth = g->law.growth;
+    double approach = fmax(growth - normal, 0), after = rebound_speed(g, approach, g->law.restitution, least);
+    double gain = 0.5 * (after + growth - normal); /* of each, along -k and k */
+    for (int k = 0; k < 3; k++) {
+        double du = gain / distance * r[k];
+        p->u[k] -= du;
+        q->u[k] += du;
+    }
+    p->changes++;
+    q->changes++;
+    g->counts.pairs++;
+    g->counts.lost += 0.25 * g->law.mass * (normal - (after + growth)) * (normal + (after + growth));
+    if (observer) tell(g, observer, a, b, t, r, distance, g->law.mass * gain);
+}
+
+void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[a];
+    int k = (-1 - wall) / 2, side = (-1 - wall) & 1;
+    double out = side ? 1 : -1, e = g->box.restitution[k][side], least = g->gentle + 1e-13 * speed(p->u);
+    double growth = 0.5 * g->law.growth, outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
+    double approach = fmax(outward + growth, 0), after = rebound_speed(g, approach, e, least);
+    double gain = outward + after + growth, r[3] = {0};
+    p->u[k] -= out * gain;
+    p->changes++;
+    g->counts.walls++;
+    g->counts.lost += 0.5 * g->law.mass * (outward - (after + growth)) * (outward + (after + growth));
+    g->counts.wall_impulse[k][side] += g->law.mass * gain;
+    r[k] = out;
+    if (observer) tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
+}

@@ -1,0 +1,116 @@
+/* What the files of the engine share. Times of events are absolute; all places and velocities in the frame at rest. */
+#ifndef LIBCORE_GRAINS_PRIVATE_H
+#define LIBCORE_GRAINS_PRIVATE_H
+
+#include "libcore/calendar.h"
+#include "libcore/grains.h"
+#include "libcore/kernel.h"
+
+enum {
+    NO_PARTNER = -1000, /* with t = HUGE_VAL */
+    LOOK_AGAIN = -100,  /* nothing found up to t: predict anew */
+    STAYS = -1          /* in its cell */
+};
+
+/* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; `head` is indexed by
+ * c0 + n0 (c1 + n1 c2). */
+struct grain_cells {
+    int n[3], bits[3];
+    double low[3], high[3], width[3]; /* what they cover, at rest; a shaken wall's whole reach */
+    int reach[3][2];                  /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
+    int32_t *head, *next;             /* [cells], [n]: occupants */
+};
+
+struct grains {
+    struct grain_box box;
+    struct grain_law law;
+    int n, dim;
+    double start, time; /* start: when the diameter was law.diameter */
+    double outgrown;    /* when it reaches the width of the cells; HUGE_VAL: never */
+    struct grain *grain;
+    struct grain_event *event; /* impact predicted, no later than the grain's first (grains_predict.c) */
+    int8_t *exit;              /* [n] 2 axis + side of the cell's face where it leaves before that, or STAYS */
+    int32_t *id;
+    struct grain_counts counts;
+    struct grain_cells cells;
+    struct calendar *queue;
+    double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
+    double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
+    double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
+};
+
+struct swing { /* of the box along one axis */
+    double s, v;
+};
+double grains_phase_cos(double x, double *sine);
+struct swing grains_swing(const struct grain_box *box, int axis, double t);
+static inline double grains_diameter(const struct grains *g, double t) {
+    return g->law.diameter + g->law.growth * (t - g->start);
+}
+static inline bool is_shaken(const struct grain_box *box, int k) {
+    return !box->periodic[k] && box->shake[k] != 0;
+}
+
+/* x and u at time t */
+static inline void fly(const struct grains *g, const struct grain *p, double t, double x[3], double u[3]) {
+    double dt = t - p->t;
+    for (int k = 0; k < 3; k++) {
+        double a = g->law.gravity[k];
+        x[k] = p->x[k] + dt * (p->u[k] + 0.5 * a * dt);
+        u[k] = p->u[k] + a * dt;
+    }
+}
+static inline void bring(const struct grains *g, struct grain *p, double t) {
+    double x[3], u[3];
+    fly(g, p, t, x, u);
+    for (int k = 0; k < 3; k++) {
+        p->x[k] = x[k];
+        p->u[k] = u[k];
+    }
+    p->t = t;
+}
+/* r becomes the difference to the nearest image (of grains that are in neighbouring cells). */
+static inline double nearest(const struct grains *g, int k, double r) {
+    r -= r > g->half[k] ? g->period[k] : 0;
+    return r + (r < -g->half[k] ? g->period[k] : 0);
+}
+
+/* grains_cells.c */
+status grains_cells_make(struct grains *g);
+bool grains_cells_widen(struct grains *g); /* for the diameter at g->time, all clocks showing it; false: no room */
+static inline int cell_number(const struct grain_cells *c, int32_t cell, int k) {
+    int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
+    return (cell >> shift) & ((1 << c->bits[k]) - 1);
+}
+static inline int32_t cell_index(const struct grain_cells *c, int32_t cell) {
+    return cell_number(c, cell, 0) + c->n[0] * (cell_number(c, cell, 1) + c->n[1] * cell_number(c, cell, 2));
+}
+double grains_cell_edge(const struct grain_cells *c, int k, int number);
+int32_t grains_cell_of(const struct grains *g, const double x[3]);
+void grains_cell_enter(struct grains *g, int i);
+/* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
+void grains_cell_cross(struct grains *g, int i, int exit);
+/* First cells of the rows of three (or fewer) neighbours along each axis; exit != STAYS: only those new beyond it. */
+struct grain_block {
+    int n[3];
+    int32_t start[3][3]; /* times the stride */
+};
+struct grain_block grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit);
+
+/* grains_predict.c; grain i's clock shows `now` */
+void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */
+void grains_predict_beyond(struct grains *g, int i, double now, int exit); /* after a crossing */
+double grains_schedule(struct grains *g, int i); /* exit[i] and the time of the next, from the grain and its event */
+double grains_meet(const double r[3], const double v[3], double d, double growth);
+void grains_predict_all(struct grains *g);                        /* all clocks show g->time */
+double grains_wrap(const struct grain_box *box, int k, double x); /* into the box */
+/* grains_walls.c: the wall's first contact no later than `limit`, else HUGE_VAL; *again: none up to the time returned
+ */
+double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again);
+double grains_first_root(double h, double v, double a);
+
+/* grains_impact.c */
+void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer);
+void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer);
+
+#endif

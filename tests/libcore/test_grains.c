@@ -1,0 +1,411 @@
+/* Event-driven grains against closed forms, against a plain reference that looks at all pairs, and against themselves
+ * in pieces. */
+#include "libcore/grains.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/checks.h" /* after what it would hide */
+
+#define PI 3.14159265358979323846
+
+static void close_to(double found, double expected, double tolerance, const char *what) {
+    if (!(fabs(found - expected) <= tolerance))
+        fail_msg("%s: %.17g, expected %.17g within %g", what, found, expected, tolerance);
+}
+
+static double uniform(uint64_t *seed) {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+enum { MOST = 5000 };
+struct scene {
+    struct grain_box box;
+    struct grain_law law;
+    int n;
+    double x[MOST][3], u[MOST][3];
+};
+
+static struct grains *make(const struct scene *s) {
+    struct grains *g;
+    ok(grains_make(&s->box, &s->law, s->n, (const double(*)[3])s->x, (const double(*)[3])s->u, 0, &g));
+    return g;
+}
+
+/* A lattice of n[0] x n[1] (x n[2]) simple cells with diameter 1, velocities uniform with T = 1 and mean 0 */
+static struct scene *lattice(int dim, const int *n, double spacing, uint64_t seed) {
+    struct scene *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    s->box = (struct grain_box){.dim = dim, .periodic = {true, true, true}};
+    s->law = (struct grain_law){.diameter = 1, .mass = 2, .restitution = 1};
+    double mean[3] = {0};
+    for (int k = 0; k < dim; k++) s->box.high[k] = n[k] * spacing;
+    for (int c = 0; c < n[0] * n[1] * (dim > 2 ? n[2] : 1); c++, s->n++) {
+        int at[3] = {c % n[0], c / n[0] % n[1], c / n[0] / n[1]};
+        for (int k = 0; k < dim; k++) {
+            s->x[c][k] = (at[k] + 0.5) * spacing;
+            s->u[c][k] = sqrt(12) * (uniform(&seed) - 0.5);
+            mean[k] += s->u[c][k];
+        }
+    }
+    for (int c = 0; c < s->n; c++)
+        for (int k = 0; k < dim; k++) s->u[c][k] -= mean[k] / s->n;
+    return s;
+}
+
+/* What a listener may keep */
+struct recorder {
+    struct grain_observer observer;
+    int n;
+    struct grain_impact impact[2000];
+    double virial; /* sum of impulse * distance of centres of pairs */
+};
+static void record(struct grain_observer *self, const struct grain_impact *i) {
+    struct recorder *r = (struct recorder *)self;
+    if (r->n < 2000) r->impact[r->n++] = *i;
+    if (i->b < 0) return;
+    for (int k = 0; k < 3; k++) r->virial += i->impulse * i->normal[k] * (i->x[1][k] - i->x[0][k]);
+}
+static struct recorder *recorder(void) {
+    struct recorder *r = calloc(1, sizeof *r);
+    assert_non_null(r);
+    r->observer.impact = record;
+    return r;
+}
+
+/* Two grains that meet across a periodic side, at an angle: everything by hand. */
+static void two_grains(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int axis = 0; axis < dim; axis++)
+            for (int soft = 0; soft < 2; soft++) {
+                struct scene *s = lattice(dim, (int[3]){2, 1, 1}, 5, 1);
+                double e = soft ? 1 : 0.6, off = 0.3, d = s->law.diameter, along = sqrt(d * d - off * off);
+                int next = (axis + 1) % dim;
+                for (int k = 0; k < dim; k++) s->box.high[k] = 8;
+                s->law.restitution = 0.6;
+                s->law.threshold = soft ? 10 : 0.1;
+                for (int i = 0; i < 2; i++)
+                    for (int k = 0; k < dim; k++) s->x[i][k] = 4, s->u[i][k] = 0;
+                s->x[0][axis] = 7.25; /* to the right, around the side at 8 */
+                s->x[1][axis] = 0.75;
+                s->x[1][next] += off;
+                s->u[0][axis] = 1.5;
+                s->u[1][axis] = -0.5;
+                struct grains *g = make(s);
+                struct recorder *r = recorder();
+                double t = (1.5 - along) / 2, x[2][3], u[2][3], K, P, p[3];
+                assert_true(grains_advance(g, 1, 1000, &r->observer) == 1);
+                assert_int_equal(r->n, 1);
+                close_to(r->impact[0].t, t, 1e-14, "time of the impact");
+                double approach = 2 * along, J = s->law.mass * (1 + e) / 2 * approach;
+                close_to(r->impact[0].impulse, J, 1e-14 * J, "impulse");
+                int sign = r->impact[0].a == 0 ? 1 : -1;
+                close_to(r->impact[0].normal[axis], sign * along, 1e-13, "normal");
+                close_to(r->impact[0].normal[next], sign * off, 1e-13, "normal");
+                close_to(r->impact[0].x[1][axis] - r->impact[0].x[0][axis], sign * along, 1e-13, "unwrapped");
+                grains_at(g, 1, x, u);
+                double du = (1 + e) / 2 * approach;
+                close_to(u[0][axis], 1.5 - du * along, 2e-14, "u");
+                close_to(u[0][next], -du * off, 2e-14, "u");
+                close_to(u[1][axis], -0.5 + du * along, 2e-14, "u");
+                grains_energy(g, &K, &P, p);
+                close_to(p[axis], s->law.mass, 4e-15, "momentum");
+                close_to(p[next], 0, 4e-15, "momentum");
+                const struct grain_counts *c = grains_counted(g);
+                double lost = s->law.mass * (1 - e * e) / 4 * approach * approach;
+                close_to(c->lost, lost, 1e-14 * 2.5, "lost");
+                close_to(K, 2.5 - lost, 1e-14 * 2.5, "kinetic energy");
+                assert_int_equal(c->pairs, 1);
+                assert_int_equal(c->elastic, soft);
+                grains_free(g);
+                free(r);
+                free(s);
+            }
+}
+
+/* No event queue, no cells: the earliest impact of all pairs and walls, again and again. */
+struct plain {
+    const struct scene *s;
+    double t, x[64][3], u[64][3];
+};
+static double plain_pair(const struct plain *p, int i, int j) {
+    double r[3] = {0}, v[3] = {0}, rr = 0, rv = 0, vv = 0;
+    for (int k = 0; k < p->s->box.dim; k++) {
+        double L = p->s->box.high[k] - p->s->box.low[k];
+        r[k] = p->x[j][k] - p->x[i][k];
+        if (p->s->box.periodic[k]) r[k] -= L * nearbyint(r[k] / L);
+        v[k] = p->u[j][k] - p->u[i][k];
+        rr += r[k] * r[k];
+        rv += r[k] * v[k];
+        vv += v[k] * v[k];
+    }
+    double c = rr - p->s->law.diameter * p->s->law.diameter, square = rv * rv - vv * c;
+    if (rv >= 0 || square < 0) return HUGE_VAL;
+    return c <= 0 ? 0 : c / (-rv + sqrt(square));
+}
+static double plain_wall(const struct plain *p, int i, int k, int side) {
+    double R = p->s->law.diameter / 2, a = p->s->law.gravity[k] * (side ? -1 : 1), v = side ? -p->u[i][k] : p->u[i][k];
+    double h = side ? p->s->box.high[k] - R - p->x[i][k] : p->x[i][k] - R - p->s->box.low[k];
+    if (p->s->box.periodic[k]) return HUGE_VAL;
+    if (h < 1e-12) return a < 0 ? (v < 0 ? 0 : -2 * v / a) : (v < 0 ? 0 : HUGE_VAL);
+    double square = v * v - 2 * a * h;
+    if (a == 0) return v < 0 ? -h / v : HUGE_VAL;
+    if (square < 0) return HUGE_VAL;
+    double t1 = (-v - sqrt(square)) / a, t2 = (-v + sqrt(square)) / a, first = fmin(t1, t2), last = fmax(t1, t2);
+    return first > 0 ? first : last > 0 ? last : HUGE_VAL;
+}
+static double plain_next(const struct plain *p, int *a, int *b) {
+    double best = HUGE_VAL;
+    for (int i = 0; i < p->s->n; i++) {
+        for (int j = i + 1; j < p->s->n; j++) {
+            double t = plain_pair(p, i, j);
+            if (t < best) best = t, *a = i, *b = j;
+        }
+        for (int w = 0; w < 2 * p->s->box.dim; w++) {
+            double t = plain_wall(p, i, w / 2, w & 1);
+            if (t < best) best = t, *a = i, *b = -1 - w;
+        }
+    }
+    return best;
+}
+static void plain_impact(struct plain *p, int a, int b) {
+    if (b < 0) {
+        p->u[a][(-1 - b) / 2] *= -p->s->box.restitution[(-1 - b) / 2][(-1 - b) & 1];
+        return;
+    }
+    double r[3], rr = 0, rv = 0;
+    for (int k = 0; k < p->s->box.dim; k++) {
+        double L = p->s->box.high[k] - p->s->box.low[k];
+        r[k] = p->x[b][k] - p->x[a][k];
+        if (p->s->box.periodic[k]) r[k] -= L * nearbyint(r[k] / L);
+        rr += r[k] * r[k];
+        rv += r[k] * (p->u[b][k] - p->u[a][k]);
+    }
+    for (int k = 0; k < p->s->box.dim; k++) {
+        double du = (1 + p->s->law.restitution) / 2 * rv / rr * r[k];
+        p->u[a][k] += du;
+        p->u[b][k] -= du;
+    }
+}
+static void plain_fly(struct plain *p, double dt) {
+    for (int i = 0; i < p->s->n; i++)
+        for (int k = 0; k < p->s->box.dim; k++) {
+            p->x[i][k] += dt * (p->u[i][k] + 0.5 * p->s->law.gravity[k] * dt);
+            p->u[i][k] += dt * p->s->law.gravity[k];
+        }
+    p->t += dt;
+}
+
+/* The same impacts in the same order until round-off has grown: chaos multiplies it by ten or more each time every
+ * grain has had an impact. */
+static void same_as_all_pairs(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 5; kind++) {
+        int dim = kind < 2 ? 2 : 3, walls = kind & 1;
+        struct scene *s =
+            lattice(dim, dim == 2 ? (int[3]){6, 5, 1} : (int[3]){3, 4, 3}, kind < 4 ? 1.25 : 1.6, 77u + kind);
+        s->law.restitution = 0.8;
+        for (int k = 0; k < dim && walls; k++) {
+            s->box.periodic[k] = k == 0;
+            s->box.restitution[k][0] = 0.9;
+            s->box.restitution[k][1] = 0.7;
+            s->law.gravity[k] = k == 1 ? -0.7 : k == 2 ? 0.2 : 0;
+        }
+        if (kind == 4) s->law.gravity[2] = -0.3; /* falls round and round */
+        struct grains *g = make(s);
+        struct recorder *r = recorder();
+        struct plain *p = calloc(1, sizeof *p);
+        *p = (struct plain){.s = s};
+        memcpy(p->x, s->x, sizeof p->x);
+        memcpy(p->u, s->u, sizeof p->u);
+        while (r->n < 120) grains_advance(g, HUGE_VAL, 100, &r->observer);
+        int checked = 0;
+        for (; checked < 120; checked++) {
+            int a = 0, b = 0;
+            double dt = plain_next(p, &a, &b);
+            plain_fly(p, dt);
+            plain_impact(p, a, b);
+            const struct grain_impact *i = &r->impact[checked];
+            int low = i->b < 0 || i->a < i->b ? i->a : i->b, high = i->b < 0 || i->a < i->b ? i->b : i->a;
+            if (low != a || high != b)
+                fail_msg("kind %d, impact %d: %d with %d at %.9g, expected %d with %d at %.9g", kind, checked, i->a,
+                         i->b, i->t, a, b, p->t);
+            close_to(i->t, p->t, 1e-8 * p->t, "time");
+        }
+        grains_free(g);
+        free(r);
+        free(p);
+        free(s);
+    }
+}
+
+static double worst_overlap(const struct scene *s, double (*x)[3]) {
+    double worst = 0;
+    for (int i = 0; i < s->n; i++) {
+        for (int j = 0; j < i; j++) {
+            double rr = 0;
+            for (int k = 0; k < s->box.dim; k++) {
+                double L = s->box.high[k] - s->box.low[k], r = fabs(x[i][k] - x[j][k]);
+                if (s->box.periodic[k] && r > L / 2) r = L - r;
+                rr += r * r;
+            }
+            worst = fmax(worst, s->law.diameter - sqrt(rr));
+        }
+        for (int k = 0; k < s->box.dim; k++) {
+            if (s->box.periodic[k]) continue;
+            worst = fmax(worst, s->box.low[k] + s->law.diameter / 2 - x[i][k]);
+            worst = fmax(worst, x[i][k] + s->law.diameter / 2 - s->box.high[k]);
+        }
+    }
+    return worst;
+}
+
+/* A dense shaken layer of disks and a box of spheres that shakes along two axes */
+static struct scene *shaken(int dim) {
+    struct scene *s = lattice(dim, dim == 2 ? (int[3]){20, 8, 1} : (int[3]){6, 6, 5}, 1.1, 5);
+    s->law.restitution = 0.75;
+    s->law.threshold = 1e-2;
+    s->law.gravity[1] = -1;
+    s->box.periodic[1] = false;
+    s->box.high[1] += 20;
+    s->box.shake[1] = 0.6;
+    s->box.omega = 2.2;
+    s->box.phase = 0.4;
+    s->box.restitution[1][0] = 1;
+    s->box.restitution[1][1] = 0.5;
+    if (dim == 3) {
+        s->box.periodic[2] = false;
+        s->box.shake[2] = -0.1;
+        s->box.restitution[2][0] = s->box.restitution[2][1] = 0.9;
+    }
+    return s;
+}
+
+static void no_overlap(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        struct scene *s = shaken(dim);
+        struct grains *g = make(s);
+        double(*x)[3] = calloc((size_t)s->n, sizeof *x), (*u)[3] = calloc((size_t)s->n, sizeof *u), t = 0;
+        uint64_t seed = 99;
+        for (int i = 0; i < 150; i++) {
+            t += 0.4 * uniform(&seed);
+            assert_true(grains_advance(g, t, INT64_MAX, NULL) == t);
+            grains_at(g, t, x, u);
+            close_to(worst_overlap(s, x), 0, 1e-12, "overlap");
+        }
+        assert_true(grains_counted(g)->pairs > 5000 && grains_counted(g)->walls > 500);
+        grains_free(g);
+        free(x);
+        free(u);
+        free(s);
+    }
+}
+
+static void same_state(const struct grains *a, const struct grains *b) {
+    size_t n = (size_t)grains_number(a);
+    assert_memory_equal(grains_all(a), grains_all(b), n * sizeof(struct grain));
+    assert_memory_equal(grains_ids(a), grains_ids(b), n * sizeof(int32_t));
+    assert_memory_equal(grains_counted(a), grains_counted(b), sizeof(struct grain_counts));
+    assert_true(grains_time(a) == grains_time(b));
+    for (size_t i = 0; i < n; i++) {
+        assert_true(grains_events(a)[i].t == grains_events(b)[i].t);
+        assert_true(grains_events(a)[i].partner == grains_events(b)[i].partner);
+    }
+}
+
+static struct grains *resumed(const struct scene *s, struct grains *g) {
+    struct grains *h;
+    ok(grains_resume(&s->box, &s->law, s->n, grains_all(g), grains_events(g), grains_ids(g), grains_counted(g),
+                     grains_time(g), &h));
+    grains_free(g);
+    return h;
+}
+
+/* At once, in pieces of time, by single events, and saved and resumed at each piece: the same bits. */
+static void pieces(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        struct scene *s = shaken(dim);
+        struct grains *whole = make(s), *parts = make(s), *saved = make(s);
+        uint64_t seed = 3;
+        grains_advance(whole, 20, INT64_MAX, NULL);
+        for (double t = 0; t < 20;) {
+            t = fmin(20, t + 0.5 * uniform(&seed));
+            for (int i = 0; i < 50; i++) grains_advance(parts, t, 1 + (int)(10 * uniform(&seed)), NULL);
+            grains_advance(parts, t, INT64_MAX, NULL);
+            grains_advance(saved, t, INT64_MAX, NULL);
+            saved = resumed(s, saved);
+        }
+        same_state(whole, parts);
+        same_state(whole, saved);
+        assert_true(grains_counted(whole)->pairs > 2000);
+        grains_free(whole);
+        grains_free(parts);
+        grains_free(saved);
+        free(s);
+    }
+}
+
+static double total(const struct grains *g, double p[3]) {
+    double kinetic, potential;
+    grains_energy(g, &kinetic, &potential, p);
+    return kinetic + potential;
+}
+
+/* Elastic: energy (with gravity between walls) and, where nothing acts, momentum stay */
+static void conservation(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        struct scene *s = lattice(kind ? 3 : 2, kind ? (int[3]){10, 10, 10} : (int[3]){30, 30, 1}, 1.3, 8);
+        if (kind == 2) {
+            s->law.gravity[2] = -0.5;
+            s->box.periodic[2] = false;
+            s->box.restitution[2][0] = s->box.restitution[2][1] = 1;
+        }
+        struct grains *g = make(s);
+        double before[3], after[3], E0 = total(g, before);
+        while (grains_counted(g)->pairs < 300000) grains_advance(g, HUGE_VAL, 10000, NULL);
+        double E1 = total(g, after);
+        close_to(E1, E0, 1e-12 * E0, "energy");
+        for (int k = 0; k < (kind == 2 ? 2 : 3); k++) close_to(after[k], before[k], 1e-12 * s->n, "momentum");
+        grains_free(g);
+        free(s);
+    }
+}
+
+/* What inelastic impacts take is counted: in a box that moves too, with the work of the walls. */
+static void balance(void **state) {
+    (void)state;
+    struct scene *s = lattice(3, (int[3]){8, 8, 8}, 1.2, 8);
+    s->law.restitution = 0.9;
+    s->law.threshold = 0.03;
+    s->law.gravity[1] = -1;
+    s->box.periodic[1] = false;
+    s->box.restitution[1][0] = 0.8;
+    s->box.restitution[1][1] = 0.7;
+    struct grains *g = make(s);
+    double p[3], E0 = total(g, p), p0 = p[1];
+    grains_advance(g, 30, INT64_MAX, NULL);
+    const struct grain_counts *c = grains_counted(g);
+    double E1 = total(g, p), weight = s->law.mass * s->n * 30;
+    close_to(E1 + c->lost, E0, 1e-11 * E0, "energy and what was lost");
+    close_to(p[1] - p0, c->wall_impulse[1][0] - c->wall_impulse[1][1] - weight, 1e-11 * weight, "impulse of the walls");
+    assert_true(c->walls > 1000 && c->lost > 0.3 * E0);
+    grains_free(g);
+    free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_grains), cmocka_unit_test(same_as_all_pairs), cmocka_unit_test(no_overlap),
+        cmocka_unit_test(pieces),     cmocka_unit_test(conservation),      cmocka_unit_test(balance),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
