@@ -13,11 +13,31 @@ struct functions {
 };
 
 static const struct function_type function_table[] = {
-    {"probes", "values of the cells that hold given points, one row per time", probes_make, probes_execute},
-    {"sets", "values along lines, one file per line and time", sets_make, sets_execute},
-    {"fieldMinMax", "smallest and largest value and where", extremes_make, extremes_execute},
-    {"volFieldValue", "volIntegrate, volAverage, sum, min or max over all cells", integral_make, integral_execute},
-    {"vtk", "legacy VTK files in VTK/, with a .vtk.series", vtk_make, vtk_execute},
+    {.name = "probes",
+     .about = "values of the cells that hold given points, one row per time",
+     .make = probes_make,
+     .execute = probes_execute},
+    {.name = "sets",
+     .about = "values along lines, one file per line and time",
+     .make = sets_make,
+     .execute = sets_execute},
+    {.name = "fieldMinMax",
+     .about = "smallest and largest value and where",
+     .make = extremes_make,
+     .execute = extremes_execute},
+    {.name = "volFieldValue",
+     .about = "volIntegrate, volAverage, sum, min or max over all cells",
+     .make = integral_make,
+     .execute = integral_execute},
+    {.name = "vtk", .about = "legacy VTK files in VTK/, with a .vtk.series", .make = vtk_make, .execute = vtk_execute},
+    {.name = "phaseAverage",
+     .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
+     .make = phases_make,
+     .execute = phases_execute,
+     .with_fields = true,
+     .next = phases_next,
+     .collect = phases_collect,
+     .save = phases_save},
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
@@ -62,7 +82,6 @@ static status read_fields(struct function *f, struct dict *d) {
 }
 
 static status make_one(struct function *f, struct dict *d) {
-    static const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
     static const char *const ignored[] = {"libs",   "functionObjectLibs", "writeFields",    "enabled",
                                           "region", "executeControl",     "executeInterval"};
     const char *names[TYPES];
@@ -72,7 +91,8 @@ static status make_one(struct function *f, struct dict *d) {
     TRY(dict_choice(d, "type", names, TYPES, &index));
     f->type = &function_table[index];
     for (int i = 0; i < 7; i++) (void)dict_has(d, ignored[i]);
-    TRY(trigger_read(d, &each_step, true, &f->trigger));
+    const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
+    TRY(trigger_read(d, &standard, true, &f->trigger));
     TRY(dict_switch_or(d, "log", false, &f->log));
     TRY(read_fields(f, d));
     TRY(f->type->make(f, d));
@@ -122,6 +142,7 @@ void functions_free(struct functions *f) {
         free(g->block_values);
         free(g->all_values);
         vtk_grid_free(g->grid);
+        phases_free(g->phases);
     }
     free(f->all);
     free(f);
@@ -129,8 +150,25 @@ void functions_free(struct functions *f) {
 
 double functions_next(const struct functions *f, double t) {
     double next = HUGE_VAL;
-    for (int i = 0; i < f->n; i++) next = fmin(next, trigger_next(&f->all[i].trigger, t));
+    for (int i = 0; i < f->n; i++) {
+        const struct function *one = &f->all[i];
+        next = fmin(next, trigger_next(&one->trigger, t));
+        if (one->type->next) next = fmin(next, one->type->next(one, t));
+    }
     return next;
+}
+
+status functions_collect(struct functions *f, const struct moment *before, const struct moment *now) {
+    for (int i = 0; i < f->n; i++)
+        if (f->all[i].type->collect)
+            TRY(status_note(f->all[i].type->collect(&f->all[i], before, now), "function object '%s'", f->all[i].name));
+    return OK;
+}
+
+status functions_save(const struct functions *f, const struct field_writer *w, struct checksums *sums) {
+    for (int i = 0; i < f->n; i++)
+        if (f->all[i].type->save) TRY(f->all[i].type->save(&f->all[i], w, sums));
+    return OK;
 }
 
 status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name) {

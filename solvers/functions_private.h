@@ -33,11 +33,17 @@ struct function {
     FILE *file[MAX_QUANTITIES]; /* root; opened by the first execution */
     double *block_values;       /* [3][largest block] */
     double *all_values;         /* vtk: root's [nfields][3 ncells] */
+    struct phases *phases;      /* phaseAverage */
 };
 struct function_type {
     const char *name, *about;
     status (*make)(struct function *f, struct dict *d);
     status (*execute)(struct function *f, const struct moment *now, const char *time);
+    bool with_fields; /* executed when the fields are written, if nothing else is said; else each step */
+    /* Of averages, as in functions.h; NULL: none. */
+    double (*next)(const struct function *f, double t);
+    status (*collect)(struct function *f, const struct moment *before, const struct moment *now);
+    status (*save)(const struct function *f, const struct field_writer *w, struct checksums *sums);
 };
 
 const struct quantity *quantity_of(const struct function *f, int field);
@@ -61,5 +67,11 @@ status integral_make(struct function *f, struct dict *d);
 status integral_execute(struct function *f, const struct moment *now, const char *time);
 status vtk_make(struct function *f, struct dict *d);
 status vtk_execute(struct function *f, const struct moment *now, const char *time);
+status phases_make(struct function *f, struct dict *d);
+status phases_execute(struct function *f, const struct moment *now, const char *time);
+double phases_next(const struct function *f, double t);
+status phases_collect(struct function *f, const struct moment *before, const struct moment *now);
+status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums);
+void phases_free(struct phases *p);
 
 #endif

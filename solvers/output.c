@@ -2,6 +2,7 @@
 
 #include "libcore/boundary.h"
 #include "solvers/decompose.h"
+#include "solvers/functions.h"
 #include "solvers/report.h"
 
 #include <math.h>
@@ -11,6 +12,7 @@
 
 struct output {
     const struct setup *setup;
+    const struct functions *functions;
     double *values;              /* root: [ncells][3] */
     double last_time;            /* written; NAN: none */
     int precision;               /* of time names, widened where needed */
@@ -43,12 +45,13 @@ static int largest_patch(const struct setup *s, const struct decomposition *d) {
     return n;
 }
 
-status output_make(const struct setup *s, struct output **out) {
+status output_make(const struct setup *s, const struct functions *f, struct output **out) {
     struct output *o = NULL;
     long n = s->mesh->ncells;
     TRY(allocate(&o, 1, sizeof *o, "output"));
     *out = o;
     o->setup = s;
+    o->functions = f;
     o->last_time = s->start.t;
     o->precision = start_precision(s);
     if (s->control->write_processors) TRY(decompose_make(s, &o->parts));
@@ -95,8 +98,8 @@ status output_gather(const struct setup *s, int quantity, double *out) {
     return e;
 }
 
-struct printing { /* context of a patch entry */
-    const struct medium *medium;
+struct printing {                /* context of a patch entry */
+    const struct medium *medium; /* NULL: all patches are calculated */
     int quantity, components;
     const double *values;        /* of the cells of the mesh that is written */
     const struct part *part;     /* of a decomposed case, or NULL */
@@ -158,11 +161,21 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
         print_cells(s, w, p, c, true);
         return;
     }
-    const struct patch_field *given = c->medium->type->patch(c->medium, c->quantity, p);
+    const struct patch_field *given = c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
     if (b && b->value) print_given(s, w, p, b->value, given, c);
     if (!b || (b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false); /* OpenFOAM wants it */
+}
+
+status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
+    const struct quantity *q = &s->medium->type->quantity[quantity];
+    struct printing c = {.quantity = quantity, .components = q->components, .values = values};
+    struct file_sum sum;
+    TRY(allocate(&c.room, 3L * largest_patch(s, NULL) + 1, sizeof(double), "a patch to write"));
+    status e = field_write(w, q->name, q->components, q->dimensions, values, print_patch, &c, &sum);
+    free(c.room);
+    return e;
 }
 
 /* o->values in the case's folder, then each part's in its own. */
@@ -249,6 +262,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
     TRY(write_fields(o, &w));
+    TRY(comm_agree(s->comm, root ? functions_save(o->functions, &w, &o->sums) : OK));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 

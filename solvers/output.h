@@ -4,8 +4,10 @@
 
 #include "solvers/case.h"
 
+struct functions;
 struct output; /* remembers what it wrote, for purgeWrite and for names that differ */
-status output_make(const struct setup *s, struct output **out);
+/* f: whose sums are kept in each written time */
+status output_make(const struct setup *s, const struct functions *f, struct output **out);
 void output_free(struct output *o);
 
 /* Collective; the root writes CASE/NAME. written: the folder's name (on the root). */
@@ -14,5 +16,7 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
 /* One field on the root, interleaved [ncells][components] with vectors in physical axes; collective. out: room for
  * 3 ncells doubles on the root. */
 status output_gather(const struct setup *s, int quantity, double *out);
+/* A file of such values elsewhere, patches calculated. On the root. */
+status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values);
 
 #endif

@@ -94,7 +94,7 @@ status run_check(const char *dir, const struct medium_type *type, const struct c
 static status start(struct run *r) {
     struct setup *s = r->setup;
     TRY(s->medium->type->start(s->medium));
-    TRY(comm_agree(s->comm, output_make(s, &r->output)));
+    TRY(comm_agree(s->comm, output_make(s, r->functions, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
     r->written_time = s->start.t;
@@ -103,6 +103,7 @@ static status start(struct run *r) {
         changes_print(stdout, s);
     }
     progress_start(&r->progress, s);
+    TRY(functions_collect(r->functions, NULL, &r->now));
     return functions_execute(r->functions, NULL, &r->now, s->start.name);
 }
 
@@ -165,6 +166,7 @@ static status after_step(struct run *r, const struct moment *before, const struc
     r->stop = ended || at_once || c->stop_at == STOP_NO_WRITE_NOW || (due && c->stop_at == STOP_NEXT_WRITE);
     now->fields = due || at_once || (ended && c->write.control != WRITE_NONE);
     if (c->stop_at == STOP_NO_WRITE_NOW && !at_once) now->fields = false;
+    TRY(functions_collect(r->functions, before, now));
     if (now->fields)
         TRY(write_now(r, name));
     else
