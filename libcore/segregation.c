@@ -281,50 +281,19 @@ static status step(struct segregation *s, double dt, double late, double *phi) {
     return OK;
 }
 
+static status line_step(void *line, double dt, double late, double *phi) {
+    return step(line, dt, late, phi);
+}
+static struct segregation_steps steps_of(struct segregation *s) {
+    return (struct segregation_steps){s, line_step, s->line.n, s->width, s->before, s->whole, s->halves};
+}
+
 status segregation_step(struct segregation *s, double dt, bool damped, double *phi) {
-    if (!damped) return step(s, dt, 0.5, phi);
-    memcpy(s->before, phi, (size_t)s->line.n * sizeof *phi);
-    status e = step(s, 0.5 * dt, 1, phi);
-    if (!e) e = step(s, 0.5 * dt, 1, phi);
-    if (e) memcpy(phi, s->before, (size_t)s->line.n * sizeof *phi);
-    return e;
+    const struct segregation_steps steps = steps_of(s);
+    return damped ? segregation_damped(&steps, dt, phi) : step(s, dt, 0.5, phi);
 }
 
-/* Mean over the line. */
-static double difference(const struct segregation *s, const double *a, const double *b) {
-    double sum = 0, length = 0;
-    for (int i = 0; i < s->line.n; i++) {
-        sum += s->width[i] * fabs(a[i] - b[i]);
-        length += s->width[i];
-    }
-    return sum / length;
-}
-
-bool segregation_error(double differ, double allowed, double *factor) {
-    const double error = smaller(5. / 6 * differ, 1); /* infinite: a step that failed */
-    *factor = smaller(4, larger(0.25, 0.9 * power(larger(allowed, 1e-290) / larger(error, 1e-290), 1. / 3)));
-    return error <= allowed;
-}
-
-/* Parts that decay within dt turn their sign in Crank-Nicolson's step and keep it in two: the mean ends them. */
 status segregation_advance(struct segregation *s, double allowed, double *dt, double *next, double *phi) {
-    const size_t size = (size_t)s->line.n * sizeof *phi;
-    for (int tries = 0; tries < 60; tries++) {
-        memcpy(s->whole, phi, size);
-        memcpy(s->halves, phi, size);
-        status e = step(s, *dt, 0.5, s->whole);
-        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
-        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
-        if (e && status_kind(e) != ERR_STATE) return e;
-        double factor, differ = e ? HUGE_VAL : difference(s, s->whole, s->halves);
-        status_free(e);
-        if (segregation_error(differ, allowed, &factor)) {
-            for (int i = 0; i < s->line.n; i++) phi[i] = 0.5 * (s->whole[i] + s->halves[i]);
-            *next = *dt * factor;
-            return OK;
-        }
-        s->counts.rejected++;
-        *dt *= smaller(factor, 0.5);
-    }
-    return fail(ERR_STATE, "no time step down to %g s has an error below %g", *dt, allowed);
+    const struct segregation_steps steps = steps_of(s);
+    return segregation_adapt(&steps, allowed, dt, next, &s->counts.rejected, phi);
 }

@@ -425,43 +425,21 @@ static status step(struct segregation_field *s, double dt, double late, double *
     return OK;
 }
 
-status segregation_field_step(struct segregation_field *s, double dt, bool damped, double *phi) {
-    if (!damped) return step(s, dt, 0.5, phi);
-    memcpy(s->before, phi, (size_t)s->cells * sizeof *phi);
-    status e = step(s, 0.5 * dt, 1, phi);
-    if (!e) e = step(s, 0.5 * dt, 1, phi);
-    if (e) memcpy(phi, s->before, (size_t)s->cells * sizeof *phi);
-    return e;
+static status lattice_step(void *lattice, double dt, double late, double *phi) {
+    return step(lattice, dt, late, phi);
+}
+static struct segregation_steps steps_of(struct segregation_field *s) {
+    return (struct segregation_steps){s, lattice_step, s->cells, s->lattice.capacity, s->before, s->whole, s->halves};
 }
 
-static double difference(const struct segregation_field *s) {
-    double sum = 0, all = 0;
-    for (long c = 0; c < s->cells; c++) {
-        sum += fabs(s->whole[c] - s->halves[c]) / s->ease[c];
-        all += 1 / s->ease[c];
-    }
-    return sum / all;
+status segregation_field_step(struct segregation_field *s, double dt, bool damped, double *phi) {
+    const struct segregation_steps steps = steps_of(s);
+    return damped ? segregation_damped(&steps, dt, phi) : step(s, dt, 0.5, phi);
 }
 
 status segregation_field_advance(struct segregation_field *s, double allowed, double *dt, double *next, double *phi) {
-    const size_t size = (size_t)s->cells * sizeof *phi;
-    for (int tries = 0; tries < 60; tries++) {
-        memcpy(s->whole, phi, size);
-        memcpy(s->halves, phi, size);
-        status e = step(s, *dt, 0.5, s->whole);
-        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
-        if (!e) e = step(s, 0.5 * *dt, 0.5, s->halves);
-        double factor, error = e ? HUGE_VAL : difference(s);
-        status_free(e);
-        if (segregation_error(error, allowed, &factor)) {
-            for (long c = 0; c < s->cells; c++) phi[c] = 0.5 * (s->whole[c] + s->halves[c]);
-            *next = *dt * factor;
-            return OK;
-        }
-        s->counts.rejected++;
-        *dt *= smaller(factor, 0.5);
-    }
-    return fail(ERR_STATE, "no time step down to %g s has an error below %g", *dt, allowed);
+    const struct segregation_steps steps = steps_of(s);
+    return segregation_adapt(&steps, allowed, dt, next, &s->counts.rejected, phi);
 }
 
 /* ---- making ---- */

@@ -37,9 +37,19 @@ void segregation_rows(struct segregation *s, double dt, const double *phi, const
 bool segregation_solve(struct segregation *s);
 /* found[n] <- phi' of the same balance within bounds; s->flux and found are those of Crank-Nicolson's last iterate. */
 status segregation_bound(struct segregation *s, double dt, const double *phi, double *found);
-/* Of a step taken whole and by halves that differ so much (mean): is the mean of both near enough, and by which factor
- * may the step grow? Steps of dt err by e, halves by e/4, the mean of both by 5/6 of their difference. */
-bool segregation_error(double differ, double allowed, double *factor);
+
+/* A line or a lattice as steps made of steps see it; late: 1/2 Crank-Nicolson, 1 implicit Euler. */
+struct segregation_steps {
+    void *of;
+    status (*step)(void *of, double dt, double late, double *phi);
+    long n;
+    const double *weight;            /* [n] of a cell in means; NULL: 1 */
+    double *before, *whole, *halves; /* [n] room */
+};
+status segregation_damped(const struct segregation_steps *s, double dt, double *phi);
+status segregation_adapt(const struct segregation_steps *s, double allowed, double *dt, double *next, long *rejected,
+                         double *phi);
+
 /* A face on which a central flux is not monotone. */
 static inline bool segregation_coarse(const struct segregation *s, int face) {
     const double *f = s->line.speed;

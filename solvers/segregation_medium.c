@@ -35,8 +35,6 @@ static const struct quantity quantities[] = {
     [DIFFUSIVITY] = {"diffusivity", 1, {0, 2, -1, 0, 0, 0, 0}, false},
 };
 static const int written[] = {PHI, U, -1}, shown[] = {PHI, -1};
-static const char *const walls[] = {"noFlux", "fixedValue", "zeroGradient", NULL};
-static const struct field_kind phi_kind = {"phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", walls};
 
 static status mixture_read(struct setup *s) {
     struct mixture *x;
@@ -63,7 +61,7 @@ static status read_phi(struct setup *s, struct mixture *x) {
     const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t};
     const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
     snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.name);
-    TRY(field_read(path, &phi_kind, &place, &x->field));
+    TRY(field_read(path, &segregation_phi, &place, &x->field));
     for (int i = 0; i < s->mesh->ncells; i++)
         if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
             return field_fail(x->field, &place, i, "it must lie between 0 and 1");

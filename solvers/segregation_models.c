@@ -1,6 +1,5 @@
 #include "solvers/segregation_models.h"
 
-#include "solvers/fields.h"
 #include "solvers/params.h"
 
 #include <math.h>
@@ -49,6 +48,10 @@ static const char *const weight_names[] = {"uniform", "rho"};
 static const char *const closure_about[] = {"no flux through the walls: conserves to round-off (default)",
                                             "f phi (1 - phi) = D phi_y at the walls, one-sided: does not conserve",
                                             "phi_y = 0 at the walls, one-sided: for the kink"};
+
+static const char *const phi_types[] = {"noFlux", "fixedValue", "zeroGradient", NULL};
+const struct field_kind segregation_phi = {
+    "phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", phi_types};
 
 static status choice_or(struct dict *d, const char *key, const char *const *names, int n, int *out) {
     *out = 0;

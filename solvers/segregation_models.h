@@ -5,7 +5,10 @@
 #include "libcore/segregation.h"
 #include "solvers/dict.h"
 #include "solvers/expr.h"
+#include "solvers/fields.h"
 #include <stdio.h>
+
+extern const struct field_kind segregation_phi;
 
 enum percolation { PERCOLATION_CONSTANT, PERCOLATION_EXPRESSION, PERCOLATION_EXPONENTIAL, PERCOLATION_STRESS };
 struct segregation_models {

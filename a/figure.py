@@ -1,0 +1,46 @@
+"""The travelling front beside the exact one (Christov, Fig. 1), and the errors on five grids (Fig. 2)."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import numpy as np  # noqa: E402
+
+import figures  # noqa: E402
+import mixture  # noqa: E402
+import segregation  # noqa: E402
+
+
+def errors(path):
+    """dy and the errors at t = 2 in max, L2, H1."""
+    y, phi = mixture.profile(path, 2.0)
+    h, e = y[1] - y[0], phi - segregation.kink(y, 2.0)
+    slope = np.gradient(e, h, edge_order=2)
+    trapezium = np.full(len(y), h)
+    trapezium[[0, -1]] = h / 2
+    l2 = np.sqrt(np.sum(trapezium * e**2))
+    return h, np.max(np.abs(e)), l2, np.hypot(l2, np.sqrt(np.sum(trapezium * slope**2)))
+
+
+case = figures.folder()
+fig, axes = figures.panels(1, 2, width=7.0, height=2.8)
+fine = np.linspace(-0.5, 0.5, 1001)
+for t in (0, 1, 2):
+    axes[0][0].plot(fine, segregation.kink(fine, t), color="0.3", linewidth=0.7)
+    if t == 0:
+        continue  # given, not computed
+    y, phi = mixture.profile(case, t)
+    axes[0][0].plot(y[::10], phi[::10], ".", markersize=3, label=f"$t$ = {t} s")
+axes[0][0].legend()
+figures.label(axes[0][0], "$y$ (m)", r"$\phi$")
+table = np.array([errors(os.path.join(case, f"M{M}")) for M in (51, 101, 201, 401, 801)])
+for k, name in enumerate(("max", "$L_2$", "$H_1$"), 1):
+    axes[0][1].loglog(table[:, 0], table[:, k], "o-", markersize=3, label=name)
+axes[0][1].loglog(table[:, 0], 2 * table[:, 0] ** 2, color="0.6", linewidth=0.7, label="second order")
+axes[0][1].legend()
+figures.label(axes[0][1], r"$\Delta y = \Delta t$", "error at 2 s")
+print("dy, errors in max, L2, H1:", file=sys.stderr)
+for k, row in enumerate(table):
+    orders = "" if k == 0 else "  orders" + "".join(f" {v:.2f}" for v in np.log2(table[k - 1, 1:] / row[1:]))
+    print("  ", " ".join(f"{v:.4e}" for v in row) + orders, file=sys.stderr)
+figures.save(fig, os.path.join(case, "kink.png"))
