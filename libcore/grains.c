@@ -104,8 +104,8 @@ static status place(struct grains *g, int i, const double x[3], const double u[3
     g->id[i] = i;
     for (int k = 0; k < g->dim; k++) {
         bool periodic = g->box.periodic[k];
-        double room = periodic ? 0 : radius - slack;
-        if (!(x[k] >= g->box.low[k] + room && x[k] <= g->box.high[k] - room))
+        double room = periodic ? 0 : radius;
+        if (!(x[k] >= g->box.low[k] + room - slack && x[k] <= g->box.high[k] - room + slack))
             return fail(ERR_INPUT,
                         "grain %d is outside: its centre is at (%.9g %.9g %.9g), axis %d allows %.9g to %.9g", i, x[0],
                         x[1], g->dim > 2 ? x[2] : 0, k, g->box.low[k] + room, g->box.high[k] - room);
