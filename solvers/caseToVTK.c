@@ -1,5 +1,6 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 /* caseToVTK: the written times of a case as legacy VTK files. */
+#include "solvers/clouds.h"
 #include "solvers/fields.h"
 #include "solvers/program.h"
 #include "solvers/times.h"
@@ -22,6 +23,7 @@ struct conversion {
     const char *times[MOST], *fields[MOST]; /* asked for; none: all */
     int ntimes, nfields;
     bool ascii;
+    int clouds; /* written */
     struct polymesh *mesh;
     struct vtk_grid *grid;
 };
@@ -29,7 +31,8 @@ struct conversion {
 static const char usage[] =
     "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-ascii]\n\n"
     "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
-    "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named.\n";
+    "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named. Grains of\n"
+    "granularMD go to DIR/VTK/NAME-grains_TIME.vtk.\n";
 
 static status take_list(char *text, const char **out, int *n) {
     for (char *word = strtok(text, ", "); word; word = strtok(NULL, ", ")) {
@@ -105,7 +108,22 @@ static status read_one(const struct conversion *c, const struct instant *at, con
     return OK;
 }
 
-static status convert(const struct conversion *c, const struct instant *at) {
+/* Of times that have one. */
+static status convert_cloud(struct conversion *c, const struct instant *at) {
+    char folder[TIME_PATH], vtk[TIME_PATH + 8];
+    struct cloud cloud;
+    snprintf(folder, sizeof folder, "%.4000s/%s", c->dir, at->name);
+    if (!cloud_exists(folder)) return OK;
+    TRY(cloud_read(folder, c->mesh->ncells, &cloud));
+    snprintf(vtk, sizeof vtk, "%.4000s/VTK", c->dir);
+    status s = cloud_write_vtk(&cloud, vtk, c->name, at->name, c->ascii, at->t, at->step);
+    if (!s) printf("%s/%s-grains_%s.vtk\n", vtk, c->name, at->name);
+    c->clouds++;
+    cloud_free(&cloud);
+    return s;
+}
+
+static status convert(struct conversion *c, const struct instant *at) {
     struct vtk_field list[MOST];
     int n = 0;
     char path[TIME_PATH];
@@ -120,7 +138,7 @@ static status convert(const struct conversion *c, const struct instant *at) {
     if (!s) s = vtk_write(c->grid, path, c->ascii, at->t, at->step, n, list);
     if (!s) printf("%s\n", path);
     for (int i = 0; i < n; i++) free((void *)(uintptr_t)list[i].values);
-    return s;
+    return s ? s : convert_cloud(c, at);
 }
 
 static status convert_all(struct conversion *c) {
@@ -149,6 +167,8 @@ static status convert_all(struct conversion *c) {
     }
     snprintf(path, sizeof path, "%s/VTK", c->dir);
     if (!s) s = vtk_series_write(path, c->name, latest);
+    snprintf(c->name + strlen(c->name), sizeof c->name - strlen(c->name), "-grains");
+    if (!s && c->clouds) s = vtk_series_write(path, c->name, latest);
     free(times);
     if (!s) return damage;
     status_free(damage);

@@ -30,8 +30,10 @@ static const struct medium_type *medium_of(const char *dir) {
     snprintf(path, sizeof path, "%.4000s/system/controlDict", dir);
     status e = dict_read(path, &d);
     if (!e) e = dict_word_or(d, "application", "", &name);
-    const struct medium_type *type =
-        !e && !strcmp(name, segregation_medium.application) ? &segregation_medium : &gas_medium;
+    static const struct medium_type *const types[] = {&gas_medium, &segregation_medium, &particle_medium};
+    const struct medium_type *type = types[0];
+    for (int i = 1; !e && i < 3; i++)
+        if (!strcmp(name, types[i]->application)) type = types[i];
     status_free(e);
     dict_free(d);
     return type;

@@ -9,12 +9,16 @@
 
 enum { PATH = 4096 + 128 };
 
-/* The dictionary holds the files of the folder itself in `fields`, those of its uniform/ in `uniform`. */
-static const char *const group_name[2] = {"fields", "uniform"};
-static const char *const group_folder[2] = {"", "uniform/"};
+/* The dictionary holds the files of the folder itself in `fields`, those of its uniform/ in `uniform`, those of a cloud
+ * of grains, where there is one, in `grains`. */
+enum { GROUPS = 3, ALWAYS = 2 };
+static const char *const group_name[GROUPS] = {"fields", "uniform", "grains"};
+static const char *const group_folder[GROUPS] = {"", "uniform/", "lagrangian/grains/"};
 
 static int group_of(const char *name) {
-    return !strncmp(name, group_folder[1], strlen(group_folder[1]));
+    for (int g = 1; g < GROUPS; g++)
+        if (!strncmp(name, group_folder[g], strlen(group_folder[g]))) return g;
+    return 0;
 }
 
 status checksums_add(struct checksums *c, const char *name, struct file_sum sum) {
@@ -35,7 +39,10 @@ status checksums_write(const struct checksums *c, const char *folder, const char
     sink_printf(s, "// of the contents, before compression; a file that was changed on purpose: remove this one\n");
     sink_printf(s, "files           %d;\n", c->n);
     if (c->part) sink_printf(s, "part            %d;\n", c->part - 1);
-    for (int g = 0; g < 2; g++) {
+    for (int g = 0; g < GROUPS; g++) {
+        int members = 0;
+        for (int i = 0; i < c->n; i++) members += group_of(c->name[i]) == g;
+        if (!members && g >= ALWAYS) continue;
         sink_printf(s, "%s\n{\n", group_name[g]);
         for (int i = 0; i < c->n; i++)
             if (group_of(c->name[i]) == g)
@@ -68,8 +75,8 @@ static status verify_file(const char *path, struct dict *d) {
 
 static status verify_group(const char *folder, int g, struct dict *all, long *seen) {
     struct dict *group, *one;
-    TRY(dict_sub(all, group_name[g], &group));
-    for (int i = 0; i < dict_count(group); i++, ++*seen) {
+    TRY(g < ALWAYS ? dict_sub(all, group_name[g], &group) : dict_sub_optional(all, group_name[g], &group));
+    for (int i = 0; group && i < dict_count(group); i++, ++*seen) {
         char path[PATH];
         snprintf(path, sizeof path, "%s/%s%.100s", folder, group_folder[g], dict_key(group, i));
         TRY(dict_sub(group, dict_key(group, i), &one));
@@ -87,7 +94,7 @@ status checksums_verify(const char *folder) {
     TRY(dict_read(path, &d));
     status s = dict_count_or(d, "files", -1, &files);
     const bool of_part = dict_has(d, "part");
-    for (int g = 0; !s && !of_part && g < 2; g++) s = verify_group(folder, g, d, &seen);
+    for (int g = 0; !s && !of_part && g < GROUPS; g++) s = verify_group(folder, g, d, &seen);
     if (!s && !of_part && files != seen)
         s = fail(ERR_INPUT, "%s: it lists %ld files, not %ld: it was cut", path, seen, files);
     dict_free(d);

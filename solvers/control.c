@@ -113,10 +113,21 @@ static status together(struct dict *d, const struct control *c) {
     return OK;
 }
 
-static status read_all(struct control *c, const char *application) {
-    struct dict *d = c->dict;
+/* One case, continuum or particles, by one word: what one solver wrote is no restart of another. */
+static status check_application(struct dict *d, const char *application) {
+    static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
     const char *name;
     TRY(dict_word_or(d, "application", application, &name));
+    for (int i = 0; i < 3 && strcmp(name, application) != 0; i++)
+        if (!strcmp(name, ours[i]))
+            return dict_fail(d, "application", "this is %s: write  application %s;  there, or run %s", application,
+                             application, name);
+    return OK;
+}
+
+static status read_all(struct control *c, const char *application) {
+    struct dict *d = c->dict;
+    TRY(check_application(d, application));
     TRY(params_read(d, control_table, control_table_size, c));
     TRY(words_read(d, c));
     const struct trigger each_step = {WRITE_TIME_STEP, 1, false};

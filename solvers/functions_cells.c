@@ -1,6 +1,7 @@
 /* Function objects over all cells: fieldMinMax, volFieldValue, vtk. */
 #include "solvers/functions_private.h"
 
+#include "solvers/clouds.h"
 #include "solvers/output.h"
 #include "solvers/vtk.h"
 
@@ -183,6 +184,20 @@ status vtk_make(struct function *f, struct dict *d) {
     return OK;
 }
 
+static status write_cloud(const struct function *f, const struct moment *now, const char *folder, const char *time) {
+    const struct setup *s = f->setup;
+    struct cloud cloud;
+    char name[sizeof s->name + 16];
+    if (!s->medium->type->cloud) return OK;
+    status e = s->medium->type->cloud(s->medium, &cloud);
+    const bool any = !e && cloud.n > 0;
+    if (any) e = cloud_write_vtk(&cloud, folder, s->name, time, f->ascii, now->t, now->step);
+    cloud_free(&cloud);
+    TRY(e);
+    snprintf(name, sizeof name, "%s-grains", s->name);
+    return any ? vtk_series_write(folder, name, now->t) : OK;
+}
+
 static status write_file(const struct function *f, const struct moment *now, const char *time,
                          const struct vtk_field *fields) {
     char folder[TIME_PATH + 8], path[2 * TIME_PATH];
@@ -190,6 +205,7 @@ static status write_file(const struct function *f, const struct moment *now, con
     TRY(make_folders(folder));
     snprintf(path, sizeof path, "%s/%s_%s.vtk", folder, f->setup->name, time);
     TRY(vtk_write(f->grid, path, f->ascii, now->t, now->step, f->nfields, fields));
+    TRY(write_cloud(f, now, folder, time));
     return vtk_series_write(folder, f->setup->name, now->t);
 }
 

@@ -54,8 +54,8 @@ static status gas_read(struct setup *s) {
     const struct setup_file files[] = {{"system", "fvSchemes", m->schemes},
                                        {"system", "fvSolution", m->solution},
                                        {"constant", "granularProperties", m->properties},
-                                       {"constant", "g", m->g},
-                                       {"constant", "shaking", m->shaking}};
+                                       {"constant", "g", m->forces.g},
+                                       {"constant", "shaking", m->forces.shaking}};
     memcpy(s->file, files, sizeof files);
     s->nfiles = 5;
     return OK;

@@ -19,10 +19,13 @@ struct pace {          /* of the step to come */
     double stable;     /* s: the largest allowed */
     double rate;       /* 1/s: the Courant number is dt * rate */
     const char *limit; /* what `stable` comes from; NULL: the Courant number, which has a place */
+    const char *early; /* what may end a step before its time; NULL: a rejection */
 };
 
 struct setup;
 struct medium;
+struct cloud;
+struct checksums;
 struct medium_type {
     const char *application; /* as controlDict, lock and provenance name it */
     const char *help;
@@ -31,6 +34,7 @@ struct medium_type {
     const struct quantity *quantity;
     int noffered;               /* function objects know the first so many */
     const int *written, *shown; /* of a time folder in this order; vtk's choice; -1 ends them */
+    bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
 
     /* Collective, in this order; each fills s->medium. read: the dictionaries, which it names in s->file. state: the
      * fields of time s->start, and s->grid by setup_grid. start: the state a run begins with, checked. */
@@ -58,13 +62,18 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is it written? NULL: always */
     /* The entry that the start folder gives, or NULL: calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
+    /* Of a medium of grains, else NULL: the grains (n = 0: none to be written), to be freed; what besides fields a
+     * restart needs, written into the folder of a time. The root's. */
+    status (*cloud)(const struct medium *m, struct cloud *out);
+    status (*save)(const struct medium *m, const char *folder, const char *location, struct checksums *sums);
 };
 struct medium { /* first member of each medium's own struct */
     const struct medium_type *type;
     struct setup *setup;
     double next; /* s: uniform/time's deltaT, where a restart needs the step to try next; 0: the last step */
+    double end;  /* s: where the step to come ends if it is not shortened, which t + dt may miss by a bit */
 };
 
-extern const struct medium_type gas_medium, segregation_medium;
+extern const struct medium_type gas_medium, segregation_medium, particle_medium;
 
 #endif

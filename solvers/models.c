@@ -155,7 +155,7 @@ static status read_solution(struct dict *d, struct case_models *m) {
     return dict_check_used(d);
 }
 
-static status read_gravity(struct dict *d, int dim, const int axis[3], struct case_models *m) {
+static status read_gravity(struct dict *d, int dim, const int axis[3], struct forces *m) {
     static const signed char unit[3] = {0, 1, -2}, expected[7] = {0, 1, -2, 0, 0, 0, 0};
     signed char dimensions[7];
     if (dict_has(d, "dimensions")) {
@@ -167,7 +167,7 @@ static status read_gravity(struct dict *d, int dim, const int axis[3], struct ca
         bool solved = false;
         for (int k = 0; k < dim; k++)
             if (axis[k] == x) {
-                m->gas.source.gravity[k] = m->gravity[x];
+                m->source.gravity[k] = m->gravity[x];
                 solved = true;
             }
         if (!solved && m->gravity[x] != 0)
@@ -176,12 +176,12 @@ static status read_gravity(struct dict *d, int dim, const int axis[3], struct ca
     return dict_check_used(d);
 }
 
-static status read_shaking(struct dict *d, struct case_models *m) {
+static status read_shaking(struct dict *d, struct forces *m) {
     int type;
     TRY(dict_choice(d, "type", shaking_names, COUNT(shaking_names), &type));
     if (type == 1) {
         if (!m->g) return dict_fail(d, "type", "shaking modulates gravity; constant/g is missing");
-        TRY(params_read(d, shaking_param, COUNT(shaking_param), &m->gas.source));
+        TRY(params_read(d, shaking_param, COUNT(shaking_param), &m->source));
     } else {
         dict_mark_used(d);
     }
@@ -195,6 +195,18 @@ static status open_in(const char *case_dir, const char *name, bool optional, str
     return dict_read(path, out);
 }
 
+status forces_read(const char *dir, int dim, const int axis[3], struct forces *m) {
+    TRY(open_in(dir, "constant/g", true, &m->g));
+    if (m->g) TRY(read_gravity(m->g, dim, axis, m));
+    TRY(open_in(dir, "constant/shaking", true, &m->shaking));
+    return m->shaking ? read_shaking(m->shaking, m) : OK;
+}
+
+void forces_free(struct forces *f) {
+    dict_free(f->g);
+    dict_free(f->shaking);
+}
+
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
     TRY(open_in(dir, "constant/granularProperties", false, &m->properties));
     TRY(read_properties(m->properties, &m->gas));
@@ -206,10 +218,11 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(read_schemes(m->schemes, m));
     TRY(open_in(dir, "system/fvSolution", false, &m->solution));
     TRY(read_solution(m->solution, m));
-    TRY(open_in(dir, "constant/g", true, &m->g));
-    if (m->g) TRY(read_gravity(m->g, dim, axis, m));
-    TRY(open_in(dir, "constant/shaking", true, &m->shaking));
-    return m->shaking ? read_shaking(m->shaking, m) : OK;
+    TRY(forces_read(dir, dim, axis, &m->forces));
+    const bool cooling = m->gas.source.cooling;
+    m->gas.source = m->forces.source;
+    m->gas.source.cooling = cooling;
+    return OK;
 }
 
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out) {
@@ -230,8 +243,7 @@ void models_free(struct case_models *m) {
     dict_free(m->properties);
     dict_free(m->schemes);
     dict_free(m->solution);
-    dict_free(m->g);
-    dict_free(m->shaking);
+    forces_free(&m->forces);
     free(m);
 }
 
@@ -242,6 +254,11 @@ void models_free(struct case_models *m) {
             fprintf(f, "  %-20s %s%s\n", table[i_].name, table[i_].about,                                              \
                     strcmp(table[i_].name, standard) ? "" : " (default)");                                             \
     } while (0)
+
+void forces_list(FILE *f) {
+    fprintf(f, "\nconstant/shaking, type sinusoidal\n");
+    params_print(f, shaking_param, COUNT(shaking_param));
+}
 
 void models_list(FILE *f) {
     fprintf(f, "constant/granularProperties\n\ngrain { }\n");
@@ -254,8 +271,7 @@ void models_list(FILE *f) {
     fprintf(f, "\ncooling\n  %-20s %s\n  %-20s %s\n", "none", "no energy sink", "Haff",
             "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones");
     fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
-    fprintf(f, "\nconstant/shaking, type sinusoidal\n");
-    params_print(f, shaking_param, COUNT(shaking_param));
+    forces_list(f);
     fprintf(f, "\nsystem/fvSchemes: defaults by measurement, postprocessing/reports/workPrecision.md\n");
     LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count, flux_standard);
     LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard);
@@ -299,6 +315,11 @@ static void print_values(FILE *f, const struct param *table, int n, const void *
     }
 }
 
+void forces_print(FILE *f, const struct forces *m) {
+    fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
+    if (m->source.amplitude != 0) print_values(f, shaking_param, COUNT(shaking_param), &m->source);
+}
+
 void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     fprintf(f, "Models\n    %-22s %s\n", "equationOfState", m->gas.eos->name);
     print_values(f, m->gas.eos->param, m->gas.eos->nparam, &m->gas.material);
@@ -311,6 +332,5 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
     print_values(f, solution_param, COUNT(solution_param), m);
     print_values(f, limits_param, COUNT(limits_param), m);
-    fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
-    if (m->gas.source.amplitude != 0) print_values(f, shaking_param, COUNT(shaking_param), &m->gas.source);
+    forces_print(f, &m->forces);
 }

@@ -1,6 +1,7 @@
 #include "solvers/output.h"
 
 #include "libcore/boundary.h"
+#include "solvers/clouds.h"
 #include "solvers/decompose.h"
 #include "solvers/functions.h"
 #include "solvers/report.h"
@@ -239,11 +240,23 @@ static status purge(struct output *o, const char *name) {
     return OK;
 }
 
+static status write_grains(struct output *o, const char *folder, const char *name) {
+    const struct medium *m = o->setup->medium;
+    struct cloud cloud;
+    if (m->type->save) TRY(m->type->save(m, folder, name, &o->sums));
+    if (!m->type->cloud) return OK;
+    status e = m->type->cloud(m, &cloud);
+    if (!e) e = cloud_write(&cloud, folder, name, &o->setup->control->format, &o->sums);
+    cloud_free(&cloud);
+    return e;
+}
+
 static status finish(struct output *o, const char *folder, const struct instant *at) {
     char path[TIME_PATH + 32], location[TIME_NAME + 16];
     snprintf(path, sizeof path, "%s/uniform/provenance", folder);
     snprintf(location, sizeof location, "%s/uniform", at->name);
     TRY(provenance_write(path, location, o->setup));
+    TRY(write_grains(o, folder, at->name));
     TRY(time_stamp_write(folder, at, &o->sums));
     TRY(decompose_commit(o->parts, at)); /* first: a time of the case is in all its parts */
     TRY(time_commit(o->setup->dir, at->name));

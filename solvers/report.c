@@ -88,8 +88,9 @@ void report_header(FILE *f, const struct setup *s, bool dictionaries) {
             build_compiler(), date, host, comm_size(s->comm), comm_size(s->comm) == 1 ? "" : "s", s->dir);
     print_mesh(f, s);
     s->medium->type->describe(s->medium, f);
-    fprintf(f, "Control\n    from time %s (step %ld) to %g, maxCo %g\n", s->start.name, s->start.step,
-            s->control->end_time, s->control->max_co);
+    fprintf(f, "Control\n    from time %s (step %ld) to %g", s->start.name, s->start.step, s->control->end_time);
+    if (!s->medium->type->event_driven) fprintf(f, ", maxCo %g", s->control->max_co);
+    fprintf(f, "\n");
     if (dict_has(s->control->dict, "libs")) fprintf(f, "    'libs' is ignored: nothing is loaded at run time\n");
     fprintf(f, "    memory about %.3g MB\n", case_memory(s) / 1e6);
     if (dictionaries) print_dictionaries(f, s);
@@ -172,7 +173,7 @@ status progress_print(struct progress *p, const struct setup *s, const struct st
     if (root) {
         printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
         if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
-        printf(")  Courant %.4f\n", e->courant);
+        printf(s->medium->type->event_driven ? ")\n" : ")  Courant %.4f\n", e->courant);
     }
     TRY(s->medium->type->log(s->medium, stdout));
     if (!root) return OK;

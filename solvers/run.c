@@ -74,8 +74,8 @@ static status print_check(const struct setup *s) {
     changes_print(stdout, s);
     print_control(s);
     double dt = s->control->adjust ? fmin(pace.stable, s->control->max_delta_t) : s->control->delta_t;
-    printf("\nfirst time step about %.3g s", dt);
-    if (isfinite(s->control->end_time))
+    if (!s->medium->type->event_driven) printf("\nfirst time step about %.3g s", dt);
+    if (!s->medium->type->event_driven && isfinite(s->control->end_time))
         printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
     printf("\nThe case is sound.\n");
     return OK;
@@ -193,6 +193,7 @@ static status step_once(struct run *r) {
         m->type->place(m, e.place);
         e.at_cell = true;
     }
+    m->end = end;
     TRY(m->type->step(m, c, r->now.t, &dt));
     const struct moment before = r->now;
     r->now = (struct moment){
@@ -205,7 +206,7 @@ static status step_once(struct run *r) {
         e.dt = dt;
         e.courant = dt * pace.rate;
         e.step = r->now.step;
-        e.limit = dt < planned                        ? "a rejected step"
+        e.limit = dt < planned                        ? (pace.early ? pace.early : "a rejected step")
                   : limit == DT_COURANT && pace.limit ? pace.limit
                                                       : dt_limit_name(limit);
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
@@ -244,8 +245,10 @@ static status loop(struct run *r) {
     if (comm_root(s->comm)) {
         double spent = clock_now() - r->progress.start_clock;
         long steps = r->now.step - s->start.step;
-        printf("end at time %.10g: %ld steps in %.2f s, %.4g million cell steps per second\n", r->now.t, steps, spent,
-               1e-6 * (double)steps * s->mesh->ncells / spent);
+        printf("end at time %.10g: %ld steps in %.2f s", r->now.t, steps, spent);
+        if (!s->medium->type->event_driven)
+            printf(", %.4g million cell steps per second", 1e-6 * (double)steps * s->mesh->ncells / spent);
+        printf("\n");
     }
     return s->medium->type->finish ? s->medium->type->finish(s->medium, stdout) : OK;
 }

@@ -194,25 +194,51 @@ static void write_grid(const struct vtk_grid *g, struct out *o) {
 
 static const char title[] = "haff, time "; /* vtk_series_write reads the time behind it with all its digits */
 
+static void write_start(struct out *o, const char *dataset, double t, long step) {
+    sink_printf(o->sink, "# vtk DataFile Version 3.0\n%s%.17g\n%s\nDATASET %s\n", title, t,
+                o->ascii ? "ASCII" : "BINARY", dataset);
+    sink_printf(o->sink, "FIELD FieldData 2\nTimeValue 1 1 double\n");
+    put_doubles(o, 1, 1, &t);
+    sink_printf(o->sink, "Step 1 1 int\n");
+    put_int(o, (int)step, '\n');
+    flush(o);
+    sink_printf(o->sink, "\n");
+}
+
+static void write_fields(struct out *o, long n, int nfields, const struct vtk_field *fields) {
+    for (int i = 0; i < nfields; i++) {
+        sink_printf(o->sink, "%s %d %ld double\n", fields[i].name, fields[i].components, n);
+        put_doubles(o, n * fields[i].components, fields[i].components, fields[i].values);
+    }
+}
+
 status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
                  const struct vtk_field *fields) {
     struct out o = {.ascii = ascii};
     long n = g->mesh->ncells;
     TRY(sink_open(path, false, &o.sink));
-    sink_printf(o.sink, "# vtk DataFile Version 3.0\n%s%.17g\n%s\nDATASET UNSTRUCTURED_GRID\n", title, t,
-                ascii ? "ASCII" : "BINARY");
-    sink_printf(o.sink, "FIELD FieldData 2\nTimeValue 1 1 double\n");
-    put_doubles(&o, 1, 1, &t);
-    sink_printf(o.sink, "Step 1 1 int\n");
-    put_int(&o, (int)step, '\n');
-    flush(&o);
-    sink_printf(o.sink, "\n");
+    write_start(&o, "UNSTRUCTURED_GRID", t, step);
     write_grid(g, &o);
     sink_printf(o.sink, "CELL_DATA %ld\nFIELD attributes %d\n", n, nfields);
-    for (int i = 0; i < nfields; i++) {
-        sink_printf(o.sink, "%s %d %ld double\n", fields[i].name, fields[i].components, n);
-        put_doubles(&o, n * fields[i].components, fields[i].components, fields[i].values);
+    write_fields(&o, n, nfields, fields);
+    return sink_close(o.sink);
+}
+
+status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
+                        const struct vtk_field *fields) {
+    struct out o = {.ascii = ascii};
+    TRY(sink_open(path, false, &o.sink));
+    write_start(&o, "POLYDATA", t, step);
+    sink_printf(o.sink, "POINTS %d double\n", n);
+    put_doubles(&o, 3L * n, 3, x);
+    sink_printf(o.sink, "VERTICES %d %ld\n", n, 2L * n);
+    for (int i = 0; i < n; i++) {
+        put_int(&o, 1, ' ');
+        put_int(&o, i, '\n');
     }
+    flush(&o);
+    sink_printf(o.sink, "\nPOINT_DATA %d\nFIELD attributes %d\n", n, nfields);
+    write_fields(&o, n, nfields, fields);
     return sink_close(o.sink);
 }
 

@@ -18,6 +18,10 @@ struct vtk_field {
 status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
                  const struct vtk_field *fields);
 
+/* POLYDATA: n points x[n][3], each a vertex, with values[n][components]. */
+status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
+                        const struct vtk_field *fields);
+
 /* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk whose time is at most `latest`, ascending: files left by
  * an earlier run that went further stay out. */
 status vtk_series_write(const char *folder, const char *name, double latest);

@@ -1,0 +1,459 @@
+/* Hard disks or spheres as a medium (medium.h) of granularMD. Its state are grains that move by events
+ * (libcore/grains.h); the fields it writes are means over them. */
+#include "solvers/clouds.h"
+#include "solvers/particle_averages.h"
+#include "solvers/particle_box.h"
+#include "solvers/particle_start.h"
+#include "solvers/particle_state.h"
+#include "solvers/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+enum { STEP_EVENTS = 1 << 17 }; /* a tenth of a second or so: how soon a signal is heard */
+
+struct particles {
+    struct medium base;
+    struct particle_models *models;
+    struct particle_start start;
+    struct particle_state saved; /* n = 0: the start has none; let go once the grains hold it */
+    struct grain_box box;
+    struct grain_law law;
+    struct grains *grains;
+    struct averages *averages;
+    struct grain_start placed;                              /* how; its lists are gone */
+    bool changed;                                           /* box or law since the saved state */
+    double energy;                                          /* J: kinetic, potential and lost when counting began */
+    int *place;                                             /* [ncells] index in the lattice, of polyMesh's cells */
+    double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells], and the time they are of */
+    double spent;                                           /* s of the clock, in steps of this run */
+    struct grain_counts first, last;                        /* at the start of this run, at the last log entry */
+    double last_spent;
+};
+static struct particles *of(const struct medium *m) {
+    return (struct particles *)(uintptr_t)m;
+}
+
+enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, QUANTITIES };
+static const struct quantity quantities[] = {
+    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},     [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},  [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
+    [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
+};
+static const enum coarse_field coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P};
+static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
+static const int written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, -1};
+
+static status particles_check_control(const struct medium *m, const struct control *c) {
+    (void)m;
+    if (!c->write_processors) return OK;
+    return dict_fail(c->dict, "writeProcessors", "granularMD runs on one rank and writes no processorN; leave it out");
+}
+
+static status particles_read(struct setup *s) {
+    struct particles *x;
+    TRY(allocate(&x, 1, sizeof *x, "the grains"));
+    x->base = (struct medium){.type = &particle_medium, .setup = s};
+    s->medium = &x->base;
+    if (comm_size(s->comm) > 1)
+        return fail(ERR_INPUT,
+                    "granularMD runs on one rank, not on %d: leave out -np or mpirun; several cases may run "
+                    "side by side",
+                    comm_size(s->comm));
+    TRY(particle_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, &x->models));
+    const struct particle_models *m = x->models;
+    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+    return OK;
+}
+
+static struct grain_law law_of(const struct particle_models *m) {
+    const double *g = m->forces.source.gravity;
+    return (struct grain_law){.diameter = m->grain.diameter,
+                              .mass = m->grain.mass,
+                              .restitution = m->grain.restitution,
+                              .threshold = m->grain.threshold,
+                              .gravity = {g[0], g[1], g[2]}};
+}
+
+static status particles_state(struct setup *s) {
+    struct particles *x = of(s->medium);
+    char path[2 * TIME_PATH];
+    TRY(particle_box_check(s));
+    snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.name);
+    const bool saved = field_exists(path);
+    TRY(particle_start_read(s, x->models, saved, &x->start));
+    TRY(particle_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
+    TRY(particle_start_check(s, &x->start));
+    if (saved) TRY(particle_state_read(path, &x->saved));
+    x->law = law_of(x->models);
+    return setup_grid(s, false, 1);
+}
+
+static struct coarse_grid grid_of(const struct particles *x) {
+    const struct lattice *l = x->base.setup->lattice;
+    struct coarse_grid g = {.dim = l->dim,
+                            .kernel = x->models->kernel,
+                            .width = x->models->width,
+                            .mass = x->law.mass,
+                            .diameter = x->law.diameter};
+    for (int k = 0; k < 3; k++) {
+        g.n[k] = l->n[k];
+        g.low[k] = k < l->dim ? l->origin[k] : 0;
+        g.h[k] = k < l->dim ? l->width[k] : 1;
+        g.periodic[k] = k < l->dim && l->periodic[k];
+    }
+    return g;
+}
+
+static double energy_now(const struct particles *x) {
+    double kinetic, potential, momentum[3];
+    grains_energy(x->grains, &kinetic, &potential, momentum);
+    return kinetic + potential + grains_counted(x->grains)->lost;
+}
+
+static status resume(struct particles *x) {
+    const struct particle_state *s = &x->saved;
+    struct grains *old = NULL;
+    double(*at)[3] = NULL, (*u)[3] = NULL;
+    TRY(grains_resume(&s->box, &s->law, s->n, s->grain, s->event, s->id, &s->counts, s->t, &old));
+    x->changed = !particle_state_same(s, &x->box, &x->law);
+    x->energy = s->energy;
+    if (!x->changed) {
+        x->grains = old;
+        return OK;
+    }
+    status e = allocate(&at, s->n, sizeof *at, "places of grains");
+    if (!e) e = allocate(&u, s->n, sizeof *u, "velocities of grains");
+    if (!e) grains_at(old, s->t, at, u);
+    if (!e) e = grains_make(&x->box, &x->law, s->n, (const double(*)[3])at, (const double(*)[3])u, s->t, &x->grains);
+    grains_free(old);
+    free(at);
+    free(u);
+    TRY(e);
+    x->energy = energy_now(x);
+    return OK;
+}
+
+static status place(struct particles *x) {
+    const struct setup *s = x->base.setup;
+    struct grain_start *p = &x->placed;
+    status e = grain_start_make(s, x->models, &x->box, &x->start, p);
+    if (!e) {
+        e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
+                        &x->grains);
+        if (p->from_cloud) e = status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.name);
+    }
+    free(p->x);
+    free(p->u);
+    p->x = p->u = NULL;
+    TRY(e);
+    x->energy = energy_now(x);
+    return OK;
+}
+
+/* The sums of the saved state, where they are of the same cells, kernel and windows. */
+static status make_averages(struct particles *x) {
+    const struct particle_models *m = x->models;
+    const struct particle_state *s = &x->saved;
+    const struct coarse_grid grid = grid_of(x);
+    double numbers[16];
+    long n;
+    TRY(averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages));
+    struct averages_mark *mark = averages_mark(x->averages);
+    particle_state_grid(&grid, numbers);
+    (void)averages_sums(x->averages, 0, &n);
+    if (!s->n || x->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
+        s->mark.window != mark->window || s->mark.samples != mark->samples)
+        return OK;
+    *mark = s->mark;
+    for (int k = 0; k < 2; k++)
+        memcpy(averages_sums(x->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
+    return OK;
+}
+
+static status make_values(struct particles *x) {
+    const struct setup *s = x->base.setup;
+    const long cells = s->mesh->ncells;
+    TRY(allocate(&x->place, cells, sizeof *x->place, "cells"));
+    for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
+    for (int f = 0; f < QUANTITIES; f++) {
+        x->valued[f] = NAN;
+        for (int k = 0; k < (f == VELOCITY ? s->dim : 1); k++)
+            TRY(allocate(&x->value[f][k], cells, sizeof(double), "fields"));
+    }
+    return OK;
+}
+
+static status particles_start(struct medium *m) {
+    struct particles *x = of(m);
+    TRY(x->saved.n ? resume(x) : place(x));
+    TRY(make_averages(x));
+    TRY(make_values(x));
+    x->placed.n = x->saved.n ? 0 : x->placed.n;
+    particle_state_free(&x->saved);
+    particle_start_drop(&x->start);
+    x->first = x->last = *grains_counted(x->grains);
+    return OK;
+}
+
+static void particles_free(struct medium *m) {
+    struct particles *x = of(m);
+    grains_free(x->grains);
+    averages_free(x->averages);
+    particle_state_free(&x->saved);
+    particle_start_free(&x->start);
+    particle_models_free(x->models);
+    for (int f = 0; f < QUANTITIES; f++)
+        for (int k = 0; k < 3; k++) free(x->value[f][k]);
+    free(x->place);
+    free(x);
+}
+
+static void describe_walls(FILE *f, const struct particles *x) {
+    const struct grain_box *b = &x->box;
+    for (int k = 0; k < b->dim; k++) {
+        const char axis = "xyz"[x->base.setup->axis[k]];
+        if (b->periodic[k])
+            fprintf(f, "    %c %-20s periodic\n", axis, "");
+        else
+            fprintf(f, "    %c %-20s walls, restitution %g and %g\n", axis, "", b->restitution[k][0],
+                    b->restitution[k][1]);
+    }
+}
+
+static void particles_describe(const struct medium *m, FILE *f) {
+    const struct particles *x = of(m);
+    const struct grain_start *p = &x->placed;
+    const double d = x->law.diameter;
+    double volume = 1;
+    for (int k = 0; k < x->box.dim; k++) volume *= x->box.high[k] - x->box.low[k];
+    const int n = grains_number(x->grains);
+    particle_models_print(f, x->models);
+    describe_walls(f, x);
+    fprintf(f, "Grains\n    %d %s, packing fraction %.6g\n", n, x->box.dim == 2 ? "disks" : "spheres",
+            n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / volume);
+    if (!p->n)
+        fprintf(f, "    as time %s has them%s\n", m->setup->start.name,
+                x->changed ? "; box, gravity or grains have changed, so counts and averages begin anew"
+                           : ", to the bit");
+    else if (p->from_cloud)
+        fprintf(f, "    from lagrangian/grains of time %s\n", m->setup->start.name);
+    else if (p->packing.added < 1)
+        fprintf(f, "    put in place at %.3g of their diameter and grown by %lld impacts (%.2g s)\n", p->packing.added,
+                (long long)p->packing.impacts, p->packing.seconds);
+    else
+        fprintf(f, "    put in place at random\n");
+}
+
+static void particles_provenance(const struct medium *m, struct sink *o) {
+    const struct particles *x = of(m);
+    sink_printf(o, "grains          %d;\nkernel          %s;\nwindow          %.17g;\n", grains_number(x->grains),
+                particle_kernel_name(x->models), x->models->window);
+}
+
+static double particles_memory(const struct medium *m) {
+    const struct particles *x = of(m);
+    const int n = grains_number(x->grains);
+    long sums;
+    (void)averages_sums(x->averages, 0, &sums);
+    return grains_bytes(n, x->box.dim) + 48. * n + 16. * (double)sums;
+}
+
+static void particles_plan(struct medium *m, const struct control *c, struct pace *out) {
+    (void)m;
+    (void)c;
+    *out = (struct pace){.stable = HUGE_VAL, .limit = "nothing", .early = "events"};
+}
+
+/* One piece: to `until` or what the averages want before. Says whether it got there. */
+static bool advance_piece(struct particles *x, double until, int64_t *left, double *reached) {
+    const double due = averages_next(x->averages), slack = 1e-12 * fabs(until); /* the same time, made another way */
+    const double target = due < until - slack ? due : until;
+    const int64_t before = grains_counted(x->grains)->events;
+    *reached = grains_advance(x->grains, target, *left, averages_observer(x->averages));
+    *left -= grains_counted(x->grains)->events - before;
+    if (*reached < target) return false;
+    if (due <= target + slack) averages_take(x->averages, x->grains);
+    return target == until;
+}
+
+static status particles_step(struct medium *m, const struct control *c, double t, double *dt) {
+    struct particles *x = of(m);
+    const double clock = clock_now();
+    /* without anything to end at, a step of grains that never meet would last for ever */
+    const double until = isfinite(*dt) ? m->end : t + (x->models->window > 0 ? x->models->window : 1);
+    int64_t left = STEP_EVENTS;
+    double reached = t;
+    bool there = false;
+    (void)c;
+    while (!there && left > 0) there = advance_piece(x, until, &left, &reached);
+    x->spent += clock_now() - clock;
+    if (there && until == m->end) return OK;
+    *dt = reached - t;
+    if (t + *dt > t) return OK;
+    return fail(ERR_STATE,
+                "inelastic collapse at t = %.17g: %d events without time going on; let slow impacts be elastic with "
+                "grain { thresholdSpeed } of constant/granularProperties (now %g), some thousandths of sqrt(T) or of "
+                "sqrt(g d)",
+                t, STEP_EVENTS, x->law.threshold);
+}
+
+static bool closed_balance(const struct particles *x) {
+    return x->models->forces.source.amplitude == 0;
+}
+
+static status particles_log(struct medium *m, FILE *f) {
+    struct particles *x = of(m);
+    const struct grain_counts now = *grains_counted(x->grains), was = x->last;
+    const double spent = x->spent - x->last_spent, n = grains_number(x->grains), mass = x->law.mass * n;
+    double kinetic, potential, p[3] = {0, 0, 0}, drift = 0;
+    grains_energy(x->grains, &kinetic, &potential, p);
+    const double T = (2 * kinetic / mass - (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / (mass * mass)) / x->box.dim;
+    fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", T, (long long)now.pairs,
+            2 * (double)now.pairs / n, (long long)now.walls);
+    if (now.elastic > was.elastic)
+        fprintf(f, "  below thresholdSpeed %.2g %% (in all %lld)",
+                100. * (double)(now.elastic - was.elastic) / (double)(now.pairs + now.walls - was.pairs - was.walls),
+                (long long)now.elastic);
+    if (spent > 0)
+        fprintf(f, "  %.3g collisions/s, %.3g events/s",
+                (double)(now.pairs + now.walls - was.pairs - was.walls) / spent,
+                (double)(now.events - was.events) / spent);
+    fprintf(f, "\n    energy: kinetic %.10g  potential %.10g  lost %.10g", kinetic, potential, now.lost);
+    drift = (kinetic + potential + now.lost - x->energy) / fmax(fabs(x->energy), kinetic + now.lost);
+    if (closed_balance(x)) fprintf(f, "  (balance %+.2e)", drift);
+    for (int k = 0; k < x->box.dim; k++)
+        if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p[k]);
+    fprintf(f, "\n");
+    x->last = now;
+    x->last_spent = x->spent;
+    return OK;
+}
+
+static status particles_finish(struct medium *m, FILE *f) {
+    const struct particles *x = of(m);
+    const struct grain_counts *n = grains_counted(x->grains);
+    const double collisions = (double)(n->pairs + n->walls - x->first.pairs - x->first.walls);
+    if (x->spent > 0)
+        fprintf(f, "%.0f collisions and %lld events in %.2f s: %.3g million collisions per second\n", collisions,
+                (long long)(n->events - x->first.events), x->spent, 1e-6 * collisions / x->spent);
+    return OK;
+}
+
+static double *const *values_now(struct particles *x, int quantity) {
+    const double t = grains_time(x->grains);
+    if (x->valued[quantity] != t) averages_value(x->averages, x->grains, coarse_of[quantity], x->value[quantity]);
+    x->valued[quantity] = t;
+    return x->value[quantity];
+}
+
+static void particles_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    const struct grid_block *b = &m->setup->grid->block[block];
+    double *const *value = values_now(of(m), quantity);
+    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+        for (int i = 0; i < b->ncells; i++) out[k][i] = value[k][of(m)->place[b->cell[i]]];
+}
+
+static status particles_gather(const struct medium *m, int quantity, double *const out[3]) {
+    double *const *value = values_now(of(m), quantity);
+    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value[k][of(m)->place[i]];
+    return OK;
+}
+
+static const struct patch_field *particles_patch(const struct medium *m, int quantity, int patch) {
+    const struct field *f = of(m)->start.field[file_of[quantity]];
+    return f && strcmp(f->patch[patch].type, "calculated") != 0 ? &f->patch[patch] : NULL;
+}
+
+static status particles_cloud(const struct medium *m, struct cloud *out) {
+    const struct particles *x = of(m);
+    const struct setup *s = m->setup;
+    *out = (struct cloud){.n = 0};
+    if (!x->models->write_cloud) return OK;
+    TRY(cloud_make(grains_number(x->grains), out));
+    out->diameter = x->law.diameter;
+    grains_at(x->grains, grains_time(x->grains), out->x, out->u);
+    for (int i = 0; i < out->n; i++) {
+        double at[3], u[3] = {0, 0, 0};
+        out->cell[i] = s->lattice->cell[particle_box_cell(s->lattice, out->x[i])];
+        particle_box_place(s, out->x[i], at);
+        for (int k = 0; k < s->dim; k++) u[s->axis[k]] = out->u[i][k];
+        memcpy(out->x[i], at, sizeof at);
+        memcpy(out->u[i], u, sizeof u);
+    }
+    return OK;
+}
+
+/* The file borrows the lists of the engine. */
+static status particles_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
+    const struct particles *x = of(m);
+    const struct grains *g = x->grains;
+    const struct coarse_grid grid = grid_of(x);
+    char path[2 * TIME_PATH], where[TIME_NAME + 16];
+    struct particle_state s = {.box = x->box,
+                               .law = x->law,
+                               .n = grains_number(g),
+                               .t = grains_time(g),
+                               .energy = x->energy,
+                               .counts = *grains_counted(g),
+                               .grain = (struct grain *)(uintptr_t)grains_all(g),
+                               .event = (struct grain_event *)(uintptr_t)grains_events(g),
+                               .id = (int32_t *)(uintptr_t)grains_ids(g),
+                               .mark = *averages_mark(x->averages)};
+    struct file_sum sum;
+    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(x->averages, k, &s.nsums);
+    particle_state_grid(&grid, s.grid);
+    snprintf(path, sizeof path, "%s/uniform/grains", folder);
+    snprintf(where, sizeof where, "%s/uniform", location);
+    TRY(particle_state_write(&s, path, where, m->setup->control->format.compress, &sum));
+    return checksums_add(sums, "uniform/grains", sum);
+}
+
+static const char help[] =
+    "granularMD -case DIR [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
+    "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
+    "in\n"
+    "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p are written\n"
+    "as means over grains and impacts, the grains themselves as lagrangian/grains. constant/particleProperties, which\n"
+    "may be missing, holds what belongs to grains alone.\n\n"
+    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -listModels  parameters and function objects\n"
+    "  -listBCs     boundary conditions\n"
+    "  -debug       the way an error took through the program\n\n"
+    "It runs on one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+
+const struct medium_type particle_medium = {
+    .application = "granularMD",
+    .help = help,
+    .list_models = particle_models_list,
+    .list_boundaries = particle_boundaries_list,
+    .quantity = quantities,
+    .noffered = QUANTITIES,
+    .written = written,
+    .shown = written,
+    .event_driven = true,
+    .read = particles_read,
+    .state = particles_state,
+    .start = particles_start,
+    .free = particles_free,
+    .check_control = particles_check_control,
+    .describe = particles_describe,
+    .provenance = particles_provenance,
+    .memory = particles_memory,
+    .plan = particles_plan,
+    .step = particles_step,
+    .log = particles_log,
+    .finish = particles_finish,
+    .block = particles_block,
+    .gather = particles_gather,
+    .patch = particles_patch,
+    .cloud = particles_cloud,
+    .save = particles_save,
+};
