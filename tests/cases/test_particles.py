@@ -314,7 +314,7 @@ class BadInput(harness.Folder, unittest.TestCase):
         Row("no temperature", lambda case: os.remove(os.path.join(case, "0/T")), "0/T", "temperature"),
         Row("no density", lambda case: os.remove(os.path.join(case, "0/alpha")), "neither rho nor alpha"),
         Row("no velocity", lambda case: os.remove(os.path.join(case, "0/U")), "0/U", "walls"),
-        Row("one axis", lambda case: make(case, cells=(8, 1, 1), g=(0, 0, 0)), "two solved axes"),
+        Row("one axis", lambda case: make(case, cells=(8, 1, 1), g=(0, 0, 0)), "two solved axes", base="free"),
         Row("overlap", lambda case: cloud(case, [(5, 5, 0.5, 0), (5.5, 5, 0.5, 0)]), "positions", "overlap", base="free"),
         Row("outside", lambda case: cloud(case, [(5, 15.9, 0.5, 0), (5, 5, 0.5, 0)]), "positions", "15.9", base="free"),
         Row("other N", lambda case: cloud(case, [(5, 5, 0.5, 0)]), "holds 1 grains", where="constant/particleProperties", at="N 100;"),
