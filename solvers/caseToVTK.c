@@ -14,11 +14,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MOST = 64 };
 
 struct conversion {
-    const char *dir;
+    const char *dir, *phases; /* phases: the phaseAverage to convert; NULL: the case's times */
+    char root[TIME_PATH];     /* folder of the times */
     char name[256];
     const char *times[MOST], *fields[MOST]; /* asked for; none: all */
     int ntimes, nfields;
@@ -29,10 +31,11 @@ struct conversion {
 };
 
 static const char usage[] =
-    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-ascii]\n\n"
+    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii]\n\n"
     "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
     "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named. Grains of\n"
-    "granularMD go to DIR/VTK/NAME-grains_TIME.vtk.\n";
+    "granularMD go to DIR/VTK/NAME-grains_TIME.vtk. -phases: instead of times the phases of that phaseAverage (of its\n"
+    "latest start), to DIR/VTK/NAME_PHASE.vtk.\n";
 
 static status take_list(char *text, const char **out, int *n) {
     for (char *word = strtok(text, ", "); word; word = strtok(NULL, ", ")) {
@@ -43,7 +46,7 @@ static status take_list(char *text, const char **out, int *n) {
 }
 
 static status read_options(int argc, char **argv, struct conversion *c) {
-    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-ascii", "-help"};
+    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-phases", "-ascii", "-help"};
     const char *value;
     for (int i = 1; i < argc; i++) {
         bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
@@ -51,11 +54,13 @@ static status read_options(int argc, char **argv, struct conversion *c) {
             c->ascii = true;
         else if (!strcmp(argv[i], "-case"))
             TRY(option_value(argc, argv, &i, &c->dir));
+        else if (!strcmp(argv[i], "-phases"))
+            TRY(option_value(argc, argv, &i, &c->phases));
         else if (time || field) {
             TRY(option_value(argc, argv, &i, &value));
             TRY(take_list(argv[i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
         } else if (argv[i][0] == '-' || c->dir)
-            return option_unknown(argv[i], names, 6);
+            return option_unknown(argv[i], names, 7);
         else
             c->dir = argv[i];
     }
@@ -80,11 +85,11 @@ static status check_times(const struct conversion *c, int n, const struct instan
         size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, " %s", list[i].name);
     }
-    if (!n) return fail(ERR_INPUT, "%s: it has no time folders; nothing to convert", c->dir);
+    if (!n) return fail(ERR_INPUT, "%s: it has no time folders; nothing to convert", c->root);
     for (int k = 0; k < c->ntimes; k++) {
         bool found = false;
         for (int i = 0; i < n; i++) found |= same_time(c->times[k], &list[i]);
-        if (!found) return fail(ERR_INPUT, "%s: there is no time '%s'; there are:%s", c->dir, c->times[k], names);
+        if (!found) return fail(ERR_INPUT, "%s: there is no time '%s'; there are:%s", c->root, c->times[k], names);
     }
     return OK;
 }
@@ -93,7 +98,7 @@ static status read_one(const struct conversion *c, const struct instant *at, con
                        int *n) {
     char path[TIME_PATH];
     double *values;
-    snprintf(path, sizeof path, "%s/%s/%s", c->dir, at->name, field);
+    snprintf(path, sizeof path, "%.3900s/%s/%.100s", c->root, at->name, field);
     if (!field_exists(path)) {
         if (!c->nfields) return OK;
         const char *names[FIELD_COUNT];
@@ -112,7 +117,7 @@ static status read_one(const struct conversion *c, const struct instant *at, con
 static status convert_cloud(struct conversion *c, const struct instant *at) {
     char folder[TIME_PATH], vtk[TIME_PATH + 8];
     struct cloud cloud;
-    snprintf(folder, sizeof folder, "%.4000s/%s", c->dir, at->name);
+    snprintf(folder, sizeof folder, "%.4000s/%s", c->root, at->name);
     if (!cloud_exists(folder)) return OK;
     TRY(cloud_read(folder, c->mesh->ncells, &cloud));
     snprintf(vtk, sizeof vtk, "%.4000s/VTK", c->dir);
@@ -141,22 +146,39 @@ static status convert(struct conversion *c, const struct instant *at) {
     return s ? s : convert_cloud(c, at);
 }
 
+/* Folder of the times and name of the files. */
+static status find_root(struct conversion *c) {
+    char full[PATH_MAX];
+    struct instant *starts = NULL;
+    int n = 0;
+    const char *resolved = realpath(c->dir, full), *slash = resolved ? strrchr(full, '/') : NULL;
+    snprintf(c->name, sizeof c->name, "%s", c->phases ? c->phases : slash && slash[1] ? slash + 1 : "case");
+    snprintf(c->root, sizeof c->root, "%s", c->dir);
+    if (!c->phases) return OK;
+    snprintf(c->root, sizeof c->root, "%.3800s/postProcessing/%.200s", c->dir, c->phases);
+    if (access(c->root, F_OK))
+        return fail(ERR_INPUT, "%s: no such folder; -phases wants the name of a phaseAverage that has run", c->root);
+    TRY(times_list(c->root, &n, &starts));
+    if (n) snprintf(c->root + strlen(c->root), sizeof c->root - strlen(c->root), "/%.64s", starts[n - 1].name);
+    free(starts);
+    return OK;
+}
+
 static status convert_all(struct conversion *c) {
-    char path[TIME_PATH], full[PATH_MAX];
+    char path[TIME_PATH];
     struct instant *times = NULL;
     int n = 0;
     double latest = -HUGE_VAL;
     status damage = OK; /* of the first such time: the others are converted */
-    const char *resolved = realpath(c->dir, full), *slash = resolved ? strrchr(full, '/') : NULL;
-    snprintf(c->name, sizeof c->name, "%s", slash && slash[1] ? slash + 1 : "case");
-    TRY(times_list(c->dir, &n, &times));
+    TRY(find_root(c));
+    TRY(times_list(c->root, &n, &times));
     snprintf(path, sizeof path, "%s/constant/polyMesh", c->dir);
     status s = check_times(c, n, times);
     if (!s) s = polymesh_read(path, &c->mesh);
     if (!s) s = vtk_grid_make(c->mesh, &c->grid);
     for (int i = 0; !s && i < n; i++) {
         if (!asked(c, &times[i])) continue;
-        status wrong = time_verify(c->dir, &times[i]);
+        status wrong = time_verify(c->root, &times[i]);
         if (wrong && damage)
             status_free(wrong);
         else if (wrong)

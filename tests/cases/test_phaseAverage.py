@@ -1,10 +1,12 @@
 """phaseAverage: the means are those of the written times, survive stops and restarts to the bit, and refuse what is wrong."""
+import json
 import os
 import unittest
 
+import meshio
 import numpy as np
 
-from tests.cases import harness, runs
+from tests.cases import harness, runs, test_particles
 
 CONTROL = "system/controlDict"
 PERIOD, PHASES, START, END = 0.01, 4, 0.005, 0.04
@@ -76,6 +78,29 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
         """The sums have all digits where the fields have three; a hole."""
         self.restarted("ascii", format="ascii", digits=3, compression="on", hole=True)
 
+    def test_grains(self):
+        """Means of granularMD, whose fields are those of windows that end at the phases."""
+        options = {**test_particles.LAYER, "alpha": 0.08, "particles": "coarseGraining { window 0.5; samples 3; }\n",
+                   "control": AVERAGE % (FIELDS, "period 2; phases 4; start 0.5;")}
+        whole, part = (test_particles.make(self.path(name), end=end, **options) for name, end in (("whole", 5), ("part", 3.2)))
+        for case in (whole, part):
+            test_particles.solve(case)
+        harness.edit(part, CONTROL, endTime=5)
+        test_particles.solve(part)
+        (values, counts), (again, counted) = means(whole), means(part, "3.2")
+        self.assertEqual(list(counts.values()), ["3", "3", "2", "2"])
+        self.assertEqual(counts, counted)
+        result = harness.haff.Case(whole)
+        rho, T = (np.array([result.field(f, t) for t in (0.5, 2.5, 4.5)]) for f in ("rho", "T"))
+        np.testing.assert_allclose(values["0"]["rho"], rho.mean(axis=0), rtol=1e-14)
+        full = rho.sum(axis=0) > 0
+        self.assertTrue(0 < full.sum() < full.size, "some cells stay empty")
+        np.testing.assert_allclose(values["0"]["T"][full], ((rho * T).sum(axis=0)[full] / rho.sum(axis=0)[full]), rtol=1e-13)
+        self.assertTrue((values["0"]["T"][~full] == 0).all())
+        for phase, fields in values.items():
+            for field in fields:
+                self.assertTrue((fields[field] == again[phase][field]).all(), f"{phase} {field}")
+
     def test_other_average(self):
         """Sums of other settings are not mixed in; a moment that such a run starts at counts."""
         case = averaged(self.path("other"), end=0.02, interval=0.01)
@@ -104,6 +129,24 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
             text = f.read()
         for part in ("volVectorField", '"postProcessing/mean/0/0.5"', "[0 1 -1 0 0 0 0]", "xLow", "calculated", "zEmpty", "empty"):
             self.assertIn(part, text)
+
+    def test_vtk(self):
+        """The phases for ParaView: of the latest start, with their means and a series over the period."""
+        case = averaged(self.path("vtk"), end=0.02, interval=0.01)
+        harness.program("granularGas", "-case", case)
+        harness.edit(case, CONTROL, endTime=0.03)
+        harness.program("granularGas", "-case", case)
+        harness.program("caseToVTK", case, "-phases", "mean")
+        with open(os.path.join(case, "VTK", "mean.vtk.series")) as f:
+            series = {e["name"]: e["time"] for e in json.load(f)["files"]}
+        self.assertEqual(series, {f"mean_{p}.vtk": float(p) for p in ("0", "0.25", "0.5", "0.75")})
+        cells = meshio.read(os.path.join(case, "VTK", "mean_0.5.vtk")).cell_data
+        self.assertEqual(set(cells), set(FIELDS.split()))
+        for name, values in means(case, "0.02")[0]["0.5"].items():
+            self.assertTrue((cells[name][0] == values).all(), name)
+        done = harness.program("caseToVTK", case, "-phases", "means", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("postProcessing/means: no such folder; -phases wants", done.stderr)
 
     def test_period_of_the_shaking(self):
         case = averaged(self.path("shaken"), n=(12, 10, 1), end=0.02, interval=0.02, settings="phases 5;")
