@@ -10,7 +10,10 @@ void grains_free(struct grains *g) {
     free(g->event);
     free(g->exit);
     free(g->id);
-    free(g->cells.head);
+    free(g->list);
+    free(g->meeting);
+    free(g->cells.count);
+    free(g->cells.slot);
     free(g->cells.next);
     calendar_free(g->queue);
     free(g);
@@ -87,6 +90,8 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->event, n, sizeof *g->event, "events"));
     TRY(allocate(&g->exit, n, sizeof *g->exit, "events"));
     TRY(allocate(&g->id, n, sizeof *g->id, "grains"));
+    TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
+    TRY(allocate(&g->meeting, n + (long)ROOM, sizeof *g->meeting, "neighbours"));
     TRY(calendar_make(n, &g->queue));
     return grains_cells_make(g);
 }
@@ -129,20 +134,17 @@ static status overlap(const struct grains *g, int a, int b, double distance) {
 }
 
 static status check_overlap(const struct grains *g, int i) {
-    const struct grain_cells *c = &g->cells;
-    struct grain_block b = grains_block(c, g->box.periodic, g->grain[i].cell, STAYS);
+    struct grain_block b = grains_block(&g->cells, g->box.periodic, g->grain[i].cell, STAYS);
     double least = g->law.diameter * (1 - 1e-9);
-    for (int z = 0; z < b.n[2]; z++)
-        for (int y = 0; y < b.n[1]; y++)
-            for (int x = 0; x < b.n[0]; x++)
-                for (int j = c->head[b.start[0][x] + b.start[1][y] + b.start[2][z]]; j >= 0; j = c->next[j]) {
-                    double square = 0;
-                    for (int k = 0; k < 3; k++) {
-                        double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
-                        square += r * r;
-                    }
-                    if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
-                }
+    for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
+        double square = 0;
+        int j = g->list[q];
+        for (int k = 0; k < 3; k++) {
+            double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
+            square += r * r;
+        }
+        if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
+    }
     return OK;
 }
 

@@ -53,7 +53,7 @@ static bool choose(struct grains *g, double diameter) {
 
 static void fill(struct grains *g) {
     struct grain_cells *c = &g->cells;
-    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->head[q] = -1;
+    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->count[q] = 0;
     for (int i = 0; i < g->n; i++) {
         g->grain[i].cell = grains_cell_of(g, g->grain[i].x);
         grains_cell_enter(g, i);
@@ -76,10 +76,10 @@ status grains_cells_make(struct grains *g) {
     }
     choose(g, g->law.diameter);
     long cells = (long)c->n[0] * c->n[1] * c->n[2];
-    TRY(allocate(&c->head, cells, sizeof *c->head, "cells"));
-    TRY(allocate(&c->next, g->n, sizeof *c->next, "cells"));
-    for (long q = 0; q < cells; q++) c->head[q] = -1;
-    return OK;
+    c->slots = g->dim == 2 ? SLOTS_2D : SLOTS_3D;
+    TRY(allocate(&c->count, cells, sizeof *c->count, "cells"));
+    TRY(allocate(&c->slot, cells * c->slots, sizeof *c->slot, "cells"));
+    return allocate(&c->next, g->n, sizeof *c->next, "cells");
 }
 
 int32_t grains_cell_of(const struct grains *g, const double x[3]) {
@@ -94,16 +94,37 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]) {
 
 void grains_cell_enter(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
-    int32_t q = cell_index(c, g->grain[i].cell);
-    c->next[i] = c->head[q];
-    c->head[q] = i;
+    int32_t q = cell_index(c, g->grain[i].cell), *slot = c->slot + (long)q * c->slots, count = c->count[q]++;
+    if (count < c->slots) {
+        slot[count] = i;
+        return;
+    }
+    int last = c->slots - 1;
+    if (count == c->slots) c->next[slot[last]] = -1;
+    c->next[i] = slot[last];
+    slot[last] = i;
 }
 
+/* The first of a chain, or what stands in the last slot in use, takes its place. */
 static void leave(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
-    int32_t *link = &c->head[cell_index(c, g->grain[i].cell)];
+    int32_t q = cell_index(c, g->grain[i].cell), *slot = c->slot + (long)q * c->slots, count = c->count[q]--;
+    int last = (count < c->slots ? count : c->slots) - 1, at = 0;
+    while (at < last && slot[at] != i) at++;
+    if (count <= c->slots) {
+        slot[at] = slot[last];
+        return;
+    }
+    int32_t first = slot[last], *link = &slot[last];
+    slot[last] = c->next[first];
+    if (at < last) {
+        slot[at] = first;
+        return;
+    }
+    if (first == i) return;
     while (*link != i) link = &c->next[*link];
-    *link = c->next[i];
+    *link = first;
+    c->next[first] = c->next[i];
 }
 
 void grains_cell_cross(struct grains *g, int i, int exit) {
@@ -136,4 +157,22 @@ struct grain_block grains_block(const struct grain_cells *c, const bool periodic
         stride *= c->n[k];
     }
     return b;
+}
+
+int grains_occupants(const struct grain_cells *c, const struct grain_block *b, int32_t *list) {
+    int m = 0, slots = c->slots;
+    for (int z = 0; z < b->n[2]; z++)
+        for (int y = 0; y < b->n[1]; y++)
+            for (int x = 0; x < b->n[0]; x++) {
+                int32_t q = b->start[0][x] + b->start[1][y] + b->start[2][z], count = c->count[q];
+                const int32_t *slot = c->slot + (long)q * slots;
+                if (slots == SLOTS_3D)
+                    memcpy(list + m, slot, SLOTS_3D * sizeof *list); /* all of them: no branches */
+                else
+                    memcpy(list + m, slot, SLOTS_2D * sizeof *list);
+                m += count < slots ? count : slots;
+                if (count > slots)
+                    for (int32_t i = c->next[slot[slots - 1]]; i >= 0; i = c->next[i]) list[m++] = i;
+            }
+    return m;
 }

@@ -17,41 +17,74 @@
  * Walls are in the same way part of i's own side. */
 #include "libcore/grains_private.h"
 
-/* Time from now at which |r + v t| = d + growth t, approaching; HUGE_VAL: never. They may touch or overlap by
- * round-off: then it is now if they close. */
-double grains_meet(const double r[3], const double v[3], double d, double growth) {
-    double b = r[0] * v[0] + r[1] * v[1] + r[2] * v[2] - d * growth;
-    double a = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] - growth * growth;
-    if (b >= 0 && a >= 0) return HUGE_VAL;
-    double c = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] - d * d;
-    if (c <= 0) return b < 0 ? 0 : -2 * b / a;
-    double square = b * b - a * c;
-    if (square < 0) return HUGE_VAL;
-    return b < 0 ? c / (sqrt(square) - b) : (-b - sqrt(square)) / a;
-}
+enum { PAD = 8 }; /* candidates are filled up to a whole vector with the grain itself */
 
-static inline void consider(struct grains *g, int i, int j, double now, double d, struct grain_event *best) {
-    const struct grain *p = &g->grain[i], *q = &g->grain[j];
-    double x[3], u[3], r[3], v[3];
-    fly(g, q, now, x, u);
-    for (int k = 0; k < 3; k++) {
-        r[k] = nearest(g, k, x[k] - p->x[k]);
-        v[k] = u[k] - p->u[k];
+/* The grain that predicts, and what tells when others meet it */
+struct mover {
+    double x[3], u[3], gravity[3], period[3], half[3], now, d, growth;
+};
+
+/* Times at which |r + v t| = d + growth t, approaching; HUGE_VAL: never. They may touch or overlap by round-off: then
+ * it is now if they close. Nothing branches, so that all candidates cost the same. */
+ALWAYS_INLINE void meet(const struct mover *mover, const struct grain *restrict grain, int m,
+                        const int32_t *restrict list, double *restrict when, int dim, bool grows) {
+    const struct mover me = *mover;
+    for (int q = 0; q < (m + PAD - 1) / PAD * PAD; q++) {
+        const struct grain *p = &grain[list[q]];
+        double dt = me.now - p->t, rv = 0, vv = 0, rr = 0;
+        for (int k = 0; k < dim; k++) {
+            double fall = me.gravity[k] * dt, v = p->u[k] + fall - me.u[k];
+            double r = p->x[k] + dt * (p->u[k] + 0.5 * fall) - me.x[k];
+            r -= select_double(r > me.half[k], me.period[k], 0);
+            r += select_double(r < -me.half[k], me.period[k], 0);
+            rv += r * v;
+            vv += v * v;
+            rr += r * r;
+        }
+        double a = grows ? vv - me.growth * me.growth : vv, b = grows ? rv - me.d * me.growth : rv;
+        double c = larger(rr - me.d * me.d, 0), square = b * b - a * c, root = sqrt(larger(square, 0));
+        double t = select_double((b < 0) & (square >= 0), me.now + c / (root - b), HUGE_VAL);
+        if (grows) t = select_double((b >= 0) & (a < 0), me.now - (b + root) / a, t);
+        when[q] = t;
     }
-    double t = now + grains_meet(r, v, d, g->law.growth);
-    if (!(t < best->t || (t == best->t && j < best->partner)) || g->event[j].t <= t) return;
-    *best = (struct grain_event){t, j, q->changes};
+}
+KERNEL static void meet_disks(const struct mover *me, const struct grain *grain, int m, const int32_t *list,
+                              double *when) {
+    meet(me, grain, m, list, when, 2, false);
+}
+KERNEL static void meet_spheres(const struct mover *me, const struct grain *grain, int m, const int32_t *list,
+                                double *when) {
+    meet(me, grain, m, list, when, 3, false);
+}
+static void meet_growing(const struct mover *me, const struct grain *grain, int m, const int32_t *list, double *when) {
+    meet(me, grain, m, list, when, 3, true);
 }
 
 static void consider_cells(struct grains *g, int i, double now, int exit, struct grain_event *best) {
-    const struct grain_cells *c = &g->cells;
-    struct grain_block b = grains_block(c, g->box.periodic, g->grain[i].cell, exit);
-    double d = grains_diameter(g, now);
-    for (int z = 0; z < b.n[2]; z++)
-        for (int y = 0; y < b.n[1]; y++)
-            for (int x = 0; x < b.n[0]; x++)
-                for (int j = c->head[b.start[0][x] + b.start[1][y] + b.start[2][z]]; j >= 0; j = c->next[j])
-                    if (j != i) consider(g, i, j, now, d, best);
+    struct grain_block b = grains_block(&g->cells, g->box.periodic, g->grain[i].cell, exit);
+    int m = grains_occupants(&g->cells, &b, g->list);
+    for (int q = 0; q < PAD; q++) g->list[m + q] = i;
+    struct mover me = {.now = now, .d = grains_diameter(g, now), .growth = g->law.growth};
+    for (int k = 0; k < 3; k++) {
+        me.x[k] = g->grain[i].x[k];
+        me.u[k] = g->grain[i].u[k];
+        me.gravity[k] = g->law.gravity[k];
+        me.period[k] = g->period[k];
+        me.half[k] = g->half[k];
+    }
+    if (g->law.growth != 0)
+        meet_growing(&me, g->grain, m, g->list, g->meeting);
+    else if (g->dim == 2)
+        meet_disks(&me, g->grain, m, g->list, g->meeting);
+    else
+        meet_spheres(&me, g->grain, m, g->list, g->meeting);
+    for (int q = 0; q < m; q++) {
+        double t = g->meeting[q];
+        int j = g->list[q];
+        if (t > best->t || t == HUGE_VAL || (t == best->t && j >= best->partner) || j == i || g->event[j].t <= t)
+            continue;
+        *best = (struct grain_event){t, j, g->grain[j].changes};
+    }
 }
 
 /* When and where grain i leaves its cell */

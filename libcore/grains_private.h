@@ -12,13 +12,15 @@ enum {
     STAYS = -1          /* in its cell */
 };
 
-/* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; `head` is indexed by
- * c0 + n0 (c1 + n1 c2). */
+/* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; arrays of cells are indexed by
+ * c0 + n0 (c1 + n1 c2). As many as `slots` occupants stand in a cell's slots. A cell with more (only where it is wider
+ * than 1.15 diameters, disks: 1.41) has all but slots - 1 of them in a chain through `next` that begins in its last. */
+enum { SLOTS_2D = 4, SLOTS_3D = 8, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 1) * SLOTS_3D };
 struct grain_cells {
-    int n[3], bits[3];
+    int n[3], bits[3], slots;
     double low[3], high[3], width[3]; /* what they cover, at rest; a shaken wall's whole reach */
     int reach[3][2];                  /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
-    int32_t *head, *next;             /* [cells], [n]: occupants */
+    int32_t *count, *slot, *next;     /* [cells], [cells][slots], [n] */
 };
 
 struct grains {
@@ -34,6 +36,8 @@ struct grains {
     struct grain_counts counts;
     struct grain_cells cells;
     struct calendar *queue;
+    int32_t *list; /* of occupants, and their impacts' times: scratch of a prediction */
+    double *meeting;
     double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
@@ -96,13 +100,14 @@ struct grain_block {
     int32_t start[3][3]; /* times the stride */
 };
 struct grain_block grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit);
+/* All in the cells of a block; list has room for n + ROOM. Returns how many. */
+int grains_occupants(const struct grain_cells *c, const struct grain_block *b, int32_t *list);
 
 /* grains_predict.c; grain i's clock shows `now` */
 void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */
 void grains_predict_beyond(struct grains *g, int i, double now, int exit); /* after a crossing */
 double grains_schedule(struct grains *g, int i); /* exit[i] and the time of the next, from the grain and its event */
-double grains_meet(const double r[3], const double v[3], double d, double growth);
-void grains_predict_all(struct grains *g);                        /* all clocks show g->time */
+void grains_predict_all(struct grains *g);       /* all clocks show g->time */
 double grains_wrap(const struct grain_box *box, int k, double x); /* into the box */
 /* grains_walls.c: the wall's first contact no later than `limit`, else HUGE_VAL; *again: none up to the time returned
  */
