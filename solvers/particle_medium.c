@@ -5,6 +5,7 @@
 #include "solvers/particle_box.h"
 #include "solvers/particle_start.h"
 #include "solvers/particle_state.h"
+#include "solvers/particle_table.h"
 #include "solvers/report.h"
 
 #include <math.h>
@@ -29,7 +30,8 @@ struct particles {
     int *place;                                             /* [ncells] index in the lattice, of polyMesh's cells */
     double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells], and the time they are of */
     double spent;                                           /* s of the clock, in steps of this run */
-    struct grain_counts first, last;                        /* at the start of this run, at the last log entry */
+    struct particle_table table;                            /* its start: of this run */
+    struct grain_counts last;                               /* at the last log entry */
     double last_spent;
 };
 static struct particles *of(const struct medium *m) {
@@ -197,12 +199,14 @@ static status particles_start(struct medium *m) {
     x->placed.n = x->saved.n ? 0 : x->placed.n;
     particle_state_free(&x->saved);
     particle_start_drop(&x->start);
-    x->first = x->last = *grains_counted(x->grains);
+    x->table.start = particle_totals(x->grains, &x->box, x->law.mass);
+    x->last = x->table.start.counts;
     return OK;
 }
 
 static void particles_free(struct medium *m) {
     struct particles *x = of(m);
+    particle_table_close(&x->table);
     grains_free(x->grains);
     averages_free(x->averages);
     particle_state_free(&x->saved);
@@ -298,50 +302,64 @@ static status particles_step(struct medium *m, const struct control *c, double t
     if (t + *dt > t) return OK;
     return fail(ERR_STATE,
                 "inelastic collapse at t = %.17g: %d events without time going on; let slow impacts be elastic with "
-                "grain { thresholdSpeed } of constant/granularProperties (now %g), some thousandths of sqrt(T) or of "
-                "sqrt(g d)",
+                "grain { thresholdSpeed } of constant/granularProperties (now %g), some hundredths of sqrt(T) or of "
+                "sqrt(g diameter)",
                 t, STEP_EVENTS, x->law.threshold);
 }
 
-static bool closed_balance(const struct particles *x) {
-    return x->models->forces.source.amplitude == 0;
+static status particles_after(struct medium *m, const struct moment *now) {
+    struct particles *x = of(m);
+    const struct particle_totals p = particle_totals(x->grains, &x->box, x->law.mass);
+    (void)now;
+    return particle_table_row(&x->table, m->setup, &x->box, &p);
+}
+
+/* Since the entry before. */
+static void print_rates(FILE *f, const struct particles *x, const struct grain_counts *now) {
+    const struct grain_counts *was = &x->last;
+    const double spent = x->spent - x->last_spent;
+    const double impacts = (double)(now->pairs + now->walls - was->pairs - was->walls);
+    const double slow = (double)(now->elastic - was->elastic) / impacts;
+    if (now->elastic > was->elastic && x->law.threshold > 0)
+        fprintf(f, "  below thresholdSpeed %.2g %% (in all %lld)", 100 * slow, (long long)now->elastic);
+    if (spent > 0)
+        fprintf(f, "  %.3g collisions/s, %.3g events/s", impacts / spent, (double)(now->events - was->events) / spent);
+    fprintf(f, "\n");
+    if (!(x->law.threshold > 0) && slow > 0.01)
+        fprintf(
+            f,
+            "    WARNING: %.2g %% of the impacts are too slow to tell from rest: inelastic collapse. Time hardly goes "
+            "on; give grain { thresholdSpeed }\n    of constant/granularProperties, some hundredths of sqrt(T), or of "
+            "sqrt(g diameter)\n",
+            100 * slow);
 }
 
 static status particles_log(struct medium *m, FILE *f) {
     struct particles *x = of(m);
-    const struct grain_counts now = *grains_counted(x->grains), was = x->last;
-    const double spent = x->spent - x->last_spent, n = grains_number(x->grains), mass = x->law.mass * n;
-    double kinetic, potential, p[3] = {0, 0, 0}, drift = 0;
-    grains_energy(x->grains, &kinetic, &potential, p);
-    const double T = (2 * kinetic / mass - (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / (mass * mass)) / x->box.dim;
-    fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", T, (long long)now.pairs,
-            2 * (double)now.pairs / n, (long long)now.walls);
-    if (now.elastic > was.elastic)
-        fprintf(f, "  below thresholdSpeed %.2g %% (in all %lld)",
-                100. * (double)(now.elastic - was.elastic) / (double)(now.pairs + now.walls - was.pairs - was.walls),
-                (long long)now.elastic);
-    if (spent > 0)
-        fprintf(f, "  %.3g collisions/s, %.3g events/s",
-                (double)(now.pairs + now.walls - was.pairs - was.walls) / spent,
-                (double)(now.events - was.events) / spent);
-    fprintf(f, "\n    energy: kinetic %.10g  potential %.10g  lost %.10g", kinetic, potential, now.lost);
-    drift = (kinetic + potential + now.lost - x->energy) / fmax(fabs(x->energy), kinetic + now.lost);
-    if (closed_balance(x)) fprintf(f, "  (balance %+.2e)", drift);
+    const struct particle_totals p = particle_totals(x->grains, &x->box, x->law.mass);
+    const struct grain_counts *n = &p.counts;
+    const double all = p.kinetic + p.potential + n->lost;
+    fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
+            2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
+    print_rates(f, x, n);
+    fprintf(f, "    energy: kinetic %.10g  potential %.10g  lost %.10g", p.kinetic, p.potential, n->lost);
+    if (x->models->forces.source.amplitude == 0) /* else the shaken walls do work */
+        fprintf(f, " (balance %+.2e)", (all - x->energy) / fmax(fabs(x->energy), p.kinetic + n->lost));
     for (int k = 0; k < x->box.dim; k++)
-        if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p[k]);
+        if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p.momentum[k]);
     fprintf(f, "\n");
-    x->last = now;
+    x->last = *n;
     x->last_spent = x->spent;
     return OK;
 }
 
 static status particles_finish(struct medium *m, FILE *f) {
     const struct particles *x = of(m);
-    const struct grain_counts *n = grains_counted(x->grains);
-    const double collisions = (double)(n->pairs + n->walls - x->first.pairs - x->first.walls);
+    const struct grain_counts *n = grains_counted(x->grains), *was = &x->table.start.counts;
+    const double collisions = (double)(n->pairs + n->walls - was->pairs - was->walls);
     if (x->spent > 0)
         fprintf(f, "%.0f collisions and %lld events in %.2f s: %.3g million collisions per second\n", collisions,
-                (long long)(n->events - x->first.events), x->spent, 1e-6 * collisions / x->spent);
+                (long long)(n->events - was->events), x->spent, 1e-6 * collisions / x->spent);
     return OK;
 }
 
@@ -449,6 +467,7 @@ const struct medium_type particle_medium = {
     .memory = particles_memory,
     .plan = particles_plan,
     .step = particles_step,
+    .after = particles_after,
     .log = particles_log,
     .finish = particles_finish,
     .block = particles_block,

@@ -83,6 +83,16 @@ def cloud(case, positions, U=None):
     return case
 
 
+def by_steps(case, steps):
+    """The run ends at the first write, after so many steps; there is no endTime."""
+    harness.edit(case, "system/controlDict", writeControl="timeStep", writeInterval=steps)
+    path = os.path.join(case, "system", "controlDict")
+    with open(path) as f:
+        text = re.sub(r"endTime .*\n", "stopAt nextWrite;\n", f.read())
+    with open(path, "w") as f:
+        f.write(text)
+
+
 def solve(case, **options):
     return harness.program("granularMD", "-case", case, **options).stdout
 
@@ -193,6 +203,27 @@ class Particles(harness.Folder, unittest.TestCase):
         np.testing.assert_allclose(two["x"][:, 1] - one["x"][:, 1], fallen(1) - fallen(0.5), atol=1e-12)
         np.testing.assert_allclose(two["U"][:, 1], -(1 + A / w * (np.sin(w + phase) - np.sin(phase))), atol=1e-12)
 
+    def test_momentum(self):
+        """Of a shaken layer: what gravity in the frame of the box gives, less what the walls take, is what the grains have."""
+        A, f, phase = 2, 0.3, 0.9
+        case = self.case("layer", **{**LAYER, "shaking": f"type sinusoidal;\namplitude {A};\nfrequency {f};\nphase {phase};\n"},
+                         end=3, control="maxDeltaT 0.1;\n")
+        solve(case)
+        rows, n = harness.haff.Case(case).table("grains", "grains.dat"), len(grains.read(harness.haff.Case(case), "3")["x"])
+        t, momentum, low, high = rows[:, 0], rows[:, 10], rows[:, 11], rows[:, 12]
+        w = 2 * np.pi * f
+        given = -n * (t + A / w * (np.sin(w * t + phase) - np.sin(phase)))
+        self.assertEqual(len(t), 31)
+        self.assertGreater(low[-1], 0.5 * n)
+        np.testing.assert_allclose(momentum, given + low - high, atol=1e-11 * n)
+        np.testing.assert_allclose(momentum[-1], np.sum(grains.read(harness.haff.Case(case), "3")["U"][:, 1]), atol=1e-11 * n)
+
+    def test_collapse(self):
+        """Without a threshold a layer at rest collapses, and the log says what to do."""
+        case = self.case("collapse", e=0.6, g=(0, -1, 0), types={"x": "cyclic", "y": "wall"}, T=0, size=(8.0, 40.0, 1.0), alpha=0.2)
+        by_steps(case, 12)
+        self.assertRegex(solve(case), r"WARNING: .* inelastic collapse[^\n]*thresholdSpeed")
+
     def test_own_cloud(self):
         """Grains that the user puts into 0/lagrangian/grains: two that meet head on, one that hits a wall."""
         case = self.case("own", types={"x": "wall", "y": "wall"}, e=0.5, end=4, interval=2,
@@ -277,13 +308,8 @@ class Particles(harness.Folder, unittest.TestCase):
 
     def test_step_without_end(self):
         """stopAt nextWrite without endTime, steps counted; few grains that never meet."""
-        case = self.case("rest", T=0, alpha=0.02, control="stopAt nextWrite;\n")
-        harness.edit(case, "system/controlDict", writeControl="timeStep", writeInterval=5)
-        path = os.path.join(case, "system", "controlDict")
-        with open(path) as f:
-            text = re.sub(r"endTime .*\n", "", f.read())
-        with open(path, "w") as f:
-            f.write(text)
+        case = self.case("rest", T=0, alpha=0.02)
+        by_steps(case, 5)
         self.assertIn("stopped as asked at time 5", solve(case))
 
 
