@@ -21,21 +21,21 @@ class Flow(mixtures.Mixture, unittest.TestCase):
     def wedge(self, N):
         return self.short("wedge", N, writeInterval=0.0425).path
 
-    def over_wedge(self, gas, N, f, D, more=""):
-        """A mixture on the wedge's mesh with N cells a side, carried by the last time of the gas."""
-        case = harness.copy("wedge", self.folder)
+    def over_wedge(self, gas, N, f=None, D=None, more="weight rho;"):
+        """The mixture of cases/segregationWedge with N cells a side, carried by the gas; f: instead of its stress."""
+        case = os.path.join(harness.copy("segregationWedge", self.folder), "mixture")
+        shutil.copy(gas + "/mesh.geo", case)
         harness.mesh(case, N)
-        shutil.rmtree(case + "/0")
-        shutil.rmtree(case + "/system")
-        shutil.copytree(os.path.join(harness.SOURCE, "cases", "segregationChute", "system"), case + "/system")
         harness.edit(case, "system/controlDict", endTime=0.05, deltaT=1e-3, writeInterval=0.05)
-        harness.write_dictionary(
-            case, "constant", "segregationProperties",
-            f"percolation {{ type constant; velocity {f}; }} diffusivity {{ type constant; value {D}; }}\n"
-            f'velocity {{ case "{os.path.relpath(gas, case)}"; {more} }}\n')
-        inlets = "\n".join(f"{name} fixedValue; value uniform 0.5" for name in ("inlet", "outlet"))
-        cells = len(harness.haff.Case(case).centres)
-        harness.boxes.write_field(case, "phi", np.full(cells, 0.5), inlets + '\nwall noFlux\n".*" empty')
+        with open(case + "/constant/segregationProperties") as file:
+            text = file.read()
+        with open(case + "/constant/segregationProperties", "w") as file:
+            file.write(text.replace('"../gas"', f'"{os.path.relpath(gas, case)}"'))
+        if f is not None:
+            harness.write_dictionary(
+                case, "constant", "segregationProperties",
+                f"percolation {{ type constant; velocity {f}; }} diffusivity {{ type constant; value {D}; }}\n"
+                f'velocity {{ case "{os.path.relpath(gas, case)}"; {more} }}\n')
         return case
 
     def test_wedge(self):
@@ -50,11 +50,27 @@ class Flow(mixtures.Mixture, unittest.TestCase):
             if N == 20 and "rho" in more:
                 mass = np.sum(rho * 0.5 * harness.haff.Case(still).volumes)
                 self.assertIn(f"small grains {mass:.10g}", log)
-        sorting = self.over_wedge(gas, 20, -5, 0, "weight rho;")
+        sorting = self.over_wedge(gas, 20, -5, 0)
         self.run_case(sorting)
         phi = self.phi(sorting)
         self.assertTrue((phi >= 0).all() and (phi <= 1).all())
         self.assertGreater(np.ptp(phi), 0.05)
+
+    def test_wedge_of_stress(self):
+        """The shipped case, coarse: small grains leave the shock, where the kinetic stress rises, for the wall."""
+        gas = self.wedge(40)
+        case = self.over_wedge(gas, 40)
+        self.run_case(case)
+        at, phi = harness.haff.Case(case).centres, self.phi(case)
+        stress = harness.haff.Case(gas).field("rho") * harness.haff.Case(gas).field("T")
+        column = np.flatnonzero(np.abs(at[:, 0] - 8.125) < 1e-6)
+        column = column[np.argsort(at[column, 1])]
+        phi, stress = phi[column], stress[column]
+        steepest = np.argmax(stress[:-1] - stress[1:])
+        self.assertLessEqual(abs(np.argmin(phi) - steepest), 1)
+        self.assertLess(phi.min(), 0.4)
+        self.assertGreater(phi[0], 0.55)
+        np.testing.assert_allclose(phi[-8:], 0.5, atol=1e-3)
 
     def test_closed_box(self):
         """A compressible flow between walls: sum rho phi V stays, and a uniform mixture without percolation."""
@@ -104,8 +120,8 @@ class Flow(mixtures.Mixture, unittest.TestCase):
                 ("constant/segregationProperties", f"{name}/wedge", f"{name}/wdge", "wdge"),
                 ("constant/segregationProperties", f'"{os.path.relpath(gas, case)}"', f'"{far}"', "does not cover this one"),
                 ("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearRate - 1e6"', "must be 0 or more"),
-                ("0/phi", "wall { type noFlux; }", "wall { type zeroGradient; }", "phi must be noFlux"),
-                ("0/phi", "inlet { type fixedValue; value uniform 0.5; }", "inlet { type zeroGradient; }", "phi must be fixedValue"))
+                ("0/phi", "wall   { type noFlux; }", "wall   { type zeroGradient; }", "phi must be noFlux"),
+                ("0/phi", "inlet  { type fixedValue; value uniform 0.5; }", "inlet  { type zeroGradient; }", "phi must be fixedValue"))
         self.refused(case, rows, ("checkCase", case))
         still = self.box((4, 4, 1), (1, 1, 0.1), np.full(16, 0.5), laws(-1, 0.1), "", 1, 0.1)
         rows = (("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearRate"', "shearRate needs a flow"),
