@@ -10,7 +10,7 @@ import figures  # noqa: E402
 import haff  # noqa: E402
 
 folder = figures.folder()
-gas, mixture = (haff.Case(os.path.join(folder, name)) for name in ("gas", "mixture"))
+gas, mixture = haff.Case(os.path.join(folder, "gas")), haff.Case(folder)
 x, y = np.round(mixture.centres[:, :2], 9).T
 h = np.unique(x)[1] - np.unique(x)[0]
 stress = gas.field("rho", 0.0425) * gas.field("T", 0.0425) / 1910  # cm^2/s^2, per density of the grains

@@ -23,14 +23,13 @@ class Flow(mixtures.Mixture, unittest.TestCase):
 
     def over_wedge(self, gas, N, f=None, D=None, more="weight rho;"):
         """The mixture of cases/segregationWedge with N cells a side, carried by the gas; f: instead of its stress."""
-        case = os.path.join(harness.copy("segregationWedge", self.folder), "mixture")
-        shutil.copy(gas + "/mesh.geo", case)
+        case = harness.copy("segregationWedge", self.folder)
         harness.mesh(case, N)
         harness.edit(case, "system/controlDict", endTime=0.05, deltaT=1e-3, writeInterval=0.05)
         with open(case + "/constant/segregationProperties") as file:
             text = file.read()
         with open(case + "/constant/segregationProperties", "w") as file:
-            file.write(text.replace('"../gas"', f'"{os.path.relpath(gas, case)}"'))
+            file.write(text.replace('"gas"', f'"{os.path.relpath(gas, case)}"'))
         if f is not None:
             harness.write_dictionary(
                 case, "constant", "segregationProperties",
