@@ -1,7 +1,9 @@
 /* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D, and for every
- * polynomial on triangles and tetrahedra; last of flows that need the limiter. CTest compares what the program prints
- * when it is built with clones for the machine's vectors, and without them at -O0. */
+ * polynomial on triangles and tetrahedra; of flows that need the limiter; last of grains and their fields. CTest
+ * compares what the program prints when it is built with clones for the machine's vectors, and without them at -O0. */
+#include "libcore/coarse.h"
 #include "libcore/gas.h"
+#include "libcore/packing.h"
 #include "tests/box.h"
 
 #include <stdio.h>
@@ -26,13 +28,18 @@ static void lumps(int i, const int n[3], double *rho, double *T, double u[3]) {
     for (int k = 0; k < 3; k++) u[k] = k == 0 ? (x < 0.5 ? 5 : -5) : 3 * x * y;
 }
 
+static uint64_t sum_of(long n, const double *v) {
+    uint64_t sum = 1469598103934665603u; /* FNV-1a */
+    for (long i = 0; i < n; i++) sum = (sum ^ bits_of(v[i])) * 1099511628211u;
+    return sum;
+}
+
 static status checksum(const struct gas *g, int cells, uint64_t *sum) {
     double *all, *U[MAX_VAR];
     TRY(allocate(&all, (long)MAX_VAR * cells, sizeof *all, "the state"));
     for (int v = 0; v < MAX_VAR; v++) U[v] = all + (long)v * cells;
     status s = gas_get_conserved(g, U);
-    *sum = 1469598103934665603u; /* FNV-1a */
-    for (long i = 0; i < (long)gas_variables(g) * cells; i++) *sum = (*sum ^ bits_of(all[i])) * 1099511628211u;
+    *sum = sum_of((long)gas_variables(g) * cells, all);
     free(all);
     return s;
 }
@@ -119,6 +126,48 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
     return OK;
 }
 
+/* Grown from small ones, on a shaken floor, with impacts and places summed on cells. */
+static status print_grains(const struct comm *c, int dim, enum coarse_kernel kernel) {
+    enum { GRAINS = 400 };
+    static double x[GRAINS][3], u[GRAINS][3];
+    const double side = dim == 2 ? 26 : 8;
+    struct grain_box box = {
+        .dim = dim, .high = {side, side, side}, .periodic = {true, false, true}, .omega = 3, .phase = 1};
+    const struct grain_law law = {
+        .diameter = 1, .mass = 1, .restitution = 0.9, .threshold = 0.01, .gravity = {0, -1, 0}};
+    const struct coarse_grid cells = {.dim = dim,
+                                      .n = {9, 9, dim == 2 ? 1 : 9},
+                                      .h = {side / 9, side / 9, side / 9},
+                                      .periodic = {true, false, true},
+                                      .kernel = kernel,
+                                      .width = 1.3,
+                                      .mass = 1,
+                                      .diameter = 1};
+    const double T = 1;
+    const struct packing_field start = {.n = {1, 1, 1}, .T = &T};
+    struct packing_report report;
+    struct grains *g;
+    struct coarse *sums;
+    TRY(packing_places(&box, law.diameter, &start, GRAINS, 7, x, &report));
+    packing_velocities(&box, &start, GRAINS, 7, (const double(*)[3])x, u);
+    box.restitution[1][0] = box.restitution[1][1] = 0.8;
+    box.shake[1] = 0.3;
+    TRY(grains_make(&box, &law, GRAINS, (const double(*)[3])x, (const double(*)[3])u, 0, &g));
+    TRY(coarse_make(&cells, &sums));
+    for (int i = 1; i <= 20; i++) {
+        while (grains_time(g) < 0.25 * i) grains_advance(g, 0.25 * i, 1000, coarse_observer(sums));
+        grains_at(g, 0.25 * i, x, u);
+        coarse_sample(sums, GRAINS, (const double(*)[3])x, (const double(*)[3])u);
+    }
+    if (comm_root(c))
+        printf("grains %d %d %ld impacts %016llx %016llx\n", dim, (int)kernel, (long)grains_counted(g)->pairs,
+               (unsigned long long)sum_of(3L * GRAINS, x[0]),
+               (unsigned long long)sum_of(coarse_size(sums), coarse_sums(sums)));
+    coarse_free(sums);
+    grains_free(g);
+    return OK;
+}
+
 int main(int argc, char **argv) {
     struct comm *c;
     status s = comm_start(&argc, &argv, &c);
@@ -134,6 +183,8 @@ int main(int argc, char **argv) {
     harsh = true;
     for (int dim = 1; dim <= 3 && !s; dim++) s = print_scheme(c, dim, flux_find("common"), reconstruct_find("WENO5"));
     for (int i = 0; i < 2 && !s; i++) s = print_polynomial(c, &meshes[i], polynomial_find("CWENO3"));
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = COARSE_CELL; k <= COARSE_GAUSSIAN && !s; k++) s = print_grains(c, dim, (enum coarse_kernel)k);
     int code = status_print(s, true);
     status_free(s);
     comm_finish(c);
