@@ -1,18 +1,21 @@
 """Patterns on a shaken layer, measured from the fields on the mesh: of granularGas and granularMD alike.
 
-    faraday.py CASE [-from CYCLE] [-to CYCLE] [-figure FILE.png]
+    faraday.py CASE [-from CYCLE] [-to CYCLE] [-of mass|lift|height] [-figure FILE.png]
 
 prints, for the cycles wanted, the wavelength of the pattern with the box's quantum, whether one stands at all, its period,
 its growth per cycle. Needs constant/g and constant/shaking, a mesh that is a box of equal cells and periodic across, and
 times written at the same phases of every cycle.
 
-The height of a column of cells is that of its centre of mass. A wave a cos(2 pi k x/L + b) has the complex amplitude
-c = a exp(ib) in mode k and the power |c|^2/2. Powers are averaged over cycles and phases before anything is read from
-them: the wavelength of each moment's strongest mode (`strongest`, kept to show it) is noise at the phases where the layer
-is flat, and so is its mean.
+What is taken of a column of cells: `mass` over the mean (the default, and what the paper of Carrillo et al. took: where the
+grains are), `height` of the centre of mass, or `lift`, that height above the mean times the mass: where a column is nearly
+empty its height is noise. A wave a cos(2 pi k x/L + b) has the complex amplitude c = a exp(ib) in mode k and the power
+|c|^2/2. Of a mode the alternating part counts, (c(n) - c(n+1))/2 of cycles that follow each other: the whole of a pattern of
+twice the period of the shaking, nothing of what changes slowly (grains slosh through a long box), half the noise. Its
+powers are averaged over cycles and phases before anything is read from them: the wavelength of each moment's strongest
+mode (`strongest`, kept to show it) is noise at the phases where the layer is flat, and so is its mean.
 
-A pattern stands where the highest power is at least CONTRAST times the floor, the median of all modes, and where its
-amplitude turns over from one period of the shaking to the next (`flip` below FLIP: -1 for the period 2T, 0 for noise).
+A pattern stands where the highest power is at least CONTRAST times the floor, the median of all modes, and where the whole
+amplitude turns over from one period to the next (`flip` below FLIP: -1 for the period 2T, 0 for noise).
 """
 import argparse
 import os
@@ -64,6 +67,16 @@ class Layer:
         """[x][up][across] or [x][up][across][3]."""
         values = self.case.field(name, time)[self.order]
         return values.reshape(*self.shape, *values.shape[1:])
+
+    def mass(self, time):
+        """Of every column [x], over their mean."""
+        mass = self.field("alpha", time).sum(axis=(1, 2))
+        return mass / mass.mean()
+
+    def lift(self, time):
+        """Mass times the height of its centre above that of the layer [x]."""
+        mass = self.field("alpha", time).sum(axis=2)
+        return (mass @ self.y - (mass @ self.y).sum() / mass.sum() * mass.sum(axis=1)) / mass.sum(axis=1).mean()
 
     def height(self, time):
         """Of the centre of mass of every column [x]; that of the layer where a column is empty."""
@@ -135,14 +148,19 @@ def spectrum(c):
 
 def flip(c, cycles):
     """Correlation of amplitudes [moment][mode] with those a period later: -1 where the wave turns over at every period,
-    1 where it stays, 0 for noise. nan without two cycles that follow each other."""
-    c, cycles = np.asarray(c), np.asarray(cycles)
+    1 where it stays, 0 for noise."""
     at = np.flatnonzero(np.diff(cycles) == 1)
-    if not len(at):
-        return np.full(c.shape[1:], np.nan)
     here, later = c[at], c[at + 1]
     scale = ((np.abs(here) ** 2 + np.abs(later) ** 2) / 2).sum(axis=0)
     return (later * here.conj()).real.sum(axis=0) / np.where(scale > 0, scale, 1)
+
+
+def alternating(c, cycles):
+    """Half the differences [moment][mode] of amplitudes of cycles that follow each other."""
+    at = np.flatnonzero(np.diff(cycles) == 1)
+    if not len(at):
+        raise ValueError("no two cycles of the same phase follow each other")
+    return (c[at] - c[at + 1]) / 2
 
 
 def jumps(c, cycles):
@@ -154,7 +172,7 @@ def jumps(c, cycles):
 def measure(samples, length):
     """What stands in samples [(cycles, amplitudes [cycle][mode])], one for each phase: a dictionary of
 
-    power, floor     mean over all phases [mode], median of it
+    power, floor     of the alternating part, mean over all phases [mode]; median of it
     mode, wavelength of the highest power; `longer`, `shorter`: the next that fit the box, the uncertainty
     centroid, spread wavelength of the mean wave number of what exceeds the floor (by three errors) from half to one
                      and a half times that of the peak (harmonics are not the pattern's), and its deviation
@@ -162,7 +180,7 @@ def measure(samples, length):
     phase            index of that phase in samples
     stands           whether a pattern stands
     """
-    powers = np.array([spectrum(c) for _, c in samples])
+    powers = np.array([spectrum(alternating(c, cycles)) for cycles, c in samples])
     power = powers.mean(axis=0)
     floor = np.median(power[1:])
     k = int(np.argmax(power))
@@ -211,9 +229,10 @@ def fastest(wavelengths, factors):
     return -2 * a / b if a < 0 else np.nan
 
 
-def samples(layer, first=0.0, last=np.inf):
+def samples(layer, first=0.0, last=np.inf, of="mass"):
     """{phase: (cycles, amplitudes)} of what a case has written."""
-    return {phase: (np.array(cycles), modes(np.array([layer.height(t) for t in times])))
+    take = getattr(layer, of)
+    return {phase: (np.array(cycles), modes(np.array([take(t) for t in times])))
             for phase, (cycles, times) in layer.phases(first, last).items()}
 
 
@@ -221,31 +240,37 @@ def describe(result):
     """One line."""
     kind = "pattern" if result["stands"] else "no pattern"
     return (f"{kind}: wavelength {result['wavelength']:.4g} ({result['shorter']:.4g} .. {result['longer']:.4g}), centroid "
-            f"{result['centroid']:.4g} +- {result['spread']:.2g}, {result['contrast']:.3g} times the floor, flip {result['flip']:.2f}")
+            f"{result['centroid']:.4g} +- {result['spread']:.2g}, {result['contrast']:.3g} times the floor, "
+            f"flip {result['flip']:.2f}")
 
 
-def draw(layer, found, result, path, unit=r"\sigma"):
-    """Heights at the phase of the highest power over place and cycle, and the spectrum."""
+def draw(layer, found, result, path, of="mass"):
+    """What was measured at the phase of the highest power over place and cycle, and the spectrum."""
     import figures
-    phase = list(found)[result["phase"]]
-    cycles, names = layer.phases()[phase]
-    heights = np.array([layer.height(name) for name in names])
     figure, axes = figures.panels(1, 2)
-    left, right = axes[0]
-    shown = left.pcolormesh(layer.x, cycles, heights - heights.mean(axis=1, keepdims=True), cmap="RdBu_r", rasterized=True)
-    figure.colorbar(shown, ax=left, label=f"height above the mean (${unit}$)")
-    figures.label(left, f"$x$ (${unit}$)", "cycle", f"phase {phase:.2f} T")
-    spectra(right, [("", layer.length, result)], unit)
+    cycles_over_place(figure, axes[0][0], layer, list(found)[result["phase"]], of)
+    spectra(axes[0][1], [("", layer.length, result)])
     figures.save(figure, path)
+
+
+def cycles_over_place(figure, axes, layer, phase, of="mass", unit=r"\sigma"):
+    import figures
+    cycles, names = layer.phases()[phase]
+    values = np.array([getattr(layer, of)(name) for name in names])
+    low, high = np.percentile(values, (1, 99))
+    shown = axes.pcolormesh(layer.x, cycles, values, cmap="magma_r", vmin=low, vmax=high, rasterized=True)
+    figure.colorbar(shown, ax=axes, label="mass over its mean" if of == "mass" else f"{of} (${unit}$)")
+    figures.label(axes, f"$x$ (${unit}$)", "cycle", f"at {phase:.2f} $T$ of every cycle")
 
 
 def spectra(axes, entries, unit=r"\sigma"):
     """Spectra [(label, length, result)] over the wavelength, floors dotted."""
     import figures
     for label, length, result in entries:
-        line, = axes.loglog(length / np.arange(1, len(result["power"])), result["power"][1:], marker=".", markersize=3, label=label)
+        waves = length / np.arange(1, len(result["power"]))
+        line, = axes.loglog(waves, result["power"][1:], marker=".", markersize=3, label=label)
         axes.axhline(result["floor"], color=line.get_color(), linewidth=0.7, linestyle=":")
-    figures.label(axes, rf"wavelength (${unit}$)", rf"power (${unit}^2$)")
+    figures.label(axes, rf"wavelength (${unit}$)", "power")
     if any(label for label, _, _ in entries):
         axes.legend()
 
@@ -255,10 +280,11 @@ def main():
     parser.add_argument("case")
     parser.add_argument("-from", dest="first", type=float, default=0.0, metavar="CYCLE")
     parser.add_argument("-to", dest="last", type=float, default=np.inf, metavar="CYCLE")
+    parser.add_argument("-of", choices=("mass", "lift", "height"), default="mass")
     parser.add_argument("-figure")
     wanted = parser.parse_args()
     layer = Layer(wanted.case)
-    found = samples(layer, wanted.first, wanted.last)
+    found = samples(layer, wanted.first, wanted.last, wanted.of)
     if not found:
         parser.exit(1, f"{wanted.case}: no phase of the shaking was written in three cycles or more\n")
     result = measure(list(found.values()), layer.length)
@@ -266,12 +292,13 @@ def main():
     phase = list(found)[result["phase"]]
     cycles, c = found[phase]
     factor, first, last = growth(cycles, np.abs(c[:, result["mode"]]), np.sqrt(2 * result["floor"]))
-    print(f"phase {phase:.3f} of the period, cycles {cycles[0]} to {cycles[-1]}: amplitude {np.abs(c[-1, result['mode']]):.4g}, "
-          f"mean height {c[:, 0].real.mean():.4g}")
+    height = np.mean([layer.height(name).mean() for name in layer.phases(wanted.first, wanted.last)[phase][1]])
+    print(f"phase {phase:.3f} of the period, cycles {cycles[0]} to {cycles[-1]}: amplitude of {wanted.of} "
+          f"{np.abs(c[:, result['mode']]).mean():.4g}, mean height of the columns {height:.4g}")
     if np.isfinite(factor):
         print(f"growth {factor:.4g} per cycle (cycles {first} to {last})")
     if wanted.figure:
-        draw(layer, found, result, wanted.figure)
+        draw(layer, found, result, wanted.figure, wanted.of)
 
 
 if __name__ == "__main__":
