@@ -61,6 +61,23 @@ def luding(phi, d=2):
     return carnahan_starling(phi, 2) - phi**3 / (128 * (1 - phi) ** 4)
 
 
+# Powers of phi/(1 - phi) in p/(n T), fits to simulations of elastic fluids, good to 0.03 %.
+# Disks below 0.69: Kolafa & Rottner, Mol. Phys. 104 (2006) 3435. Spheres below 0.53: Kolafa, Labik & Malijevsky, Phys.
+# Chem. Chem. Phys. 6 (2004) 2335.
+SIMULATED = {
+    2: {0: 1, 1: 2, 2: 1.12801775, 3: 0.00181895291, 4: -0.0526134737, 5: 0.0504951668, 6: -0.0325433846, 7: 0.0133946531,
+        8: 0.00174265604, 9: -0.00944632202, 10: 0.00851111768, 11: -0.0035963525, 12: 0.000577345106, 19: -1.06399127e-7},
+    3: {0: 1, 1: 4, 2: 6, 3: 2.3647684, 4: -0.8698551, 5: 1.1062803, 6: -1.1014221, 7: 0.66605866, 8: -0.03633431,
+        10: -0.20965164, 14: 0.10555569, 22: -0.0087238},
+}
+
+
+def simulated(phi, d):
+    """Contact value of those fits."""
+    x = np.asarray(phi, float) / (1 - np.asarray(phi, float))
+    return sum(a * x ** (k - 1) for k, a in SIMULATED[d].items() if k) * (x / phi) / 2.0 ** (d - 1)
+
+
 CHI = {"Torquato": torquato, "CarnahanStarling": carnahan_starling, "Luding": luding}
 
 
