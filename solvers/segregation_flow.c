@@ -25,7 +25,10 @@ static status take_shear_rate(const struct polymesh *m, const double *centre, co
     for (long c = 0; c < n && !e; c++) {
         double sum = 0;
         for (int i = 0; i < 3; i++)
-            for (int k = 0; k < 3; k++) sum += 0.5 * pow(g[i][3 * c + k] + g[k][3 * c + i], 2);
+            for (int k = 0; k < 3; k++) {
+                const double twice = g[i][3 * c + k] + g[k][3 * c + i];
+                sum += 0.5 * twice * twice;
+            }
         (*out)[c] = sqrt(sum);
     }
     free(room);

@@ -245,14 +245,18 @@ void segregation_models_list(FILE *f) {
     params_print(f, velocity_param, COUNT(velocity_param));
     fprintf(f, "  expression\n    velocity \"..\" of x, y, z, in m/s\n  exponential\n");
     params_print(f, exponential_param, COUNT(exponential_param));
-    fprintf(f, "  kineticStress\n    case, time (latestTime): of a granularGas run\n");
+    fprintf(
+        f,
+        "  kineticStress\n    case, time (latestTime): of a granularGas run; on lines the mean over the other axes\n");
     params_print(f, stress_param, COUNT(stress_param));
     fprintf(f, "\ndiffusivity { type .. }\n  constant\n");
     params_print(f, diffusivity_param, COUNT(diffusivity_param));
     fprintf(f,
             "  expression\n    value \"..\" of x, y, z, phi, shearRate (sqrt(2 S:S) of the flow), in m^2/s\n"
             "\nvelocity { } (default: the start folder's U, at rest without one)\n"
-            "    case, time (latestTime): of a granularGas run whose U carries\n"
+            "    case, time (latestTime): of a granularGas run whose U carries, of its cell at each centre; on lines "
+            "the mean over the\n"
+            "      other axes, for the shear rate\n"
             "    weight (uniform): or rho: (rho phi)_t + div(rho U phi) + ..: of a steady gas rho U has no divergence\n"
             "\nsystem/fvSchemes: closure\n");
     for (int i = 0; i < COUNT(closure_names); i++) fprintf(f, "  %-20s %s\n", closure_names[i], closure_about[i]);
