@@ -25,6 +25,7 @@ struct particles {
     struct grains *grains;
     struct averages *averages;
     struct grain_start placed;                              /* how; its lists are gone */
+    bool kept;                                              /* averages go on from the saved state */
     bool changed;                                           /* box or law since the saved state */
     double energy;                                          /* J: kinetic, potential and lost when counting began */
     int *place;                                             /* [ncells] index in the lattice, of polyMesh's cells */
@@ -172,6 +173,7 @@ static status make_averages(struct particles *x) {
     if (!s->n || x->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
         s->mark.window != mark->window || s->mark.samples != mark->samples)
         return OK;
+    x->kept = true;
     *mark = s->mark;
     for (int k = 0; k < 2; k++)
         memcpy(averages_sums(x->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
@@ -244,7 +246,8 @@ static void particles_describe(const struct medium *m, FILE *f) {
     if (!p->n)
         fprintf(f, "    as time %s has them%s\n", m->setup->start.name,
                 x->changed ? "; box, gravity or grains have changed, so counts and averages begin anew"
-                           : ", to the bit");
+                : x->kept  ? ", to the bit"
+                           : ", to the bit; cells, kernel or windows have changed, so averages begin anew");
     else if (p->from_cloud)
         fprintf(f, "    from lagrangian/grains of time %s\n", m->setup->start.name);
     else if (p->packing.added < 1)
