@@ -308,6 +308,44 @@ class Particles(harness.Folder, unittest.TestCase):
             written = [os.path.join(base, n) for base, _, names in os.walk(os.path.join(case, "VTK")) for n in names if "grains" in base + n]
             self.assertTrue(any(n.endswith(".vtp") for n in written), done.stdout[-3000:])
 
+    def test_paraview(self):
+        """The reader that ParaView uses finds fields and grains."""
+        try:
+            from vtk import vtkOpenFOAMReader
+            from vtk.util.numpy_support import vtk_to_numpy
+        except ImportError:
+            self.skipTest("VTK's Python module is not there")
+        for format in ("ascii", "binary"):
+            case = self.case("view" + format, format=format, control="deltaT 0.5;\n")
+            solve(case)
+            with open(case + "/case.foam", "w"):
+                pass
+            reader = vtkOpenFOAMReader()
+            reader.SetFileName(case + "/case.foam")
+            reader.UpdateInformation()
+            reader.EnableAllCellArrays(), reader.EnableAllLagrangianArrays(), reader.EnableAllPatchArrays()
+            reader.SetTimeValue(1), reader.Update()
+            blocks = reader.GetOutput()
+            cells, points = blocks.GetBlock(0).GetCellData(), blocks.GetBlock(blocks.GetNumberOfBlocks() - 1).GetBlock(0)
+            found = harness.haff.Case(case)
+            c = grains.read(found, "1")
+            np.testing.assert_allclose(vtk_to_numpy(cells.GetArray("alpha")), found.field("alpha", "1"), rtol=2e-7)
+            np.testing.assert_allclose(vtk_to_numpy(points.GetPoints().GetData()), c["x"], rtol=2e-7)
+            np.testing.assert_allclose(vtk_to_numpy(points.GetPointData().GetArray("U")), c["U"], rtol=2e-7)
+
+    def test_shipped(self):
+        """OpenFOAM's tools do not open a case without these."""
+        cases = os.path.join(harness.SOURCE, "cases")
+        for name in sorted(os.listdir(cases)):
+            path = os.path.join(cases, name, "system", "controlDict")
+            if not os.path.isfile(path):
+                continue
+            with open(path) as f:
+                text = f.read()
+            if "granularMD;" in text:
+                self.assertRegex(text, r"(?m)^deltaT +\S+;", path)
+                self.assertTrue(all(os.path.isfile(os.path.join(cases, name, "system", f)) for f in ("fvSchemes", "fvSolution")), name)
+
     def test_step_without_end(self):
         """stopAt nextWrite without endTime, steps counted; few grains that never meet."""
         case = self.case("rest", T=0, alpha=0.02)
