@@ -233,6 +233,8 @@ static status take_up(const struct function *f, struct dict *d) {
         return OK;
     }
     for (int j = 0; j < n; j++) {
+        if (!(counts[j] >= 0 && counts[j] < 1e15))
+            return dict_fail(d, "counts", "%g is no number of samples", counts[j]);
         p->count[j] = (long)counts[j];
         if (p->count[j]) TRY(read_sum(f, d, j));
     }

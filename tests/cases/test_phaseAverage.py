@@ -1,6 +1,7 @@
 """phaseAverage: the means are those of the written times, survive stops and restarts to the bit, and refuse what is wrong."""
 import json
 import os
+import re
 import unittest
 
 import meshio
@@ -120,6 +121,26 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
         done = harness.program("granularGas", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("phaseAverage.mean", done.stderr)
+
+    def test_nonsense(self):
+        """A file without checksums that holds something else."""
+        case = averaged(self.path("nonsense"), n=(4, 4, 1), end=0.02, interval=0.01, format="ascii")
+        harness.program("granularGas", "-case", case)
+        os.remove(os.path.join(case, "0.02", "uniform", "checksums"))
+        path = os.path.join(case, "0.02", "uniform", "phaseAverage.mean")
+        with open(path) as f:
+            text = f.read()
+        for pattern, new, message in ((r"counts +\( 2", "counts ( -1", "no number of samples"), (r"counts +\( 2", "counts ( 1e99", "no number of samples"),
+                                      (r"sum0 nonuniform List<scalar>\n128", "sum0 nonuniform List<scalar>\n127", "says 127 entries, but has more"),
+                                      (r"sum1 ", "summe1 ", "'sum1' is missing"), (r"period +", "Period ", "'period' is missing")):
+            with self.subTest(new):
+                changed, n = re.subn(pattern, new, text)
+                self.assertEqual(n, 1)
+                with open(path, "w") as f:
+                    f.write(changed)
+                done = harness.program("granularGas", "-case", case, "-dry-run", check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertRegex(done.stderr, "phaseAverage.mean(.|\n)*(" + message + ")")
 
     def test_file(self):
         """A field file as those of a time folder: class, place, an entry for each patch."""
