@@ -339,10 +339,12 @@ static status grow_from(const struct grain_box *box, double small, double full, 
 static status check_room(const struct grain_box *box, double diameter, int n) {
     bool disks = box->dim == 2;
     double packing = n * volume_of(box->dim, diameter) / box_volume(box), most = disks ? 0.9069 : 0.7405;
-    for (int k = 0; k < box->dim; k++)
-        if (!(box->high[k] - box->low[k] > diameter * (1 + 2 * SLACK)))
-            return fail(ERR_INPUT, "the box is %g m along axis %d, less than the diameter of a grain, %g m",
-                        box->high[k] - box->low[k], k, diameter);
+    for (int k = 0; k < box->dim; k++) {
+        double length = box->high[k] - box->low[k], least = diameter * (box->periodic[k] ? 3 : 1);
+        if (!(length > least * (1 + 2 * SLACK)))
+            return fail(ERR_INPUT, "the box is %g m long along axis %d, which %s; grains of %g m need more than %g m",
+                        length, k, box->periodic[k] ? "is periodic" : "has walls", diameter, least);
+    }
     if (packing > most)
         return fail(ERR_INPUT,
                     "%d %s of diameter %g m cannot fit: a packing fraction of %.4f in this box, where close packing is "

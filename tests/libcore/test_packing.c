@@ -217,7 +217,10 @@ static void errors(void **state) {
     b = cube(3, 10, false);
     says(packing_places(&b, 1, &UNIFORM, 1415, 1, x, &report), "1415 spheres of diameter 1 m cannot fit|0.7409|0.7405");
     b = cube(3, 0.9, false);
-    says(packing_places(&b, 1, &UNIFORM, 1, 1, x, &report), "0.9 m along axis 0|diameter of a grain, 1 m");
+    says(packing_places(&b, 1, &UNIFORM, 1, 1, x, &report),
+         "0.9 m long along axis 0, which has walls|grains of 1 m need more than 1 m");
+    b = cube(2, 2.9, true);
+    says(packing_places(&b, 1, &UNIFORM, 1, 1, x, &report), "axis 0, which is periodic|need more than 3 m");
     b = cube(2, 10, true);
     struct packing_field empty = {.n = {2, 2, 1}, .alpha = nothing};
     says(packing_places(&b, 1, &empty, 1, 1, x, &report), "no room for grains");
