@@ -10,7 +10,7 @@
 static status find_time(double wanted, struct gas_time *g) {
     struct instant *all;
     int n, found = -1;
-    TRY(status_note(times_list(g->dir, &n, &all), "%s: %s", dict_path(g->asked), g->entry));
+    TRY(times_list(g->dir, &n, &all));
     for (int i = 0; i < n; i++)
         if (isnan(wanted) || fabs(wanted - all[i].t) <= 1e-9 * fabs(wanted)) found = i;
     if (found >= 0) memcpy(g->name, all[found].name, TIME_NAME);
@@ -50,6 +50,8 @@ status gas_time_open(const struct setup *s, const struct dict *asked, const char
         snprintf(out->dir, sizeof out->dir, "%.4000s", case_dir);
     else
         snprintf(out->dir, sizeof out->dir, "%.2000s/%.2000s", s->dir, case_dir);
+    if (access(out->dir, F_OK))
+        return fail(ERR_INPUT, "%s: %s: there is no case %s", dict_path(asked), entry, out->dir);
     TRY(find_time(time, out));
     return read_mesh(out);
 }

@@ -116,7 +116,7 @@ class Flow(mixtures.Mixture, unittest.TestCase):
         rows = (("constant/segregationProperties", "weight rho;", "time 0.05;", "has no time 0.05; it has 0 0.0425"),
                 ("constant/segregationProperties", "weight rho;", "weight rh;", "did you mean 'rho'?"),
                 ("constant/segregationProperties", "weight rho;", "time last;", "'time' is last"),
-                ("constant/segregationProperties", f"{name}/wedge", f"{name}/wdge", "wdge"),
+                ("constant/segregationProperties", f"{name}/wedge", f"{name}/wdge", "velocity: there is no case"),
                 ("constant/segregationProperties", f'"{os.path.relpath(gas, case)}"', f'"{far}"', "does not cover this one"),
                 ("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearRate - 1e6"', "must be 0 or more"),
                 ("0/phi", "wall   { type noFlux; }", "wall   { type zeroGradient; }", "phi must be noFlux"),
