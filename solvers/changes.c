@@ -1,6 +1,6 @@
 #include "solvers/changes.h"
 
-#include "solvers/report.h"
+#include "solvers/build.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,9 +5,6 @@
 #include "solvers/case.h"
 #include <stdio.h>
 
-const char *build_version(void); /* "0.1.0 (git hash)" */
-const char *build_compiler(void);
-
 /* Version, compiler, host, ranks, mesh, models; the expanded dictionaries if asked for. */
 void report_header(FILE *f, const struct setup *s, bool dictionaries);
 /* CASE/TIME/uniform/provenance at `path`: the same as a dictionary. */
