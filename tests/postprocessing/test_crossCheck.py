@@ -193,13 +193,20 @@ class Tools(harness.Folder, unittest.TestCase):
         self.openfoam_takes("wedge15Dilute", 10, 0.01)
 
 
-class Arguments(unittest.TestCase):
+class Arguments(harness.Folder, unittest.TestCase):
     def test_help_and_mistakes(self):
         self.assertIn("--limits", tool("-help").stdout)
         for wrong, words in ((("sod", "--grids", "a,b"), "whole numbers"), ((), "give a case")):
             done = tool(*wrong)
             self.assertEqual(done.returncode, 2)
             self.assertIn(words, done.stderr)
+
+    def test_without_openfoam(self):
+        """Skipped, with a line that says what is missing."""
+        done = subprocess.run([sys.executable, TOOL, "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
+                              env={"PATH": "/nowhere"})
+        self.assertEqual(done.returncode, 77)
+        self.assertIn("rhoCentralFoam (package openfoam) is not installed", done.stdout + done.stderr)
 
 
 if __name__ == "__main__":
