@@ -6,21 +6,21 @@
 /* Bucket q holds the times with floor((t - origin)/width) = q. Those of q <= present are in the heap, those up to a
  * ring further in list q modulo the ring, all others in one list more, which is looked through once a round. As the
  * bucket of a time is a monotonic function of it also in floating point, the heap's first is the first of all. */
-enum { LOAD = 2 /* times in a bucket that suit best */, LEAST = 16, NOWHERE = -1 };
+enum { LOAD = 2 /* times in a bucket that suit best */, LEAST = 16, NOWHERE = -1, HEAP = -1, FIRST = -2 };
 
 struct item {
     double t;
-    int32_t next, previous; /* in its list; previous of the first: NOWHERE */
-    int32_t list;           /* its list, or NOWHERE: in the heap at `next` */
+    int32_t next;     /* in its list, or its place in the heap */
+    int32_t previous; /* in its list; the first: FIRST - list; in the heap: HEAP */
 };
 struct calendar {
     int n, ring; /* ring: buckets, a power of two */
     double origin, per_width;
     int64_t present;
-    int64_t loaded;     /* into the heap in this round of the ring */
-    int heaped, listed; /* items in the heap, in lists of the ring */
-    int32_t *first;     /* [ring + 1] of each list */
-    int32_t *heap;      /* [n] */
+    int64_t loaded; /* into the heap in this round of the ring */
+    int heaped;
+    int32_t *first; /* [ring + 1] of each list */
+    int32_t *heap;  /* [n] */
     struct item *item;
 };
 
@@ -95,7 +95,7 @@ static void heap_settle(struct calendar *c, int place, int32_t i) {
 }
 
 static void heap_add(struct calendar *c, int32_t i) {
-    c->item[i].list = NOWHERE;
+    c->item[i].previous = HEAP;
     heap_rise(c, c->heaped++, i);
 }
 
@@ -115,22 +115,19 @@ static inline int32_t list_of(const struct calendar *c, double t) {
 
 static inline void list_add(struct calendar *c, int32_t list, int32_t i) {
     int32_t next = c->first[list];
-    c->item[i].list = list;
     c->item[i].next = next;
-    c->item[i].previous = NOWHERE;
+    c->item[i].previous = FIRST - list;
     if (next >= 0) c->item[next].previous = i;
     c->first[list] = i;
-    c->listed += list != c->ring;
 }
 
 static inline void list_remove(struct calendar *c, int32_t i) {
     int32_t next = c->item[i].next, previous = c->item[i].previous;
-    c->listed -= c->item[i].list != c->ring;
     if (next >= 0) c->item[next].previous = previous;
     if (previous >= 0)
         c->item[previous].next = next;
     else
-        c->first[c->item[i].list] = next;
+        c->first[FIRST - previous] = next;
 }
 
 static inline void insert(struct calendar *c, int32_t i) {
@@ -146,7 +143,7 @@ static void spread(struct calendar *c, double now, double width) {
     c->origin = now;
     c->per_width = 1 / fmax(width, fmax(4e-16 * fabs(now), 1e-290));
     c->present = c->loaded = 0;
-    c->heaped = c->listed = 0;
+    c->heaped = 0;
     for (int q = 0; q <= c->ring; q++) c->first[q] = NOWHERE;
     for (int32_t i = 0; i < c->n; i++) insert(c, i);
 }
@@ -170,12 +167,11 @@ void calendar_move(struct calendar *c, int item, double t) {
     struct item *e = &c->item[item];
     e->t = t;
     int32_t list = list_of(c, t);
-    if (list == e->list && list != NOWHERE) return;
-    if (list == e->list) {
+    if (e->previous == HEAP && list == NOWHERE) {
         heap_settle(c, e->next, item);
         return;
     }
-    if (e->list == NOWHERE)
+    if (e->previous == HEAP)
         heap_remove(c, item);
     else
         list_remove(c, item);
@@ -203,7 +199,7 @@ static void next_round(struct calendar *c) {
     }
 }
 
-/* The ring is empty: goes on at the earliest of the times beyond it; false: all are never. */
+/* All buckets of the ring were empty: goes on at the earliest of the times beyond it; false: all are never. */
 static bool leap(struct calendar *c) {
     double t = HUGE_VAL;
     for (int32_t i = 0; i < c->n; i++) t = fmin(t, c->item[i].t);
@@ -219,7 +215,6 @@ static void load_next(struct calendar *c) {
     c->first[list] = NOWHERE;
     while (i >= 0) {
         int32_t next = c->item[i].next;
-        c->listed--;
         c->loaded++;
         heap_add(c, i);
         i = next;
@@ -227,11 +222,12 @@ static void load_next(struct calendar *c) {
 }
 
 int calendar_first(struct calendar *c) {
-    while (c->heaped == 0) {
-        if (c->listed > 0)
-            load_next(c);
-        else if (!leap(c))
-            return 0;
+    for (int empty = 0; c->heaped == 0; empty++) {
+        if (empty > c->ring) {
+            if (!leap(c)) return 0;
+            empty = 0;
+        }
+        load_next(c);
     }
     return c->heap[0];
 }

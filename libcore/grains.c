@@ -12,7 +12,6 @@ void grains_free(struct grains *g) {
     free(g->id);
     free(g->list);
     free(g->meeting);
-    free(g->cells.count);
     free(g->cells.slot);
     free(g->cells.next);
     calendar_free(g->queue);
@@ -134,11 +133,12 @@ static status overlap(const struct grains *g, int a, int b, double distance) {
 }
 
 static status check_overlap(const struct grains *g, int i) {
-    struct grain_block b = grains_block(&g->cells, g->box.periodic, g->grain[i].cell, STAYS);
+    struct grain_block b;
     double least = g->law.diameter * (1 - 1e-9);
+    grains_block(&g->cells, g->box.periodic, g->grain[i].cell, STAYS, &b);
     for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
         double square = 0;
-        int j = g->list[q];
+        int j = (int)g->list[q];
         for (int k = 0; k < 3; k++) {
             double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
             square += r * r;
@@ -325,6 +325,6 @@ double grains_time(const struct grains *g) {
 }
 double grains_bytes(int n, int dim) {
     double cells = dim == 2 ? 1.3 : 2; /* a grain, at packing 0.6 and 0.26 */
-    double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(int8_t) + 2 * sizeof(int32_t);
-    return n * (grain + cells * sizeof(int32_t)) + calendar_bytes(n);
+    double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(int8_t) + 3 * sizeof(int32_t) + 8;
+    return n * (grain + cells * SLOTS * sizeof(uint32_t)) + calendar_bytes(n);
 }

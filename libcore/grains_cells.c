@@ -53,7 +53,7 @@ static bool choose(struct grains *g, double diameter) {
 
 static void fill(struct grains *g) {
     struct grain_cells *c = &g->cells;
-    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->count[q] = 0;
+    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->slot[q * SLOTS] = 0;
     for (int i = 0; i < g->n; i++) {
         g->grain[i].cell = grains_cell_of(g, g->grain[i].x);
         grains_cell_enter(g, i);
@@ -76,9 +76,7 @@ status grains_cells_make(struct grains *g) {
     }
     choose(g, g->law.diameter);
     long cells = (long)c->n[0] * c->n[1] * c->n[2];
-    c->slots = g->dim == 2 ? SLOTS_2D : SLOTS_3D;
-    TRY(allocate(&c->count, cells, sizeof *c->count, "cells"));
-    TRY(allocate(&c->slot, cells * c->slots, sizeof *c->slot, "cells"));
+    TRY(allocate(&c->slot, cells * SLOTS, sizeof *c->slot, "cells"));
     return allocate(&c->next, g->n, sizeof *c->next, "cells");
 }
 
@@ -92,39 +90,64 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]) {
     return cell;
 }
 
-void grains_cell_enter(struct grains *g, int i) {
-    struct grain_cells *c = &g->cells;
-    int32_t q = cell_index(c, g->grain[i].cell), *slot = c->slot + (long)q * c->slots, count = c->count[q]++;
-    if (count < c->slots) {
-        slot[count] = i;
-        return;
-    }
-    int last = c->slots - 1;
-    if (count == c->slots) c->next[slot[last]] = -1;
-    c->next[i] = slot[last];
-    slot[last] = i;
+static const uint32_t INDEX = ((uint32_t)1 << SLOT_BITS) - 1;
+
+static uint32_t *slots_of(struct grain_cells *c, int32_t cell) {
+    return c->slot + (long)cell_index(c, cell) * SLOTS;
 }
 
-/* The first of a chain, or what stands in the last slot in use, takes its place. */
+/* Their count is taken out of the slots and put back, so that they hold indices in between. */
+static int take_count(uint32_t *slot) {
+    uint32_t count = slot[0] >> SLOT_BITS;
+    slot[0] &= INDEX;
+    return (int)count;
+}
+static void put_count(uint32_t *slot, int count) {
+    slot[0] |= (uint32_t)count << SLOT_BITS;
+}
+
+void grains_cell_enter(struct grains *g, int i) {
+    struct grain_cells *c = &g->cells;
+    uint32_t *slot = slots_of(c, g->grain[i].cell);
+    int count = take_count(slot);
+    if (count < SLOTS) {
+        slot[count++] = (uint32_t)i;
+    } else {
+        c->next[i] =
+            count == SLOTS ? (c->next[slot[SLOTS - 1]] = -1, (int32_t)slot[SLOTS - 1]) : (int32_t)slot[SLOTS - 1];
+        slot[SLOTS - 1] = (uint32_t)i;
+        count = CHAINED;
+    }
+    put_count(slot, count);
+}
+
+/* The last of those in slots, of a chain the first, takes the place of i. */
 static void leave(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
-    int32_t q = cell_index(c, g->grain[i].cell), *slot = c->slot + (long)q * c->slots, count = c->count[q]--;
-    int last = (count < c->slots ? count : c->slots) - 1, at = 0;
-    while (at < last && slot[at] != i) at++;
-    if (count <= c->slots) {
-        slot[at] = slot[last];
+    uint32_t *slot = slots_of(c, g->grain[i].cell);
+    int count = take_count(slot), last = (count == CHAINED ? SLOTS : count) - 1, at = 0;
+    while (at < last && slot[at] != (uint32_t)i) at++;
+    int32_t moved = (int32_t)slot[last];
+    if (count < CHAINED) {
+        slot[at] = (uint32_t)moved;
+        put_count(slot, count - 1);
         return;
     }
-    int32_t first = slot[last], *link = &slot[last];
-    slot[last] = c->next[first];
+    slot[last] = (uint32_t)c->next[moved];
     if (at < last) {
-        slot[at] = first;
-        return;
+        slot[at] = (uint32_t)moved;
+    } else if (moved != i) {
+        int32_t before = (int32_t)slot[last];
+        if (before == i) {
+            slot[last] = (uint32_t)moved;
+            c->next[moved] = c->next[i];
+        } else {
+            while (c->next[before] != i) before = c->next[before];
+            c->next[before] = moved;
+            c->next[moved] = c->next[i];
+        }
     }
-    if (first == i) return;
-    while (*link != i) link = &c->next[*link];
-    *link = first;
-    c->next[first] = c->next[i];
+    put_count(slot, c->next[slot[last]] < 0 ? SLOTS : CHAINED);
 }
 
 void grains_cell_cross(struct grains *g, int i, int exit) {
@@ -140,11 +163,10 @@ void grains_cell_cross(struct grains *g, int i, int exit) {
     grains_cell_enter(g, i);
 }
 
-struct grain_block grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit) {
-    struct grain_block b = {{0}, {{0}}};
+void grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit, struct grain_block *b) {
     int32_t stride = 1;
     for (int k = 0; k < 3; k++) {
-        int number = cell_number(c, cell, k), from = -1, to = 1;
+        int number = cell_number(c, cell, k), from = -1, to = 1, n = 0;
         if (exit != STAYS && exit / 2 == k) from = to = exit & 1 ? 1 : -1;
         for (int q = number + from; q <= number + to; q++) {
             int at = q;
@@ -152,27 +174,29 @@ struct grain_block grains_block(const struct grain_cells *c, const bool periodic
                 if (!periodic[k]) continue;
                 at += at < 0 ? c->n[k] : -c->n[k];
             }
-            b.start[k][b.n[k]++] = at * stride;
+            b->start[k][n++] = at * stride;
         }
+        b->n[k] = n;
         stride *= c->n[k];
     }
-    return b;
 }
 
-int grains_occupants(const struct grain_cells *c, const struct grain_block *b, int32_t *list) {
-    int m = 0, slots = c->slots;
+int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list) {
+    int m = 0;
     for (int z = 0; z < b->n[2]; z++)
         for (int y = 0; y < b->n[1]; y++)
             for (int x = 0; x < b->n[0]; x++) {
-                int32_t q = b->start[0][x] + b->start[1][y] + b->start[2][z], count = c->count[q];
-                const int32_t *slot = c->slot + (long)q * slots;
-                if (slots == SLOTS_3D)
-                    memcpy(list + m, slot, SLOTS_3D * sizeof *list); /* all of them: no branches */
-                else
-                    memcpy(list + m, slot, SLOTS_2D * sizeof *list);
-                m += count < slots ? count : slots;
-                if (count > slots)
-                    for (int32_t i = c->next[slot[slots - 1]]; i >= 0; i = c->next[i]) list[m++] = i;
+                int32_t q = b->start[0][x] + b->start[1][y] + b->start[2][z];
+                const uint32_t *slot = c->slot + (long)q * SLOTS;
+                uint32_t count = slot[0] >> SLOT_BITS;
+                memcpy(list + m, slot, SLOTS * sizeof *list); /* all of them: no branches */
+                list[m] &= INDEX;
+                if (count < CHAINED) {
+                    m += (int)count;
+                    continue;
+                }
+                m += SLOTS;
+                for (int32_t i = c->next[slot[SLOTS - 1]]; i >= 0; i = c->next[i]) list[m++] = (uint32_t)i;
             }
     return m;
 }

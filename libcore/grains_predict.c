@@ -27,7 +27,7 @@ struct mover {
 /* Times at which |r + v t| = d + growth t, approaching; HUGE_VAL: never. They may touch or overlap by round-off: then
  * it is now if they close. Nothing branches, so that all candidates cost the same. */
 ALWAYS_INLINE void meet(const struct mover *mover, const struct grain *restrict grain, int m,
-                        const int32_t *restrict list, double *restrict when, int dim, bool grows) {
+                        const uint32_t *restrict list, double *restrict when, int dim, bool grows) {
     const struct mover me = *mover;
     for (int q = 0; q < (m + PAD - 1) / PAD * PAD; q++) {
         const struct grain *p = &grain[list[q]];
@@ -48,22 +48,42 @@ ALWAYS_INLINE void meet(const struct mover *mover, const struct grain *restrict 
         when[q] = t;
     }
 }
-KERNEL static void meet_disks(const struct mover *me, const struct grain *grain, int m, const int32_t *list,
+KERNEL static void meet_disks(const struct mover *me, const struct grain *grain, int m, const uint32_t *list,
                               double *when) {
     meet(me, grain, m, list, when, 2, false);
 }
-KERNEL static void meet_spheres(const struct mover *me, const struct grain *grain, int m, const int32_t *list,
+KERNEL static void meet_spheres(const struct mover *me, const struct grain *grain, int m, const uint32_t *list,
                                 double *when) {
     meet(me, grain, m, list, when, 3, false);
 }
-static void meet_growing(const struct mover *me, const struct grain *grain, int m, const int32_t *list, double *when) {
+static void meet_growing(const struct mover *me, const struct grain *grain, int m, const uint32_t *list, double *when) {
     meet(me, grain, m, list, when, 3, true);
 }
 
+/* Which of m candidates grain i meets first, before `best`, equal times by the index; < 0: none */
+static int first_of(const struct grains *g, int m, int i, const struct grain_event *best) {
+    double first = best->t;
+    int at = -1, partner = best->partner;
+    for (int q = 0; q < m; q++) {
+        double t = g->meeting[q];
+        int j = (int)g->list[q];
+        if (t > first || t == HUGE_VAL || (t == first && j >= partner) || j == i) continue;
+        first = t;
+        partner = j;
+        at = q;
+    }
+    return at;
+}
+
 static void consider_cells(struct grains *g, int i, double now, int exit, struct grain_event *best) {
-    struct grain_block b = grains_block(&g->cells, g->box.periodic, g->grain[i].cell, exit);
+    struct grain_block b;
+    grains_block(&g->cells, g->box.periodic, g->grain[i].cell, exit, &b);
     int m = grains_occupants(&g->cells, &b, g->list);
-    for (int q = 0; q < PAD; q++) g->list[m + q] = i;
+    for (int q = 0; q < PAD; q++) g->list[m + q] = (uint32_t)i;
+    for (int q = 0; q < m; q++) {
+        __builtin_prefetch(&g->grain[g->list[q]]);
+        __builtin_prefetch(&g->event[g->list[q]]);
+    }
     struct mover me = {.now = now, .d = grains_diameter(g, now), .growth = g->law.growth};
     for (int k = 0; k < 3; k++) {
         me.x[k] = g->grain[i].x[k];
@@ -78,12 +98,14 @@ static void consider_cells(struct grains *g, int i, double now, int exit, struct
         meet_disks(&me, g->grain, m, g->list, g->meeting);
     else
         meet_spheres(&me, g->grain, m, g->list, g->meeting);
-    for (int q = 0; q < m; q++) {
-        double t = g->meeting[q];
-        int j = g->list[q];
-        if (t > best->t || t == HUGE_VAL || (t == best->t && j >= best->partner) || j == i || g->event[j].t <= t)
-            continue;
-        *best = (struct grain_event){t, j, g->grain[j].changes};
+    for (int earliest; (earliest = first_of(g, m, i, best)) >= 0;) { /* event[] of few is read */
+        double t = g->meeting[earliest];
+        int j = (int)g->list[earliest];
+        if (g->event[j].t > t) {
+            *best = (struct grain_event){t, j, g->grain[j].changes};
+            return;
+        }
+        g->meeting[earliest] = HUGE_VAL;
     }
 }
 

@@ -13,14 +13,15 @@ enum {
 };
 
 /* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; arrays of cells are indexed by
- * c0 + n0 (c1 + n1 c2). As many as `slots` occupants stand in a cell's slots. A cell with more (only where it is wider
- * than 1.15 diameters, disks: 1.41) has all but slots - 1 of them in a chain through `next` that begins in its last. */
-enum { SLOTS_2D = 4, SLOTS_3D = 8, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 1) * SLOTS_3D };
+ * c0 + n0 (c1 + n1 c2). As many as SLOTS occupants stand in a cell's slots; a fuller one (a dense or a wide cell) has
+ * all but SLOTS - 1 of them in a chain through `next` that begins in the last. */
+enum { SLOTS = 4, CHAINED = SLOTS + 1, SLOT_BITS = 29, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 2) * SLOTS };
 struct grain_cells {
-    int n[3], bits[3], slots;
+    int n[3], bits[3];
     double low[3], high[3], width[3]; /* what they cover, at rest; a shaken wall's whole reach */
     int reach[3][2];                  /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
-    int32_t *count, *slot, *next;     /* [cells], [cells][slots], [n] */
+    uint32_t *slot;                   /* [cells][SLOTS]; count << SLOT_BITS is added to the first, count: or CHAINED */
+    int32_t *next;                    /* [n] */
 };
 
 struct grains {
@@ -36,7 +37,7 @@ struct grains {
     struct grain_counts counts;
     struct grain_cells cells;
     struct calendar *queue;
-    int32_t *list; /* of occupants, and their impacts' times: scratch of a prediction */
+    uint32_t *list; /* of occupants, and their impacts' times: scratch of a prediction */
     double *meeting;
     double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
@@ -94,14 +95,15 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]);
 void grains_cell_enter(struct grains *g, int i);
 /* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
 void grains_cell_cross(struct grains *g, int i, int exit);
-/* First cells of the rows of three (or fewer) neighbours along each axis; exit != STAYS: only those new beyond it. */
 struct grain_block {
     int n[3];
     int32_t start[3][3]; /* times the stride */
 };
-struct grain_block grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit);
+/* Rows of three (or fewer) cells along each axis about one, times their strides; exit != STAYS: only those new beyond
+ * that face. */
+void grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit, struct grain_block *b);
 /* All in the cells of a block; list has room for n + ROOM. Returns how many. */
-int grains_occupants(const struct grain_cells *c, const struct grain_block *b, int32_t *list);
+int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list);
 
 /* grains_predict.c; grain i's clock shows `now` */
 void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */
