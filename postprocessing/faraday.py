@@ -85,11 +85,12 @@ class Layer:
         return np.where(total > 0, mass @ self.y / np.where(total > 0, total, 1), mean)
 
     def phases(self, first=0.0, last=np.inf, near=5e-3):
-        """{phase in periods: ([cycle], [name of the time])} of the phases that come in three cycles or more."""
+        """{phase in periods: ([cycle], [name of the time])} of the phases that come in three cycles or more, without the
+        start of the case, whose fields may be expressions."""
         found = {}
         for name in self.case.times:
             cycles = float(name) * self.frequency
-            if first - near <= cycles <= last + near:
+            if cycles > 0 and first - near <= cycles <= last + near:
                 phase = (cycles + near) % 1 - near
                 key = next((k for k in found if abs(k - phase) < near), abs(round(phase, 3)))
                 found.setdefault(key, ([], []))

@@ -234,17 +234,17 @@ class Files(unittest.TestCase):
             for phase, high in ((0, 2.0), (0.5, 0.1)):
                 noise = rng.normal(0, 0.1, 60)
                 up = lambda x: high * (-1)**n * np.cos(2 * np.pi * x / 30)
-                self.layer((n + phase) / 4, lambda x: 8 + up(x) + noise[(x / 2).astype(int)])
+                self.layer((n + 1 + phase) / 4, lambda x: 8 + up(x) + noise[(x / 2).astype(int)])
         picture = os.path.join(self.case, "pattern.png")
         script = os.path.join(harness.SOURCE, "postprocessing", "faraday.py")
-        done = subprocess.run([sys.executable, script, self.case, "-of", "height", "-from", "2", "-figure", picture],
+        done = subprocess.run([sys.executable, script, self.case, "-of", "height", "-from", "3", "-figure", picture],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"^pattern: wavelength 30 \(24 \.\. 40\), centroid 30")
-        last = re.search(r"phase 0.000 of the period, cycles 2 to 7: amplitude of height (\S+), mean height of the columns (\S+)\n", done.stdout)
+        last = re.search(r"phase 0.000 of the period, cycles 3 to 8: amplitude of height (\S+), mean height of the columns (\S+)\n", done.stdout)
         np.testing.assert_allclose([float(v) for v in last.groups()], [2, 8], atol=0.1)
         self.assertTrue(os.path.exists(picture))
-        done = subprocess.run([sys.executable, script, self.case, "-from", "6.9"], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, script, self.case, "-from", "7.9"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn("three cycles", done.stderr)
 
