@@ -4,6 +4,8 @@
 #include "solvers/times.h"
 #include "solvers/vtk.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,7 +125,7 @@ static status read_positions(struct lexer *l, int ncells, struct cloud *c) {
     if (t.kind != TOKEN_NUMBER) return lexer_fail(l, &t, "the number of grains is expected:  N ( (x y z) cell ... )");
     TRY(read_number(l, &count));
     const double most = (double)(l->source->size - l->position) / 9; /* bytes of the shortest grain */
-    if (count != (int)count || count < 1 || count > most)
+    if (!(count >= 1 && count <= fmin(most, INT_MAX)) || count != floor(count))
         return lexer_fail(l, &t, "the number of grains that follow is expected, 1 or more");
     TRY(cloud_make((int)count, c));
     TRY(lexer_expect(l, '('));

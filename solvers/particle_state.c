@@ -38,7 +38,8 @@ static void box_numbers(const struct grain_box *b, double v[BOX]) {
 }
 static void numbers_box(const double v[BOX], struct grain_box *b) {
     int n = 0;
-    *b = (struct grain_box){.dim = (int)v[n++]};
+    *b = (struct grain_box){.dim = v[0] == 2 ? 2 : v[0] == 3 ? 3 : 0};
+    n++;
     for (int k = 0; k < 3; k++) {
         b->low[k] = v[n++];
         b->high[k] = v[n++];
