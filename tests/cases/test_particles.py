@@ -220,7 +220,8 @@ class Particles(harness.Folder, unittest.TestCase):
 
     def test_collapse(self):
         """Without a threshold a layer at rest collapses, and the log says what to do."""
-        case = self.case("collapse", e=0.6, g=(0, -1, 0), types={"x": "cyclic", "y": "wall"}, T=0, size=(8.0, 40.0, 1.0), alpha=0.2)
+        case = self.case("collapse", e=0.6, g=(0, -1, 0), types={"x": "cyclic", "y": "wall"}, T=0, size=(8.0, 40.0, 1.0), alpha=0.2,
+                         control="logInterval 1;\n")
         by_steps(case, 12)
         self.assertRegex(solve(case), r"WARNING: .* inelastic collapse[^\n]*thresholdSpeed")
 
