@@ -98,22 +98,22 @@ class Layer:
                 found[key][1].append(name)
         return {k: v for k, v in sorted(found.items()) if len(v[0]) > 2}
 
-    def profile(self, times, where="all", mode=None, dim=None):
+    def profile(self, times, columns=None, dim=None):
         """With height, over one or more times: {"y", "alpha", "U" (up), "T", "p" where there is one}. U and T are those
         of all mass in a row: T holds what U differs by from cell to cell (dim: components of velocity that T is of,
-        default the axes solved). where: all, peaks, valleys: the quarter of the columns highest or lowest in `mode`."""
+        default the axes solved). columns: of each time, masks [x] such as crests gives; default all."""
         dim = dim or self.dim
         times = [times] if isinstance(times, str) else list(times)
+        columns = columns or [slice(None)] * len(times)
         rows = self.shape[1]
         total, momentum, energy, pressure = np.zeros(rows), np.zeros((rows, 3)), np.zeros(rows), np.zeros(rows)
         count, has_p = 0, os.path.exists(os.path.join(self.case.path, times[0], "p"))
-        for time in times:
-            columns = self.columns(time, where, mode)
-            alpha, U, T = (self.field(name, time)[columns] for name in ("alpha", "U", "T"))
+        for time, mask in zip(times, columns):
+            alpha, U, T = (self.field(name, time)[mask] for name in ("alpha", "U", "T"))
             total += alpha.sum(axis=(0, 2))
             momentum += np.einsum("xyz,xyzk->yk", alpha, U)
             energy += (alpha * (dim * T + (U**2).sum(axis=3))).sum(axis=(0, 2))
-            pressure += self.field("p", time)[columns].sum(axis=(0, 2)) if has_p else 0
+            pressure += self.field("p", time)[mask].sum(axis=(0, 2)) if has_p else 0
             count += alpha.shape[0] * alpha.shape[2]
         safe = np.where(total > 0, total, 1)
         mean = momentum / safe[:, None]
@@ -124,12 +124,14 @@ class Layer:
             result["p"] = pressure / count
         return {k: v[order] for k, v in result.items()}
 
-    def columns(self, time, where, mode):
-        if where == "all":
-            return slice(None)
-        c = modes(self.height(time)[None])[0, mode]
-        wave = np.cos(2 * np.pi * mode * self.x / self.length + np.angle(c)) * (1 if where == "peaks" else -1)
-        return wave > np.sqrt(0.5)
+    def crests(self, time, mode, valleys=False, of="mass"):
+        """Mask [x] of the quarter of the columns where the waves about that mode are highest, or lowest: modes from half to
+        one and a half times it, for a pattern may be longer here and shorter there."""
+        c = modes(getattr(self, of)(time)[None])[0]
+        k = np.arange(len(c))
+        c[(k < 0.5 * mode) | (k > 1.5 * mode)] = 0
+        wave = (c * np.exp(2j * np.pi * np.outer(self.x, k) / self.length)).real.sum(axis=1) * (-1 if valleys else 1)
+        return wave > np.quantile(wave, 0.75)
 
 
 def modes(heights):

@@ -218,14 +218,16 @@ class Files(unittest.TestCase):
         np.testing.assert_allclose(found["alpha"], 0.5 * np.exp(-((found["y"] - 6) ** 2) / 4), rtol=1e-12)
         self.assertTrue((np.diff(found["y"]) > 0).all())
 
-    def test_peaks_and_valleys(self):
+    def test_crests_and_valleys(self):
         """Over two times with the wave turned over in between."""
         zero = dict(U=np.zeros((len(self.at), 3)), T=np.zeros(len(self.at)))
         for n, sign in ((1, 1), (2, -1)):
             self.layer(n, lambda x: 8 + 3 * sign * np.cos(2 * np.pi * x / 40 + 0.3), **zero)
         layer = faraday.Layer(self.case)
-        for where, centre in (("valleys", 5.3), ("all", 8), ("peaks", 10.7)):
-            found = layer.profile(["1", "2"], where, 3)
+        for where, centre in (("valleys", 5.3), ("all", 8), ("crests", 10.7)):
+            masks = [layer.crests(t, 3, where == "valleys", "height") for t in ("1", "2")]
+            self.assertLess(np.count_nonzero(masks[0] & masks[1]), 1)
+            found = layer.profile(["1", "2"], None if where == "all" else masks)
             self.assertAlmostEqual(found["alpha"] @ found["y"] / found["alpha"].sum(), centre, delta=0.1)
 
     def test_command(self):
