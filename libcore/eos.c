@@ -101,9 +101,8 @@ KERNEL static void perfect_contact(const struct material *m, int n, const double
 /* Torquato's contact value chi of disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G (physics 2.1):
  *   chi = (1 - a nu)/(1 - nu)^d below freezing, a = 0.436 (disks), 1/2;  chi_f (nu_c - nu_f)/(nu_c - nu) above.
  * chi' jumps at nu_f, and with it the speed of sound; on nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
- * 1/2 takes over value, slope and curvature of both branches. Above PACKING of nu_c G goes on as its tangent: no
+ * 1/2 takes over value, slope and curvature of both branches. Above EOS_PACKING of nu_c G goes on as its tangent: no
  * density is forbidden, and the gas resists a density beyond it. */
-#define PACKING 0.9999
 struct contact {
     double freezing, packed, dense; /* nu_f; chi (nu_c - nu) of the dense branch */
     double last;                    /* nu where the tangent begins */
@@ -127,7 +126,7 @@ ALWAYS_INLINE struct contact contact_make(int d, const struct material *m) {
     double slope, value = fluid_value(d, m->freezing, &slope), h = 2 * m->smoothing;
     struct contact t = {.freezing = m->freezing,
                         .packed = m->alpha_max,
-                        .last = PACKING * m->alpha_max,
+                        .last = EOS_PACKING * m->alpha_max,
                         .dense = value * (m->alpha_max - m->freezing),
                         .smoothing = m->smoothing};
     if (h == 0) return t;
@@ -272,7 +271,7 @@ static const struct param disks_param[] = {TORQUATO_PARAM(true)}, spheres_param[
 
 const char *eos_objection(const struct eos *eos, const struct material *m) {
     if (eos->param != disks_param && eos->param != spheres_param) return NULL;
-    if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= PACKING * m->alpha_max)
+    if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= EOS_PACKING * m->alpha_max)
         return "0 < alphaFreezing - smoothing and alphaFreezing + smoothing < 0.9999 alphaMax are needed";
     return NULL;
 }

@@ -7,6 +7,8 @@
 
 #include "libcore/param.h"
 
+#define EOS_PACKING 0.9999 /* of alpha_max: where Torquato's G goes on as its tangent */
+
 struct material {       /* parameters of the grains and of the equation of state; filled through the tables below */
     double diameter;    /* sigma, m */
     double mass;        /* of a grain, kg (1: rho is a number density) */

@@ -9,6 +9,7 @@ static status make(const struct gas *like, struct gas **out) {
     *g = *like;
     g->nvar = g->dim + 2;
     g->first_order = reconstruct_find("firstOrder");
+    if (g->models.transport) g->models.skip_uniform = false;
     g->limit = density_limit(g->models.eos, &g->models.material);
     status s = g->engine->make(g);
     if (s)

@@ -1,17 +1,20 @@
 /* The granular gas on a forest of tiles or on a mosaic: state, one time step, and what the outside may ask of it.
  *
  * Variables are rho, rho u (dim components, computational axes of struct forest), E = rho (eps + |u|^2/2). A step is
- * half the sources (exact) | Runge-Kutta stages of the fluxes | half the sources. Nothing is allocated after gas_make.
+ * half the sources (exact) | Runge-Kutta stages of the fluxes | half the sources; with transport, half the diffusion
+ * stands on both sides of the stages. Nothing is allocated after gas_make.
  */
 #ifndef LIBCORE_GAS_H
 #define LIBCORE_GAS_H
 
 #include "libcore/boundary.h"
+#include "libcore/diffusion.h"
 #include "libcore/eos.h"
 #include "libcore/flux.h"
 #include "libcore/polynomial.h"
 #include "libcore/reconstruct.h"
 #include "libcore/source.h"
+#include "libcore/transport.h"
 #include "mesh/grid.h"
 
 struct stepper { /* strong-stability-preserving Runge-Kutta: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) each stage */
@@ -33,7 +36,11 @@ struct gas_models { /* what the dictionaries chose */
     const struct stepper *stepper;
     struct sources source;
     const struct polynomial *polynomial; /* on a mosaic, in place of reconstruct; may be NULL on a forest */
-    bool skip_uniform; /* leave out what is exactly zero (libcore/activity.c): the same bits, less work */
+    const struct transport *transport;   /* NULL: inviscid, which costs nothing; a forest only */
+    struct transport_numbers numbers;    /* of the transport */
+    const struct diffusion *diffusion;   /* with transport */
+    bool skip_uniform; /* with transport off; leave out what is exactly zero (libcore/activity.c): the same bits, less
+                          work */
 };
 
 struct gas_counts { /* of what kept the state admissible (libcore/limit.h), since gas_make; the same on all ranks */
@@ -43,6 +50,10 @@ struct gas_counts { /* of what kept the state admissible (libcore/limit.h), sinc
     long floored;   /* cells raised to the round-off floor, and the energy that added, J */
     double energy;
     double place[3]; /* centre of a cell limited last, m; 0 before */
+    long halves;     /* diffusive half steps that stand, */
+    long stages[2];  /* the stages they took, of viscous stress and of heat conduction, and those of */
+    long repeated;   /* attempts that were repeated for cells that were not admissible, and */
+    long plain;      /* how many: the stress on their faces was left without tangential derivatives */
 };
 
 struct gas_speed {  /* of the whole domain */

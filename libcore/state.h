@@ -40,6 +40,7 @@ struct ending {               /* of a step, behind its last stage */
     double dt, kick[MAX_DIM]; /* their half step */
     struct gas_speed speed;   /* out: of the final state, of this rank's cells */
 };
+enum diffusing { VISCOUS, HEAT };
 struct gas;
 struct engine {                    /* one kind of mesh: how it holds the state, and its part of what gas.h promises */
     status (*make)(struct gas *g); /* the states and the work memory of g, all else being set */
@@ -78,11 +79,39 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*clear_flags)(struct gas *g);
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
+    /* With transport (NULL: this engine knows none), see libcore/diffusion.h. rates: freezes the coefficients of Y0,
+     * fills its ghosts; most[2]: the largest rates of this rank's cells, viscous and of heat. begin: q_0 from Y0, and
+     * S_1 = factor q_0. stage: the next S, by its c[4] with dt in the last two; weight: of S when q is 1. end: to
+     * (perhaps Y0 itself) = Y0 moved by S over dt; returns the number of cells that are not admissible, and marks
+     * them. flags: makes the marks flags, if they are to be kept, which leave the tangential derivatives out of the
+     * stress on their faces; drops them else. Returns the number of flagged cells of all ranks. */
+    void (*diffusion_rates)(struct gas *g, const struct state *Y0, double most[2]);
+    void (*diffusion_begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
+    void (*diffusion_stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+                            double weight);
+    long (*diffusion_end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                          double weight);
+    long (*diffusion_flags)(struct gas *g, bool keep);
 };
 extern const struct engine engine_tiles, engine_cells;
 
 /* The maxima over the ranks to g->speed, unless one of them says that its own are void: then it returns false. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
+
+/* to = from moved by viscous stress and heat conduction over dt, heat first or last. bad: cells of `from` on this rank
+ * that are not admissible. false, on all ranks: there are some on a rank, or would be in `to`. */
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad);
+
+struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
+    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
+    double **start;    /* dim: q_0, the same */
+    double **gradient; /* dim * dim: dS_c/dx_k at k dim + c by central differences; ghosts for the axes across */
+    double **face;     /* 3 * dim: of each axis lambda, shear, heat of the face above a cell */
+    double **mark;     /* 1: cells that were not admissible */
+    double **part;     /* into `gradient` */
+    bool marked;       /* any? */
+    int last;          /* sum of the last stage */
+};
 
 struct gas {
     const struct engine *engine;
@@ -115,6 +144,7 @@ struct gas {
     double *sums;          /* [ntiles] */
     struct work work;
     struct activity activity;
+    struct diffuser diffuser; /* empty without transport */
 
     const struct grid *grid; /* of the mosaic */
     struct cells *cells;     /* libcore/cells.h */
@@ -134,6 +164,19 @@ status tiles_sum_raised(const struct gas *g, double *energy);
 void tiles_note_limited(struct gas *g, double place[3]);
 void tiles_clear_flags(struct gas *g);
 void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
+
+status diffuser_make(struct gas *g);
+void diffuser_free(struct gas *g);
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
+void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+                           double weight);
+long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                         double weight);
+long tiles_diffusion_flags(struct gas *g, bool keep);
+
+status blocks_make(const struct forest *f, int nvar, double ***out);
+void blocks_free(const struct forest *f, double **blocks);
 
 /* Rows: the runs of cells along axis 0 that a pass over a tile visits. margin: ghost cells to include on each active
  * axis, but no corners. Calls visit(context, offset, n) with n <= BATCH. */

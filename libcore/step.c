@@ -1,4 +1,4 @@
-/* One time step: sources, Runge-Kutta stages, what keeps them admissible, rejection.
+/* One time step: sources, diffusion, Runge-Kutta stages, what keeps them admissible, rejection.
  *
  * A stage is computed at high order. Where a cell is not admissible then, the stage is done again with the fluxes of
  * that cell's faces limited (libcore/limit.h); a cell that becomes bad by that is flagged, too, until there is no new
@@ -63,13 +63,39 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     return g->speed_known;
 }
 
+/* Half the diffusion of V. false, on all ranks: some state was not admissible, or is not. */
+static bool second_diffusion(struct gas *g, double dt, long bad) {
+    if (!diffuse(g, &g->V, &g->W, 0.5 * dt, true, bad)) return false;
+    swap(&g->V, &g->W);
+    return true;
+}
+
+/* The first halves of sources and diffusion: what the stages start from, on this rank with `bad` cells that are not
+ * admissible, or NULL, on all ranks: the diffusion of what the sources left was not. `guarded`: mended where the floor
+ * can. */
+static const struct state *first_halves(struct gas *g, double t, double dt, bool sources, bool guarded, long *bad) {
+    const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
+    *bad = 0;
+    if (guarded) {
+        g->floored = 0;
+        memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
+    }
+    if (sources) {
+        *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
+        if (guarded) *bad = g->engine->floor(g, before);
+        U0 = before;
+    }
+    if (!g->models.transport) return U0;
+    return diffuse(g, U0, &g->U0, 0.5 * dt, false, *bad) ? &g->U0 : NULL;
+}
+
 /* The stages from U0 to V and the second half of the sources; `bad`: cells after the first half. Only then do the ranks
  * ask each other whether all cells are admissible, so that none waits for all others at every stage. false: some were
  * not, V is of no use, and the step is to be done again from its start, by guard_stages. */
 static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
     const struct stepper *s = g->models.stepper;
     struct ending ending = {.sources = sources, .dt = 0.5 * dt};
-    const bool at_once = g->engine->last_stage;
+    const bool at_once = g->engine->last_stage && !g->models.transport;
     source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
@@ -80,6 +106,7 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
             bad += g->engine->stage(g, U0, from, &g->W, a, b);
         U0 = after_stage(g, U0, stage);
     }
+    if (g->models.transport && !second_diffusion(g, dt, bad)) bad++;
     if (sources && !at_once) bad += g->engine->sources(g, 0.5 * dt, ending.kick, &g->V, &g->V);
     if (!speed_share(g, &ending.speed, bad > 0)) {
         g->guarded = GUARDED;
@@ -92,11 +119,9 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
 
 /* The same with a look after every stage, whose inadmissible cells are mended at once; the same bits where there are
  * none. false: some state could not be mended. */
-static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources) {
+static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
     const struct stepper *s = g->models.stepper;
-    g->floored = 0;
-    memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
-    if (sources && any_rank(g, g->engine->floor(g, U0))) return false;
+    if (sources && any_rank(g, bad)) return false;
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         double a = s->a[stage], b = s->b[stage] * dt;
@@ -106,8 +131,9 @@ static bool guard_stages(struct gas *g, const struct state *U0, double t, double
         }
         U0 = after_stage(g, U0, stage);
     }
+    if (g->models.transport && !second_diffusion(g, dt, 0)) return false;
     if (!sources) return true;
-    bool bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
+    bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
     return !bad || !any_rank(g, g->engine->floor(g, &g->V));
 }
 
@@ -161,10 +187,13 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     g->speed_known = false;
     for (;;) {
         const bool guarded = g->guarded > 0;
-        long bad = sources ? apply_sources(g, t, 0.5 * *dt, &g->U, &g->U0) : 0;
-        const struct state *U0 = sources ? &g->U0 : &g->U;
-        if (guarded ? guard_stages(g, U0, t, *dt, sources) : try_stages(g, U0, t, *dt, sources, bad)) break;
-        if (!guarded) continue;
+        long bad;
+        const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
+        if (U0 && (guarded ? guard_stages : try_stages)(g, U0, t, *dt, sources, bad)) break;
+        if (!guarded) {
+            g->guarded = GUARDED;
+            continue;
+        }
         g->counts.rejected++;
         *dt *= 0.5;
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return collapse(g, t, *dt, speed);

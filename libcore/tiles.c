@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-static status make_blocks(const struct forest *f, int nvar, double ***out) {
+status blocks_make(const struct forest *f, int nvar, double ***out) {
     TRY(allocate(out, f->ntiles, sizeof(double *), "tiles"));
     for (int t = 0; t < f->ntiles; t++) {
         TRY(allocate(&(*out)[t], nvar * f->size + SLACK, sizeof(double), "the state of a tile"));
@@ -12,7 +12,7 @@ static status make_blocks(const struct forest *f, int nvar, double ***out) {
     return OK;
 }
 
-static void free_blocks(const struct forest *f, double **blocks) {
+void blocks_free(const struct forest *f, double **blocks) {
     for (int t = 0; blocks && t < f->ntiles; t++) free(blocks[t]);
     free(blocks);
 }
@@ -44,7 +44,7 @@ static status make_activity(struct gas *g) {
 
 static status make_state(const struct gas *g, struct state *s) {
     const struct forest *f = g->forest;
-    TRY(make_blocks(f, g->nvar, &s->block));
+    TRY(blocks_make(f, g->nvar, &s->block));
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
     for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], g->activity.nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
@@ -52,7 +52,7 @@ static status make_state(const struct gas *g, struct state *s) {
 }
 
 static void free_state(const struct forest *f, struct state *s) {
-    free_blocks(f, s->block);
+    blocks_free(f, s->block);
     for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
     free(s->varied);
 }
@@ -65,20 +65,22 @@ static status tiles_make(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     TRY(make_activity(g));
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
-    TRY(make_blocks(g->forest, 1, &g->flag));
-    TRY(make_blocks(g->forest, 1, &g->limited));
+    TRY(blocks_make(g->forest, 1, &g->flag));
+    TRY(blocks_make(g->forest, 1, &g->limited));
     g->nraised = g->forest->ntiles;
     TRY(allocate(&g->raised, g->nraised, sizeof(double), "tiles"));
     TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
-    return make_work(g);
+    TRY(make_work(g));
+    return g->models.transport ? diffuser_make(g) : OK;
 }
 
 static void tiles_free(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
-    free_blocks(g->forest, g->flag);
-    free_blocks(g->forest, g->limited);
+    diffuser_free(g);
+    blocks_free(g->forest, g->flag);
+    blocks_free(g->forest, g->limited);
     free(g->raised);
     free(g->flagged);
     free(g->sums);
@@ -373,4 +375,9 @@ const struct engine engine_tiles = {.make = tiles_make,
                                     .sum_raised = tiles_sum_raised,
                                     .note_limited = tiles_note_limited,
                                     .clear_flags = tiles_clear_flags,
-                                    .exchange = tiles_exchange};
+                                    .exchange = tiles_exchange,
+                                    .diffusion_rates = tiles_diffusion_rates,
+                                    .diffusion_begin = tiles_diffusion_begin,
+                                    .diffusion_stage = tiles_diffusion_stage,
+                                    .diffusion_end = tiles_diffusion_end,
+                                    .diffusion_flags = tiles_diffusion_flags};

@@ -71,6 +71,10 @@ static status gas_read_state(struct setup *s) {
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
                          s->why);
     TRY(setup_grid(s, g->models->engine == ENGINE_POLYHEDRAL, models->polynomial->rings));
+    if (s->grid->mosaic && models->transport)
+        return dict_fail(g->models->properties, "transport", "%s needs a lattice of equal boxes%s%s",
+                         models->transport->name, s->lattice ? "; leave out meshEngine" : ": ",
+                         s->lattice ? "" : s->why);
     if (s->grid->mosaic && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;
@@ -110,6 +114,8 @@ static void gas_provenance(const struct medium *m, struct sink *o) {
     bool polyhedral = m->setup->grid->mosaic != NULL;
     sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
                 g->stepper->name);
+    if (g->transport)
+        sink_printf(o, "transport       %s;\ndiffusion       %s;\n", g->transport->name, g->diffusion->name);
     sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
                 polyhedral ? "polyReconstruct" : "reconstruct    ",
                 polyhedral ? g->polynomial->name : g->reconstruct->name);
@@ -120,7 +126,10 @@ static double gas_memory(const struct medium *medium) {
     const struct setup *s = medium->setup;
     const struct forest *f = s->grid->forest;
     const struct mosaic *m = s->grid->mosaic;
-    if (f) return (double)f->ntiles_all * (double)f->size * 5 * 5 * 8;
+    if (f) { /* five variables of states and scratch; with transport struct diffuser */
+        const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 3) : 0;
+        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
+    }
     const int dim = m->dim, degree = of(medium)->models->gas.polynomial->degree;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
     double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
@@ -182,6 +191,18 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
                 n->energy - was->energy, n->floored, n->energy);
 }
 
+static void print_diffusion(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
+    const double halves = (double)(n->halves - was->halves);
+    const long repeated = n->repeated - was->repeated, plain = n->plain - was->plain;
+    if (halves > 0)
+        fprintf(f, "    diffusion: a half step in %.4g stages of viscous stress, %.4g of heat conduction\n",
+                (double)(n->stages[0] - was->stages[0]) / halves, (double)(n->stages[1] - was->stages[1]) / halves);
+    if (repeated > 0)
+        fprintf(f,
+                "    repeated: %ld half step%s, for %ld cell%s that would have been inadmissible (in all %ld, %ld)\n",
+                repeated, plural(repeated), plain, plural(plain), n->repeated, n->plain);
+}
+
 static status gas_log(struct medium *m, FILE *f) {
     struct gas_state *g = of(m);
     const struct setup *s = m->setup;
@@ -197,6 +218,7 @@ static status gas_log(struct medium *m, FILE *f) {
             mach[1]);
     print_totals(f, g, totals);
     print_limited(f, &was, &n);
+    print_diffusion(f, &was, &n);
     return OK;
 }
 

@@ -45,7 +45,7 @@ static const struct param solution_param[] = {
      "leave out cells whose surroundings are uniform to the bit; the result has the same bits"},
 };
 static const char *const cooling_names[] = {"none", "Haff"};
-static const char *const transport_names[] = {"none"};
+static const char *const bulk_names[] = {"corrected", "paper"};
 static const char *const engine_names[] = {"lattice", "polyhedral"};
 static const char *const shaking_names[] = {"none", "sinusoidal"};
 
@@ -98,6 +98,42 @@ static status read_grains(struct dict *d, struct gas_models *m) {
     return objection ? dict_fail(d, "equationOfState", "%s", objection) : OK;
 }
 
+/* coefficients: its "JenkinsRichmanCoeffs", or an empty one */
+static status read_numbers(struct dict *coefficients, struct gas_models *m) {
+    int i;
+    TRY(params_read(coefficients, m->transport->param, m->transport->nparam, &m->numbers));
+    TRY(choice_or(coefficients, "bulk", bulk_names, COUNT(bulk_names), bulk_names[0], &i));
+    m->numbers.bulk_factor = 1 + i;
+    return OK;
+}
+
+static status read_transport(struct dict *d, struct gas_models *m) {
+    const char *names[NAMES] = {"none"};
+    struct dict *sub, *none = NULL;
+    char coeffs[128];
+    int chosen;
+    for (int i = 0; i < transport_count && i + 1 < NAMES; i++) names[i + 1] = transport_table[i].name;
+    TRY(choice_or(d, "transport", names, 1 + transport_count, "none", &chosen));
+    for (int i = 0; i < transport_count; i++) {
+        snprintf(coeffs, sizeof coeffs, "%sCoeffs", transport_table[i].name);
+        TRY(dict_sub_optional(d, coeffs, &sub));
+        if (sub && i + 1 != chosen) dict_mark_used(sub);
+        if (i + 1 != chosen) continue;
+        m->transport = &transport_table[i];
+        if (m->transport->disks != m->material.disks)
+            return dict_fail(d, "transport", "%s is for %s, equationOfState %s for %s", m->transport->name,
+                             m->transport->disks ? "disks" : "spheres", m->eos->name,
+                             m->material.disks ? "disks" : "spheres");
+        if (m->material.diameter == 0)
+            return dict_fail(d, "transport", "grains without a diameter do not collide: say  transport none;");
+        if (!sub) TRY(dict_from_text(coeffs, "", &none));
+        status s = read_numbers(sub ? sub : none, m);
+        dict_free(none);
+        TRY(s);
+    }
+    return OK;
+}
+
 static status read_properties(struct dict *d, struct gas_models *m) {
     int i;
     TRY(read_grains(d, m));
@@ -107,7 +143,7 @@ static status read_properties(struct dict *d, struct gas_models *m) {
                     dict_path(d), m->material.restitution);
     TRY(choice_or(d, "cooling", cooling_names, COUNT(cooling_names), "none", &i));
     m->source.cooling = i == 1;
-    TRY(choice_or(d, "transport", transport_names, COUNT(transport_names), "none", &i));
+    TRY(read_transport(d, m));
     return dict_check_used(d);
 }
 
@@ -144,8 +180,12 @@ static status read_schemes(struct dict *d, struct case_models *all) {
 
 static status read_solution(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
-    struct dict *limits, *none = NULL;
+    struct dict *limits, *diffusion, *none = NULL;
+    int i = 0;
     TRY(params_read(d, solution_param, COUNT(solution_param), m));
+    TRY(dict_sub_optional(d, "diffusion", &diffusion));
+    if (diffusion) TABLE_CHOICE(diffusion, "type", diffusion_table, diffusion_count, NULL, &i);
+    m->gas.diffusion = &diffusion_table[i];
     TRY(dict_sub_optional(d, "limits", &limits));
     if (!limits) TRY(dict_from_text("limits", "", &none));
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);
@@ -271,6 +311,13 @@ void models_list(FILE *f) {
     fprintf(f, "\ncooling\n  %-20s %s\n  %-20s %s\n", "none", "no energy sink", "Haff",
             "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones");
     fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
+    for (int i = 0; i < transport_count; i++) {
+        const struct transport *t = &transport_table[i];
+        fprintf(f, "  %-20s %s; %sCoeffs { }\n", t->name, t->about, t->name);
+        params_print(f, t->param, t->nparam);
+        fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "bulk", bulk_names[0], "or paper", "-",
+                "viscosity by the contact integral, or twice that, as printed");
+    }
     forces_list(f);
     fprintf(f, "\nsystem/fvSchemes: defaults by measurement, postprocessing/reports/workPrecision.md\n");
     LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count, flux_standard);
@@ -282,6 +329,9 @@ void models_list(FILE *f) {
     LIST_TABLE(f, "system/fvSchemes: polyReconstruct", polynomial_table, polynomial_count, polynomial_standard);
     fprintf(f, "\nsystem/fvSolution\n");
     params_print(f, solution_param, COUNT(solution_param));
+    fprintf(f, "\nsystem/fvSolution: diffusion { type .. }; %s if it is not given\n", diffusion_table[0].name);
+    for (int i = 0; i < diffusion_count; i++)
+        fprintf(f, "  %-20s %s\n", diffusion_table[i].name, diffusion_table[i].about);
     fprintf(f, "\nsystem/fvSolution: limits { }\n");
     params_print(f, limits_param, COUNT(limits_param));
 }
@@ -325,6 +375,12 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     print_values(f, m->gas.eos->param, m->gas.eos->nparam, &m->gas.material);
     print_values(f, grain_param, grain_nparam, &m->gas.material);
     fprintf(f, "    %-22s %s\n", "cooling", cooling_names[m->gas.source.cooling]);
+    if (m->gas.transport) {
+        fprintf(f, "    %-22s %s\n", "transport", m->gas.transport->name);
+        print_values(f, m->gas.transport->param, m->gas.transport->nparam, &m->gas.numbers);
+        fprintf(f, "    %-22s %s\n", "bulk", bulk_names[m->gas.numbers.bulk_factor > 1]);
+        fprintf(f, "    %-22s %s\n", "diffusion", m->gas.diffusion->name);
+    }
     fprintf(f, "    %-22s %s\n", "fluxScheme", m->gas.flux->name);
     fprintf(f, "    %-22s %s\n", "meshEngine", engine_names[polyhedral]);
     fprintf(f, "    %-22s %s\n", polyhedral ? "polyReconstruct" : "reconstruct",

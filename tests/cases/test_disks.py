@@ -1,5 +1,6 @@
 """A gas of disks with Torquato's contact value, through the program."""
 import os
+import re
 import unittest
 
 import numpy as np
@@ -77,6 +78,92 @@ class Disks(harness.Folder, unittest.TestCase):
         done = harness.program("granularGas", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("alphaFreezing + smoothing", done.stderr + done.stdout)
+
+
+class Viscous(harness.Folder, unittest.TestCase):
+    """transport JenkinsRichman."""
+
+    def box(self, name, n, rho, u, T, end, transport="JenkinsRichman", diffusion=None, **options):
+        options = {"eos": "TorquatoDisks", "gamma": 2.0, "reconstruct": "WPENO5", "types": {"x": "cyclic", "y": "cyclic"},
+                   **options}
+        case = harness.box_case(os.path.join(self.folder, name), n, (1.0, n[1] / n[0], 0.1), rho, u, rho, end, **options)
+        os.remove(os.path.join(case, "0", "p"))
+        rules = "\n".join(f"\"{axis}.*\" {options['types'].get(axis, 'empty' if n['xyz'.index(axis)] == 1 else 'zeroGradient')}"
+                          for axis in "xyz")
+        harness.boxes.write_field(case, "T", T, rules)
+        harness.edit(case, "constant/granularProperties", transport=transport)
+        if diffusion:
+            harness.write_dictionary(case, "system", "fvSolution", "diffusion { type %s; }\n" % diffusion)
+        return case
+
+    def run_box(self, *arguments, **options):
+        case = self.box(*arguments, **options)
+        done = harness.program("granularGas", "-case", case)
+        return harness.haff.Case(case), done.stdout
+
+    def shear(self, name, cells, **options):
+        """A faint shear wave, and the rate it must decay with."""
+        nu, T, faint = 0.4, 2.0, 1e-3
+        n, ones = (cells, 4, 1), np.ones(4 * cells)
+        x = np.tile((np.arange(cells) + 0.5) / cells, 4)
+        G = nu * (1 - 0.436 * nu) / (1 - nu)**2
+        rate = np.sqrt(np.pi) / 8 * 0.1 * np.sqrt(T) * (1 / G + 2 + (1 + 8 / np.pi) * G) * (2 * np.pi)**2
+        u = np.outer(faint * np.sin(2 * np.pi * x), (0, 1, 0))
+        case, log = self.run_box(name, n, density(nu) * ones, u, T * ones, 1 / rate, **options)
+        return np.abs(case.field("U")[:, 1] * np.e - u[:, 1]).max() / faint, log
+
+    def test_shear_wave(self):
+        """Decays by e as the viscosity says, to second order, by either way of taking the steps."""
+        for diffusion in ("RKL2", "explicit"):
+            with self.subTest(diffusion):
+                coarse, _ = self.shear(f"coarse{diffusion}", 16, diffusion=diffusion)
+                fine, log = self.shear(f"fine{diffusion}", 32, diffusion=diffusion)
+                self.assertLess(fine, 4e-3)
+                self.assertGreater(np.log2(coarse / fine), 1.8)
+                self.assertIn("stages of viscous stress", log)
+                self.assertIn(f"diffusion              {diffusion}", log)
+        # bulk viscosity does not act on shear
+        other, _ = self.shear("bulk", 32, diffusion="explicit", transport="JenkinsRichman; JenkinsRichmanCoeffs { bulk paper; }")
+        self.assertAlmostEqual(fine, other, 6)
+
+    def test_heat(self):
+        """A hot spot in a closed box: energy stays, T becomes even; the same bits on two ranks and after a restart."""
+        n = (24, 18, 1)
+        x, y, _ = harness.boxes.centres(n, (1.0, 0.75, 0.1)).T
+        rho = density(0.1 + 0.3 * y)
+        u = np.stack([3 * np.sin(3 * y + x), np.cos(5 * x), 0 * x], axis=1)
+        T = 1 + 20 * np.exp(-30 * ((x - 0.3)**2 + (y - 0.3)**2))
+        options = {"types": {}, "slip": ("xLow", "xHigh", "yLow", "yHigh"), "interval": 0.01}
+        case, log = self.run_box("spot", n, rho, u, T, 0.02, **options)
+        for drift in re.findall(r"\(drift (\S+)\)", log):
+            self.assertLess(abs(float(drift)), 1e-13)
+        self.assertIn("drift", log)
+        self.assertLess(np.ptp(case.field("T")), 0.5 * np.ptp(T))
+        again = self.box("again", n, rho, u, T, 0.02, **options)
+        harness.edit(again, "system/controlDict", endTime=0.01)
+        harness.program("granularGas", "-case", again, ranks=2)
+        harness.edit(again, "system/controlDict", endTime=0.02)
+        harness.program("granularGas", "-case", again)
+        for field in ("rho", "rhoU", "rhoE"):
+            np.testing.assert_array_equal(harness.haff.Case(again).field(field), case.field(field))
+
+    def test_refused(self):
+        ones = np.ones(4)
+        for name, options, words in (("spheres", {"eos": "TorquatoSpheres"}, "JenkinsRichman is for disks"),
+                                     ("unknown", {"transport": "JenkinsRichmann"}, "did you mean 'JenkinsRichman'"),
+                                     ("bulk", {"transport": "JenkinsRichman; JenkinsRichmanCoeffs { bulk half; }"}, "corrected, paper"),
+                                     ("type", {"diffusion": "RKL3"}, "RKL2, explicit")):
+            with self.subTest(name):
+                case = self.box(name, (4, 1, 1), density(0.3) * ones, np.zeros((4, 3)), ones, 1.0, **options)
+                done = harness.program("granularGas", "-case", case, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(words, done.stdout + done.stderr)
+        case = self.box("polyhedral", (4, 4, 1), density(0.3) * np.ones(16), np.zeros((16, 3)), np.ones(16), 1.0)
+        with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
+            f.write("meshEngine polyhedral;\n")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("needs a lattice", done.stdout + done.stderr)
 
 
 if __name__ == "__main__":

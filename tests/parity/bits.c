@@ -101,6 +101,45 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     return OK;
 }
 
+/* Disks with viscosity and heat conduction. */
+static status print_diffusion(const struct comm *c, int dim, const struct diffusion *diffusion) {
+    struct box box;
+    struct forest *f;
+    struct gas *g;
+    uint64_t sum = 0;
+    int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, 1};
+    struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
+    for (int k = 0; k < 6; k++) {
+        walls[k].density.type = walls[k].temperature.type = boundary_find("zeroGradient");
+        walls[k].velocity.type = boundary_find("noSlip");
+    }
+    box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false});
+    struct gas_models m = models_of(flux_find("common"));
+    m.material = (struct material){.diameter = 0.04,
+                                   .mass = 1,
+                                   .restitution = 0.9,
+                                   .gamma = 2,
+                                   .alpha_max = 0.82,
+                                   .disks = true,
+                                   .freezing = 0.69,
+                                   .smoothing = 0.01};
+    m.eos = eos_find("TorquatoDisks");
+    m.reconstruct = reconstruct_find("WENO5");
+    m.transport = transport_find("JenkinsRichman");
+    m.numbers = (struct transport_numbers){1e-4, 1};
+    m.diffusion = diffusion;
+    TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
+    TRY(gas_make(f, &m, 6, walls, &g));
+    TRY(fill(g, box.mesh.ncells, n));
+    TRY(advance(g));
+    TRY(checksum(g, box.mesh.ncells, &sum));
+    if (comm_root(c)) printf("%dD %s %016llx\n", dim, diffusion->name, (unsigned long long)sum);
+    gas_free(g);
+    forest_free(f);
+    box_free(&box);
+    return OK;
+}
+
 static status print_polynomial(const struct comm *c, const struct cells_recipe *r, const struct polynomial *p) {
     struct polymesh *mesh = cells_make(r);
     struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
@@ -175,6 +214,8 @@ int main(int argc, char **argv) {
         for (int f = 0; f < flux_count; f++)
             for (int r = 0; r < reconstruct_count && !s; r++)
                 s = print_scheme(c, dim, &flux_table[f], &reconstruct_table[r]);
+    for (int dim = 1; dim <= 2; dim++)
+        for (int i = 0; i < diffusion_count && !s; i++) s = print_diffusion(c, dim, &diffusion_table[i]);
     static const struct cells_recipe meshes[] = {
         {"triangles", 2, PRISMS, {34, 34, 1}, {0, 1, 2}, 0.2, {false, true, false}},
         {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};

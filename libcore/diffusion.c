@@ -1,0 +1,111 @@
+/* Time integration of viscous stress and heat conduction, and their part of a step.
+ *
+ * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
+ * Not covered by that are the tangential derivatives in the stress, and RKL2, which is no mean of Euler steps. Where a
+ * cell is not admissible in the end, all is done again with none of the former on its faces, which is as conservative,
+ * then in ever smaller super steps; if all that does not help the time step is halved. */
+#include "libcore/state.h"
+
+enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
+
+static long plan_rkl2(double ratio, int *stages) {
+    int s = (int)ceil(0.5 * (sqrt(9 + 16 * ratio) - 1)); /* ratio <= (s^2 + s - 2)/4 */
+    *stages = s < 3 ? 3 : s + 1 - s % 2;                 /* odd: the highest modes are damped, not flipped */
+    return 1;
+}
+
+static double rkl2_b(int j) {
+    return j < 2 ? 1. / 3 : (double)(j * j + j - 2) / (2. * j * (j + 1));
+}
+
+/* Meyer, Balsara & Aslam (2014), (16)-(17) */
+static void stage_rkl2(int stages, int j, double out[4]) {
+    const double s = stages, w = 4 / (s * s + s - 2);
+    out[0] = out[1] = out[3] = 0;
+    out[2] = w / 3;
+    if (j == 1) return;
+    out[0] = (2. * j - 1) / j * rkl2_b(j) / rkl2_b(j - 1);
+    out[1] = -(j - 1.) / j * rkl2_b(j) / rkl2_b(j - 2);
+    out[2] = out[0] * w;
+    out[3] = -(1 - rkl2_b(j - 1)) * out[2];
+}
+
+static long plan_explicit(double ratio, int *stages) {
+    *stages = 2;
+    return ratio < 1 ? 1 : (long)ceil(ratio);
+}
+
+static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method, the mean of q_0 and two Euler steps */
+    (void)stages;
+    out[0] = j == 1 ? 0 : 0.5;
+    out[1] = out[3] = 0;
+    out[2] = j == 1 ? 1 : 0.5;
+}
+
+const struct diffusion diffusion_table[] = {
+    {"RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)", plan_rkl2, stage_rkl2},
+    {"explicit", "as many steps of Heun's method as stability wants", plan_explicit, stage_explicit},
+};
+const int diffusion_count = sizeof diffusion_table / sizeof *diffusion_table;
+
+const struct diffusion *diffusion_find(const char *name) {
+    for (int i = 0; i < diffusion_count; i++)
+        if (!strcmp(name, diffusion_table[i].name)) return &diffusion_table[i];
+    return NULL;
+}
+
+/* One super step of one kind from Y0 to `to`, which may be the same; returns this rank's number of inadmissible cells.
+ */
+static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                       int stages) {
+    double c[4], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
+    g->models.diffusion->stage(stages, 1, c);
+    weight[0] = c[2] * dt;
+    g->engine->diffusion_begin(g, what, Y0, weight[0]);
+    for (int j = 2; j <= stages; j++) {
+        g->models.diffusion->stage(stages, j, c);
+        if (j == 2) c[1] = 0; /* S_0 = 0 */
+        c[2] *= dt;
+        c[3] *= dt;
+        g->engine->diffusion_stage(g, what, Y0, c, weight[0]);
+        const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
+        weight[1] = weight[0];
+        weight[0] = next;
+    }
+    g->counts.stages[what] += stages;
+    return g->engine->diffusion_end(g, what, Y0, to, dt, weight[0]);
+}
+
+static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to, double dt,
+                  double rate) {
+    int stages;
+    const long steps = g->models.diffusion->plan(dt * rate, &stages);
+    long bad = 0;
+    for (long i = 0; i < steps; i++) bad = super_step(g, what, i ? to : from, to, dt / (double)steps, stages);
+    return bad;
+}
+
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad) {
+    const enum diffusing order[2] = {heat_first ? HEAT : VISCOUS, heat_first ? VISCOUS : HEAT};
+    double rate[2], most[3] = {bad > 0, 0, 0};
+    g->engine->diffusion_rates(g, from, rate);
+    for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
+    comm_max(g->comm, most, 3);
+    if (most[0] > 0 || !isfinite(most[1] + most[2])) return false;
+    long repeats = 0, plain = 0;
+    for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
+        for (int i = 0; i < 2 * parts; i++)
+            bad = cover(g, order[i % 2], i ? to : from, to, dt / parts, most[1 + order[i % 2]]);
+        most[0] = (double)bad;
+        comm_max(g->comm, most, 1);
+        if (most[0] == 0) break;
+        repeats++;
+        plain = g->engine->diffusion_flags(g, true);
+    }
+    (void)g->engine->diffusion_flags(g, false);
+    if (repeats) g->engine->clear_flags(g);
+    g->counts.halves += most[0] == 0;
+    g->counts.repeated += repeats;
+    g->counts.plain += plain;
+    return most[0] == 0;
+}

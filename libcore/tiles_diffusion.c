@@ -1,0 +1,460 @@
+/* Viscous stress and heat conduction on a forest of tiles, second order: fluxes on the faces from the jumps across
+ * them, tangential derivatives of velocity as means of the two cells' central differences. These need the neighbours'
+ * own neighbours, so the gradients get ghosts by a fill of their own, and at a wall by the wall's rule for velocity. */
+#include "libcore/state.h"
+
+#include <stdlib.h>
+
+status diffuser_make(struct gas *g) {
+    struct diffuser *d = &g->diffuser;
+    double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
+    for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
+    TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
+    TRY(blocks_make(g->forest, 3 * g->dim, &d->face));
+    TRY(blocks_make(g->forest, 1, &d->mark));
+    return allocate(&d->part, g->forest->ntiles, sizeof(double *), "tiles");
+}
+
+void diffuser_free(struct gas *g) {
+    struct diffuser *d = &g->diffuser;
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->mark};
+    for (int i = 0; i < 6; i++) blocks_free(g->forest, blocks[i]);
+    free(d->part);
+}
+
+static int lines_of(const struct gas *g, enum diffusing what) {
+    return what == VISCOUS ? g->dim : 1;
+}
+
+struct coefficients { /* what its row visitor needs */
+    const struct gas *g;
+    const double *U;
+};
+
+/* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
+static void coefficient_visit(void *context, long offset, int n) {
+    const struct coefficients *v = context;
+    const struct gas *g = v->g;
+    const struct work *w = &g->work;
+    double T[BATCH];
+    velocities_of_row(g, v->U, offset, n);
+    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * w->eps[offset + i];
+    g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, v->U + offset, T,
+                                      w->p + offset, w->c + offset, w->gruneisen + offset);
+}
+
+ALWAYS_INLINE double harmonic(double a, double b) {
+    return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
+}
+
+/* Faces above n cells; `trace`: 2/d */
+KERNEL static void face_coefficients(int n, long step, double trace, const double *restrict bulk,
+                                     const double *restrict shear, const double *restrict heat, double *restrict lambda,
+                                     double *restrict mu, double *restrict kappa) {
+    for (int i = 0; i < n; i++) {
+        double s = harmonic(shear[i], shear[i + step]);
+        lambda[i] = harmonic(bulk[i], bulk[i + step]) - trace * s;
+        mu[i] = s;
+        kappa[i] = harmonic(heat[i], heat[i + step]);
+    }
+}
+
+static long row_at(const struct forest *f, int j, int k) {
+    return f->first + j * f->stride[1] + k * f->stride[2];
+}
+
+static void tile_faces(struct gas *g, int tile) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[tile].n;
+    const struct work *w = &g->work;
+    const double trace = g->models.material.disks ? 1 : 2. / 3;
+    for (int axis = 0; axis < g->dim; axis++) {
+        double *face = g->diffuser.face[tile] + 3 * axis * f->size;
+        for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
+            for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
+                long at = row_at(f, j, k) - (axis == 0);
+                face_coefficients(n[0] + (axis == 0), f->stride[axis], trace, w->p + at, w->c + at, w->gruneisen + at,
+                                  face + at, face + f->size + at, face + 2 * f->size + at);
+            }
+    }
+}
+
+/* A row's share of the rates from its faces along one axis. */
+KERNEL static void add_rates(int n, long step, long size, double inverse, const double *restrict face,
+                             double (*restrict sum)[BATCH]) {
+    const double *restrict lambda = face, *restrict mu = face + size, *restrict kappa = face + 2 * size;
+    for (int i = 0; i < n; i++) {
+        double low = lambda[i - step] + 2 * mu[i - step], high = lambda[i] + 2 * mu[i];
+        sum[0][i] += (low + high) * (inverse * inverse);
+        sum[1][i] += (kappa[i - step] + kappa[i]) * (inverse * inverse);
+    }
+}
+
+static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[tile].n;
+    const double factor[2] = {1, g->models.material.gamma - 1};
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            double sum[2][BATCH] = {{0}};
+            const long at = row_at(f, j, k);
+            for (int axis = 0; axis < g->dim; axis++)
+                add_rates(n[0], f->stride[axis], f->size, 1 / f->width[axis],
+                          g->diffuser.face[tile] + 3 * axis * f->size + at, sum);
+            for (int what = 0; what < 2; what++)
+                for (int i = 0; i < n[0]; i++)
+                    most[what] = larger(factor[what] * sum[what][i] / rho[at + i], most[what]);
+        }
+}
+
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
+    const struct forest *f = g->forest;
+    most[0] = most[1] = 0;
+    forest_fill(g->forest, g->nvar, Y0->block);
+    for (int t = 0; t < f->ntiles; t++) {
+        struct coefficients v = {.g = g, .U = Y0->block[t]};
+        ghosts_of_patches(g, t, Y0->block[t]);
+        rows_visit(f, &f->tile[t], 1, coefficient_visit, &v);
+        tile_faces(g, t);
+        tile_rates(g, t, Y0->block[t], most);
+    }
+}
+
+/* ---- S and its ghosts ----------------------------------------------------------------------------------------------
+ */
+
+struct beginning { /* what its row visitor needs */
+    const struct gas *g;
+    enum diffusing what;
+    const double *U;
+    double *start, *sum, factor;
+};
+
+/* q_0 of a row: velocity, or T; and S_1 */
+static void begin_visit(void *context, long offset, int n) {
+    const struct beginning *b = context;
+    const struct gas *g = b->g;
+    const long size = g->forest->size;
+    velocities_of_row(g, b->U, offset, n);
+    for (int v = 0; v < lines_of(g, b->what); v++) {
+        double *q = b->start + v * size + offset, *S = b->sum + v * size + offset;
+        if (b->what == VISCOUS)
+            memcpy(q, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
+        else
+            for (int i = 0; i < n; i++) q[i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
+        for (int i = 0; i < n; i++) S[i] = b->factor * q[i];
+    }
+}
+
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor) {
+    const struct forest *f = g->forest;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct beginning b = {g,     what, Y0->block[t], g->diffuser.start[t], g->diffuser.sum[g->diffuser.last][t],
+                              factor};
+        ghosts_of_patches(g, t, Y0->block[t]);
+        rows_visit(f, &f->tile[t], 1, begin_visit, &b);
+    }
+}
+
+struct edge { /* n cells along a side: offsets of the first one and of its ghost, from cell to cell `step` */
+    const struct patch_rules *rules;
+    int normal, n;
+    long from, to, step;
+};
+
+/* Reflecting velocities are reflected, all else is copied. */
+static void reflect_edge(const struct gas *g, const struct edge *e, bool vector, double *q) {
+    const int components = vector ? g->dim : 1;
+    const struct rule *rule = &e->rules->velocity;
+    const long size = g->forest->size;
+    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    struct ghost_line line = {.n = e->n, .components = components, .normal = e->normal};
+    for (int c = 0; c < components; c++) {
+        for (int i = 0; i < e->n; i++) ghost[c][i] = inner[c][i] = q[c * size + e->from + i * e->step];
+        line.inner[c] = inner[c];
+        line.ghost[c] = ghost[c];
+    }
+    if (rule->type->reflects && vector) rule->type->ghost(rule, &line);
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = ghost[c][i];
+}
+
+/* S beyond a patch with values: these do not change. */
+static void hold_edge(const struct gas *g, const struct edge *e, int components, double weight, const double *start,
+                      double *S) {
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) {
+            const long at = c * g->forest->size + e->to + i * e->step;
+            S[at] = weight * start[at];
+        }
+}
+
+typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
+
+/* The first layer of ghosts of all sides of a tile that are patches. */
+static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        if (t->side[side].patch < 0) continue;
+        struct edge e = {.rules = &g->rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
+        for (int k = 0; k < t->n[deep]; k++)
+            for (int start = 0; start < t->n[across]; start += BATCH) {
+                e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
+                         start * f->stride[across];
+                e.to = e.from + (side % 2 ? f->stride[axis] : -f->stride[axis]);
+                e.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
+                visit(g, tile, &e, context);
+            }
+    }
+}
+
+struct fill {
+    enum diffusing what;
+    double weight;
+};
+
+static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct fill *fill = context;
+    double *S = g->diffuser.sum[g->diffuser.last][tile];
+    const bool held = fill->what == VISCOUS ? e->rules->velocity.type->value != NULL
+                                            : !e->rules->velocity.type->reflects && e->rules->temperature.type->value;
+    if (held)
+        hold_edge(g, e, lines_of(g, fill->what), fill->weight, g->diffuser.start[tile], S);
+    else
+        reflect_edge(g, e, fill->what == VISCOUS, S);
+}
+
+/* Derivatives along a wall follow the wall's rule for velocity. */
+static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    (void)context;
+    for (int along = 0; along < g->dim; along++)
+        if (along != e->normal) reflect_edge(g, e, true, g->diffuser.gradient[tile] + along * g->dim * g->forest->size);
+}
+
+struct gradients { /* what its row visitor needs */
+    const struct gas *g;
+    const double *S;
+    double *out;
+};
+
+KERNEL static void central_row(int n, long step, double half_inverse, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = (q[i + step] - q[i - step]) * half_inverse;
+}
+
+static void gradient_visit(void *context, long offset, int n) {
+    const struct gradients *v = context;
+    const struct forest *f = v->g->forest;
+    const int dim = v->g->dim;
+    for (int k = 0; k < dim; k++)
+        for (int c = 0; c < dim; c++)
+            central_row(n, f->stride[k], 0.5 / f->width[k], v->S + c * f->size + offset,
+                        v->out + (k * dim + c) * f->size + offset);
+}
+
+static void find_gradients(struct gas *g) {
+    const struct forest *f = g->forest;
+    struct diffuser *d = &g->diffuser;
+    const int all = g->dim * g->dim, each = all <= FILL_VARIABLES ? all : g->dim;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct gradients v = {g, d->sum[d->last][t], d->gradient[t]};
+        rows_visit(f, &f->tile[t], 0, gradient_visit, &v);
+    }
+    for (int from = 0; from < all; from += each) {
+        for (int t = 0; t < f->ntiles; t++) d->part[t] = d->gradient[t] + from * f->size;
+        forest_fill(g->forest, each, d->part);
+    }
+    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
+}
+
+static void fill_sums(struct gas *g, enum diffusing what, double weight) {
+    const struct forest *f = g->forest;
+    const struct fill fill = {what, weight};
+    forest_fill(g->forest, lines_of(g, what), g->diffuser.sum[g->diffuser.last]);
+    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
+    if (what == VISCOUS && g->dim > 1) find_gradients(g);
+}
+
+/* ---- fluxes and what they move -------------------------------------------------------------------------------------
+ */
+
+ALWAYS_INLINE void mean_across(int n, long step, const double *restrict q, const double *restrict keep,
+                               double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = 0.5 * (q[i] + q[i + step]);
+    for (int i = 0; keep && i < n; i++) out[i] *= keep[i];
+}
+
+/* Through the faces above n cells along `axis`: stress of S (the flux of momentum inwards), and its work on S. Lines
+ * stand at the first cell; `step` leads across the face. keep: 0 where tangential derivatives do not count, else 1;
+ * NULL: they all do. */
+KERNEL static void viscous_faces(int n, int dim, int axis, long step, long size, double inverse,
+                                 const double *restrict S, const double *restrict gradient, const double *restrict face,
+                                 const double *restrict keep, double (*restrict out)[BATCH]) {
+    const double *restrict lambda = face, *restrict mu = face + size, *restrict u = S + axis * size;
+    double spread[BATCH], side[BATCH], *restrict work = out[dim];
+    for (int i = 0; i < n; i++) spread[i] = (u[i + step] - u[i]) * inverse;
+    for (int t = 0; t < dim; t++) {
+        if (t == axis) continue;
+        mean_across(n, step, gradient + (t * dim + t) * size, keep, side);
+        for (int i = 0; i < n; i++) spread[i] += side[i];
+    }
+    for (int i = 0; i < n; i++) {
+        double stress = lambda[i] * spread[i] + 2 * mu[i] * ((u[i + step] - u[i]) * inverse);
+        out[axis][i] = stress;
+        work[i] = stress * (0.5 * (u[i] + u[i + step]));
+    }
+    for (int t = 0; t < dim; t++) {
+        const double *restrict v = S + t * size;
+        if (t == axis) continue;
+        mean_across(n, step, gradient + (t * dim + axis) * size, keep, side);
+        for (int i = 0; i < n; i++) {
+            double shear = mu[i] * ((v[i + step] - v[i]) * inverse + side[i]);
+            out[t][i] = shear;
+            work[i] += shear * (0.5 * (v[i] + v[i + step]));
+        }
+    }
+}
+
+KERNEL static void heat_faces(int n, long step, double inverse, const double *restrict S, const double *restrict kappa,
+                              double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = kappa[i] * ((S[i + step] - S[i]) * inverse);
+}
+
+static void faces_above(const struct gas *g, enum diffusing what, int tile, int axis, long at, int n,
+                        double (*out)[BATCH]) {
+    const struct forest *f = g->forest;
+    const struct diffuser *d = &g->diffuser;
+    const double *S = d->sum[d->last][tile] + at, *face = d->face[tile] + 3 * axis * f->size + at;
+    const double *flag = g->flag[tile] + at;
+    const long step = f->stride[axis];
+    double keep[BATCH];
+    if (what == HEAT) {
+        heat_faces(n, step, 1 / f->width[axis], S, face + 2 * f->size, out[0]);
+        return;
+    }
+    for (int i = 0; i < n && g->flagged[tile]; i++) keep[i] = flag[i] + flag[i + step] > 0 ? 0 : 1;
+    viscous_faces(n, g->dim, axis, step, f->size, 1 / f->width[axis], S, d->gradient[tile] + at, face,
+                  g->flagged[tile] ? keep : NULL, out);
+}
+
+KERNEL static void gain_row(int n, double inverse, bool add, const double *restrict low, const double *restrict high,
+                            double *restrict M) {
+    for (int i = 0; i < n; i++) {
+        double gain = (high[i] - low[i]) * inverse;
+        M[i] = add ? M[i] + gain : gain;
+    }
+}
+
+/* q = q_0 + per M/rho, then S of the next stage in place of the one before the last. */
+KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
+                           const double *restrict rho, const double *restrict start, const double *restrict last,
+                           double *restrict next) {
+    if (c[1] == 0)
+        for (int i = 0; i < n; i++) next[i] = 0; /* it may hold anything */
+    for (int i = 0; i < n; i++) {
+        double q = start[i] + per * M[i] / rho[i];
+        next[i] = (c[0] * last[i] + c[1] * next[i]) + (c[2] * q + c[3] * start[i]);
+    }
+}
+
+KERNEL static void moved_row(int n, double factor, const double *restrict from, const double *restrict M,
+                             double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = from[i] + factor * M[i];
+}
+
+struct sweep { /* of a tile */
+    enum diffusing what;
+    const double *Y0, *c; /* c: of the next stage; NULL: this was the last one */
+    double *to, dt;
+    int tile, n;
+    long bad;
+};
+
+/* to = Y_0 + div of the flux of S; the work of the stress of S on S/dt makes the energy. */
+static void end_row(struct gas *g, struct sweep *s, long at, double (*M)[BATCH]) {
+    const long size = g->forest->size;
+    const int lines = lines_of(g, s->what), energy = g->dim + 1;
+    double moved[BATCH];
+    for (int v = 0; v < g->nvar; v++) {
+        const bool line = s->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;
+        const double *from = s->Y0 + v * size + at;
+        if (changes) {
+            const double factor = v == energy && s->what == VISCOUS ? 1 / s->dt : 1;
+            moved_row(s->n, factor, from, M[line ? v - 1 : s->what == VISCOUS ? lines : 0], moved);
+        }
+        if (changes || s->to != s->Y0)
+            memcpy(s->to + v * size + at, changes ? moved : from, (size_t)s->n * sizeof(double));
+    }
+    s->bad += row_inadmissible(g, s->to, at, s->n, g->diffuser.mark[s->tile]);
+}
+
+/* A row from its faces along all axes. */
+static void move_row(struct gas *g, struct sweep *s, long at, double (*low)[BATCH], double (*high)[BATCH]) {
+    const struct forest *f = g->forest;
+    struct diffuser *d = &g->diffuser;
+    const int lines = lines_of(g, s->what), fluxes = lines + (s->what == VISCOUS);
+    const double per = s->what == VISCOUS ? 1 : g->models.material.gamma - 1;
+    double x[MAX_VAR][BATCH], z[2][MAX_VAR][BATCH], M[MAX_VAR][BATCH];
+    faces_above(g, s->what, s->tile, 0, at - 1, s->n + 1, x);
+    for (int i = 0; i < 2 && g->dim > 2; i++)
+        faces_above(g, s->what, s->tile, 2, at + (i - 1) * f->stride[2], s->n, z[i]);
+    for (int v = 0; v < (s->c ? lines : fluxes); v++) {
+        gain_row(s->n, 1 / f->width[0], false, x[v], x[v] + 1, M[v]);
+        if (g->dim > 1) gain_row(s->n, 1 / f->width[1], true, low[v], high[v], M[v]);
+        if (g->dim > 2) gain_row(s->n, 1 / f->width[2], true, z[0][v], z[1][v], M[v]);
+        const long line = v * f->size + at;
+        if (s->c)
+            sum_row(s->n, s->c, per, M[v], s->Y0 + at, d->start[s->tile] + line, d->sum[d->last][s->tile] + line,
+                    d->sum[1 - d->last][s->tile] + line);
+    }
+    if (!s->c) end_row(g, s, at, M);
+}
+
+static void move_tile(struct gas *g, struct sweep *s) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[s->tile].n;
+    double faces[2][MAX_VAR][BATCH];
+    s->n = n[0];
+    for (int k = 0; k < n[2]; k++)
+        for (int row = g->dim > 1 ? -1 : 0; row < n[1]; row++) {
+            const long at = row_at(f, row, k);
+            double(*low)[BATCH] = faces[(row + 2) % 2], (*high)[BATCH] = faces[(row + 1) % 2];
+            if (g->dim > 1) faces_above(g, s->what, s->tile, 1, at, n[0], high);
+            if (row >= 0) move_row(g, s, at, low, high);
+        }
+}
+
+void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+                           double weight) {
+    fill_sums(g, what, weight);
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct sweep s = {.what = what, .Y0 = Y0->block[t], .c = c, .tile = t};
+        move_tile(g, &s);
+    }
+    g->diffuser.last = 1 - g->diffuser.last;
+}
+
+long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                         double weight) {
+    long bad = 0;
+    fill_sums(g, what, weight);
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct sweep s = {.what = what, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt, .tile = t};
+        move_tile(g, &s);
+        bad += s.bad;
+    }
+    g->diffuser.marked |= bad > 0;
+    return bad;
+}
+
+/* Flags count from here on, the same on both sides of a face. */
+long tiles_diffusion_flags(struct gas *g, bool keep) {
+    const size_t bytes = (size_t)g->forest->size * sizeof(double);
+    for (int t = 0; t < g->forest->ntiles && g->diffuser.marked; t++) {
+        for (long i = 0; keep && i < g->forest->size; i++) g->flag[t][i] += g->diffuser.mark[t][i];
+        memset(g->diffuser.mark[t], 0, bytes);
+    }
+    g->diffuser.marked = false;
+    return keep ? tiles_share_flags(g) : 0;
+}
