@@ -45,6 +45,11 @@ def to_spheres(path):
         f.write(both.join(text.rsplit("}", 1)))
 
 
+def short(x):
+    """Six digits: the names of times that are multiples of it are exact."""
+    return float(f"{x:.6g}")
+
+
 def impact_rate(packing, d, T=1):
     """Of a grain, with the fit to simulations."""
     return float(enskog.collision_rate(packing, T, d, 1, enskog.simulated))
@@ -116,9 +121,10 @@ def compressibility(path, source, d, packing, number, impacts, windows=20, seed=
     """p/(n T) of the elastic gas and its standard error, over `impacts` of each grain after 40 that make the start a fluid
     in equilibrium."""
     gas = Gas(path, source, d, packing, number, seed)
-    rate = impact_rate(packing, d)
-    gas.run(impacts / rate / windows * (windows + np.ceil(40 * windows / impacts)), impacts / rate / windows, 1)
-    z = gas.pressure(impacts / rate / windows * np.ceil(40 * windows / impacts))
+    interval = short(impacts / impact_rate(packing, d) / windows)
+    first = np.ceil(40 * windows / impacts)
+    gas.run((first + windows) * interval, interval, 1)
+    z = gas.pressure(first * interval)
     return z.mean(), z.std(ddof=1) / np.sqrt(len(z))
 
 
@@ -126,7 +132,7 @@ def cooling_pressure(path, source, d, packing, e, number, seed=1, windows=8, rat
     """p/(n T) of a gas that cools from T = 1 to about `ratio`, the mean over windows; the start as in cooling()."""
     gas = Gas(path, source, d, packing, number, seed)
     zeta = float(enskog.cooling_rate(packing, 1, e, d, 1, enskog.simulated))
-    interval = 2 / zeta * (ratio**-0.5 - 1) / windows
+    interval = short(2 / zeta * (ratio**-0.5 - 1) / windows)
     begin = interval * np.ceil(10 / impact_rate(packing, d) / interval)
     gas.run(begin, interval, 1)
     gas.run(begin + windows * interval, interval, e)
