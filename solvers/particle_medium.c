@@ -123,7 +123,8 @@ static status resume(struct particles *x) {
     const struct particle_state *s = &x->saved;
     struct grains *old = NULL;
     double(*at)[3] = NULL, (*u)[3] = NULL;
-    TRY(grains_resume(&s->box, &s->law, s->n, s->grain, s->event, s->id, &s->counts, s->t, &old));
+    TRY(status_note(grains_resume(&s->box, &s->law, s->n, s->grain, s->event, s->id, &s->counts, s->t, &old),
+                    "%s/%s/uniform/grains", x->base.setup->dir, x->base.setup->start.name));
     x->changed = !particle_state_same(s, &x->box, &x->law);
     x->energy = s->energy;
     if (!x->changed) {
@@ -149,7 +150,8 @@ static status place(struct particles *x) {
     if (!e) {
         e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
                         &x->grains);
-        if (p->from_cloud) e = status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.name);
+        e = p->from_cloud ? status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.name)
+                          : status_note(e, "%s/constant/polyMesh", s->dir);
     }
     free(p->x);
     free(p->u);
@@ -166,7 +168,9 @@ static status make_averages(struct particles *x) {
     const struct coarse_grid grid = grid_of(x);
     double numbers[16];
     long n;
-    TRY(averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages));
+    TRY(status_note(
+        averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages),
+        "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties"));
     struct averages_mark *mark = averages_mark(x->averages);
     particle_state_grid(&grid, numbers);
     (void)averages_sums(x->averages, 0, &n);

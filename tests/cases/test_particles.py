@@ -225,6 +225,27 @@ class Particles(harness.Folder, unittest.TestCase):
         by_steps(case, 12)
         self.assertRegex(solve(case), r"WARNING: .* inelastic collapse[^\n]*thresholdSpeed")
 
+    def test_one_word(self):
+        """The case of a gas becomes one of grains by the word of `application`: the same fields, mesh, mass and, after two
+        impacts per grain, temperature."""
+        gas = self.case("gas", alpha=0.1, cells=(6, 6, 1), size=(60.0, 60.0, 1.0), e=0.9, end=10, interval=5)
+        harness.edit(gas, "constant/granularProperties", equationOfState="TorquatoDisks")
+        for name in ("fvSchemes", "fvSolution"):
+            boxes.write_dictionary(gas, "system", name, "")
+        particles = shutil.copytree(gas, os.path.join(self.folder, "grains"))
+        harness.edit(gas, "system/controlDict", application="granularGas")
+        self.assertIn("this is granularGas", harness.program("granularGas", "-case", particles, check=False).stderr)
+        harness.program("granularGas", "-case", gas)
+        solve(particles)
+        a, b = harness.haff.Case(gas), harness.haff.Case(particles)
+        for name in ("alpha", "rho", "U", "T", "p"):
+            self.assertEqual(a.field(name, "10").shape, b.field(name, "10").shape)
+        n = 0.1 * 3600 / (np.pi / 4)
+        self.assertLess(abs(a.field("alpha", "10").mean() - b.field("alpha", "10").mean()), 0.1 * 0.51 / n)
+        T = b.table("grains", "grains.dat")
+        self.assertAlmostEqual(T[-1, 5] / a.field("T", "10").mean(), 1, delta=0.06)  # the scatter of 460 grains over seeds is 0.015
+        self.assertLess(T[-1, 5], 0.7)
+
     def test_own_cloud(self):
         """Grains that the user puts into 0/lagrangian/grains: two that meet head on, one that hits a wall."""
         case = self.case("own", types={"x": "wall", "y": "wall"}, e=0.5, end=4, interval=2,
@@ -384,6 +405,10 @@ class BadInput(harness.Folder, unittest.TestCase):
         Row("one axis", lambda case: make(case, cells=(8, 1, 1), g=(0, 0, 0)), "two solved axes", base="free"),
         Row("overlap", lambda case: cloud(case, [(5, 5, 0.5, 0), (5.5, 5, 0.5, 0)]), "positions", "overlap", base="free"),
         Row("outside", lambda case: cloud(case, [(5, 15.9, 0.5, 0), (5, 5, 0.5, 0)]), "positions", "15.9", base="free"),
+        Row("narrow", lambda case: make(case, cells=(8, 8, 1), size=(2.5, 16.0, 1.0), types={"x": "cyclic", "y": "wall"}, g=(0, 0, 0)),
+            "2.5 m", "periodic", "3 m", base="free"),
+        Row("kernel too wide", ("constant/particleProperties", "kernel cell;", "kernel Gaussian;\nwidth 100;"),
+            "width", where="constant/particleProperties", at=""),
         Row("other N", lambda case: cloud(case, [(5, 5, 0.5, 0)]), "holds 1 grains", where="constant/particleProperties", at="N 100;"),
         Row("cell", lambda case: cloud(case, [(5, 5, 0.5, 64)]), "from 0 to 63", where="0/lagrangian/grains/positions",
             at="(5 5 0.5) 64", base="free"),
