@@ -22,10 +22,11 @@ fig, axes = figures.panels(2, 4, width=8, height=2.1)
 for quarter, ax in enumerate(axes.flat):
     p = layer.profile([name[n + quarter // 4, quarter % 4] for n in starts], heaps)
     ax.plot(p["y"], p["alpha"], label=r"$\nu$")
-    ax.plot(p["y"], 4 / np.pi * p["alpha"] * p["T"] / GRAVITY, "--", label=r"$\rho T/\sigma g$")
+    energy = 4 / np.pi * p["alpha"] * p["T"] / GRAVITY
+    ax.plot(p["y"], energy, "--", label=r"$\rho T/\sigma g$")
     ax.set(xlim=(0, HEIGHT), ylim=(0, 2.5))
     figures.label(ax, r"$y$ ($\sigma$)" if quarter > 3 else "", "", f"$t$ = {quarter / 4:g} $T$")
     print(f"t = {quarter / 4:g} T: at the plate {p['alpha'][0]:.3f}, greatest {p['alpha'].max():.3f} at "
-          f"{p['y'][np.argmax(p['alpha'])]:.1f}, rho T/g {np.max(4 / np.pi * p['alpha'] * p['T'] / GRAVITY):.3f}", file=sys.stderr)
+          f"{p['y'][np.argmax(p['alpha'])]:.1f}, rho T/g {energy.max():.3f}", file=sys.stderr)
 axes[0][0].legend()
 figures.save(fig, sys.argv[2])

@@ -182,7 +182,8 @@ class Files(unittest.TestCase):
         """Two heights, half the columns with a third of the mass of the others."""
         x, y = self.at[:, 0], self.at[:, 1]
         left = x < 60
-        boxes.write_field(self.case, "alpha", np.where(left, 0.1 * (np.abs(y - 10.25) < 0.1), 0.3 * (np.abs(y - 6.25) < 0.1)), time="1")
+        alpha = np.where(left, 0.1 * (np.abs(y - 10.25) < 0.1), 0.3 * (np.abs(y - 6.25) < 0.1))
+        boxes.write_field(self.case, "alpha", alpha, time="1")
         layer = faraday.Layer(self.case)
         np.testing.assert_allclose(layer.mass("1"), np.where(layer.x < 60, 0.5, 1.5), rtol=1e-12)
         np.testing.assert_allclose(layer.height("1"), np.where(layer.x < 60, 10.25, 6.25), rtol=1e-12)
@@ -243,7 +244,8 @@ class Files(unittest.TestCase):
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"^pattern: wavelength 30 \(24 \.\. 40\), centroid 30")
-        last = re.search(r"phase 0.000 of the period, cycles 3 to 8: amplitude of height (\S+), mean height of the columns (\S+)\n", done.stdout)
+        last = re.search(r"phase 0.000 of the period, cycles 3 to 8: amplitude of height (\S+), "
+                         r"mean height of the columns (\S+)\n", done.stdout)
         np.testing.assert_allclose([float(v) for v in last.groups()], [2, 8], atol=0.1)
         self.assertTrue(os.path.exists(picture))
         done = subprocess.run([sys.executable, script, self.case, "-from", "7.9"], capture_output=True, text=True)
