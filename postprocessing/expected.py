@@ -3,7 +3,7 @@
     expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time, value, tolerance (absolute), source; optional
-cells (the grid it holds for: per side in 2D, per radius or length of a body), paper (what Serna & Marquina print). `full` lists what Allrun gives,
+cells (the grid it holds for: per side in 2D, per radius or length of a body), paper (what the paper prints). `full` lists what Allrun gives,
 `short` what the coarser runs of the tests give.
 """
 import json
@@ -14,6 +14,7 @@ import sys
 import numpy as np
 
 import cellmap
+import faraday
 import haff
 import shocks
 from eos import GoldshteinShapiro, PerfectGas
@@ -102,6 +103,14 @@ def stand_off(case, _, time):
     return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
 
 
+def wavelength(case, _, time):
+    """Of the pattern on a shaken layer over the last 50 cycles; nan where none stands."""
+    layer = faraday.Layer(case)
+    last = float(time) * layer.frequency
+    result = faraday.measure(list(faraday.samples(layer, last - 50, last).values()), layer.length)
+    return result["wavelength"] if result["stands"] else np.nan
+
+
 QUANTITIES = {
     "maximum": lambda case, field, time: float(case.field(field, time).max()),
     "minimum": lambda case, field, time: float(case.field(field, time).min()),
@@ -117,6 +126,7 @@ QUANTITIES = {
     "error behind the shock": behind_shock,
     "L1 error of a wedge": wedge_error,
     "stand-off distance": stand_off,
+    "wavelength": wavelength,
 }
 
 
