@@ -6,7 +6,7 @@
 /* Bucket q holds the times with floor((t - origin)/width) = q. Those of q <= present are in the heap, those up to a
  * ring further in list q modulo the ring, all others in one list more, which is looked through once a round. As the
  * bucket of a time is a monotonic function of it also in floating point, the heap's first is the first of all. */
-enum { LOAD = 2 /* times in a bucket that suit best */, LEAST = 16, NOWHERE = -1, HEAP = -1, FIRST = -2 };
+enum { LOAD = 1 /* times in a bucket that suit best */, LEAST = 16, NOWHERE = -1, HEAP = -1, FIRST = -2 };
 
 struct item {
     double t;
@@ -19,6 +19,8 @@ struct calendar {
     int64_t present;
     int64_t loaded; /* into the heap in this round of the ring */
     int heaped;
+    const char *array[2]; /* prefetched for the items of the next bucket */
+    size_t stride[2];
     int32_t *first; /* [ring + 1] of each list */
     int32_t *heap;  /* [n] */
     struct item *item;
@@ -208,10 +210,19 @@ static bool leap(struct calendar *c) {
     return true;
 }
 
+/* Memory takes as long as an event: the next bucket's items and the first of the one after it are asked for now. */
+static void prefetch(const struct calendar *c) {
+    int32_t far = c->first[(c->present + 2) & (c->ring - 1)];
+    if (far >= 0) __builtin_prefetch(&c->item[far], 1);
+    for (int32_t i = c->first[(c->present + 1) & (c->ring - 1)]; i >= 0; i = c->item[i].next)
+        for (int a = 0; a < 2 && c->array[a]; a++) __builtin_prefetch(c->array[a] + (size_t)i * c->stride[a], 1);
+}
+
 static void load_next(struct calendar *c) {
     c->present++;
     if ((c->present & (c->ring - 1)) == 0) next_round(c);
     int32_t list = (int32_t)(c->present & (c->ring - 1)), i = c->first[list];
+    prefetch(c);
     c->first[list] = NOWHERE;
     while (i >= 0) {
         int32_t next = c->item[i].next;
@@ -230,6 +241,16 @@ int calendar_first(struct calendar *c) {
         load_next(c);
     }
     return c->heap[0];
+}
+
+void calendar_attach(struct calendar *c, int which, const void *array, size_t stride) {
+    c->array[which] = array;
+    c->stride[which] = stride;
+}
+
+int calendar_second(const struct calendar *c) {
+    if (c->heaped > 2) return c->heap[earlier(c, c->heap[2], c->heap[1]) ? 2 : 1];
+    return c->heaped > 1 ? c->heap[1] : c->first[(c->present + 1) & (c->ring - 1)];
 }
 
 double calendar_time(const struct calendar *c, int item) {

@@ -6,6 +6,7 @@
 
 #include "mesh/status.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 struct calendar;
@@ -17,6 +18,9 @@ void calendar_set(struct calendar *c, int item, double t);
 void calendar_start(struct calendar *c, double now);
 void calendar_move(struct calendar *c, int item, double t); /* to a time not before that of the first */
 int calendar_first(struct calendar *c);                     /* stays in */
+int calendar_second(const struct calendar *c);              /* what probably follows the first; < 0: not known */
+/* Items of array `which` (0 or 1) are prefetched some time before they come first. */
+void calendar_attach(struct calendar *c, int which, const void *array, size_t stride);
 double calendar_time(const struct calendar *c, int item);
 double calendar_bytes(int n);
 

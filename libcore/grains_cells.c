@@ -10,10 +10,6 @@ static void divide(struct grain_cells *c, int k, double width, int most) {
     while ((1 << c->bits[k]) < c->n[k]) c->bits[k]++;
 }
 
-double grains_cell_edge(const struct grain_cells *c, int k, int number) {
-    return number == c->n[k] ? c->high[k] : c->low[k] + number * c->width[k];
-}
-
 /* Which cells a wall's contact may lie in. */
 static void set_reach(struct grains *g, int k, double diameter) {
     struct grain_cells *c = &g->cells;
@@ -51,18 +47,10 @@ static bool choose(struct grains *g, double diameter) {
     return true;
 }
 
-static void fill(struct grains *g) {
-    struct grain_cells *c = &g->cells;
-    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->slot[q * SLOTS] = 0;
-    for (int i = 0; i < g->n; i++) {
-        g->grain[i].cell = grains_cell_of(g, g->grain[i].x);
-        grains_cell_enter(g, i);
-    }
-}
-
 bool grains_cells_widen(struct grains *g) {
     if (!choose(g, grains_diameter(g, g->time) * (1 + 1e-9))) return false;
-    fill(g);
+    for (int i = 0; i < g->n; i++) g->grain[i].cell = grains_cell_of(g, g->grain[i].x);
+    grains_cells_fill(g);
     return true;
 }
 
@@ -119,6 +107,12 @@ void grains_cell_enter(struct grains *g, int i) {
         count = CHAINED;
     }
     put_count(slot, count);
+}
+
+void grains_cells_fill(struct grains *g) {
+    struct grain_cells *c = &g->cells;
+    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->slot[q * SLOTS] = 0;
+    for (int i = 0; i < g->n; i++) grains_cell_enter(g, i);
 }
 
 /* The last of those in slots, of a chain the first, takes the place of i. */

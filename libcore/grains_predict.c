@@ -109,24 +109,40 @@ static void consider_cells(struct grains *g, int i, double now, int exit, struct
     }
 }
 
+/* When x, moving at u inside cell `number` of axis k, leaves it, and which side; nothing branches on the sign of u. */
+static inline double leaves_straight(const struct grains *g, int k, int number, double x, double u, int *side) {
+    const struct grain_cells *c = &g->cells;
+    bool up = u > 0, wall = !g->box.periodic[k] && number == (up ? c->n[k] - 1 : 0);
+    double edge = grains_cell_edge(c, k, number + up), h = larger(up ? edge - x : x - edge, 0);
+    *side = up;
+    return wall || u == 0 ? HUGE_VAL : h / fabs(u);
+}
+
+static inline double leaves_falling(const struct grains *g, int k, int number, double x, double u, int *side) {
+    const struct grain_cells *c = &g->cells;
+    double first = HUGE_VAL, a = g->law.gravity[k];
+    for (int s = 0; s < 2; s++) {
+        if (!g->box.periodic[k] && number == (s ? c->n[k] - 1 : 0)) continue;
+        double h = s ? grains_cell_edge(c, k, number + 1) - x : x - grains_cell_edge(c, k, number);
+        double t = grains_first_root(h, s ? -u : u, s ? -a : a);
+        if (t >= first) continue;
+        first = t;
+        *side = s;
+    }
+    return first;
+}
+
 /* When and where grain i leaves its cell */
 static double leaves(const struct grains *g, int i, int *exit) {
-    const struct grain_cells *c = &g->cells;
     const struct grain *p = &g->grain[i];
     double first = HUGE_VAL;
     *exit = STAYS;
     for (int k = 0; k < g->dim; k++) {
-        int number = cell_number(c, p->cell, k);
-        double a = g->law.gravity[k];
-        for (int side = 0; side < 2; side++) {
-            if (!g->box.periodic[k] && number == (side ? c->n[k] - 1 : 0)) continue;
-            double h = side ? grains_cell_edge(c, k, number + 1) - p->x[k] : p->x[k] - grains_cell_edge(c, k, number);
-            double t = grains_first_root(h, side ? -p->u[k] : p->u[k], side ? -a : a);
-            if (t < first) {
-                first = t;
-                *exit = 2 * k + side;
-            }
-        }
+        int number = cell_number(&g->cells, p->cell, k), side = 0;
+        double t = g->law.gravity[k] == 0 ? leaves_straight(g, k, number, p->x[k], p->u[k], &side)
+                                          : leaves_falling(g, k, number, p->x[k], p->u[k], &side);
+        *exit = t < first ? 2 * k + side : *exit;
+        first = smaller(t, first);
     }
     return p->t + first;
 }

@@ -37,7 +37,9 @@ struct grains {
     struct grain_counts counts;
     struct grain_cells cells;
     struct calendar *queue;
-    uint32_t *list; /* of occupants, and their impacts' times: scratch of a prediction */
+    int64_t sort_at; /* so many pairs; -1: never */
+    uint64_t *order; /* [n] scratch of grains_sort */
+    uint32_t *list;  /* of occupants, and their impacts' times: scratch of a prediction */
     double *meeting;
     double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
@@ -90,7 +92,9 @@ static inline int cell_number(const struct grain_cells *c, int32_t cell, int k) 
 static inline int32_t cell_index(const struct grain_cells *c, int32_t cell) {
     return cell_number(c, cell, 0) + c->n[0] * (cell_number(c, cell, 1) + c->n[1] * cell_number(c, cell, 2));
 }
-double grains_cell_edge(const struct grain_cells *c, int k, int number);
+static inline double grains_cell_edge(const struct grain_cells *c, int k, int number) {
+    return select_double(number == c->n[k], c->high[k], c->low[k] + number * c->width[k]);
+}
 int32_t grains_cell_of(const struct grains *g, const double x[3]);
 void grains_cell_enter(struct grains *g, int i);
 /* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
@@ -104,6 +108,12 @@ struct grain_block {
 void grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit, struct grain_block *b);
 /* All in the cells of a block; list has room for n + ROOM. Returns how many. */
 int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list);
+
+void grains_cells_fill(struct grains *g); /* from the grains' cells */
+
+/* grains_order.c: indices change; exits and the queue are to be made anew from the grains and their events. */
+void grains_sort(struct grains *g);
+void grains_set_sorting(struct grains *g); /* sort_at from the counts */
 
 /* grains_predict.c; grain i's clock shows `now` */
 void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */

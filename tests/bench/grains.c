@@ -54,6 +54,14 @@ static int lattice(const struct scene *s, struct grain_box *box, double (*x)[3],
         box->high[1] *= 5;
         box->restitution[1][0] = box->restitution[1][1] = 0.9;
     }
+    for (int i = n - 1; i > 0; i--) { /* in no order, as after a long run */
+        int j = (int)(uniform() * (i + 1));
+        for (int k = 0; k < 3; k++) {
+            double swap = x[i][k];
+            x[i][k] = x[j][k];
+            x[j][k] = swap;
+        }
+    }
     return n;
 }
 

@@ -354,6 +354,49 @@ static void pieces(void **state) {
     }
 }
 
+/* So many that they are sorted in memory on the way: again the same bits in pieces and resumed, each grain keeps its
+ * number, and neighbours in space are neighbours in memory more often than by chance. */
+static void sorted(void **state) {
+    (void)state;
+    struct scene *s = lattice(3, (int[3]){14, 13, 12}, 1.25, 5);
+    uint64_t seed = 8;
+    s->law.restitution = 0.9;
+    for (int i = s->n - 1; i > 0; i--) {
+        int j = (int)(uniform(&seed) * (i + 1));
+        double swap[3];
+        memcpy(swap, s->x[i], sizeof swap);
+        memcpy(s->x[i], s->x[j], sizeof swap);
+        memcpy(s->x[j], swap, sizeof swap);
+    }
+    struct grains *whole = make(s), *parts = make(s);
+    double(*x)[3] = calloc((size_t)s->n, sizeof *x), (*u)[3] = calloc((size_t)s->n, sizeof *u);
+    grains_at(whole, 0, x, u);
+    for (int i = 0; i < s->n; i++)
+        for (int k = 0; k < 3; k++) assert_true(x[i][k] == s->x[i][k] && u[i][k] == s->u[i][k]);
+    while (grains_counted(whole)->pairs < 50000) grains_advance(whole, HUGE_VAL, 1000, NULL);
+    while (grains_time(parts) < grains_time(whole)) {
+        grains_advance(parts, fmin(grains_time(whole), grains_time(parts) + 0.05), INT64_MAX, NULL);
+        if (uniform(&seed) < 0.3) parts = resumed(s, parts);
+    }
+    same_state(whole, parts);
+    grains_at(whole, grains_time(whole), x, u);
+    double near = 0;
+    int moved = 0;
+    for (int i = 0; i + 1 < s->n; i++) {
+        int a = grains_ids(whole)[i], b = grains_ids(whole)[i + 1];
+        double square = 0;
+        for (int k = 0; k < 3; k++) square += pow(remainder(x[a][k] - x[b][k], s->box.high[k]), 2);
+        near += square < 4;
+        moved += a != i;
+    }
+    assert_true(near > 0.3 * s->n && moved > s->n / 2);
+    grains_free(whole);
+    grains_free(parts);
+    free(x);
+    free(u);
+    free(s);
+}
+
 static double total(const struct grains *g, double p[3]) {
     double kinetic, potential;
     grains_energy(g, &kinetic, &potential, p);
@@ -707,11 +750,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_grains),   cmocka_unit_test(same_as_all_pairs),
         cmocka_unit_test(no_overlap),   cmocka_unit_test(pieces),
-        cmocka_unit_test(conservation), cmocka_unit_test(balance),
-        cmocka_unit_test(growth),       cmocka_unit_test(moving_floor),
-        cmocka_unit_test(hops),         cmocka_unit_test(pressure),
-        cmocka_unit_test(column),       cmocka_unit_test(cluster),
-        cmocka_unit_test(errors),       cmocka_unit_test(queue),
+        cmocka_unit_test(sorted),       cmocka_unit_test(conservation),
+        cmocka_unit_test(balance),      cmocka_unit_test(growth),
+        cmocka_unit_test(moving_floor), cmocka_unit_test(hops),
+        cmocka_unit_test(pressure),     cmocka_unit_test(column),
+        cmocka_unit_test(cluster),      cmocka_unit_test(errors),
+        cmocka_unit_test(queue),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
