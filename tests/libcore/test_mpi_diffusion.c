@@ -412,7 +412,7 @@ static void steps_are_of_second_order(void **state) {
     (void)state;
     const struct transport *law[2] = {&LAWS[0], transport_find("JenkinsRichman")};
     for (int i = 0; i < 2; i++) {
-        double *fine = blown(law[i], 512), error[2] = {0, 0};
+        double *fine = blown(law[i], 192), error[2] = {0, 0};
         for (int k = 0; k < 2; k++) {
             double *all = blown(law[i], 24 << k);
             for (int v = 0; v < 3 * 64; v++) error[k] = fmax(error[k], fabs(all[v] - fine[v]));
