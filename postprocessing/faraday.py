@@ -287,6 +287,8 @@ def main():
     parser.add_argument("-figure")
     wanted = parser.parse_args()
     layer = Layer(wanted.case)
+    if len(layer.x) < 8:
+        parser.exit(1, f"{wanted.case}: the layer is {len(layer.x)} cells wide; waves want 8 or more\n")
     found = samples(layer, wanted.first, wanted.last, wanted.of)
     if not found:
         parser.exit(1, f"{wanted.case}: no phase of the shaking was written in three cycles or more\n")

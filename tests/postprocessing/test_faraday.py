@@ -252,6 +252,19 @@ class Files(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("three cycles", done.stderr)
 
+    def test_one_column(self):
+        """As cases/vibratedLayer: profiles, but no waves."""
+        self.n, self.size = (1, 40, 1), (1.0, 20.0, 1.0)
+        self.gravity(1, "0 -981 0")
+        self.layer(1, lambda x: 6 + 0 * x, U=np.outer(self.at[:, 1], (0, 2, 0)), T=np.full(len(self.at), 3.0))
+        found = faraday.Layer(self.case).profile("1", dim=3)
+        np.testing.assert_allclose(found["T"], 3, rtol=1e-9)
+        np.testing.assert_allclose(found["U"], 2 * found["y"], rtol=1e-12)
+        script = os.path.join(harness.SOURCE, "postprocessing", "faraday.py")
+        done = subprocess.run([sys.executable, script, self.case], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("1 cells wide", done.stderr)
+
     def test_no_box(self):
         hole = self.at[:, 0] < 3
         boxes.write_mesh(self.case, self.n, self.size, hole=hole & (self.at[:, 1] < 3))
