@@ -1,5 +1,6 @@
 /* Boundary conditions as ghost cells: a table of types by OpenFOAM's names. A patch has one rule per field; a
- * reflecting velocity (a wall) makes every scalar's ghost the mirror image, so that mass is conserved to round-off. */
+ * reflecting velocity (a wall) makes every scalar's ghost the mirror image, so that mass is conserved to round-off; a
+ * temperature given there counts for the conduction of heat only. */
 #ifndef LIBCORE_BOUNDARY_H
 #define LIBCORE_BOUNDARY_H
 

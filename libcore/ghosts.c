@@ -39,6 +39,7 @@ static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[
 }
 
 bool patch_needs_values(const struct patch_rules *r) {
+    if (r->velocity.type->reflects) return false; /* the temperature of a wall is felt by conduction only */
     return r->density.type->value || r->velocity.type->value || r->temperature.type->value;
 }
 

@@ -158,6 +158,7 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
 
 struct edge { /* n cells along a side: offsets of the first one and of its ghost, from cell to cell `step` */
     const struct patch_rules *rules;
+    const int *face; /* [n] within the patch */
     int normal, n;
     long from, to, step;
 };
@@ -189,6 +190,15 @@ static void hold_edge(const struct gas *g, const struct edge *e, int components,
         }
 }
 
+/* S beyond a wall of a given temperature: the mean of both sides is that of the wall. */
+static void isothermal_edge(const struct edge *e, double weight, double *S) {
+    const struct rule *rule = &e->rules->temperature;
+    for (int i = 0; i < e->n; i++) {
+        const double T = rule->values ? rule->values[e->face[i]] : rule->uniform[0];
+        S[e->to + i * e->step] = 2 * weight * T - S[e->from + i * e->step];
+    }
+}
+
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
 
 /* The first layer of ghosts of all sides of a tile that are patches. */
@@ -203,6 +213,7 @@ static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void
             for (int start = 0; start < t->n[across]; start += BATCH) {
                 e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
                          start * f->stride[across];
+                e.face = t->side[side].face + (long)k * t->n[across] + start;
                 e.to = e.from + (side % 2 ? f->stride[axis] : -f->stride[axis]);
                 e.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
                 visit(g, tile, &e, context);
@@ -218,9 +229,11 @@ struct fill {
 static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct fill *fill = context;
     double *S = g->diffuser.sum[g->diffuser.last][tile];
-    const bool held = fill->what == VISCOUS ? e->rules->velocity.type->value != NULL
-                                            : !e->rules->velocity.type->reflects && e->rules->temperature.type->value;
-    if (held)
+    const bool wall = e->rules->velocity.type->reflects,
+               given = fill->what == HEAT && e->rules->temperature.type->value;
+    if (wall && given)
+        isothermal_edge(e, fill->weight, S);
+    else if (given || (fill->what == VISCOUS && e->rules->velocity.type->value))
         hold_edge(g, e, lines_of(g, fill->what), fill->weight, g->diffuser.start[tile], S);
     else
         reflect_edge(g, e, fill->what == VISCOUS, S);

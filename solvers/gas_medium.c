@@ -160,8 +160,9 @@ static status gas_after(struct medium *m, const struct moment *now) {
 /* What must stay, drifts; what flows in or out or is taken by a source, changes. */
 static const char *word_for(const struct gas_state *g, bool energy) {
     for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
-        const struct boundary_type *type = g->initial->rules[p].velocity.type;
-        if (type && !type->reflects) return "change";
+        const struct patch_rules *r = &g->initial->rules[p];
+        if (!r->velocity.type) continue;
+        if (!r->velocity.type->reflects || (energy && r->temperature.type->value)) return "change";
     }
     return energy && source_active(&g->models->gas.source, &g->models->gas.material) ? "change" : "drift";
 }

@@ -219,11 +219,12 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *scalar = boundary_find(f->patch[p].type);
-        if (scalar && scalar->value)
+        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar == boundary_find("fixedValue");
+        if (scalar && scalar->value && !heated)
             return fail(ERR_INPUT,
-                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient",
+                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient%s",
                         dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
-                        f->kind->name, scalar->name);
+                        f->kind->name, scalar->name, r->models->transport ? " (or a fixedValue of T)" : "");
     }
     return OK;
 }
