@@ -42,6 +42,8 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
         for (int side = 0; side < 2 && !box->periodic[k]; side++)
             if (!(box->restitution[k][side] >= 0 && box->restitution[k][side] <= 1))
                 return fail(ERR_INPUT, "a wall's restitution of %g; it must lie in 0 to 1", box->restitution[k][side]);
+        if (!(isfinite(law->gravity[k]) && isfinite(box->shake[k]) && isfinite(box->omega) && isfinite(box->phase)))
+            return fail(ERR_INPUT, "gravity or the shaking along axis %d is not finite", k);
         if (law->growth != 0 && (law->gravity[k] != 0 || is_shaken(box, k)))
             return fail(ERR_INPUT, "grains can grow only in a box at rest without gravity");
     }

@@ -65,7 +65,7 @@ struct grain_impact {
             [3]; /* m: centres of both grains (box frame, the second unwrapped beside the first); a wall: x[1] = x[0] */
     double normal[3]; /* from the first to the second, or to the wall */
     double impulse;   /* kg m/s, > 0: the first grain gets -impulse * normal */
-    int a, b;         /* indices; b < 0: the wall, as in struct grain_event */
+    int a, b;         /* indices at that time; b < 0: the wall, as in struct grain_event */
 };
 struct grain_observer { /* told of every impact; first member of whatever listens */
     void (*impact)(struct grain_observer *self, const struct grain_impact *i);
@@ -95,7 +95,7 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
 int grains_number(const struct grains *g);
 const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
-const int32_t *grains_ids(const struct grains *g);               /* [n]: the grain at index i is number id[i] */
+const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
 double grains_time(const struct grains *g);
 double grains_bytes(int n, int dim); /* memory a run takes, about */

@@ -1,5 +1,5 @@
-/* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|all] [impacts]. Lattices with
- * random velocities; the first tenth of the impacts melts them and is not timed. */
+/* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|layer|all] [impacts]. Lattices
+ * with random velocities; the first tenth of the impacts melts them and is not timed. */
 #include "libcore/grains.h"
 #include "tests/bench/clock.h"
 
@@ -14,14 +14,15 @@ struct scene {
     double packing; /* of the lattice */
     double restitution;
     bool bed; /* gravity 1 along -y, walls below and high above, diameter 1 */
-    double T;
+    double T, shake;
     int64_t impacts;
 };
 static const struct scene scenes[] = {
-    {"disks", 2, {50, 60, 1}, 0.5, 1, false, 1, 3000000},
-    {"spheres", 3, {15, 10, 5}, 0.26, 1, false, 1, 3000000},
-    {"many", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 2500000},
-    {"bed", 3, {66, 11, 66}, 0.62, 0.9, true, 0.1, 5000000},
+    {"disks", 2, {50, 60, 1}, 0.5, 1, false, 1, 0, 3000000},
+    {"spheres", 3, {15, 10, 5}, 0.26, 1, false, 1, 0, 3000000},
+    {"many", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 0, 2500000},
+    {"bed", 3, {66, 11, 66}, 0.62, 0.9, true, 0.1, 0, 5000000},
+    {"layer", 2, {314, 6, 1}, 0.76, 0.75, true, 0.1, 5.57, 3000000}, /* 2.75 g, where layers show waves */
 };
 
 static uint64_t state = 88172645463325252u;
@@ -51,8 +52,10 @@ static int lattice(const struct scene *s, struct grain_box *box, double (*x)[3],
     if (s->bed) {
         box->periodic[1] = false;
         for (int i = 0; i < n; i++) x[i][1] += 0.2;
-        box->high[1] *= 5;
-        box->restitution[1][0] = box->restitution[1][1] = 0.9;
+        box->high[1] = s->shake > 0 ? 60 : 5 * box->high[1];
+        box->shake[1] = s->shake;
+        box->omega = s->shake > 0 ? sqrt(2.75 / s->shake) : 0;
+        box->restitution[1][0] = box->restitution[1][1] = s->shake > 0 ? 1 : 0.9;
     }
     for (int i = n - 1; i > 0; i--) { /* in no order, as after a long run */
         int j = (int)(uniform() * (i + 1));
@@ -66,7 +69,8 @@ static int lattice(const struct scene *s, struct grain_box *box, double (*x)[3],
 }
 
 static status run(const struct scene *s, int64_t impacts) {
-    struct grain_law law = {.diameter = 1, .mass = 1, .restitution = s->restitution, .threshold = 1e-3};
+    struct grain_law law = {
+        .diameter = 1, .mass = 1, .restitution = s->restitution, .threshold = s->shake > 0 ? 0.03 : 1e-3};
     struct grain_box box;
     struct grains *g;
     double(*x)[3], (*u)[3];
