@@ -1,6 +1,7 @@
 #include "solvers/particle_models.h"
 
 #include "libcore/boundary.h"
+#include "libcore/transport.h"
 #include "solvers/fields.h"
 #include "solvers/params.h"
 
@@ -61,7 +62,16 @@ static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian"};
 static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
                                            "over a normal distribution around a centre, cut at 3 width"};
 
-/* The equation of state and what comes with it are the gas's. */
+/* Of a model of the gas: its coefficients are no one's here. */
+static status leave_coeffs(struct dict *d, const char *model) {
+    char coeffs[128];
+    struct dict *sub;
+    snprintf(coeffs, sizeof coeffs, "%sCoeffs", model);
+    TRY(dict_sub_optional(d, coeffs, &sub));
+    if (sub) dict_mark_used(sub);
+    return OK;
+}
+
 static status read_granular(struct dict *d, struct particle_models *m) {
     static const char *const words[] = {"equationOfState", "cooling", "transport"};
     struct dict *sub;
@@ -69,12 +79,8 @@ static status read_granular(struct dict *d, struct particle_models *m) {
     TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
     if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
     for (int i = 0; i < COUNT(words); i++) (void)dict_has(d, words[i]);
-    for (int i = 0; i < eos_count; i++) {
-        char coeffs[128];
-        snprintf(coeffs, sizeof coeffs, "%sCoeffs", eos_table[i].name);
-        TRY(dict_sub_optional(d, coeffs, &sub));
-        if (sub) dict_mark_used(sub);
-    }
+    for (int i = 0; i < eos_count; i++) TRY(leave_coeffs(d, eos_table[i].name));
+    for (int i = 0; i < transport_count; i++) TRY(leave_coeffs(d, transport_table[i].name));
     return dict_check_used(d);
 }
 

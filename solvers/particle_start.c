@@ -106,8 +106,9 @@ status particle_start_check(const struct setup *s, const struct particle_start *
             const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
             if (wall && wall->reflects && type && type->value)
                 return fail(ERR_INPUT,
-                            "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use "
-                            "zeroGradient",
+                            "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
+                            "cannot be '%s' "
+                            "there, use zeroGradient",
                             dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->name, f->kind->name,
                             type->name);
         }

@@ -34,7 +34,10 @@ PROPERTIES = """grain
     thresholdSpeed {threshold};
 }}
 equationOfState GoldshteinShapiro;
+TorquatoDisksCoeffs {{ }}
+JenkinsRichmanCoeffs {{ }}
 cooling Haff;
+transport none;
 """
 PERIODIC = {"x": "cyclic", "y": "cyclic", "z": "cyclic"}
 OPENFOAM = "/usr/share/openfoam"
@@ -394,7 +397,7 @@ class BadInput(harness.Folder, unittest.TestCase):
             "patch yHigh", "lets grains in or out", "slip", at="type zeroGradient;"),
         Row("rough wall", ("0/U", "yLow\n    {\n        type slip;", "yLow\n    {\n        type noSlip;"), "smooth", at="type noSlip;"),
         Row("thermal wall", ("0/T", "yLow\n    {\n        type zeroGradient;", "yLow\n    {\n        type fixedValue;\n        value uniform 1;"),
-            "zeroGradient", "reflects", at="type fixedValue;"),
+            "zeroGradient", "give no heat", at="type fixedValue;"),
         Row("packed", ("0/alpha", "uniform 0.3", "uniform 0.95"), "cell 0", "0.9069"),
         Row("negative", ("0/T", "uniform 1", "uniform -1"), "0 or greater"),
         Row("flow out of the plane", ("0/U", "uniform (0 0 0)", "uniform (0 0 1)"), "its z component must be 0"),
