@@ -295,8 +295,8 @@ double grains_advance(struct grains *g, double until, int64_t most, struct grain
             if (!regrow(g)) return g->time;
             continue;
         }
-        if (!(t <= until)) {
-            g->time = fmax(until, g->time);
+        if (!(t <= until) || t == HUGE_VAL) { /* never: nothing will happen, time stays where it is */
+            if (until < HUGE_VAL) g->time = fmax(until, g->time);
             return g->time;
         }
         g->counts.events++;

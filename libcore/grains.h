@@ -83,7 +83,7 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, i
 void grains_free(struct grains *g);
 
 /* All events up to `until`, but no more than `most` of them; returns the time reached: `until`, or that of the last
- * event. observer: NULL or who listens. */
+ * event (until = HUGE_VAL: also when nothing will ever happen). observer: NULL or who listens. */
 double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer);
 
 /* Where all are at time t, not before the time reached and not after the next event; changes nothing. Indexed by id,

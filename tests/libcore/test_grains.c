@@ -579,6 +579,11 @@ static void hops(void **state) {
     assert_true(grains_time(g) > 1e-5);
     close_to(grains_all(g)[0].x[2], 0.5, 1e-12, "height at rest");
     grains_free(g);
+    s->law.gravity[2] = 0; /* nothing ever happens */
+    g = make(s);
+    assert_true(grains_advance(g, HUGE_VAL, 10, NULL) == 0);
+    assert_true(grains_advance(g, 7, 10, NULL) == 7 && grains_counted(g)->events == 0);
+    grains_free(g);
     free(r);
     free(s);
 }
