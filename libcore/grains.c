@@ -291,7 +291,7 @@ double grains_advance(struct grains *g, double until, int64_t most, struct grain
     for (int64_t taken = 0; taken < most; taken++) {
         int i = calendar_first(g->queue);
         double t = calendar_time(g->queue, i);
-        if (g->outgrown <= fmin(t, until)) {
+        if (g->outgrown < HUGE_VAL && g->outgrown <= fmin(t, until)) {
             if (!regrow(g)) return g->time;
             continue;
         }
