@@ -68,6 +68,13 @@ static int lattice(const struct scene *s, struct grain_box *box, double (*x)[3],
     return n;
 }
 
+/* Kinetic, potential and what impacts took: constant in a box at rest */
+static double balance(const struct grains *g) {
+    double kinetic, potential, momentum[3];
+    grains_energy(g, &kinetic, &potential, momentum);
+    return kinetic + potential + grains_counted(g)->lost;
+}
+
 static status run(const struct scene *s, int64_t impacts) {
     struct grain_law law = {
         .diameter = 1, .mass = 1, .restitution = s->restitution, .threshold = s->shake > 0 ? 0.03 : 1e-3};
@@ -85,14 +92,16 @@ static status run(const struct scene *s, int64_t impacts) {
     const struct grain_counts *c = grains_counted(g);
     while (c->pairs < impacts / 10) grains_advance(g, HUGE_VAL, n, NULL);
     struct grain_counts old = *c;
-    double seconds = cpu_seconds();
+    double energy = balance(g), seconds = cpu_seconds();
     while (c->pairs - old.pairs < impacts) grains_advance(g, HUGE_VAL, 10000, NULL);
     seconds = cpu_seconds() - seconds;
     double pairs = (double)(c->pairs - old.pairs), events = (double)(c->events - old.events);
     printf("%-8s %7d grains: %6.3f million impacts/s, %6.3f million events/s (%.2f an impact), %.0f bytes a grain, "
-           "made in %.2f s, t = %.6g, lost %.17g\n",
+           "made in %.2f s, t = %.6g, lost %.17g",
            s->name, n, 1e-6 * pairs / seconds, 1e-6 * events / seconds, events / pairs, grains_bytes(n, s->dim) / n,
            made, grains_time(g), c->lost);
+    if (s->shake == 0) printf(", energy changed by %.2g", balance(g) / energy - 1);
+    printf("\n");
     grains_free(g);
     free(x);
     free(u);
