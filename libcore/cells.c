@@ -18,8 +18,9 @@ static status make_lines(struct gas *g) {
     for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
     g->nraised = m->nown;
-    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &g->raised};
-    for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited};
+    for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    TRY(floors_make(g));
     TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
     TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
     TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
@@ -61,7 +62,7 @@ static void cells_free(struct gas *g) {
         if (states[i]->block) free(states[i]->block[0]);
         free(states[i]->block);
     }
-    free(g->raised);
+    floors_free(g);
     if (!c) return;
     fit_free(c->fit);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
@@ -176,15 +177,17 @@ static status cells_check(const struct gas *g) {
     for (int from = 0; from < m->nown && !s; from += BATCH) {
         int n = m->nown - from < BATCH ? m->nown - from : BATCH;
         const double *U = g->U.block[0] + from;
-        if (!find_bad(n, g->dim, m->size, g->limit, U, bad)) continue;
+        if (!find_bad(n, g->dim, m->size, g->least, g->limit, U, bad)) continue;
         for (int i = 0; i < n && !s; i++) {
             struct primitives q;
             if (bad[i] == 0) continue;
             const double *at = g->grid->centre + 3L * m->cell[from + i];
             find_primitives(g, 1, m->size, U + i, false, &q);
-            s = fail(ERR_STATE,
-                     "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
-                     at[0], at[1], at[2], U[i], g->limit, (g->models.material.gamma - 1) * q.eps[0]);
+            s = fail(
+                ERR_STATE,
+                "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
+                at[0], at[1], at[2], U[i], g->least, g->limit, (g->models.material.gamma - 1) * q.eps[0],
+                density_hint(g));
         }
     }
     return comm_agree(g->comm, s);
@@ -281,30 +284,25 @@ static long cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], 
         double *U[MAX_VAR];
         for (int v = 0; v < g->nvar; v++) U[v] = out[v] + at;
         source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, dt, kick, U);
-        count += find_bad(n, g->dim, m->size, g->limit, out[0] + at, bad);
+        count += find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad);
     }
     return count;
 }
 
 static long cells_floor(struct gas *g, const struct state *s) {
     const struct mosaic *m = g->cells->mosaic;
-    double *U[MAX_VAR], bad[BATCH], raised[BATCH];
+    double *U[MAX_VAR];
     long count = 0;
     cells_lines(g, s, U);
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        if (!find_bad(n, g->dim, m->size, g->limit, U[0] + at, bad)) continue;
-        g->floored += raise_energy(n, g->dim, m->size, g->limit, U[0] + at, bad, raised);
-        for (int i = 0; i < n; i++) {
-            g->raised[at + i] += raised[i];
-            count += bad[i] > 0;
-        }
+        count += floors_apply(g, n, m->size, U[0] + at, at, 1);
     }
     return count;
 }
 
-static status cells_sum_raised(const struct gas *g, double *energy) {
-    return integrate(g, g->raised, energy);
+static status cells_sum_raised(const struct gas *g, double *raised, double *sum) {
+    return integrate(g, raised, sum);
 }
 
 static void cells_note_limited(struct gas *g, double place[3]) {

@@ -113,7 +113,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
         gather_line(p->n, cell, U[v], average[v]);
     }
     fit_points(c->fit, side, from, p->n, U, out);
-    limit_towards(p->n, g->dim, g->limit, (const double(*)[BATCH])average, at, theta);
+    limit_towards(p->n, g->dim, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
@@ -207,7 +207,7 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < p->n; i++) p->out[v][i] = c->flux[v][p->face[i]] / f->area[p->face[i]];
     into_frames(g, p, p->out);
-    limit_faces(&faces, g->limit, theta);
+    limit_faces(&faces, g->least, g->limit, theta);
     out_of_frames(g, p, p->out);
     for (int i = 0; i < p->n; i++) {
         const int face = p->face[i];
@@ -264,7 +264,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
             residuals(c, at, n, c->flux[v], residual);
             update_row(n, a, dt, start[v] + at, in[v] + at, residual, out[v] + at);
         }
-        if (!find_bad(n, g->dim, m->size, g->limit, out[0] + at, bad)) continue;
+        if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
         for (int i = 0; i < n; i++) {
             c->flag[at + i] += bad[i];
             count += bad[i] > 0;

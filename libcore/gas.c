@@ -1,7 +1,47 @@
 /* The gas, whatever mesh it is on: what gas.h promises, handed to the engine of the mesh. */
 #include "libcore/state.h"
 
+#include "libcore/limit.h"
+
 #include <stdlib.h>
+
+status floors_make(struct gas *g) {
+    TRY(allocate(&g->raised, g->nraised, sizeof(double), "the floors"));
+    for (int v = 0; v < 2 && g->least > 0; v++) TRY(allocate(&g->fill[v], g->nraised, sizeof(double), "the floors"));
+    return OK;
+}
+
+void floors_free(struct gas *g) {
+    free(g->raised);
+    for (int v = 0; v < 2; v++) free(g->fill[v]);
+}
+
+static void fill_cells(struct gas *g, int n, long size, double *U, double *bad, int place, int step) {
+    double added[2][BATCH];
+    g->filled += raise_density(n, g->dim, size, g->least, g->limit, U, bad, added);
+    for (int v = 0; v < 2; v++)
+        for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
+}
+
+long floors_apply(struct gas *g, int n, long size, double *U, int place, int step) {
+    double bad[BATCH], raised[BATCH];
+    long left = 0;
+    if (!find_bad(n, g->dim, size, g->least, g->limit, U, bad)) return 0;
+    if (g->least > 0) fill_cells(g, n, size, U, bad, place, step);
+    g->floored += raise_energy(n, g->dim, size, g->least, g->limit, U, bad, raised);
+    for (int i = 0; i < n; i++) {
+        g->raised[place + i * step] += raised[i];
+        left += bad[i] > 0;
+    }
+    return left;
+}
+
+const char *density_hint(const struct gas *g) {
+    return g->least > 0
+               ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the field, "
+                 "or lower alphaFloor"
+               : "";
+}
 
 static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
@@ -11,6 +51,8 @@ static status make(const struct gas *like, struct gas **out) {
     g->first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;
     g->limit = density_limit(g->models.eos, &g->models.material);
+    if (g->models.alpha_floor > 0)
+        g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->make(g);
     if (s)
         gas_free(g);

@@ -39,6 +39,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct transport *transport;   /* NULL: inviscid, which costs nothing; a forest only */
     struct transport_numbers numbers;    /* of the transport */
     const struct diffusion *diffusion;   /* with transport */
+    double alpha_floor;                  /* alpha stays above it: mass is added where the fluxes cannot help; 0: off */
     bool skip_uniform; /* with transport off; leave out what is exactly zero (libcore/activity.c): the same bits, less
                           work */
 };
@@ -49,6 +50,8 @@ struct gas_counts { /* of what kept the state admissible (libcore/limit.h), sinc
     long rejected;  /* steps rejected and halved */
     long floored;   /* cells raised to the round-off floor, and the energy that added, J */
     double energy;
+    long filled;     /* cells raised to the density floor, once a stage, */
+    double fill[2];  /* and what that added to the results of steps: mass and energy, kg and J, to round-off */
     double place[3]; /* centre of a cell limited last, m; 0 before */
     long halves;     /* diffusive half steps that stand, */
     long stages[2];  /* the stages they took, of viscous stress and of heat conduction, and those of */
@@ -85,7 +88,8 @@ enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_L
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);
 
-/* Checks every cell: rho > 0, T > 0, alpha < alphaMax; the error names field, value, cell and place. */
+/* Checks every cell: rho > 0 (and the density floor), T > 0, alpha < alphaMax; the error names field, value, cell and
+ * place. */
 status gas_check(const struct gas *g);
 
 void gas_speed(struct gas *g, struct gas_speed *speed);

@@ -20,8 +20,12 @@
  * mirror images keep their bits. A Courant number of a stage up to 1/2 means K <= 1 in one dimension, and in more where
  * the largest speeds along the axes meet in one cell and s is |v| + c; in general the step is halved until K <= 1.
  *
+ * A floor `least` > 0 of the density takes the place of vacuum in theta. It is not invariant: where gas expands, ubar
+ * itself falls below it, at any finite s. There theta is 0, and raise_density adds what is missing.
+ *
  * At high Mach numbers rho e drowns in the round-off of E: a state counts as admissible if rho E - m^2/2 exceeds
- * ROUND m^2/2, and E is raised to that floor where it misses it by round-off: nothing else is ever clamped. */
+ * ROUND m^2/2, and E is raised to that floor where it misses it by round-off: without `least` nothing else is ever
+ * clamped. */
 #ifndef LIBCORE_LIMIT_H
 #define LIBCORE_LIMIT_H
 
@@ -30,19 +34,24 @@
 #define KEPT  0.1   /* of the distance from the edge of the set, at least */
 #define ROUND 1e-13 /* of the kinetic energy: what an admissible internal energy exceeds */
 
-/* f->out: F_H (NaN is allowed) -> F_L + theta (F_H - F_L), F_H itself where theta is 1 and F_L where it is 0; limit:
- * rho_max; theta [n]. The stencil of f is its cells 0 and 1. */
-void limit_faces(const struct faces *f, double limit, double *theta);
+/* f->out: F_H (NaN is allowed) -> F_L + theta (F_H - F_L), F_H itself where theta is 1 and F_L where it is 0; least,
+ * limit: what rho stays above and below; theta [n]. The stencil of f is its cells 0 and 1. */
+void limit_faces(const struct faces *f, double least, double limit, double *theta);
 
 /* Moves n states towards admissible averages until they keep a share KEPT of their distance from the edge of the set
  * (Zhang & Shu 2010), by theta [n] of the way: 1 not moved, 0 (NaN, too) now the average. */
-void limit_towards(int n, int dim, double limit, const double (*average)[BATCH], double (*at)[BATCH], double *theta);
+void limit_towards(int n, int dim, double least, double limit, const double (*average)[BATCH], double (*at)[BATCH],
+                   double *theta);
 
 /* Of n <= BATCH states whose variables are `size` apart: bad = 1 where one is not admissible, else 0. Is any? */
-bool find_bad(int n, int dim, long size, double limit, const double *restrict U, double *restrict bad);
+bool find_bad(int n, int dim, long size, double least, double limit, const double *restrict U, double *restrict bad);
+/* The density floor: of the bad ones with 0 < rho <= least raises rho above it at their own velocity and temperature;
+ * bad <- whether they still are; added [2] <- mass and energy added (else 0), kg/m^3 and J/m^3. Returns how many. */
+int raise_density(int n, int dim, long size, double least, double limit, double *restrict U, double *restrict bad,
+                  double (*restrict added)[BATCH]);
 /* The round-off floor: raises E of the bad ones that miss it by round-off, bad <- 0, raised <- the energy added (else
  * 0), J/m^3. Returns how many. */
-int raise_energy(int n, int dim, long size, double limit, double *restrict U, double *restrict bad,
+int raise_energy(int n, int dim, long size, double least, double limit, double *restrict U, double *restrict bad,
                  double *restrict raised);
 
 #endif

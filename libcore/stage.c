@@ -150,7 +150,7 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     if (!any) return;
     f.n = s->n;
     for (int v = 0; v < g->nvar; v++) memcpy(limited[v], out[v] + column, (size_t)s->n * sizeof(double));
-    limit_faces(&f, g->limit, theta);
+    limit_faces(&f, g->least, g->limit, theta);
     for (int i = 0; i < s->n; i++) {
         if (flag[i] + flag[i + f.stride] == 0) continue;
         for (int v = 0; v < g->nvar; v++) out[v][column + i] = limited[v][i];
@@ -206,7 +206,7 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
     double bad[BATCH];
     int count = 0;
-    if (!find_bad(n, g->dim, g->forest->size, g->limit, U + offset, bad)) return 0;
+    if (!find_bad(n, g->dim, g->forest->size, g->least, g->limit, U + offset, bad)) return 0;
     for (int i = 0; i < n; i++) {
         count += bad[i] > 0;
         if (marks) marks[offset + i] += bad[i];

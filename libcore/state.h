@@ -71,11 +71,12 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
      * counted in g->faces. Flags what is not admissible. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-    /* Raises the energy of cells to the round-off floor, counted in g->floored and noted in g->raised; returns the
-     * number of cells that are not admissible all the same. */
+    /* Raises the density of cells to its floor, counted in g->filled and noted, times g->share, in g->fill; and the
+     * energy to the round-off floor, counted in g->floored and noted in g->raised; returns the number of cells that
+     * are not admissible all the same. */
     long (*floor)(struct gas *g, const struct state *s);
-    status (*sum_raised)(const struct gas *g, double *energy); /* g->raised of all ranks, J */
-    void (*note_limited)(struct gas *g, double place[3]);      /* adds the flags to the field; where is the first? */
+    status (*sum_raised)(const struct gas *g, double *raised, double *sum); /* of g->raised or fill of all ranks */
+    void (*note_limited)(struct gas *g, double place[3]); /* adds the flags to the field; where is the first? */
     void (*clear_flags)(struct gas *g);
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
@@ -124,7 +125,7 @@ struct gas {
     struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
     struct state V, W;       /* stages */
     double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
-    double limit;            /* rho < limit */
+    double least, limit;     /* least < rho < limit; least: 0, or the density floor less round-off */
     struct gas_speed speed;  /* of U, if speed_known */
     bool speed_known;
     int guarded; /* so many steps are still looked at stage by stage (libcore/step.c) */
@@ -135,6 +136,9 @@ struct gas {
     long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
     double *raised; /* [nraised] J/m^3 of this attempt: of tiles, or of cells of the mosaic */
     int nraised;
+    long filled;        /* cells raised to the density floor by this attempt, on this rank */
+    double *fill[2];    /* [nraised] the mass and energy of that in the step's result, per m^3; NULL without a floor */
+    double share;       /* of what is added to a stage in that result */
     long computed, all; /* cells times stages on this rank */
 
     struct forest *forest; /* from here on: of the tiles */
@@ -160,7 +164,7 @@ long tiles_share_flags(struct gas *g);
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
 long tiles_floor(struct gas *g, const struct state *s);
-status tiles_sum_raised(const struct gas *g, double *energy);
+status tiles_sum_raised(const struct gas *g, double *raised, double *sum);
 void tiles_note_limited(struct gas *g, double place[3]);
 void tiles_clear_flags(struct gas *g);
 void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
@@ -240,6 +244,14 @@ static inline void stepper_exchange(double start, double *next, double *state) {
     *next = start + 0.9 * (s - start);
     *state = start + 0.4 * (s - start);
 }
+
+/* Allocates g->nraised places for what the floors add. */
+status floors_make(struct gas *g);
+void floors_free(struct gas *g);
+/* Both floors on n <= BATCH states whose variables are `size` apart; what cell i was given is noted in g->fill and
+ * g->raised at place + i step. Returns how many are bad all the same. */
+long floors_apply(struct gas *g, int n, long size, double *U, int place, int step);
+const char *density_hint(const struct gas *g); /* behind the message of a state that is not admissible */
 
 /* Of places that ranks found, the first in space; none: HUGE_VAL. Order in space decides, not the rank. */
 struct first_place {

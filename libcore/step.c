@@ -27,6 +27,19 @@ static long any_rank(const struct gas *g, long mine) {
     return (long)value;
 }
 
+/* Of what is added after a stage, the share in the result of the step: the stages are linear in it. */
+static double share_of(const struct stepper *s, int added) {
+    double start = 0, state = 0, next = 0;
+    for (int stage = 0; stage < s->stages; stage++) {
+        state += s->a[stage] * (start - state);
+        if (stage == added) state += 1;
+        if (stage + 1 != s->exchange) continue;
+        stepper_exchange(start, &next, &state);
+        start = next;
+    }
+    return state;
+}
+
 /* Redoes what stage left inadmissible; false: not to be mended. */
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
@@ -77,8 +90,10 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
     const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
     *bad = 0;
     if (guarded) {
-        g->floored = 0;
+        g->floored = g->filled = 0;
+        g->share = 1;
         memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
+        for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
     }
     if (sources) {
         *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
@@ -127,22 +142,39 @@ static bool guard_stages(struct gas *g, const struct state *U0, double t, double
         double a = s->a[stage], b = s->b[stage] * dt;
         if (any_rank(g, g->engine->stage(g, U0, from, &g->W, a, b))) {
             g->guarded = GUARDED;
+            g->share = share_of(s, stage);
             if (!mend_stage(g, U0, from, &g->W, a, b)) return false;
         }
         U0 = after_stage(g, U0, stage);
     }
     if (g->models.transport && !second_diffusion(g, dt, 0)) return false;
     if (!sources) return true;
+    g->share = 1;
     bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
     return !bad || !any_rank(g, g->engine->floor(g, &g->V));
 }
 
-/* What the floor did in a step that stands. */
+static status count_fill(struct gas *g) {
+    double sum;
+    if (!(g->least > 0)) return OK;
+    comm_sum_long(g->comm, &g->filled, 1);
+    if (!g->filled) return OK;
+    for (int v = 0; v < 2; v++) {
+        TRY(g->engine->sum_raised(g, g->fill[v], &sum));
+        g->counts.fill[v] += sum;
+    }
+    g->counts.filled += g->filled;
+    g->guarded = GUARDED;
+    return OK;
+}
+
+/* What the floors did in a step that stands. */
 static status count_floor(struct gas *g) {
     double energy;
+    TRY(count_fill(g));
     comm_sum_long(g->comm, &g->floored, 1);
     if (!g->floored) return OK;
-    TRY(g->engine->sum_raised(g, &energy));
+    TRY(g->engine->sum_raised(g, g->raised, &energy));
     g->counts.floored += g->floored;
     g->counts.energy += energy;
     g->guarded = GUARDED;

@@ -68,7 +68,7 @@ static status tiles_make(struct gas *g) {
     TRY(blocks_make(g->forest, 1, &g->flag));
     TRY(blocks_make(g->forest, 1, &g->limited));
     g->nraised = g->forest->ntiles;
-    TRY(allocate(&g->raised, g->nraised, sizeof(double), "tiles"));
+    TRY(floors_make(g));
     TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
     TRY(make_work(g));
@@ -81,7 +81,7 @@ static void tiles_free(struct gas *g) {
     diffuser_free(g);
     blocks_free(g->forest, g->flag);
     blocks_free(g->forest, g->limited);
-    free(g->raised);
+    floors_free(g);
     free(g->flagged);
     free(g->sums);
     free(g->activity.differ);
@@ -259,9 +259,10 @@ static status tiles_check(const struct gas *g) {
         double place[3];
         cell_place(g, &g->forest->tile[t], c.bad, place);
         primitives_of_row(g, c.U, c.bad, 1);
-        s = fail(
-            ERR_STATE, "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed 0 .. %.8g), T = %.8g (allowed > 0)",
-            place[0], place[1], place[2], c.U[c.bad], g->limit, (g->models.material.gamma - 1) * g->work.eps[c.bad]);
+        s = fail(ERR_STATE,
+                 "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
+                 place[0], place[1], place[2], c.U[c.bad], g->least, g->limit,
+                 (g->models.material.gamma - 1) * g->work.eps[c.bad], density_hint(g));
     }
     return comm_agree(g->forest->comm, s);
 }

@@ -106,20 +106,14 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
 
 struct flooring {
     struct gas *g;
-    double *U, *energy; /* block of a tile; energy added to it, J/m^3 */
+    int tile;
+    double *U; /* its block */
     long bad;
 };
 
 static void floor_visit(void *context, long offset, int n) {
     struct flooring *f = context;
-    struct gas *g = f->g;
-    double bad[BATCH], raised[BATCH];
-    if (!find_bad(n, g->dim, g->forest->size, g->limit, f->U + offset, bad)) return;
-    g->floored += raise_energy(n, g->dim, g->forest->size, g->limit, f->U + offset, bad, raised);
-    for (int i = 0; i < n; i++) {
-        *f->energy += raised[i];
-        f->bad += bad[i] > 0;
-    }
+    f->bad += floors_apply(f->g, n, f->g->forest->size, f->U + offset, f->tile, 0);
 }
 
 /* A background that needs the floor becomes cells as all others, so that each of them is counted. */
@@ -127,16 +121,16 @@ long tiles_floor(struct gas *g, const struct state *s) {
     struct flooring f = {.g = g};
     for (int t = 0; t < g->forest->ntiles; t++) {
         f.U = s->block[t];
-        f.energy = &g->raised[t];
+        f.tile = t;
         if (row_inadmissible(g, f.U, 0, 1, NULL)) activity_unfold(g, t, s);
         spans_visit(g, t, s->varied[t], 0, floor_visit, &f);
     }
     return f.bad;
 }
 
-status tiles_sum_raised(const struct gas *g, double *energy) {
-    TRY(forest_sum(g->forest, g->raised, energy));
-    *energy *= g->forest->volume;
+status tiles_sum_raised(const struct gas *g, double *raised, double *sum) {
+    TRY(forest_sum(g->forest, raised, sum));
+    *sum *= g->forest->volume;
     return OK;
 }
 

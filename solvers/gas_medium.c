@@ -85,6 +85,7 @@ static status gas_start(struct medium *m) {
     const struct setup *s = m->setup;
     const struct gas_models *models = &g->models->gas;
     const struct initial *i = g->initial;
+    g->limiter.fills = models->alpha_floor > 0;
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_mosaic(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
     if (i->conserved[0])
@@ -159,6 +160,7 @@ static status gas_after(struct medium *m, const struct moment *now) {
 
 /* What must stay, drifts; what flows in or out or is taken by a source, changes. */
 static const char *word_for(const struct gas_state *g, bool energy) {
+    if (g->models->gas.alpha_floor > 0) return "change";
     for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
         const struct patch_rules *r = &g->initial->rules[p];
         if (!r->velocity.type) continue;
@@ -190,6 +192,11 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
     if (floored > 0)
         fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
                 n->energy - was->energy, n->floored, n->energy);
+    const long filled = n->filled - was->filled;
+    if (filled > 0)
+        fprintf(f, "    density floor: %ld cell%s, mass +%.3g, energy +%.3g (in all %ld, +%.3g, +%.3g)\n", filled,
+                plural(filled), n->fill[0] - was->fill[0], n->fill[1] - was->fill[1], n->filled, n->fill[0],
+                n->fill[1]);
 }
 
 static void print_diffusion(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {

@@ -8,6 +8,7 @@
 
 struct limiter_table {        /* zeroed: nothing happened yet */
     struct gas_counts counts; /* at the last row */
+    bool fills;               /* there is a density floor: with columns for it */
     FILE *file;               /* root */
 };
 /* After a step that ended at `now`; collective. Fails (ERR_SYSTEM) where it cannot be written. */

@@ -32,6 +32,15 @@ static const struct param limits_param[] = {
      true,
      {0, 0, 0},
      "the run has collapsed when dt falls below this part of what calm cells allow"},
+    {"alphaFloor", /* the last: not printed where it is off */
+     PARAM_NUMBER,
+     offsetof(struct case_models, gas.alpha_floor),
+     0,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "alpha stays above it: mass is added, and counted, where the fluxes cannot help; 0: off"},
 };
 static const struct param solution_param[] = {
     {"skipUniform",
@@ -387,6 +396,6 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
             polyhedral ? m->gas.polynomial->name : m->gas.reconstruct->name);
     fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
     print_values(f, solution_param, COUNT(solution_param), m);
-    print_values(f, limits_param, COUNT(limits_param), m);
+    print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
     forces_print(f, &m->forces);
 }

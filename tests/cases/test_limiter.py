@@ -58,6 +58,34 @@ class Limiter(harness.Folder, unittest.TestCase):
                 for field in ("rho", "rhoU", "rhoE"):
                     np.testing.assert_array_equal(harness.haff.Case(again).field(field), result.field(field))
 
+    def test_density_floor(self):
+        """Lumps fly apart in a gas on the floor: told, counted, the same on two ranks and after a restart."""
+        for engine in ("lattice", "polyhedral"):
+            with self.subTest(engine):
+                end, floor = 0.006, 5e-9
+                case = self.shot(engine + "Floor", engine, end)
+                above = shutil.copytree(case, case + "_above")
+                runs.add(case, "system/fvSolution", f"limits {{ alphaFloor {floor}; }}\n")
+                pair = shutil.copytree(case, case + "_ranks")
+                log = harness.program("granularGas", "-case", case).stdout
+                result, table = harness.haff.Case(case), self.table(case)
+                self.assertGreaterEqual(result.field("rho").min(), floor / (np.pi / 6 * 1e-3) * (1 - 1e-12))
+                said = re.findall(r"density floor: .*\(in all (\d+), \+(\S+), \+(\S+)\)", log)[-1]
+                self.assertEqual(int(said[0]), table[:, 10].sum())
+                for i in (1, 2):
+                    self.assertAlmostEqual(float(said[i]) / table[:, 10 + i].sum(), 1, delta=1e-2)
+                gained = (result.field("rho").sum() - result.field("rho", "0").sum()) * 1e-3
+                whole = result.field("rho").sum() * 1e-3
+                self.assertLess(abs(gained - table[:, 11].sum()), 1e-12 * whole)
+                harness.program("granularGas", "-case", pair, ranks=2)
+                runs.same(self, runs.results(case), runs.results(pair))
+                again = runs.until(case, case + "_again", end / 2)
+                harness.program("granularGas", "-case", again)
+                for field in ("rho", "rhoU", "rhoE"):
+                    np.testing.assert_array_equal(harness.haff.Case(again).field(field), result.field(field))
+                runs.add(above, "system/fvSolution", "limits { alphaFloor 1e-8; }\n")
+                self.assertIn("alphaFloor", harness.program("granularGas", "-case", above, check=False).stderr)
+
     def test_smooth_flow_says_nothing(self):
         case = runs.make(os.path.join(self.folder, "calm"), (40, 30, 1), 0.01)
         log = harness.program("granularGas", "-case", case).stdout

@@ -125,7 +125,7 @@ static void halves_are_admissible(void **state) {
         const struct faces f = close_pairs(&q);
         double theta[BATCH], high[MAX_VAR][BATCH];
         memcpy(high, q.out, sizeof high);
-        limit_faces(&f, q.limit, theta);
+        limit_faces(&f, 0, q.limit, theta);
         for (int i = 0; i < BATCH; i++) {
             long double half[2][MAX_VAR];
             const long double s = speed_of(&q, i);
@@ -157,8 +157,8 @@ static void mirror_images(void **state) {
                 back.out[v][i] = (v == 1 ? 1 : -1) * q.out[v][i];
             }
         const struct faces f = close_pairs(&q), g = close_pairs(&back);
-        limit_faces(&f, q.limit, theta[0]);
-        limit_faces(&g, q.limit, theta[1]);
+        limit_faces(&f, 0, q.limit, theta[0]);
+        limit_faces(&g, 0, q.limit, theta[1]);
         for (int i = 0; i < BATCH; i++) {
             assert_true(theta[0][i] == theta[1][i]);
             for (int v = 0; v < q.dim + 2; v++) assert_true((v == 1 ? 1 : -1) * back.out[v][i] == q.out[v][i]);
@@ -183,7 +183,7 @@ static void smooth_data(void **state) {
         for (int v = 0; v < q.dim + 2; v++)
             for (int i = 0; i < BATCH; i++)
                 q.out[v][i] = equal ? q.flux[v][0][i] : 0.5 * (q.flux[v][0][i] + q.flux[v][1][i]);
-        limit_faces(&f, q.limit, theta);
+        limit_faces(&f, 0, q.limit, theta);
         for (int i = 0; i < BATCH; i++) {
             assert_true(theta[i] == 1);
             for (int v = 0; v < q.dim + 2 && equal; v++) assert_true(q.out[v][i] == q.flux[v][0][i]);
@@ -210,12 +210,12 @@ static void round_off_floor(void **state) {
     };
     for (int i = 0; i < (int)(sizeof cases / sizeof *cases); i++) {
         double U[3] = {cases[i].rho, 2e5, cases[i].E}, bad, raised;
-        assert_true(find_bad(1, 1, 1, limit, U, &bad) == cases[i].bad);
-        assert_int_equal(raise_energy(1, 1, 1, limit, U, &bad, &raised), cases[i].raised);
+        assert_true(find_bad(1, 1, 1, 0, limit, U, &bad) == cases[i].bad);
+        assert_int_equal(raise_energy(1, 1, 1, 0, limit, U, &bad, &raised), cases[i].raised);
         assert_true(U[0] == cases[i].rho && U[1] == 2e5);
         if (cases[i].raised) {
             assert_true(raised > 0 && U[2] == cases[i].E + raised);
-            assert_true(bad == 0 && !find_bad(1, 1, 1, limit, U, &bad));
+            assert_true(bad == 0 && !find_bad(1, 1, 1, 0, limit, U, &bad));
         } else {
             assert_true(raised == 0 && (U[2] == cases[i].E || isnan(cases[i].E)));
             assert_true((bad > 0) == cases[i].bad);

@@ -1,0 +1,184 @@
+/* The density floor: gas that flies apart stays above it on both mesh engines, what that adds is counted to round-off,
+ * whatever the Runge-Kutta scheme, and the bits are those of one rank. */
+#include "libcore/gas.h"
+#include "tests/box.h"
+
+#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world, *alone;
+static const double FLOOR = 1e-4;
+
+struct scene { /* on a lattice, or on a polyMesh */
+    struct box box;
+    struct forest *forest;
+    struct polymesh *mesh;
+    struct grid *grid;
+    struct gas *gas;
+    double *centre;
+    struct gas_models models;
+    struct patch_rules rules[6];
+    int cells;
+};
+
+static void set_models(struct scene *s, const char *stepper) {
+    memset(s, 0, sizeof *s);
+    s->models = (struct gas_models){
+        .material = {.diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65},
+        .eos = eos_find("GoldshteinShapiro"),
+        .flux = flux_find("common"),
+        .reconstruct = reconstruct_find("WENO5"),
+        .polynomial = polynomial_find("CWENO3"),
+        .stepper = stepper_find(stepper),
+        .alpha_floor = FLOOR,
+        .skip_uniform = true};
+    for (int p = 0; p < 6; p++) {
+        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
+        s->rules[p].velocity.type = boundary_find("slip");
+    }
+}
+
+static void open_lattice(struct scene *s, const struct comm *c) {
+    box_make(&s->box, 1, (int[3]){100, 1, 1}, (double[3]){1, 1, 1}, (bool[3]){false, false, false});
+    s->cells = s->box.mesh.ncells;
+    s->centre = calloc(3 * (size_t)s->cells, sizeof *s->centre);
+    for (int i = 0; i < s->cells; i++) s->centre[3 * i] = (i + 0.5) / s->cells;
+    ok(forest_make(&s->box.lattice, &s->box.mesh, c, 16, &s->forest));
+    ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+}
+
+static void open_triangles(struct scene *s, const struct comm *c) {
+    static const struct cells_recipe r = {"triangles", 2, PRISMS, {16, 5, 1}, {0, 1, 2}, 0.2, {false, false, false}};
+    s->mesh = cells_make(&r);
+    s->cells = s->mesh->ncells;
+    double *face = calloc(6 * (size_t)s->mesh->nfaces, sizeof *face), *volume;
+    s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
+    volume = s->centre + 3 * s->cells;
+    polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
+    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
+    free(face);
+    ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
+    ok(gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas));
+}
+
+static void close_scene(struct scene *s) {
+    gas_free(s->gas);
+    grid_free(s->grid);
+    forest_free(s->forest);
+    if (s->mesh) polymesh_free(s->mesh);
+    if (s->forest) box_free(&s->box);
+    free(s->centre);
+}
+
+/* Gas of packing fraction alpha flies apart at Mach numbers of some 10 from the middle of the box. */
+static status start(struct scene *s, double alpha) {
+    const int n = s->cells;
+    double *all = calloc(5 * (size_t)n, sizeof *all), *u[3] = {all + n, all + 2 * n, all + 3 * n}, low = 1e30, high = 0;
+    for (int i = 0; i < n; i++) {
+        low = fmin(low, s->centre[3 * i]);
+        high = fmax(high, s->centre[3 * i]);
+    }
+    for (int i = 0; i < n; i++) {
+        all[i] = alpha * 6e3 / 3.14159265358979324;
+        u[0][i] = s->centre[3 * i] < 0.5 * (low + high) ? -20 : 20;
+        all[4 * n + i] = 1;
+    }
+    ok(gas_set(s->gas, all, (const double *const *)u, all + 4 * n));
+    free(all);
+    return gas_check(s->gas);
+}
+
+/* [nvar][cells] at root of c; caller frees. */
+static double *state_of(const struct scene *s, const struct comm *c) {
+    int nvar = gas_variables(s->gas);
+    double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
+    for (int v = 0; v < nvar; v++) U[v] = all + v * s->cells;
+    ok(gas_get_conserved(s->gas, U));
+    comm_broadcast(c, all, (long)sizeof *all * nvar * s->cells);
+    return all;
+}
+
+static void run(struct scene *s, int steps) {
+    double t = 0;
+    for (int i = 0; i < steps; i++) {
+        struct gas_speed speed;
+        gas_speed(s->gas, &speed);
+        double dt = 0.4 / speed.rate;
+        ok(gas_step(s->gas, t, &dt, 0.4, 0, 0, &speed));
+        t += dt;
+    }
+}
+
+static void fly_apart(void (*open)(struct scene *, const struct comm *), const char *stepper, double alpha, int steps) {
+    struct scene s, one;
+    double before[MAX_VAR], after[MAX_VAR], least = HUGE_VAL;
+    set_models(&s, stepper);
+    one = s;
+    open(&s, world);
+    open(&one, alone);
+    ok(start(&s, alpha));
+    ok(start(&one, alpha));
+    const int energy = gas_variables(s.gas) - 1;
+    ok(gas_totals(s.gas, before));
+    run(&s, steps);
+    run(&one, steps);
+    ok(gas_totals(s.gas, after));
+    const struct gas_counts n = gas_counts(s.gas), m = gas_counts(one.gas);
+    print_message("%s: %ld cells, mass %.3g of %.3g, %ld rejected\n", stepper, n.filled, n.fill[0], before[0],
+                  n.rejected);
+    assert_true(n.filled > 0 && n.fill[0] > 1e-8 * before[0]);
+    if (!(fabs(after[0] - before[0] - n.fill[0]) <= 1e-13 * before[0]))
+        fail_msg("%s: mass %.17g becomes %.17g, counted %.17g", stepper, before[0], after[0], n.fill[0]);
+    if (!(fabs(after[energy] - before[energy] - n.fill[1] - n.energy) <= 1e-12 * before[energy]))
+        fail_msg("%s: energy %.17g becomes %.17g, counted %.17g", stepper, before[energy], after[energy], n.fill[1]);
+    assert_true(n.filled == m.filled && n.fill[0] == m.fill[0] && n.fill[1] == m.fill[1]);
+    double *U = state_of(&s, world), *V = state_of(&one, alone);
+    for (int i = 0; i < s.cells; i++) least = fmin(least, U[i]);
+    assert_true(least * 3.14159265358979324 / 6e3 >= FLOOR * (1 - 1e-12));
+    assert_memory_equal(U, V, (size_t)((energy + 1) * s.cells) * sizeof *U);
+    free(U);
+    free(V);
+    close_scene(&s);
+    close_scene(&one);
+}
+
+static void lattice(void **state) {
+    (void)state;
+    for (int i = 0; i < stepper_count; i++) fly_apart(open_lattice, stepper_table[i].name, 0.05, 150);
+}
+
+static void polyhedra(void **state) {
+    (void)state;
+    fly_apart(open_triangles, "SSPRK3", 3 * FLOOR, 100);
+    fly_apart(open_triangles, "SSPRK104", 3 * FLOOR, 100);
+}
+
+/* A start below the floor is refused, with the cure; one on it is not. */
+static void starts(void **state) {
+    (void)state;
+    void (*const open[])(struct scene *, const struct comm *) = {open_lattice, open_triangles};
+    for (int i = 0; i < 2; i++) {
+        struct scene s;
+        set_models(&s, "SSPRK3");
+        open[i](&s, world);
+        ok(start(&s, FLOOR));
+        status bad = start(&s, 0.999 * FLOOR);
+        assert_true(bad && status_kind(bad) == ERR_STATE);
+        assert_non_null(strstr(status_text(bad), "alphaFloor"));
+        status_free(bad);
+        close_scene(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    ok(comm_start(&argc, &argv, &world));
+    ok(comm_alone(&alone));
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lattice),
+        cmocka_unit_test(polyhedra),
+        cmocka_unit_test(starts),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_alone_free(alone);
+    comm_finish(world);
+    return failed;
+}
