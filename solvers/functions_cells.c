@@ -1,10 +1,12 @@
 /* Function objects over all cells: fieldMinMax, volFieldValue, vtk. */
 #include "solvers/functions_private.h"
 
+#include "libcore/kernel.h"
 #include "solvers/clouds.h"
 #include "solvers/output.h"
 #include "solvers/vtk.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,27 +26,66 @@ status extremes_make(struct function *f, struct dict *d) {
     return OK;
 }
 
+/* A vector's magnitudes, in place of its first component. */
+static void magnitudes(int dim, int n, double *const lines[3]) {
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < dim; k++) square += lines[k][i] * lines[k][i];
+        lines[0][i] = sqrt(square);
+    }
+}
+
+/* The least and the largest of n values, eight lanes at a time: they do not depend on the order. */
+KERNEL static void range_of(int n, const double *restrict v, double range[2]) {
+    double low[8], high[8];
+    int i = 0;
+    for (int j = 0; j < 8; j++) high[j] = -(low[j] = HUGE_VAL);
+    for (; i + 8 <= n; i += 8)
+        for (int j = 0; j < 8; j++) {
+            low[j] = v[i + j] < low[j] ? v[i + j] : low[j];
+            high[j] = v[i + j] > high[j] ? v[i + j] : high[j];
+        }
+    for (; i < n; i++) {
+        low[0] = v[i] < low[0] ? v[i] : low[0];
+        high[0] = v[i] > high[0] ? v[i] : high[0];
+    }
+    range[0] = low[0];
+    range[1] = high[0];
+    for (int j = 1; j < 8; j++) {
+        range[0] = low[j] < range[0] ? low[j] : range[0];
+        range[1] = high[j] > range[1] ? high[j] : range[1];
+    }
+}
+
+/* The index of the lowest cell below a bound that has the value; -1: none. */
+static int lowest_cell(int n, const double *v, double value, const int *cell, double below) {
+    int lowest = below < INT_MAX ? (int)below : INT_MAX, found = -1;
+    for (int i = 0; i < n; i++)
+        if (cell[i] < lowest && v[i] == value) {
+            lowest = cell[i];
+            found = i;
+        }
+    return found;
+}
+
 /* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
 static void find_extremes(const struct function *f, int field, double value[2], int cell[2]) {
     const struct grid *grid = f->setup->grid;
-    double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], *lines[3];
+    const bool vector = quantity_of(f, field)->components == 3;
+    double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], range[2], *lines[3];
     for (int b = 0; b < grid->nblocks; b++) {
         const struct grid_block *block = &grid->block[b];
         function_block(f, b, field, lines);
-        for (int i = 0; i < block->ncells; i++) {
-            double v = lines[0][i];
-            if (quantity_of(f, field)->components == 3) {
-                double square = 0;
-                for (int k = 0; k < grid->dim; k++) square += lines[k][i] * lines[k][i];
-                v = sqrt(square);
-            }
-            for (int end = 0; end < 2; end++) {
-                double w = end ? -v : v;
-                if (w < best[end] || (w == best[end] && block->cell[i] < where[end])) {
-                    best[end] = w;
-                    where[end] = block->cell[i];
-                }
-            }
+        if (vector) magnitudes(grid->dim, block->ncells, lines);
+        range_of(block->ncells, lines[0], range);
+        for (int end = 0; end < 2; end++) {
+            const double w = end ? -range[1] : range[0];
+            if (w > best[end]) continue;
+            const int i =
+                lowest_cell(block->ncells, lines[0], range[end], block->cell, w < best[end] ? HUGE_VAL : where[end]);
+            if (i < 0) continue;
+            best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero with the sign it has there */
+            where[end] = block->cell[i];
         }
     }
     memcpy(mine, best, sizeof mine);
@@ -94,20 +135,25 @@ status integral_make(struct function *f, struct dict *d) {
     return dict_choice(d, "operation", operation_names, OPERATIONS, &f->operation);
 }
 
-/* One block: the sums of a field's m components and, last, of the weights; the extremes. */
+/* One block: the sums of a field's m components and, for an average, of the weights last; or the extremes. */
 static void reduce_block(const struct function *f, int field, int b, int m, double sum[4], double extreme[3]) {
     const struct grid_block *block = &f->setup->grid->block[b];
     const double *volume = f->setup->grid->volume;
     double *lines[3];
     function_block(f, b, field, lines);
-    for (int c = 0; c <= m; c++) sum[c] = 0;
-    for (int i = 0; i < block->ncells; i++) {
-        double weight = f->operation == SUM ? 1 : volume[block->cell[i]];
-        sum[m] += weight;
-        for (int c = 0; c < m; c++) {
-            sum[c] += weight * lines[c][i];
-            extreme[c] = fmin(extreme[c], f->operation == MAXIMUM ? -lines[c][i] : lines[c][i]);
-        }
+    sum[m] = 0;
+    for (int i = 0; i < block->ncells && f->operation == VOL_AVERAGE; i++) sum[m] += volume[block->cell[i]];
+    for (int c = 0; c < m; c++) {
+        const double *v = lines[c];
+        double total = 0;
+        if (f->operation > SUM)
+            for (int i = 0; i < block->ncells; i++)
+                extreme[c] = fmin(extreme[c], f->operation == MAXIMUM ? -v[i] : v[i]);
+        else if (f->operation == SUM)
+            for (int i = 0; i < block->ncells; i++) total += v[i];
+        else
+            for (int i = 0; i < block->ncells; i++) total += volume[block->cell[i]] * v[i];
+        sum[c] = total;
     }
 }
 

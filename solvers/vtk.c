@@ -154,7 +154,9 @@ static void flush(struct out *o) {
 }
 static void put_big_endian(struct out *o, uint64_t bits, int bytes) {
     if (o->used + bytes > (int)sizeof o->bytes) flush(o);
-    for (int i = 0; i < bytes; i++) o->bytes[o->used++] = (unsigned char)(bits >> 8 * (bytes - 1 - i));
+    unsigned char *at = o->bytes + o->used; /* not o->used++ byte by byte: so the compiler swaps them at once */
+    for (int i = 0; i < bytes; i++) at[i] = (unsigned char)(bits >> 8 * (bytes - 1 - i));
+    o->used += bytes;
 }
 static void put_int(struct out *o, int value, char after) {
     if (o->ascii)
