@@ -1,83 +1,6 @@
 /* Event-driven grains against closed forms, against a plain reference that looks at all pairs, and against themselves
  * in pieces. */
-#include "libcore/calendar.h"
-#include "libcore/grains.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "tests/checks.h" /* after what it would hide */
-
-#define PI 3.14159265358979323846
-
-static void close_to(double found, double expected, double tolerance, const char *what) {
-    if (!(fabs(found - expected) <= tolerance))
-        fail_msg("%s: %.17g, expected %.17g within %g", what, found, expected, tolerance);
-}
-
-static double uniform(uint64_t *seed) {
-    *seed ^= *seed << 13;
-    *seed ^= *seed >> 7;
-    *seed ^= *seed << 17;
-    return (double)(*seed >> 11) * 0x1p-53;
-}
-
-enum { MOST = 5000 };
-struct scene {
-    struct grain_box box;
-    struct grain_law law;
-    int n;
-    double x[MOST][3], u[MOST][3];
-};
-
-static struct grains *make(const struct scene *s) {
-    struct grains *g;
-    ok(grains_make(&s->box, &s->law, s->n, (const double(*)[3])s->x, (const double(*)[3])s->u, 0, &g));
-    return g;
-}
-
-/* A lattice of n[0] x n[1] (x n[2]) simple cells with diameter 1, velocities uniform with T = 1 and mean 0 */
-static struct scene *lattice(int dim, const int *n, double spacing, uint64_t seed) {
-    struct scene *s = calloc(1, sizeof *s);
-    assert_non_null(s);
-    s->box = (struct grain_box){.dim = dim, .periodic = {true, true, true}};
-    s->law = (struct grain_law){.diameter = 1, .mass = 2, .restitution = 1};
-    double mean[3] = {0};
-    for (int k = 0; k < dim; k++) s->box.high[k] = n[k] * spacing;
-    for (int c = 0; c < n[0] * n[1] * (dim > 2 ? n[2] : 1); c++, s->n++) {
-        int at[3] = {c % n[0], c / n[0] % n[1], c / n[0] / n[1]};
-        for (int k = 0; k < dim; k++) {
-            s->x[c][k] = (at[k] + 0.5) * spacing;
-            s->u[c][k] = sqrt(12) * (uniform(&seed) - 0.5);
-            mean[k] += s->u[c][k];
-        }
-    }
-    for (int c = 0; c < s->n; c++)
-        for (int k = 0; k < dim; k++) s->u[c][k] -= mean[k] / s->n;
-    return s;
-}
-
-/* What a listener may keep */
-struct recorder {
-    struct grain_observer observer;
-    int n;
-    struct grain_impact impact[2000];
-    double virial; /* sum of impulse * distance of centres of pairs */
-};
-static void record(struct grain_observer *self, const struct grain_impact *i) {
-    struct recorder *r = (struct recorder *)self;
-    if (r->n < 2000) r->impact[r->n++] = *i;
-    if (i->b < 0) return;
-    for (int k = 0; k < 3; k++) r->virial += i->impulse * i->normal[k] * (i->x[1][k] - i->x[0][k]);
-}
-static struct recorder *recorder(void) {
-    struct recorder *r = calloc(1, sizeof *r);
-    assert_non_null(r);
-    r->observer.impact = record;
-    return r;
-}
+#include "tests/libcore/grains_scene.h"
 
 /* Two grains that meet across a periodic side, at an angle: everything by hand. */
 static void two_grains(void **state) {
@@ -397,12 +320,6 @@ static void sorted(void **state) {
     free(s);
 }
 
-static double total(const struct grains *g, double p[3]) {
-    double kinetic, potential;
-    grains_energy(g, &kinetic, &potential, p);
-    return kinetic + potential;
-}
-
 /* Elastic: energy (with gravity between walls) and, where nothing acts, momentum stay */
 static void conservation(void **state) {
     (void)state;
@@ -483,111 +400,6 @@ static void growth(void **state) {
     free(s);
 }
 
-/* Distance of a grain's surface to the wall of `side` at time t of a flight, in the frame at rest, by libm */
-static long double gap(const struct scene *s, const struct grain *p, int side, long double t) {
-    long double dt = t - p->t, x = p->x[1] + dt * (p->u[1] + s->law.gravity[1] * dt / 2);
-    long double shift = s->box.shake[1] * cosl((long double)s->box.omega * t + s->box.phase), R = s->law.diameter / 2;
-    return side ? s->box.high[1] + shift - x - R : x - s->box.low[1] - shift - R;
-}
-/* First contact after the flight's start, by small steps and halving; HUGE_VAL: none before `until` */
-static double first_contact(const struct scene *s, const struct grain *p, int side, double until) {
-    const long double step = 1e-4L;
-    long double a = p->t, b = a;
-    while (gap(s, p, side, a) <= 1e-10L) a = b += 1e-6L; /* just touched */
-    while (gap(s, p, side, b) > 0) {
-        a = b;
-        b += step;
-        if (b > until + step) return HUGE_VAL;
-    }
-    for (int i = 0; i < 80; i++) {
-        long double middle = (a + b) / 2;
-        if (gap(s, p, side, middle) > 0)
-            a = middle;
-        else
-            b = middle;
-    }
-    return (double)b;
-}
-
-/* A ball between a shaken floor and lid: each flight ends at the first root, each impact is that of an infinite mass */
-static void moving_floor(void **state) {
-    (void)state;
-    for (int kind = 0; kind < 4; kind++) {
-        struct scene *s = lattice(2, (int[3]){1, 1, 1}, 5, 1);
-        s->box.periodic[1] = false;
-        s->box.high[1] = kind == 1 ? 1.9 : 30;
-        s->x[0][1] = 0.9;
-        s->u[0][1] = kind == 2 ? -2 : 0.3;
-        s->u[0][0] = 0.11;
-        s->law.gravity[1] = kind == 2 ? 0 : -1;
-        s->box.shake[1] = 0.37;
-        s->box.omega = kind == 3 ? 11 : 2.5;
-        s->box.phase = 0.3;
-        s->box.restitution[1][0] = s->box.restitution[1][1] = kind == 3 ? 0.7 : 1;
-        s->law.threshold = 1e-4;
-        struct grains *g = make(s);
-        struct recorder *r = recorder();
-        struct grain last = grains_all(g)[0];
-        for (int hits = 0; hits < 60 && grains_time(g) < 500; hits++) {
-            while (r->n == hits && grains_time(g) < 500) {
-                last = grains_all(g)[0];
-                grains_advance(g, HUGE_VAL, 1, &r->observer);
-            }
-            if (r->n == hits) break;
-            const struct grain_impact *i = &r->impact[hits];
-            int side = (-1 - i->b) & 1;
-            assert_true(i->a == 0 && (i->b == -3 || i->b == -4));
-            close_to(i->t, first_contact(s, &last, side, i->t + 1e-3), 1e-12 * fmax(1, i->t), "time of contact");
-            assert_true(first_contact(s, &last, !side, i->t - 1e-9) == HUGE_VAL);
-            double w = -s->box.shake[1] * s->box.omega * sin(s->box.omega * i->t + s->box.phase);
-            double v = last.u[1] + s->law.gravity[1] * (i->t - last.t) - w, e = s->box.restitution[1][side];
-            close_to(grains_all(g)[0].u[1] - w, -e * v, 1e-11, "velocity after it");
-        }
-        if (r->n < 10) fail_msg("kind %d: %d impacts to t = %g", kind, r->n, grains_time(g));
-        grains_free(g);
-        free(r);
-        free(s);
-    }
-}
-
-/* Flat walls at rest: hops of a ball that loses, against the closed form; and one that lies there from the start */
-static void hops(void **state) {
-    (void)state;
-    struct scene *s = lattice(3, (int[3]){1, 1, 1}, 5, 1);
-    s->box.periodic[2] = false;
-    s->box.restitution[2][0] = 0.8;
-    s->law.gravity[2] = -2;
-    s->x[0][2] = 0.5 + 1;
-    memset(s->u, 0, sizeof s->u);
-    struct grains *g = make(s);
-    struct recorder *r = recorder();
-    while (r->n < 30) grains_advance(g, HUGE_VAL, 1, &r->observer);
-    double t = 1, v = 2;
-    for (int i = 0; i < 30; i++) {
-        close_to(r->impact[i].t, t, 1e-13 * t, "time of a hop");
-        close_to(r->impact[i].impulse, 1.8 * v * s->law.mass, 1e-12, "impulse of a hop");
-        v *= 0.8;
-        t += v;
-    }
-    grains_advance(g, HUGE_VAL, 20000, NULL); /* beyond the collapse at t = 9 time still goes on */
-    assert_true(grains_time(g) > 9);
-    close_to(grains_all(g)[0].x[2], 0.5, 1e-12, "height at rest");
-    grains_free(g);
-    s->x[0][2] = 0.5;
-    g = make(s);
-    grains_advance(g, HUGE_VAL, 1000, NULL);
-    assert_true(grains_time(g) > 1e-5);
-    close_to(grains_all(g)[0].x[2], 0.5, 1e-12, "height at rest");
-    grains_free(g);
-    s->law.gravity[2] = 0; /* nothing ever happens */
-    g = make(s);
-    assert_true(grains_advance(g, HUGE_VAL, 10, NULL) == 0);
-    assert_true(grains_advance(g, 7, 10, NULL) == 7 && grains_counted(g)->events == 0);
-    grains_free(g);
-    free(r);
-    free(s);
-}
-
 /* p/(n T) = 1 + virial/(dim N m T t) against Henderson's disks and Carnahan & Starling's spheres */
 static void pressure(void **state) {
     (void)state;
@@ -609,40 +421,6 @@ static void pressure(void **state) {
         free(r);
         free(s);
     }
-}
-
-/* A dilute elastic gas under gravity: the same temperature in both directions and at all heights, n ~ exp(-g y/T).
- * Samples lie some free times apart. */
-static void column(void **state) {
-    (void)state;
-    enum { BINS = 4, SAMPLES = 400 };
-    struct scene *s = lattice(2, (int[3]){20, 5, 1}, 20, 11);
-    s->box.periodic[1] = false;
-    s->box.high[1] = 1000;
-    s->box.restitution[1][0] = s->box.restitution[1][1] = 1;
-    s->law.gravity[1] = -1;
-    for (int i = 0; i < s->n; i++) s->u[i][0] *= 7, s->u[i][1] *= 7;
-    struct grains *g = make(s);
-    double p[3], E = total(g, p), T = (E / (s->law.mass * s->n) - 0.5) / 2, x[100][3], u[100][3];
-    double square[2] = {0}, above = 0;
-    int bin[BINS] = {0};
-    assert_int_equal(s->n, 100);
-    for (int i = -20; i < SAMPLES; i++) {
-        grains_advance(g, 40 * (i + 21), INT64_MAX, NULL);
-        grains_at(g, grains_time(g), x, u);
-        for (int j = 0; j < 100 && i >= 0; j++) {
-            double below = 1 - exp(-(x[j][1] - 0.5) / T);
-            bin[(int)(BINS * below)]++;
-            for (int k = 0; k < 2; k++) square[k] += u[j][k] * u[j][k];
-            if (below > 0.5) above += u[j][0] * u[j][0] + u[j][1] * u[j][1];
-        }
-    }
-    double count = 100. * SAMPLES, sigma = sqrt(2 / count) * T;
-    for (int k = 0; k < 2; k++) close_to(square[k] / count, T, 4 * sigma, "temperature of a direction");
-    close_to(above / 2 / (bin[2] + bin[3]), T, 4 * sigma, "temperature above");
-    for (int b = 0; b < BINS; b++) close_to(bin[b] * BINS / count, 1, 4 * sqrt((BINS - 1) / count), "profile");
-    grains_free(g);
-    free(s);
 }
 
 /* Strongly dissipative disks cluster; the threshold keeps time going on and nothing overlaps. */
@@ -726,41 +504,15 @@ static void errors(void **state) {
     free(s);
 }
 
-/* The queue against a search through all, with times that come in bursts, far off, equal, or never */
-static void queue(void **state) {
-    (void)state;
-    enum { ITEMS = 300 };
-    struct calendar *c;
-    double t[ITEMS], now = 3;
-    uint64_t seed = 12;
-    ok(calendar_make(ITEMS, &c));
-    assert_true(calendar_time(c, calendar_first(c)) == HUGE_VAL);
-    for (int i = 0; i < ITEMS; i++) calendar_set(c, i, t[i] = now + uniform(&seed));
-    calendar_start(c, now);
-    for (int step = 0; step < 200000; step++) {
-        int first = calendar_first(c);
-        for (int i = 0; i < ITEMS; i++) assert_true(t[first] < t[i] || (t[first] == t[i] && first <= i));
-        assert_true(calendar_time(c, first) == t[first]);
-        now = t[first];
-        double scale = pow(10, (double)((step / 5000) % 7) - 3), dice = uniform(&seed);
-        double next = now + (dice < 0.05 ? 100 * scale : dice < 0.1 ? 0 : -scale * log(1 - uniform(&seed)));
-        calendar_move(c, first, t[first] = dice > 0.999 && step < 190000 ? now + 1e6 : next);
-        int other = (int)(ITEMS * uniform(&seed));
-        if (dice < 0.4) calendar_move(c, other, t[other] = now + scale * uniform(&seed));
-    }
-    calendar_free(c);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_grains),   cmocka_unit_test(same_as_all_pairs),
-        cmocka_unit_test(no_overlap),   cmocka_unit_test(pieces),
-        cmocka_unit_test(sorted),       cmocka_unit_test(conservation),
-        cmocka_unit_test(balance),      cmocka_unit_test(growth),
-        cmocka_unit_test(moving_floor), cmocka_unit_test(hops),
-        cmocka_unit_test(pressure),     cmocka_unit_test(column),
-        cmocka_unit_test(cluster),      cmocka_unit_test(errors),
-        cmocka_unit_test(queue),
+        cmocka_unit_test(two_grains), cmocka_unit_test(same_as_all_pairs),
+        cmocka_unit_test(no_overlap), cmocka_unit_test(pieces),
+        cmocka_unit_test(sorted),     cmocka_unit_test(conservation),
+        cmocka_unit_test(balance),    cmocka_unit_test(growth),
+
+        cmocka_unit_test(pressure),   cmocka_unit_test(cluster),
+        cmocka_unit_test(errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

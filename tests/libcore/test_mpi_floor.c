@@ -1,24 +1,9 @@
 /* The density floor: gas that flies apart stays above it on both mesh engines, what that adds is counted to round-off,
  * whatever the Runge-Kutta scheme, and the bits are those of one rank. */
-#include "libcore/gas.h"
-#include "tests/box.h"
-
-#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+#include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world, *alone;
 static const double FLOOR = 1e-4;
-
-struct scene { /* on a lattice, or on a polyMesh */
-    struct box box;
-    struct forest *forest;
-    struct polymesh *mesh;
-    struct grid *grid;
-    struct gas *gas;
-    double *centre;
-    struct gas_models models;
-    struct patch_rules rules[6];
-    int cells;
-};
 
 static void set_models(struct scene *s, const char *stepper) {
     memset(s, 0, sizeof *s);
@@ -31,10 +16,7 @@ static void set_models(struct scene *s, const char *stepper) {
         .stepper = stepper_find(stepper),
         .alpha_floor = FLOOR,
         .skip_uniform = true};
-    for (int p = 0; p < 6; p++) {
-        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
-        s->rules[p].velocity.type = boundary_find("slip");
-    }
+    set_walls(s);
 }
 
 static void open_lattice(struct scene *s, const struct comm *c) {
@@ -48,25 +30,7 @@ static void open_lattice(struct scene *s, const struct comm *c) {
 
 static void open_triangles(struct scene *s, const struct comm *c) {
     static const struct cells_recipe r = {"triangles", 2, PRISMS, {16, 5, 1}, {0, 1, 2}, 0.2, {false, false, false}};
-    s->mesh = cells_make(&r);
-    s->cells = s->mesh->ncells;
-    double *face = calloc(6 * (size_t)s->mesh->nfaces, sizeof *face), *volume;
-    s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
-    volume = s->centre + 3 * s->cells;
-    polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
-    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
-    free(face);
-    ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
-    ok(gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas));
-}
-
-static void close_scene(struct scene *s) {
-    gas_free(s->gas);
-    grid_free(s->grid);
-    forest_free(s->forest);
-    if (s->mesh) polymesh_free(s->mesh);
-    if (s->forest) box_free(&s->box);
-    free(s->centre);
+    open_polyhedra(s, c, &r);
 }
 
 /* Gas of packing fraction alpha flies apart at Mach numbers of some 10 from the middle of the box. */

@@ -1,9 +1,8 @@
 /* The theorem of libcore/limit.h on both mesh engines: one limited Euler stage from random admissible cells with K <= 1
  * is admissible everywhere, conserves, and has the same bits on all ranks; smooth flow keeps its order. */
 #include "libcore/cells.h"
-#include "tests/box.h"
 
-#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+#include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world, *alone;
 
@@ -12,18 +11,6 @@ static double uniform(double low, double high) {
     seed = seed * 6364136223846793005u + 1442695040888963407u;
     return low + (high - low) * (double)(seed >> 11) * 0x1p-53;
 }
-
-struct scene { /* on a lattice, or on a polyMesh */
-    struct box box;
-    struct forest *forest;
-    struct polymesh *mesh;
-    double *centre;
-    struct grid *grid;
-    struct gas *gas;
-    struct gas_models models;
-    struct patch_rules rules[6];
-    int cells, dim;
-};
 
 static void set_models(struct scene *s, const char *eos, const char *flux, const char *scheme) {
     memset(s, 0, sizeof *s);
@@ -35,10 +22,7 @@ static void set_models(struct scene *s, const char *eos, const char *flux, const
         .polynomial = polynomial_find(scheme),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = true};
-    for (int p = 0; p < 6; p++) {
-        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
-        s->rules[p].velocity.type = boundary_find("slip");
-    }
+    set_walls(s);
 }
 
 static void open_lattice(struct scene *s, const struct comm *c, int dim, const int n[3], bool periodic) {
@@ -47,29 +31,6 @@ static void open_lattice(struct scene *s, const struct comm *c, int dim, const i
     s->dim = dim;
     ok(forest_make(&s->box.lattice, &s->box.mesh, c, dim == 1 ? 16 : 8, &s->forest));
     ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
-}
-
-static void open_polyhedra(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
-    s->mesh = cells_make(r);
-    s->cells = s->mesh->ncells;
-    s->dim = r->dim;
-    double *face = calloc(6 * (size_t)s->mesh->nfaces, sizeof *face), *volume;
-    s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
-    volume = s->centre + 3 * s->cells;
-    polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
-    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
-    free(face);
-    ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
-    ok(gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas));
-}
-
-static void close_scene(struct scene *s) {
-    gas_free(s->gas);
-    grid_free(s->grid);
-    forest_free(s->forest);
-    if (s->mesh) polymesh_free(s->mesh);
-    if (s->forest) box_free(&s->box);
-    free(s->centre);
 }
 
 /* Near vacuum, near packing, between; Mach numbers to 1000. */
