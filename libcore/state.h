@@ -103,6 +103,17 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
  * that are not admissible. false, on all ranks: there are some on a rank, or would be in `to`. */
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad);
 
+struct sum_line {              /* n <= BATCH cells along a patch and what lies beyond them */
+    int n, components, normal; /* component along the normal; of a scalar -1 */
+    const int *face;           /* [n] within the patch */
+    double weight;             /* of S when q is 1 */
+    double (*inner)[BATCH], (*start)[BATCH], (*ghost)[BATCH]; /* S inside, q_0 beyond; the result */
+};
+/* S beyond a patch, by its rules; reflect_sums: as for a velocity without a value. Where a rule reflects, components
+ * are in the frame of the face, else in the axes of the mesh (libcore/cells_edge.c). */
+void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
+void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
+
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
     double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
     double **start;    /* dim: q_0, the same */

@@ -163,40 +163,15 @@ struct edge { /* n cells along a side: offsets of the first one and of its ghost
     long from, to, step;
 };
 
-/* Reflecting velocities are reflected, all else is copied. */
-static void reflect_edge(const struct gas *g, const struct edge *e, bool vector, double *q) {
-    const int components = vector ? g->dim : 1;
-    const struct rule *rule = &e->rules->velocity;
-    const long size = g->forest->size;
-    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
-    struct ghost_line line = {.n = e->n, .components = components, .normal = e->normal};
-    for (int c = 0; c < components; c++) {
-        for (int i = 0; i < e->n; i++) ghost[c][i] = inner[c][i] = q[c * size + e->from + i * e->step];
-        line.inner[c] = inner[c];
-        line.ghost[c] = ghost[c];
-    }
-    if (rule->type->reflects && vector) rule->type->ghost(rule, &line);
+/* The lines of q at the cells of an edge, or at its ghosts. */
+static void take_edge(long size, long at, const struct edge *e, int components, const double *q, double (*out)[BATCH]) {
     for (int c = 0; c < components; c++)
-        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = ghost[c][i];
+        for (int i = 0; i < e->n; i++) out[c][i] = q[c * size + at + i * e->step];
 }
 
-/* S beyond a patch with values: these do not change. */
-static void hold_edge(const struct gas *g, const struct edge *e, int components, double weight, const double *start,
-                      double *S) {
+static void put_edge(long size, const struct edge *e, int components, double (*in)[BATCH], double *q) {
     for (int c = 0; c < components; c++)
-        for (int i = 0; i < e->n; i++) {
-            const long at = c * g->forest->size + e->to + i * e->step;
-            S[at] = weight * start[at];
-        }
-}
-
-/* S beyond a wall of a given temperature: the mean of both sides is that of the wall. */
-static void isothermal_edge(const struct edge *e, double weight, double *S) {
-    const struct rule *rule = &e->rules->temperature;
-    for (int i = 0; i < e->n; i++) {
-        const double T = rule->values ? rule->values[e->face[i]] : rule->uniform[0];
-        S[e->to + i * e->step] = 2 * weight * T - S[e->from + i * e->step];
-    }
+        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = in[c][i];
 }
 
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
@@ -228,22 +203,32 @@ struct fill {
 
 static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct fill *fill = context;
-    double *S = g->diffuser.sum[g->diffuser.last][tile];
-    const bool wall = e->rules->velocity.type->reflects,
-               given = fill->what == HEAT && e->rules->temperature.type->value;
-    if (wall && given)
-        isothermal_edge(e, fill->weight, S);
-    else if (given || (fill->what == VISCOUS && e->rules->velocity.type->value))
-        hold_edge(g, e, lines_of(g, fill->what), fill->weight, g->diffuser.start[tile], S);
-    else
-        reflect_edge(g, e, fill->what == VISCOUS, S);
+    const long size = g->forest->size;
+    const int lines = lines_of(g, fill->what);
+    double *S = g->diffuser.sum[g->diffuser.last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
+           ghost[MAX_DIM][BATCH];
+    struct sum_line line = {e->n,  lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, inner,
+                            start, ghost};
+    take_edge(size, e->from, e, lines, S, inner);
+    take_edge(size, e->to, e, lines, g->diffuser.start[tile], start);
+    sums_beyond(e->rules, fill->what, &line);
+    put_edge(size, e, lines, ghost, S);
 }
 
 /* Derivatives along a wall follow the wall's rule for velocity. */
 static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const long size = g->forest->size;
+    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    struct sum_line line = {
+        .n = e->n, .components = g->dim, .normal = e->normal, .face = e->face, .inner = inner, .ghost = ghost};
     (void)context;
-    for (int along = 0; along < g->dim; along++)
-        if (along != e->normal) reflect_edge(g, e, true, g->diffuser.gradient[tile] + along * g->dim * g->forest->size);
+    for (int along = 0; along < g->dim; along++) {
+        double *derivatives = g->diffuser.gradient[tile] + along * g->dim * size;
+        if (along == e->normal) continue;
+        take_edge(size, e->from, e, g->dim, derivatives, inner);
+        reflect_sums(e->rules, &line);
+        put_edge(size, e, g->dim, ghost, derivatives);
+    }
 }
 
 struct gradients { /* what its row visitor needs */
