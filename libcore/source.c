@@ -7,14 +7,48 @@ bool source_active(const struct sources *s, const struct material *m) {
     return falls || (s->cooling && m->restitution < 1 && m->diameter > 0);
 }
 
+bool source_shaken(const struct sources *s) {
+    for (int i = 0; i < s->knots; i++)
+        if (s->ramp[2 * i + 1] != 0) return true;
+    return s->knots == 0 && s->amplitude != 0;
+}
+
+/* Integral of cos(omega t + phase) from t to t + dt */
+static double swing(const struct sources *s, double t, double dt) {
+    double omega = 2 * PI * s->frequency;
+    return omega > 0 ? (sin(omega * (t + dt) + s->phase) - sin(omega * t + s->phase)) / omega : dt * cos(s->phase);
+}
+
+/* Of (a + slope (t' - t)) cos(omega t' + phase) from t to t + dt: by parts, the rest being the integral of the sine */
+static double sloping_swing(const struct sources *s, double t, double dt, double a, double slope) {
+    double omega = 2 * PI * s->frequency, end = omega * (t + dt) + s->phase;
+    if (!(omega > 0)) return (a + 0.5 * slope * dt) * dt * cos(s->phase);
+    double rest = (cos(end) - cos(omega * t + s->phase)) / omega;
+    return a * swing(s, t, dt) + slope * (dt * sin(end) + rest) / omega;
+}
+
+/* The same of the ramp, knot by knot */
+static double ramped_swing(const struct sources *s, double t, double dt) {
+    const double(*knot)[2] = (const double(*)[2])s->ramp;
+    const int last = s->knots - 1;
+    double sum = 0, end = t + dt, from = t;
+    for (int i = -1; i <= last && from < end; i++) { /* piece i: between knots i and i + 1 */
+        const double *low = knot[i < 0 ? 0 : i], *high = knot[i < last ? i + 1 : last];
+        if (i < last && high[0] <= from) continue;
+        double to = i < last && high[0] < end ? high[0] : end;
+        double slope = high[0] > low[0] ? (high[1] - low[1]) / (high[0] - low[0]) : 0;
+        sum += sloping_swing(s, from, to - from, low[1] + slope * (from - low[0]), slope);
+        from = to;
+    }
+    return sum;
+}
+
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]) {
     double time = dt;
-    if (s->amplitude != 0) {
-        double omega = 2 * PI * s->frequency;
-        double swing =
-            omega > 0 ? (sin(omega * (t + dt) + s->phase) - sin(omega * t + s->phase)) / omega : dt * cos(s->phase);
-        time += s->amplitude * swing;
-    }
+    if (s->knots > 0)
+        time += ramped_swing(s, t, dt);
+    else if (s->amplitude != 0)
+        time += s->amplitude * swing(s, t, dt);
     for (int k = 0; k < MAX_DIM; k++) kick[k] = s->gravity[k] * time;
 }
 

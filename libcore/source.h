@@ -18,8 +18,11 @@ struct sources {                        /* zeroed: no source, which costs nothin
     bool cooling;                       /* Haff (1983), Serna & Marquina (2); no effect at e = 1 */
     double gravity[MAX_DIM];            /* m/s^2, computational axes */
     double amplitude, frequency, phase; /* g(t) = gravity (1 + amplitude cos(2 pi frequency t + phase)); -, Hz, rad */
+    int knots;                          /* > 0: amplitude is linear between them, and constant before and beyond */
+    const double *ramp;                 /* [knots][2] time in rising order (s), amplitude; not owned */
 };
 bool source_active(const struct sources *s, const struct material *m);
+bool source_shaken(const struct sources *s);
 
 /* Velocity gained from t to t + dt: the exact integral of g(t), m/s. */
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]);

@@ -29,12 +29,12 @@ CONTRAST, FLIP = 5.0, -0.5
 
 
 def dictionary(case, name):
-    """Numbers and vectors of a flat dictionary of constant/: {key: [values]}."""
+    """Numbers, vectors and tables (t, v, t, v, ..) of a flat dictionary of constant/: {key: [values]}."""
     text = haff.FoamFile(os.path.join(case.path, "constant", name)).body.decode()
     text = re.sub(r"//[^\n]*", "", text)
     number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
     return {k: [float(w) for w in re.findall(number, v)]
-            for k, v in re.findall(rf"(\w+)\s+(?:\[[^\]]*\]\s*)?(\(?\s*{number}[^;]*);", text)}
+            for k, v in re.findall(rf"(\w+)\s+(?:\[[^\]]*\]\s*|table\s*)?([(\s]*{number}[^;]*);", text)}
 
 
 class Layer:
@@ -47,7 +47,7 @@ class Layer:
         self.sign = -np.sign(g[self.up])
         if os.path.exists(os.path.join(self.case.path, "constant", "shaking")):
             shaking = dictionary(self.case, "shaking")
-            self.frequency, self.acceleration = shaking["frequency"][0], shaking["amplitude"][0]
+            self.frequency, self.acceleration = shaking["frequency"][0], shaking["amplitude"][-1]  # of a ramp: its end
             self.amplitude = np.abs(g).max() * self.acceleration / (2 * np.pi * self.frequency) ** 2
         places, points = self.case.centres, self.case.mesh.points
         low, high = points.min(axis=0), points.max(axis=0)

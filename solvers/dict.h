@@ -40,6 +40,8 @@ status dict_words(struct dict *d, const char *key, int *count, const char *const
 status dict_numbers(struct dict *d, const char *key, int *count, const double **out);    /* ( 1 2 3 ) */
 status dict_vectors(struct dict *d, const char *key, int *count, const double **out);    /* ((x y z) ...) */
 status dict_dimensions(struct dict *d, const char *key, signed char out[7]);             /* [1 -3 0 0 0 0 0] */
+/* `table ((t v) ...)`, a Function1 of OpenFOAM: (*out)[*count][2] of rising t; *count = 0: the value is no table. */
+status dict_table(struct dict *d, const char *key, int *count, const double **out);
 
 /* The tokens of a value, macros expanded: the lexer stands at the first one, and ';' follows the
  * last. A nonuniform List<...> of any size is read

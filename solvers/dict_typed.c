@@ -221,14 +221,14 @@ status dict_choice(struct dict *d, const char *key, const char *const *names, in
                      near ? "'?" : "");
 }
 
-/* `(x y z)` at value *i. */
-static bool read_vector(const struct entry *e, int *i, double out[3]) {
-    if (!is_mark(e, *i, '(') || !is_mark(e, *i + 4, ')')) return false;
-    for (int k = 0; k < 3; k++) {
+/* `(x y z)`, of `width` numbers, at value *i. */
+static bool read_tuple(const struct entry *e, int *i, int width, double *out) {
+    if (!is_mark(e, *i, '(') || !is_mark(e, *i + width + 1, ')')) return false;
+    for (int k = 0; k < width; k++) {
         if (!is_number(e, *i + 1 + k)) return false;
         out[k] = e->value[*i + 1 + k].number;
     }
-    *i += 5;
+    *i += width + 2;
     return true;
 }
 
@@ -237,22 +237,21 @@ status dict_vector(struct dict *d, const char *key, const signed char unit[3], d
     int i;
     TRY(need(d, key, "a vector", &e));
     TRY(skip_dimensions(d, key, e, unit, &i));
-    if (!read_vector(e, &i, out)) return dict_fail(d, key, "expected a vector (x y z)");
+    if (!read_tuple(e, &i, 3, out)) return dict_fail(d, key, "expected a vector (x y z)");
     return i == e->count ? OK : dict_fail(d, key, "expected one vector; missing ';' ?");
 }
 
 /* ---- lists ---- */
 
-/* Opens `(`, `N (` or `N {`: *i behind the bracket; *wanted: N or -1. */
+/* Opens `(`, `N (` or `N {` at *i, which is moved behind the bracket; *wanted: N or -1. */
 static status open_list(const struct dict *d, const char *key, const struct entry *e, const char *what, int *i,
                         int *wanted, bool *uniform) {
-    *i = 0;
     *wanted = -1;
-    if (is_number(e, 0)) {
-        double n = e->value[0].number;
+    if (is_number(e, *i)) {
+        double n = e->value[*i].number;
         if (n != floor(n) || n < 0 || n > 1e6) return dict_fail(d, key, "expected %s", what);
         *wanted = (int)n;
-        *i = 1;
+        ++*i;
     }
     *uniform = *wanted >= 0 && is_mark(e, *i, '{');
     if (*uniform && *wanted > 10000) return dict_fail(d, key, "at most 10000 equal entries can stand here");
@@ -261,9 +260,11 @@ static status open_list(const struct dict *d, const char *key, const struct entr
     return OK;
 }
 
-static status numbers(struct dict *d, const char *key, const char *what, int width, int *count, const double **out) {
+/* first: where the list begins */
+static status numbers(struct dict *d, const char *key, const char *what, int first, int width, int *count,
+                      const double **out) {
     struct entry *e;
-    int i, n = 0, wanted;
+    int i = first, n = 0, wanted;
     bool uniform;
     double *v = NULL;
     TRY(need(d, key, what, &e));
@@ -274,7 +275,7 @@ static status numbers(struct dict *d, const char *key, const char *what, int wid
         double *item = v + (long)n * width;
         if (width == 1 && is_number(e, i))
             *item = e->value[i++].number;
-        else if (width == 1 || !read_vector(e, &i, item))
+        else if (width == 1 || !read_tuple(e, &i, width, item))
             return dict_fail(d, key, "expected %s", what);
     }
     if (uniform && n != 1) return dict_fail(d, key, "expected one value in '{ }'");
@@ -288,11 +289,25 @@ static status numbers(struct dict *d, const char *key, const char *what, int wid
 }
 
 status dict_numbers(struct dict *d, const char *key, int *count, const double **out) {
-    return numbers(d, key, "a list of numbers (1 2 3)", 1, count, out);
+    return numbers(d, key, "a list of numbers (1 2 3)", 0, 1, count, out);
 }
 
 status dict_vectors(struct dict *d, const char *key, int *count, const double **out) {
-    return numbers(d, key, "a list of vectors ((x y z) ...)", 3, count, out);
+    return numbers(d, key, "a list of vectors ((x y z) ...)", 0, 3, count, out);
+}
+
+status dict_table(struct dict *d, const char *key, int *count, const double **out) {
+    static const char what[] = "table ((t v) (t v) ...)";
+    struct entry *e;
+    *count = 0;
+    TRY(need(d, key, what, &e));
+    if (!e->count || e->value[0].kind != TOKEN_WORD || strcmp(e->value[0].text, "table")) return OK;
+    TRY(numbers(d, key, what, 1, 2, count, out));
+    if (!*count) return dict_fail(d, key, "expected %s with one pair at least", what);
+    for (int i = 1; i < *count; i++)
+        if (!((*out)[2 * i] > (*out)[2 * i - 2]))
+            return dict_fail(d, key, "its times must rise: %g follows %g", (*out)[2 * i], (*out)[2 * i - 2]);
+    return OK;
 }
 
 status dict_words(struct dict *d, const char *key, int *count, const char *const **out) {

@@ -18,7 +18,7 @@ static const struct param shaking_param[] = {
      HUGE_VAL,
      true,
      {0, 0, 0},
-     "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase))"},
+     "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or  table ((t a) (t a) ..);"},
     {"frequency", PARAM_NUMBER, offsetof(struct sources, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
     {"phase", PARAM_NUMBER, offsetof(struct sources, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
 };
@@ -230,7 +230,9 @@ static status read_shaking(struct dict *d, struct forces *m) {
     TRY(dict_choice(d, "type", shaking_names, COUNT(shaking_names), &type));
     if (type == 1) {
         if (!m->g) return dict_fail(d, "type", "shaking modulates gravity; constant/g is missing");
-        TRY(params_read(d, shaking_param, COUNT(shaking_param), &m->source));
+        if (dict_has(d, "amplitude")) TRY(dict_table(d, "amplitude", &m->source.knots, &m->source.ramp));
+        const int ramped = m->source.knots > 0; /* then the row of the amplitude is left out */
+        TRY(params_read(d, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source));
     } else {
         dict_mark_used(d);
     }
@@ -376,7 +378,13 @@ static void print_values(FILE *f, const struct param *table, int n, const void *
 
 void forces_print(FILE *f, const struct forces *m) {
     fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
-    if (m->source.amplitude != 0) print_values(f, shaking_param, COUNT(shaking_param), &m->source);
+    if (!source_shaken(&m->source)) return;
+    const int ramped = m->source.knots > 0;
+    if (ramped) fprintf(f, "    %-22s table (", shaking_param[0].name);
+    for (int i = 0; i < m->source.knots; i++)
+        fprintf(f, "%s(%.10g %.10g)", i ? " " : "", m->source.ramp[2 * i], m->source.ramp[2 * i + 1]);
+    if (ramped) fprintf(f, ")\n");
+    print_values(f, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source);
 }
 
 void models_print(FILE *f, const struct case_models *m, bool polyhedral) {

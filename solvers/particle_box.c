@@ -97,6 +97,11 @@ static status check_forces(const struct setup *s, const struct particle_models *
                              "its %c component must be 0: the box is cyclic along %c, so that grains would fall for "
                              "ever",
                              "xyz"[s->axis[k]], "xyz"[s->axis[k]]);
+    if (g->knots > 0)
+        return dict_fail(
+            m->forces.shaking, "amplitude",
+            "grains are shaken with a constant amplitude; run to the time of a change (endTime), write the "
+            "new number here, and go on");
     return OK;
 }
 

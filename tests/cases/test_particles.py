@@ -206,6 +206,13 @@ class Particles(harness.Folder, unittest.TestCase):
         np.testing.assert_allclose(two["x"][:, 1] - one["x"][:, 1], fallen(1) - fallen(0.5), atol=1e-12)
         np.testing.assert_allclose(two["U"][:, 1], -(1 + A / w * (np.sin(w + phase) - np.sin(phase))), atol=1e-12)
 
+    def test_ramp(self):
+        """Refused: the plate of grains moves by a formula of one amplitude."""
+        case = self.case("ramp", **{**LAYER, "shaking": "type sinusoidal;\namplitude table ((0 2) (1 3));\nfrequency 1;\n"}, end=3)
+        done = harness.program("granularMD", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"constant/shaking:\d+: key 'amplitude' .* constant amplitude")
+
     def test_momentum(self):
         """Of a shaken layer: what gravity in the frame of the box gives, less what the walls take, is what the grains have."""
         A, f, phase = 2, 0.3, 0.9

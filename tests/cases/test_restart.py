@@ -51,6 +51,14 @@ class Restart(harness.Folder, unittest.TestCase):
         self.continued(self.through("fixed", n=(20, 16, 12), end=0.02, interval=0.005, control="runTime", adjust="no",
                                     step=2e-4))
 
+    def test_ramp(self):
+        """Shaken with an amplitude that has knots between and at the times written."""
+        case = runs.make(os.path.join(self.folder, "ramp"), (30, 20, 1), 0.04, interval=0.01)
+        harness.write_dictionary(case, "constant", "shaking", "type sinusoidal; frequency 60; phase 1;\n"
+                                 "amplitude table ((0.004 50) (0.013 0) (0.02 30) (0.035 10));\n")
+        harness.program("granularGas", "-case", case)
+        self.continued(case)
+
     def test_other_digits(self):
         """Written with 6 digits, taken up with 17: the conserved fields are the state, whatever U and T were cut to."""
         case = self.through("digits", n=(60, 1, 1), interval=0.01, format="ascii", digits=3)

@@ -68,6 +68,44 @@ static void shaken_gravity(void **state) {
     assert_close(kick[0], 980 * dt * (1 + 3 * cos(0.4)), 1e-14, "kick without oscillation");
 }
 
+static double between(double t, int n, const double knot[][2]) {
+    int i = 1;
+    while (i < n - 1 && knot[i][0] < t) i++;
+    double part = (t - knot[i - 1][0]) / (knot[i][0] - knot[i - 1][0]);
+    return knot[i - 1][1] + (knot[i][1] - knot[i - 1][1]) * fmin(fmax(part, 0), 1);
+}
+
+/* Against sums, over steps before, within, across and beyond the knots; a step in pieces gives what the whole gives. */
+static void ramped_shaking(void **state) {
+    (void)state;
+    static const double knot[4][2] = {{0.1, 3}, {0.3, 2}, {0.31, 5}, {0.5, 0}},
+                        span[][2] = {{0, 0.05}, {0.05, 0.4}, {0.12, 0.01}, {0.3, 0.005}, {0, 1}, {0.2, 0.3}, {0.6, 1}};
+    struct sources s = {.gravity = {0, -9, 0}, .frequency = 3.5, .phase = 0.4, .knots = 4, .ramp = knot[0]};
+    const struct material m = {.restitution = 1};
+    double kick[MAX_DIM], half[MAX_DIM], rest[MAX_DIM];
+    for (size_t c = 0; c < sizeof span / sizeof *span; c++) {
+        double t = span[c][0], dt = span[c][1], sum = 0;
+        const int n = 200000;
+        for (int i = 0; i < n; i++) {
+            double at = t + (i + 0.5) * dt / n;
+            sum += -9 * (1 + between(at, 4, knot) * cos(2 * PI * 3.5 * at + 0.4)) * dt / n;
+        }
+        source_kick(&s, t, dt, kick);
+        assert_close(kick[1], sum, 1e-8, "kick");
+        source_kick(&s, t, 0.37 * dt, half);
+        source_kick(&s, t + 0.37 * dt, 0.63 * dt, rest);
+        assert_close(half[1] + rest[1], kick[1], 1e-13, "kick in two pieces");
+    }
+    assert_true(source_active(&s, &m) && source_shaken(&s));
+    struct sources one = {.gravity = {0, -9, 0}, .frequency = 3.5, .phase = 0.4, .knots = 1, .ramp = knot[0]},
+                   constant = {.gravity = {0, -9, 0}, .frequency = 3.5, .phase = 0.4, .amplitude = 3};
+    source_kick(&one, 0.7, 0.1, kick);
+    source_kick(&constant, 0.7, 0.1, half);
+    assert_close(kick[1], half[1], 1e-15, "a table of one pair");
+    one.ramp = (const double[]){0, 0};
+    assert_false(source_shaken(&one));
+}
+
 static void what_costs_nothing(void **state) {
     (void)state;
     struct material m = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65};
@@ -156,13 +194,10 @@ static void threshold_has_both_limits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(homogeneous_cooling),
-        cmocka_unit_test(free_fall),
-        cmocka_unit_test(shaken_gravity),
-        cmocka_unit_test(what_costs_nothing),
-        cmocka_unit_test(threshold_is_of_second_order),
-        cmocka_unit_test(threshold_of_any_step),
-        cmocka_unit_test(threshold_has_both_limits),
+        cmocka_unit_test(homogeneous_cooling),   cmocka_unit_test(free_fall),
+        cmocka_unit_test(shaken_gravity),        cmocka_unit_test(ramped_shaking),
+        cmocka_unit_test(what_costs_nothing),    cmocka_unit_test(threshold_is_of_second_order),
+        cmocka_unit_test(threshold_of_any_step), cmocka_unit_test(threshold_has_both_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -177,6 +177,10 @@ class Files(unittest.TestCase):
         np.testing.assert_allclose(layer.height("1"), 8 + np.sin(2 * np.pi * layer.x / 40), atol=1e-4)
         self.assertEqual((layer.length, layer.frequency, layer.acceleration, layer.dim), (120, 4, 2.75, 2))
         self.assertAlmostEqual(layer.amplitude, 981 * 2.75 / (8 * np.pi) ** 2, places=12)
+        boxes.write_dictionary(self.case, "constant", "shaking",
+                               SHAKING.replace("2.75", "table\n(\n    (0 2.75)\n    (2 2.5)\n)"))
+        ramped = faraday.Layer(self.case)
+        self.assertEqual((ramped.frequency, ramped.acceleration), (4, 2.5))
 
     def test_mass_and_lift(self):
         """Two heights, half the columns with a third of the mass of the others."""
