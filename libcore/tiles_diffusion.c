@@ -11,14 +11,15 @@ status diffuser_make(struct gas *g) {
     for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
     TRY(blocks_make(g->forest, 3 * g->dim, &d->face));
+    TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
     return allocate(&d->part, g->forest->ntiles, sizeof(double *), "tiles");
 }
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->mark};
-    for (int i = 0; i < 6; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark};
+    for (int i = 0; i < 7; i++) blocks_free(g->forest, blocks[i]);
     free(d->part);
 }
 
@@ -47,15 +48,15 @@ ALWAYS_INLINE double harmonic(double a, double b) {
     return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
 }
 
-/* Faces above n cells; `trace`: 2/d */
-KERNEL static void face_coefficients(int n, long step, double trace, const double *restrict bulk,
+/* Faces above n cells; `trace`: 2/d; `per`: 1/h^2 */
+KERNEL static void face_coefficients(int n, long step, double trace, double per, const double *restrict bulk,
                                      const double *restrict shear, const double *restrict heat, double *restrict lambda,
                                      double *restrict mu, double *restrict kappa) {
     for (int i = 0; i < n; i++) {
-        double s = harmonic(shear[i], shear[i + step]);
-        lambda[i] = harmonic(bulk[i], bulk[i + step]) - trace * s;
+        double s = per * harmonic(shear[i], shear[i + step]);
+        lambda[i] = per * harmonic(bulk[i], bulk[i + step]) - trace * s;
         mu[i] = s;
-        kappa[i] = harmonic(heat[i], heat[i + step]);
+        kappa[i] = per * harmonic(heat[i], heat[i + step]);
     }
 }
 
@@ -69,24 +70,23 @@ static void tile_faces(struct gas *g, int tile) {
     const struct work *w = &g->work;
     const double trace = g->models.material.disks ? 1 : 2. / 3;
     for (int axis = 0; axis < g->dim; axis++) {
-        double *face = g->diffuser.face[tile] + 3 * axis * f->size;
+        double *face = g->diffuser.face[tile] + 3 * axis * f->size, h = f->width[axis];
         for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
             for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
                 long at = row_at(f, j, k) - (axis == 0);
-                face_coefficients(n[0] + (axis == 0), f->stride[axis], trace, w->p + at, w->c + at, w->gruneisen + at,
-                                  face + at, face + f->size + at, face + 2 * f->size + at);
+                face_coefficients(n[0] + (axis == 0), f->stride[axis], trace, 1 / (h * h), w->p + at, w->c + at,
+                                  w->gruneisen + at, face + at, face + f->size + at, face + 2 * f->size + at);
             }
     }
 }
 
 /* A row's share of the rates from its faces along one axis. */
-KERNEL static void add_rates(int n, long step, long size, double inverse, const double *restrict face,
-                             double (*restrict sum)[BATCH]) {
+KERNEL static void add_rates(int n, long step, long size, const double *restrict face, double (*restrict sum)[BATCH]) {
     const double *restrict lambda = face, *restrict mu = face + size, *restrict kappa = face + 2 * size;
     for (int i = 0; i < n; i++) {
         double low = lambda[i - step] + 2 * mu[i - step], high = lambda[i] + 2 * mu[i];
-        sum[0][i] += (low + high) * (inverse * inverse);
-        sum[1][i] += (kappa[i - step] + kappa[i]) * (inverse * inverse);
+        sum[0][i] += low + high;
+        sum[1][i] += kappa[i - step] + kappa[i];
     }
 }
 
@@ -94,16 +94,17 @@ static void tile_rates(const struct gas *g, int tile, const double *rho, double 
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
     const double factor[2] = {1, g->models.material.gamma - 1};
+    double *light = g->diffuser.light[tile];
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
             double sum[2][BATCH] = {{0}};
             const long at = row_at(f, j, k);
             for (int axis = 0; axis < g->dim; axis++)
-                add_rates(n[0], f->stride[axis], f->size, 1 / f->width[axis],
-                          g->diffuser.face[tile] + 3 * axis * f->size + at, sum);
+                add_rates(n[0], f->stride[axis], f->size, g->diffuser.face[tile] + 3 * axis * f->size + at, sum);
+            for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
             for (int what = 0; what < 2; what++)
                 for (int i = 0; i < n[0]; i++)
-                    most[what] = larger(factor[what] * sum[what][i] / rho[at + i], most[what]);
+                    most[what] = larger(factor[what] * sum[what][i] * light[at + i], most[what]);
         }
 }
 
@@ -261,7 +262,7 @@ static void find_gradients(struct gas *g) {
     }
     for (int from = 0; from < all; from += each) {
         for (int t = 0; t < f->ntiles; t++) d->part[t] = d->gradient[t] + from * f->size;
-        forest_fill(g->forest, each, d->part);
+        forest_fill_layers(g->forest, 1, each, d->part);
     }
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
 }
@@ -269,7 +270,7 @@ static void find_gradients(struct gas *g) {
 static void fill_sums(struct gas *g, enum diffusing what, double weight) {
     const struct forest *f = g->forest;
     const struct fill fill = {what, weight};
-    forest_fill(g->forest, lines_of(g, what), g->diffuser.sum[g->diffuser.last]);
+    forest_fill_layers(g->forest, 1, lines_of(g, what), g->diffuser.sum[g->diffuser.last]);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
     if (what == VISCOUS && g->dim > 1) find_gradients(g);
 }
@@ -277,88 +278,40 @@ static void fill_sums(struct gas *g, enum diffusing what, double weight) {
 /* ---- fluxes and what they move -------------------------------------------------------------------------------------
  */
 
-ALWAYS_INLINE void mean_across(int n, long step, const double *restrict q, const double *restrict keep,
+/* `half`: half the width of a cell */
+ALWAYS_INLINE void mean_across(int n, long step, double half, const double *restrict q, const double *restrict keep,
                                double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = 0.5 * (q[i] + q[i + step]);
+    for (int i = 0; i < n; i++) out[i] = half * (q[i] + q[i + step]);
     for (int i = 0; keep && i < n; i++) out[i] *= keep[i];
 }
 
-/* Through the faces above n cells along `axis`: stress of S (the flux of momentum inwards), and its work on S. Lines
- * stand at the first cell; `step` leads across the face. keep: 0 where tangential derivatives do not count, else 1;
- * NULL: they all do. */
-KERNEL static void viscous_faces(int n, int dim, int axis, long step, long size, double inverse,
+/* Through the faces above n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
+ * inwards), and its work on S. Lines stand at the first cell; `step` leads across the face. keep: 0 where tangential
+ * derivatives do not count, else 1; NULL: they all do. */
+KERNEL static void viscous_faces(int n, int dim, int axis, long step, long size, double width, bool ends,
                                  const double *restrict S, const double *restrict gradient, const double *restrict face,
                                  const double *restrict keep, double (*restrict out)[BATCH]) {
     const double *restrict lambda = face, *restrict mu = face + size, *restrict u = S + axis * size;
     double spread[BATCH], side[BATCH], *restrict work = out[dim];
-    for (int i = 0; i < n; i++) spread[i] = (u[i + step] - u[i]) * inverse;
+    for (int i = 0; i < n; i++) spread[i] = u[i + step] - u[i];
     for (int t = 0; t < dim; t++) {
         if (t == axis) continue;
-        mean_across(n, step, gradient + (t * dim + t) * size, keep, side);
+        mean_across(n, step, 0.5 * width, gradient + (t * dim + t) * size, keep, side);
         for (int i = 0; i < n; i++) spread[i] += side[i];
     }
-    for (int i = 0; i < n; i++) {
-        double stress = lambda[i] * spread[i] + 2 * mu[i] * ((u[i + step] - u[i]) * inverse);
-        out[axis][i] = stress;
-        work[i] = stress * (0.5 * (u[i] + u[i + step]));
-    }
+    for (int i = 0; i < n; i++) out[axis][i] = lambda[i] * spread[i] + 2 * mu[i] * (u[i + step] - u[i]);
     for (int t = 0; t < dim; t++) {
         const double *restrict v = S + t * size;
         if (t == axis) continue;
-        mean_across(n, step, gradient + (t * dim + axis) * size, keep, side);
-        for (int i = 0; i < n; i++) {
-            double shear = mu[i] * ((v[i + step] - v[i]) * inverse + side[i]);
-            out[t][i] = shear;
-            work[i] += shear * (0.5 * (v[i] + v[i + step]));
-        }
+        mean_across(n, step, 0.5 * width, gradient + (t * dim + axis) * size, keep, side);
+        for (int i = 0; i < n; i++) out[t][i] = mu[i] * ((v[i + step] - v[i]) + side[i]);
     }
-}
-
-KERNEL static void heat_faces(int n, long step, double inverse, const double *restrict S, const double *restrict kappa,
-                              double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = kappa[i] * ((S[i + step] - S[i]) * inverse);
-}
-
-static void faces_above(const struct gas *g, enum diffusing what, int tile, int axis, long at, int n,
-                        double (*out)[BATCH]) {
-    const struct forest *f = g->forest;
-    const struct diffuser *d = &g->diffuser;
-    const double *S = d->sum[d->last][tile] + at, *face = d->face[tile] + 3 * axis * f->size + at;
-    const double *flag = g->flag[tile] + at;
-    const long step = f->stride[axis];
-    double keep[BATCH];
-    if (what == HEAT) {
-        heat_faces(n, step, 1 / f->width[axis], S, face + 2 * f->size, out[0]);
-        return;
+    for (int i = 0; ends && i < n; i++) work[i] = out[axis][i] * (0.5 * (u[i] + u[i + step]));
+    for (int t = 0; ends && t < dim; t++) {
+        const double *restrict v = S + t * size;
+        if (t == axis) continue;
+        for (int i = 0; i < n; i++) work[i] += out[t][i] * (0.5 * (v[i] + v[i + step]));
     }
-    for (int i = 0; i < n && g->flagged[tile]; i++) keep[i] = flag[i] + flag[i + step] > 0 ? 0 : 1;
-    viscous_faces(n, g->dim, axis, step, f->size, 1 / f->width[axis], S, d->gradient[tile] + at, face,
-                  g->flagged[tile] ? keep : NULL, out);
-}
-
-KERNEL static void gain_row(int n, double inverse, bool add, const double *restrict low, const double *restrict high,
-                            double *restrict M) {
-    for (int i = 0; i < n; i++) {
-        double gain = (high[i] - low[i]) * inverse;
-        M[i] = add ? M[i] + gain : gain;
-    }
-}
-
-/* q = q_0 + per M/rho, then S of the next stage in place of the one before the last. */
-KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
-                           const double *restrict rho, const double *restrict start, const double *restrict last,
-                           double *restrict next) {
-    if (c[1] == 0)
-        for (int i = 0; i < n; i++) next[i] = 0; /* it may hold anything */
-    for (int i = 0; i < n; i++) {
-        double q = start[i] + per * M[i] / rho[i];
-        next[i] = (c[0] * last[i] + c[1] * next[i]) + (c[2] * q + c[3] * start[i]);
-    }
-}
-
-KERNEL static void moved_row(int n, double factor, const double *restrict from, const double *restrict M,
-                             double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = from[i] + factor * M[i];
 }
 
 struct sweep { /* of a tile */
@@ -368,6 +321,94 @@ struct sweep { /* of a tile */
     int tile, n;
     long bad;
 };
+
+static void viscous_above(const struct gas *g, const struct sweep *s, int axis, long at, int n, double (*out)[BATCH]) {
+    const struct forest *f = g->forest;
+    const struct diffuser *d = &g->diffuser;
+    const double *S = d->sum[d->last][s->tile] + at, *face = d->face[s->tile] + 3 * axis * f->size + at;
+    const double *flag = g->flag[s->tile] + at;
+    const long step = f->stride[axis];
+    double keep[BATCH];
+    for (int i = 0; i < n && g->flagged[s->tile]; i++) keep[i] = flag[i] + flag[i + step] > 0 ? 0 : 1;
+    viscous_faces(n, g->dim, axis, step, f->size, f->width[axis], !s->c, S, d->gradient[s->tile] + at, face,
+                  g->flagged[s->tile] ? keep : NULL, out);
+}
+
+struct around { /* a row: lines of its faces along axis 0, and pairs of lines below and above it along the others */
+    const double *x, *y[2], *z[2];
+};
+
+/* What n cells gain by their faces. */
+KERNEL static void gain_row(int n, int dim, const struct around *f, double *restrict out) {
+    const double *restrict x = f->x, *restrict y0 = f->y[0], *restrict y1 = f->y[1], *restrict z0 = f->z[0],
+                           *restrict z1 = f->z[1];
+    if (dim == 1)
+        for (int i = 0; i < n; i++) out[i] = x[i + 1] - x[i];
+    else if (dim == 2)
+        for (int i = 0; i < n; i++) out[i] = (x[i + 1] - x[i]) + (y1[i] - y0[i]);
+    else
+        for (int i = 0; i < n; i++) out[i] = (x[i + 1] - x[i]) + (y1[i] - y0[i]) + (z1[i] - z0[i]);
+}
+
+/* The same by conduction; lines stand at the cell. Sums of terms that a swap of axes or a mirror exchanges. */
+ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
+    double sum = 0;
+    for (int axis = 0; axis < dim; axis++) {
+        const double *kappa = face + (3 * axis + 2) * size;
+        const long step = stride[axis];
+        const double here = kappa[0] * (S[step] - S[0]) - kappa[-step] * (S[0] - S[-step]);
+        sum = axis ? sum + here : here;
+    }
+    return sum;
+}
+
+/* S of the next stage in place of the one before the last, which may hold anything where it does not count;
+ * c: of S, of that, of the gain over rho, of q_0. */
+ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
+    return (c[0] * last + (c[1] == 0 ? 0 : c[1] * before)) + (c[2] * (gain * light) + c[3] * start);
+}
+
+KERNEL static void next_row(int n, const double *restrict c, const double *restrict gain, const double *restrict light,
+                            const double *restrict start, const double *restrict last, double *restrict next) {
+    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
+}
+
+ALWAYS_INLINE void heat_row(int n, int dim, const long *stride, long size, const double *restrict c,
+                            const double *restrict face, const double *restrict light, const double *restrict start,
+                            const double *restrict last, double *restrict next) {
+    for (int i = 0; i < n; i++)
+        next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]);
+}
+
+KERNEL static void heat_stage(const struct forest *f, const int *n, const double *restrict c,
+                              const double *restrict face, const double *restrict light, const double *restrict start,
+                              const double *restrict last, double *restrict next) {
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            const long at = f->first + j * f->stride[1] + k * f->stride[2];
+            if (f->dim == 1)
+                heat_row(n[0], 1, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
+            else if (f->dim == 2)
+                heat_row(n[0], 2, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
+            else
+                heat_row(n[0], 3, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
+        }
+}
+
+KERNEL static void heat_gain_row(int n, int dim, const long *stride, long size, const double *restrict face,
+                                 const double *restrict S, double *restrict out) {
+    if (dim == 1)
+        for (int i = 0; i < n; i++) out[i] = heat_gain(1, stride, size, face + i, S + i);
+    else if (dim == 2)
+        for (int i = 0; i < n; i++) out[i] = heat_gain(2, stride, size, face + i, S + i);
+    else
+        for (int i = 0; i < n; i++) out[i] = heat_gain(3, stride, size, face + i, S + i);
+}
+
+KERNEL static void moved_row(int n, double factor, const double *restrict from, const double *restrict M,
+                             double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = from[i] + factor * M[i];
+}
 
 /* to = Y_0 + div of the flux of S; the work of the stress of S on S/dt makes the energy. */
 static void end_row(struct gas *g, struct sweep *s, long at, double (*M)[BATCH]) {
@@ -390,21 +431,17 @@ static void end_row(struct gas *g, struct sweep *s, long at, double (*M)[BATCH])
 /* A row from its faces along all axes. */
 static void move_row(struct gas *g, struct sweep *s, long at, double (*low)[BATCH], double (*high)[BATCH]) {
     const struct forest *f = g->forest;
-    struct diffuser *d = &g->diffuser;
-    const int lines = lines_of(g, s->what), fluxes = lines + (s->what == VISCOUS);
-    const double per = s->what == VISCOUS ? 1 : g->models.material.gamma - 1;
+    const struct diffuser *d = &g->diffuser;
     double x[MAX_VAR][BATCH], z[2][MAX_VAR][BATCH], M[MAX_VAR][BATCH];
-    faces_above(g, s->what, s->tile, 0, at - 1, s->n + 1, x);
-    for (int i = 0; i < 2 && g->dim > 2; i++)
-        faces_above(g, s->what, s->tile, 2, at + (i - 1) * f->stride[2], s->n, z[i]);
-    for (int v = 0; v < (s->c ? lines : fluxes); v++) {
-        gain_row(s->n, 1 / f->width[0], false, x[v], x[v] + 1, M[v]);
-        if (g->dim > 1) gain_row(s->n, 1 / f->width[1], true, low[v], high[v], M[v]);
-        if (g->dim > 2) gain_row(s->n, 1 / f->width[2], true, z[0][v], z[1][v], M[v]);
+    viscous_above(g, s, 0, at - 1, s->n + 1, x);
+    for (int i = 0; i < 2 && g->dim > 2; i++) viscous_above(g, s, 2, at + (i - 1) * f->stride[2], s->n, z[i]);
+    for (int v = 0; v < g->dim + !s->c; v++) {
+        const struct around faces = {x[v], {low[v], high[v]}, {z[0][v], z[1][v]}};
         const long line = v * f->size + at;
+        gain_row(s->n, g->dim, &faces, M[v]);
         if (s->c)
-            sum_row(s->n, s->c, per, M[v], s->Y0 + at, d->start[s->tile] + line, d->sum[d->last][s->tile] + line,
-                    d->sum[1 - d->last][s->tile] + line);
+            next_row(s->n, s->c, M[v], d->light[s->tile] + at, d->start[s->tile] + line,
+                     d->sum[d->last][s->tile] + line, d->sum[1 - d->last][s->tile] + line);
     }
     if (!s->c) end_row(g, s, at, M);
 }
@@ -418,19 +455,40 @@ static void move_tile(struct gas *g, struct sweep *s) {
         for (int row = g->dim > 1 ? -1 : 0; row < n[1]; row++) {
             const long at = row_at(f, row, k);
             double(*low)[BATCH] = faces[(row + 2) % 2], (*high)[BATCH] = faces[(row + 1) % 2];
-            if (g->dim > 1) faces_above(g, s->what, s->tile, 1, at, n[0], high);
+            if (g->dim > 1) viscous_above(g, s, 1, at, n[0], high);
             if (row >= 0) move_row(g, s, at, low, high);
+        }
+}
+
+static void heat_tile(struct gas *g, struct sweep *s) {
+    const struct forest *f = g->forest;
+    const struct diffuser *d = &g->diffuser;
+    const int *n = f->tile[s->tile].n;
+    const double *face = d->face[s->tile], *S = d->sum[d->last][s->tile];
+    double M[1][BATCH];
+    s->n = n[0];
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            const long at = row_at(f, j, k);
+            heat_gain_row(n[0], g->dim, f->stride, f->size, face + at, S + at, M[0]);
+            end_row(g, s, at, M);
         }
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
                            double weight) {
+    struct diffuser *d = &g->diffuser;
+    const double factor[4] = {c[0], c[1], what == HEAT ? c[2] * (g->models.material.gamma - 1) : c[2], c[2] + c[3]};
     fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct sweep s = {.what = what, .Y0 = Y0->block[t], .c = c, .tile = t};
-        move_tile(g, &s);
+        struct sweep s = {.what = what, .Y0 = Y0->block[t], .c = factor, .tile = t};
+        if (what == HEAT)
+            heat_stage(g->forest, g->forest->tile[t].n, factor, d->face[t], d->light[t], d->start[t],
+                       d->sum[d->last][t], d->sum[1 - d->last][t]);
+        else
+            move_tile(g, &s);
     }
-    g->diffuser.last = 1 - g->diffuser.last;
+    d->last = 1 - d->last;
 }
 
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
@@ -439,7 +497,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct sweep s = {.what = what, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt, .tile = t};
-        move_tile(g, &s);
+        (what == HEAT ? heat_tile : move_tile)(g, &s);
         bad += s.bad;
     }
     g->diffuser.marked |= bad > 0;

@@ -33,6 +33,7 @@ static void plan_local(const struct forest *f, struct copies *list, int t, int f
     int k = side / 2, ghost = first_ghost(n, side), thick = from_n[k] < GHOSTS ? 1 : GHOSTS;
     for (int layer = 0; layer < GHOSTS; layer += thick) {
         struct copy c = {.to = t, .from = from, .side = side, .link = -1, .n = {n[0], n[1], n[2]}};
+        c.beyond = thick == GHOSTS ? 0 : side % 2 ? layer : GHOSTS - 1 - layer;
         int source = side % 2 ? layer : from_n[k] - GHOSTS + layer;
         c.n[k] = thick;
         c.to_start = layer_offset(f, side, ghost + layer);
@@ -51,8 +52,9 @@ static int link_of(struct forest *f, int id) {
     return link;
 }
 
+/* Of one layer: a message has as many of each box as are asked for. */
 static long layer_cells(const int n[3], int side) {
-    return (long)GHOSTS * n[(side / 2 + 1) % 3] * n[(side / 2 + 2) % 3];
+    return (long)n[(side / 2 + 1) % 3] * n[(side / 2 + 2) % 3];
 }
 
 /* GHOSTS layers beyond a side of my tile t, from what the rank of tile `id` sends. */
@@ -112,7 +114,7 @@ status fill_make(struct forest *f) {
     TRY(allocate(&h->pack.item, h->pack.n, sizeof *h->pack.item, "the ghost exchange plan"));
     plan_all(f);
     for (int i = 0; i < h->nlinks; i++) {
-        long n = h->link[i].n * FILL_VARIABLES; /* what leaves is as much as what arrives */
+        long n = h->link[i].n * GHOSTS * FILL_VARIABLES; /* what leaves is as much as what arrives */
         TRY(allocate(&h->link[i].out, n, sizeof *h->link[i].out, "the ghost exchange"));
         TRY(allocate(&h->link[i].in, n, sizeof *h->link[i].in, "the ghost exchange"));
     }
@@ -138,8 +140,8 @@ static void copy_box(double *restrict to, const long to_stride[3], const double 
         for (int i = 0; i < n[1]; i++) {
             double *restrict a = to + j * to_stride[2] + i * to_stride[1];
             const double *restrict b = from + j * from_stride[2] + i * from_stride[1];
-            if (n[0] == GHOSTS)
-                for (int g = 0; g < GHOSTS; g++) a[g] = b[g];
+            if (n[0] <= GHOSTS)
+                for (int g = 0; g < n[0]; g++) a[g] = b[g];
             else
                 memcpy(a, b, (size_t)n[0] * sizeof *a);
         }
@@ -155,23 +157,40 @@ static long cells_of(const int n[3]) {
     return (long)n[0] * n[1] * n[2];
 }
 
-void forest_fill_start(struct forest *f, int nvar, double *const *data) {
+/* Of a box, the first `layers` beyond its side; inner: where these start in a block. false: none of it. */
+static bool trim(const struct forest *f, int layers, struct copy *c, long *inner) {
+    const int k = c->side / 2;
+    *inner = 0;
+    if (c->beyond >= layers) return false;
+    if (c->n[k] <= layers) return true;
+    if (c->side % 2 == 0) *inner = (c->n[k] - layers) * f->stride[k];
+    c->n[k] = layers;
+    return true;
+}
+
+static void fill_start(struct forest *f, int layers, int nvar, double *const *data) {
     struct forest_private *h = f->hidden;
     if (nvar > FILL_VARIABLES) {
         fprintf(stderr, "forest_fill_start: %d variables at once, at most %d\n", nvar, FILL_VARIABLES);
         abort();
     }
+    h->layers = layers;
     h->nvar = nvar;
     h->data = data;
     for (int i = 0; i < h->pack.n; i++) {
-        const struct copy *c = &h->pack.item[i];
-        long stride[3];
-        packed_strides(c->n, stride);
+        struct copy c = h->pack.item[i];
+        long stride[3], inner;
+        trim(f, layers, &c, &inner);
+        packed_strides(c.n, stride);
         for (int v = 0; v < nvar; v++)
-            copy_box(h->link[c->link].out + c->to_start * nvar + v * cells_of(c->n), stride,
-                     data[c->from] + v * f->size + c->from_start, f->stride, c->n);
+            copy_box(h->link[c.link].out + c.to_start * layers * nvar + v * cells_of(c.n), stride,
+                     data[c.from] + v * f->size + c.from_start + inner, f->stride, c.n);
     }
-    comm_exchange_start(h->exchange, nvar);
+    comm_exchange_start(h->exchange, layers * nvar);
+}
+
+void forest_fill_start(struct forest *f, int nvar, double *const *data) {
+    fill_start(f, GHOSTS, nvar, data);
 }
 
 void forest_fill_finish(struct forest *f) {
@@ -181,23 +200,27 @@ void forest_fill_finish(struct forest *f) {
 void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
     const struct forest_private *h = f->hidden;
     for (int i = h->fill_start[t]; i < h->fill_start[t + 1]; i++) {
-        const struct copy *c = &h->fill.item[i];
-        if (leave && c->link < 0 && leave[c->side]) continue;
-        long packed[3];
-        packed_strides(c->n, packed);
+        struct copy c = h->fill.item[i];
+        long packed[3], inner;
+        if ((leave && c.link < 0 && leave[c.side]) || !trim(f, h->layers, &c, &inner)) continue;
+        packed_strides(c.n, packed);
         for (int v = 0; v < h->nvar; v++) {
-            double *to = h->data[t] + v * f->size + c->to_start;
-            if (c->link < 0)
-                copy_box(to, f->stride, h->data[c->from] + v * f->size + c->from_start, f->stride, c->n);
+            double *to = h->data[t] + v * f->size + c.to_start + inner;
+            if (c.link < 0)
+                copy_box(to, f->stride, h->data[c.from] + v * f->size + c.from_start + inner, f->stride, c.n);
             else
-                copy_box(to, f->stride, h->link[c->link].in + c->from_start * h->nvar + v * cells_of(c->n), packed,
-                         c->n);
+                copy_box(to, f->stride, h->link[c.link].in + c.from_start * h->layers * h->nvar + v * cells_of(c.n),
+                         packed, c.n);
         }
     }
 }
 
-void forest_fill(struct forest *f, int nvar, double *const *data) {
-    forest_fill_start(f, nvar, data);
+void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data) {
+    fill_start(f, layers, nvar, data);
     forest_fill_finish(f);
     for (int t = 0; t < f->ntiles; t++) forest_fill_tile(f, t, NULL);
+}
+
+void forest_fill(struct forest *f, int nvar, double *const *data) {
+    forest_fill_layers(f, GHOSTS, nvar, data);
 }

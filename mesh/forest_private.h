@@ -8,9 +8,10 @@
 struct copy {      /* a box of cells from one block to another */
     int to, from;  /* tiles of this rank */
     int side;      /* of the tile whose ghosts these are */
+    int beyond;    /* so many layers beyond it */
     int link;      /* in place of one of them: the message to or from another rank, or -1 */
     int n[3];      /* cells along each axis */
-    long to_start; /* offset of its first cell in the block, or of the box in the message of one variable */
+    long to_start; /* offset of its first cell in the block, or of the box in the message of one layer and variable */
     long from_start;
 };
 struct copies {
@@ -35,7 +36,7 @@ struct forest_private {
     struct comm_link *link; /* [ranks] one per neighbour rank */
     long *arriving;         /* [ranks] while the plan is made: doubles of a link's incoming message so far */
     struct comm_exchange *exchange;
-    int nvar; /* of the fill under way */
+    int layers, nvar; /* of the fill under way */
     double *const *data;
 };
 

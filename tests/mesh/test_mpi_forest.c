@@ -128,12 +128,12 @@ struct fixture {
     struct lattice l;
     struct polymesh m;
     struct forest *f;
-    int nvar;
+    int nvar, layers; /* that are to be filled */
     double **data;
 };
 
 static void begin(struct fixture *x, const struct scene *s, int nvar) {
-    *x = (struct fixture){.scene = s, .nvar = nvar};
+    *x = (struct fixture){.scene = s, .nvar = nvar, .layers = GHOSTS};
     scene_make(s, &x->l, &x->m);
     status fault = forest_make(&x->l, &x->m, world, s->tile_size, &x->f);
     if (fault) fail_msg("%s: %s", s->name, status_text(fault));
@@ -181,7 +181,7 @@ static double expected(const struct fixture *x, const struct tile *tile, const i
         if (i[k] >= 0 && i[k] < tile->n[k]) continue;
         outside++;
         side = 2 * k + (i[k] >= 0);
-        if (k >= x->f->dim || i[k] < -GHOSTS || i[k] >= tile->n[k] + GHOSTS) return absent;
+        if (k >= x->f->dim || i[k] < -x->layers || i[k] >= tile->n[k] + x->layers) return absent;
     }
     if (outside > 1) return absent;
     if (outside == 0) return value(x, at, v);
@@ -215,8 +215,12 @@ static void ghost_layers_hold_the_cells_beyond(void **state) {
             struct fixture x;
             begin(&x, &scenes[s], nvar);
             set_cells(&x);
-            for (int round = 0; round < 2; round++) {
-                forest_fill(x.f, nvar, x.data);
+            for (int round = 0; round < GHOSTS + 1; round++) {
+                x.layers = round < GHOSTS ? round + 1 : GHOSTS;
+                if (round < GHOSTS)
+                    forest_fill_layers(x.f, x.layers, nvar, x.data);
+                else
+                    forest_fill(x.f, nvar, x.data);
                 for (int t = 0; t < x.f->ntiles; t++) check_block(&x, t);
             }
             end(&x);
