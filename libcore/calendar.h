@@ -1,6 +1,6 @@
 /* A queue of one time for each of n items, the earliest first, equal times by the item's number (so that its order does
- * not depend on how it is built): buckets of time on a ring, of which the present one is a heap. Taking and moving an
- * item cost the same however many there are. Paul, J. Comput. Phys. 221 (2007) 615. */
+ * not depend on how it is built). Moving an item costs the same however many there are; taking the first costs n/256
+ * comparisons for some 32 that are taken. */
 #ifndef LIBCORE_CALENDAR_H
 #define LIBCORE_CALENDAR_H
 
@@ -18,9 +18,7 @@ void calendar_set(struct calendar *c, int item, double t);
 void calendar_start(struct calendar *c, double now);
 void calendar_move(struct calendar *c, int item, double t); /* to a time not before that of the first */
 int calendar_first(struct calendar *c);                     /* stays in */
-int calendar_second(const struct calendar *c);              /* what probably follows the first; < 0: not known */
-/* Items of array `which` (0 or 1) are prefetched some time before they come first. */
-void calendar_attach(struct calendar *c, int which, const void *array, size_t stride);
+int calendar_next(const struct calendar *c, int k);         /* the k-th after the first; < 0: not known yet */
 double calendar_time(const struct calendar *c, int item);
 double calendar_bytes(int n);
 

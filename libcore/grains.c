@@ -96,8 +96,6 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
     TRY(allocate(&g->meeting, n + (long)ROOM, sizeof *g->meeting, "neighbours"));
     TRY(calendar_make(n, &g->queue));
-    calendar_attach(g->queue, 0, g->grain, sizeof *g->grain);
-    calendar_attach(g->queue, 1, g->event, sizeof *g->event);
     return grains_cells_make(g);
 }
 
@@ -235,17 +233,22 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, i
     return OK;
 }
 
-/* Asks for what the next event will touch, while this one is worked on. */
-static void fetch(const struct grains *g, int i) {
+/* Asks for what coming events will touch, while this one is worked on: first the grain, later what it names. */
+static void fetch(const struct grains *g) {
     const struct grain_cells *c = &g->cells;
     struct grain_block b;
-    if (i < 0) return;
-    int partner = g->event[i].partner;
+    int next = calendar_next(g->queue, 2), later = calendar_next(g->queue, 4);
+    if (later >= 0) {
+        __builtin_prefetch(&g->grain[later], 1);
+        __builtin_prefetch(&g->event[later], 1);
+    }
+    if (next < 0) return;
+    int partner = g->event[next].partner;
     if (partner >= 0) {
         __builtin_prefetch(&g->grain[partner], 1);
         __builtin_prefetch(&g->event[partner], 1);
     }
-    grains_block(c, g->box.periodic, g->grain[i].cell, STAYS, &b);
+    grains_block(c, g->box.periodic, g->grain[next].cell, STAYS, &b);
     for (int z = 0; z < b.n[2]; z++)
         for (int y = 0; y < b.n[1]; y++) {
             long q = b.start[1][y] + b.start[2][z];
@@ -258,7 +261,7 @@ static void fetch(const struct grains *g, int i) {
 static void take(struct grains *g, int i, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[i];
     const struct grain_event e = g->event[i];
-    fetch(g, calendar_second(g->queue));
+    fetch(g);
     bring(g, p, t);
     if (g->exit[i] != STAYS) {
         int exit = g->exit[i];

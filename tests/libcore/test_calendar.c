@@ -23,9 +23,16 @@ static void earliest_first(void **state) {
     for (int i = 0; i < ITEMS; i++) calendar_set(c, i, t[i] = now + uniform(&seed));
     calendar_start(c, now);
     for (int step = 0; step < 200000; step++) {
+        if (step % 20000 == 10000) { /* half of them at one time, the others at two scales */
+            for (int i = 0; i < ITEMS; i++)
+                calendar_set(c, i, t[i] = now + (i % 2 ? 0.5 : uniform(&seed) * (i % 4 ? 1 : 1e5)));
+            calendar_start(c, now);
+        }
         int first = calendar_first(c);
         for (int i = 0; i < ITEMS; i++) assert_true(t[first] < t[i] || (t[first] == t[i] && first <= i));
         assert_true(calendar_time(c, first) == t[first]);
+        for (int k = 1, last = first, item; k < 5 && (item = calendar_next(c, k)) >= 0; k++, last = item)
+            assert_true(t[last] < t[item] || (t[last] == t[item] && last < item));
         now = t[first];
         double scale = pow(10, (double)((step / 5000) % 7) - 3), dice = uniform(&seed);
         double next = now + (dice < 0.05 ? 100 * scale : dice < 0.1 ? 0 : -scale * log(1 - uniform(&seed)));
