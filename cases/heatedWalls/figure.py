@@ -1,0 +1,28 @@
+"""Temperature and packing between the walls, beside the solution of the steady equations."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import numpy as np  # noqa: E402
+
+import disks  # noqa: E402
+import figures  # noqa: E402
+import haff  # noqa: E402
+
+folder = figures.folder()
+variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""))]
+variants = [(title, path) for title, path in variants if os.path.isdir(path)]
+fig, (panels,) = figures.panels(1, 2)
+fine = np.linspace(0, 20, 400)
+for (title, path), colour in zip(variants, figures.COLOURS):
+    case, flow = haff.Case(path), disks.heated_walls(path)
+    x, T, alpha = case.line(("T", "alpha"), case.times[-1])
+    for panel, name, values in zip(panels, ("T", "alpha"), (T, alpha)):
+        panel.plot(fine, flow(fine, name), color=colour, label=title)
+        panel.plot(x[2::5], values[2::5], "o", markersize=3, color=colour, fillstyle="none")
+        print(f"{title}, {name}: mean error {disks.error(case, flow, name):.1e} of the largest", file=sys.stderr)
+panels[0].legend()
+figures.label(panels[0], r"$x/\sigma$", "$T$", "steady equations (lines), granularGas")
+figures.label(panels[1], r"$x/\sigma$", r"$\alpha$")
+figures.save(fig, os.path.join(folder, "heatedWalls.png"))
