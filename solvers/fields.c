@@ -2,6 +2,7 @@
 
 #include "libcore/boundary.h"
 #include "solvers/expr.h"
+#include "solvers/layers.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -104,7 +105,7 @@ static status read_expression(struct dict *d, int components, bool cells, long n
 }
 
 bool field_has_expression(const struct field *f) {
-    return dict_has(f->dict, "expression");
+    return dict_has(f->dict, "expression") && !f->layers;
 }
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
     return read_expression(f->dict, f->kind->components, false, npoints, points, t, out);
@@ -117,8 +118,9 @@ static status read_cells(struct field *f, const struct field_place *at) {
         TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
         return read_expression(f->dict, m, true, n, at->centre, at->t, f->values);
     }
-    double uniform[3];
-    TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));
+    double uniform[3] = {0, 0, 0};
+    if (!layers_fill(f->layers) || dict_has(f->dict, "internalField"))
+        TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));
     if (f->values) return OK;
     TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
     for (long i = 0; i < (long)n * m; i++) f->values[i] = uniform[i % m];
@@ -193,6 +195,8 @@ static status read_patches(struct field *f, const struct field_place *at) {
 
 static status read_all(struct field *f, const struct field_place *at) {
     TRY(check_dimensions(f->dict, f->kind));
+    if (f->kind == &field_kinds[FIELD_RHO] || f->kind == &field_kinds[FIELD_ALPHA])
+        TRY(layers_read(f->dict, &f->layers));
     TRY(read_cells(f, at));
     TRY(read_patches(f, at));
     return dict_check_used(f->dict);
@@ -219,6 +223,7 @@ void field_free(struct field *f) {
     for (int i = 0; i < f->npatches; i++) free(f->patch[i].values);
     free(f->patch);
     free(f->values);
+    layers_free(f->layers);
     dict_free(f->dict);
     free(f);
 }
@@ -242,14 +247,15 @@ status field_read_values(const char *path, int ncells, int *components, double *
 
 /* Where the value of a cell stands; of a binary list, an expression or a uniform value: the entry. */
 static int cell_line(const struct field *f, int cell) {
-    const char *key = dict_has(f->dict, "expression") ? "expression" : "internalField";
+    const bool laid = layers_fill(f->layers), evaluated = laid || dict_has(f->dict, "expression");
+    const char *key = laid ? "settledLayer" : evaluated ? "expression" : "internalField";
     int line = dict_line(f->dict, key);
     long wanted = (long)cell * f->kind->components;
     struct lexer l;
     struct token t = {.kind = TOKEN_WORD};
     bool inside = false;
-    status s = !strcmp(key, "expression") || dict_header(f->dict)->binary ? OK : dict_raw(f->dict, key, &l);
-    if (s || !strcmp(key, "expression") || dict_header(f->dict)->binary) {
+    status s = evaluated || dict_header(f->dict)->binary ? OK : dict_raw(f->dict, key, &l);
+    if (s || evaluated || dict_header(f->dict)->binary) {
         status_free(s);
         return line;
     }

@@ -21,9 +21,12 @@ struct patch_field {
     double *values;    /* [faces][components], or NULL */
     int line, value_line;
 };
+struct layers;
 struct field {
     const struct field_kind *kind;
     struct dict *dict;
+    struct layers
+        *layers;    /* of rho and alpha: what the file says of them (solvers/layers.h), not yet in values; NULL */
     double *values; /* [ncells][components] */
     int npatches;
     struct patch_field *patch; /* [npatches] */
@@ -46,7 +49,7 @@ void field_free(struct field *f);
 /* The cells' values alone, of any field whose class is volScalarField or volVectorField; *components is 1 or 3. */
 status field_read_values(const char *path, int ncells, int *components, double **out);
 
-bool field_has_expression(const struct field *f);
+bool field_has_expression(const struct field *f); /* alone, so that it can be evaluated anywhere */
 /* Of such a field the values at points[npoints][3]: out[npoints][components]. */
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out);
 

@@ -1,5 +1,7 @@
 #include "solvers/initial.h"
 
+#include "solvers/layers.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +51,8 @@ static status read_files(const struct reader *r, struct initial *s) {
         path_of(r, field_kinds[i].name, path);
         if (field_exists(path)) TRY(field_read(path, &field_kinds[i], r->place, &s->field[i]));
     }
-    return OK;
+    struct field *density = s->field[FIELD_RHO] ? s->field[FIELD_RHO] : s->field[FIELD_ALPHA];
+    return layers_apply(density, r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
 }
 
 /* The conserved fields of an earlier run, which restart it bit by bit. */

@@ -1,6 +1,7 @@
 #include "solvers/models.h"
 
 #include "solvers/fields.h"
+#include "solvers/layers.h"
 #include "solvers/params.h"
 
 #include <math.h>
@@ -345,6 +346,7 @@ void models_list(FILE *f) {
         fprintf(f, "  %-20s %s\n", diffusion_table[i].name, diffusion_table[i].about);
     fprintf(f, "\nsystem/fvSolution: limits { }\n");
     params_print(f, limits_param, COUNT(limits_param));
+    layers_list(f);
 }
 
 void boundaries_list(FILE *f) {

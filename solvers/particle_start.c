@@ -72,6 +72,11 @@ static status take_density(const struct setup *s, const struct particle_models *
     const struct field *f = p->field[alpha ? FIELD_ALPHA : FIELD_RHO];
     char what[128];
     if (!f) return OK;
+    if (f->layers)
+        return fail(
+            ERR_INPUT,
+            "%s: settledLayer and perturbation are of granularGas; give an expression, and let the grains settle",
+            dict_path(f->dict));
     snprintf(what, sizeof what, "it must lie between 0 and %.4g, close packing of %s%s", alpha ? packed : packed / per,
              s->dim == 2 ? "disks" : "spheres", alpha ? "" : " in the unit of rho");
     TRY(check_cells(s, f, alpha ? packed : packed / per, what));
