@@ -117,8 +117,8 @@ void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
     double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
     double **start;    /* dim: q_0, the same */
-    double **gradient; /* dim * dim: dS_c/dx_k at k dim + c by central differences; ghosts for the axes across */
-    double **face;     /* 3 * dim: of each axis lambda, shear, heat over h^2 of the face above a cell */
+    double **gradient; /* dim * dim: half of dS_c/dx_k at k dim + c by central differences; ghosts for the axes across */
+    double **face;     /* of each axis FACE_LINES: coefficients of the face above a cell */
     double **light;    /* 1/rho */
     double **mark;     /* 1: cells that were not admissible */
     double **part;     /* into `gradient` */

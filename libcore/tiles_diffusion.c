@@ -5,12 +5,23 @@
 
 #include <stdlib.h>
 
+/* Of a face of an axis, h the width of a cell there: (lambda + 2 mu)/h^2, lambda/h, mu/h^2, mu/h, heat/h^2. Jumps take
+ * the squares, and the others the sum of both sides' tangential derivatives halved, as `gradient` holds them. */
+enum { NORMAL, CROSS, SHEAR, TWIST, CONDUCTION, FACE_LINES };
+enum { LINE = BATCH + 8 }; /* faces of a row */
+
+/* Rows in whole vectors, without a rest cell by cell: beyond the row there are ghosts, which are filled again before
+ * they are read, and padding, where 1/rho is 0. */
+static int padded(int n) {
+    return (n + 7) / 8 * 8;
+}
+
 status diffuser_make(struct gas *g) {
     struct diffuser *d = &g->diffuser;
     double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
     for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
-    TRY(blocks_make(g->forest, 3 * g->dim, &d->face));
+    TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
     return allocate(&d->part, g->forest->ntiles, sizeof(double *), "tiles");
@@ -48,15 +59,18 @@ ALWAYS_INLINE double harmonic(double a, double b) {
     return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
 }
 
-/* Faces above n cells; `trace`: 2/d; `per`: 1/h^2 */
-KERNEL static void face_coefficients(int n, long step, double trace, double per, const double *restrict bulk,
-                                     const double *restrict shear, const double *restrict heat, double *restrict lambda,
-                                     double *restrict mu, double *restrict kappa) {
+/* Faces above n cells; `trace`: 2/d */
+KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
+                                     const double *restrict bulk, const double *restrict shear,
+                                     const double *restrict heat, double *restrict face) {
+    const double per = 1 / width, square = per * per;
     for (int i = 0; i < n; i++) {
-        double s = per * harmonic(shear[i], shear[i + step]);
-        lambda[i] = per * harmonic(bulk[i], bulk[i + step]) - trace * s;
-        mu[i] = s;
-        kappa[i] = per * harmonic(heat[i], heat[i + step]);
+        double mu = harmonic(shear[i], shear[i + step]), lambda = harmonic(bulk[i], bulk[i + step]) - trace * mu;
+        face[NORMAL * size + i] = square * (lambda + 2 * mu);
+        face[CROSS * size + i] = per * lambda;
+        face[SHEAR * size + i] = square * mu;
+        face[TWIST * size + i] = per * mu;
+        face[CONDUCTION * size + i] = square * harmonic(heat[i], heat[i + step]);
     }
 }
 
@@ -70,23 +84,22 @@ static void tile_faces(struct gas *g, int tile) {
     const struct work *w = &g->work;
     const double trace = g->models.material.disks ? 1 : 2. / 3;
     for (int axis = 0; axis < g->dim; axis++) {
-        double *face = g->diffuser.face[tile] + 3 * axis * f->size, h = f->width[axis];
+        double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
         for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
             for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
                 long at = row_at(f, j, k) - (axis == 0);
-                face_coefficients(n[0] + (axis == 0), f->stride[axis], trace, 1 / (h * h), w->p + at, w->c + at,
-                                  w->gruneisen + at, face + at, face + f->size + at, face + 2 * f->size + at);
+                face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
+                                  w->c + at, w->gruneisen + at, face + at);
             }
     }
 }
 
 /* A row's share of the rates from its faces along one axis. */
 KERNEL static void add_rates(int n, long step, long size, const double *restrict face, double (*restrict sum)[BATCH]) {
-    const double *restrict lambda = face, *restrict mu = face + size, *restrict kappa = face + 2 * size;
+    const double *restrict normal = face + NORMAL * size, *restrict heat = face + CONDUCTION * size;
     for (int i = 0; i < n; i++) {
-        double low = lambda[i - step] + 2 * mu[i - step], high = lambda[i] + 2 * mu[i];
-        sum[0][i] += low + high;
-        sum[1][i] += kappa[i - step] + kappa[i];
+        sum[0][i] += normal[i - step] + normal[i];
+        sum[1][i] += heat[i - step] + heat[i];
     }
 }
 
@@ -100,7 +113,8 @@ static void tile_rates(const struct gas *g, int tile, const double *rho, double 
             double sum[2][BATCH] = {{0}};
             const long at = row_at(f, j, k);
             for (int axis = 0; axis < g->dim; axis++)
-                add_rates(n[0], f->stride[axis], f->size, g->diffuser.face[tile] + 3 * axis * f->size + at, sum);
+                add_rates(n[0], f->stride[axis], f->size, g->diffuser.face[tile] + FACE_LINES * axis * f->size + at,
+                          sum);
             for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
             for (int what = 0; what < 2; what++)
                 for (int i = 0; i < n[0]; i++)
@@ -128,32 +142,37 @@ struct beginning { /* what its row visitor needs */
     const struct gas *g;
     enum diffusing what;
     const double *U;
-    double *start, *sum, factor;
+    double *start;
 };
 
-/* q_0 of a row: velocity, or T; and S_1 */
+/* q_0 of a row: velocity, or T */
 static void begin_visit(void *context, long offset, int n) {
     const struct beginning *b = context;
     const struct gas *g = b->g;
     const long size = g->forest->size;
     velocities_of_row(g, b->U, offset, n);
-    for (int v = 0; v < lines_of(g, b->what); v++) {
-        double *q = b->start + v * size + offset, *S = b->sum + v * size + offset;
-        if (b->what == VISCOUS)
-            memcpy(q, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
-        else
-            for (int i = 0; i < n; i++) q[i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
-        for (int i = 0; i < n; i++) S[i] = b->factor * q[i];
+    for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
+        memcpy(b->start + v * size + offset, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
+    for (int i = 0; b->what == HEAT && i < n; i++)
+        b->start[offset + i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
+}
+
+KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
+                              double *restrict before) {
+    for (long i = 0; i < n; i++) {
+        S[i] = factor * start[i];
+        before[i] = 0;
     }
 }
 
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor) {
     const struct forest *f = g->forest;
+    struct diffuser *d = &g->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g,     what, Y0->block[t], g->diffuser.start[t], g->diffuser.sum[g->diffuser.last][t],
-                              factor};
+        struct beginning b = {g, what, Y0->block[t], d->start[t]};
         ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], 1, begin_visit, &b);
+        first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
     }
 }
 
@@ -232,34 +251,28 @@ static void gradient_edge(struct gas *g, int tile, const struct edge *e, const v
     }
 }
 
-struct gradients { /* what its row visitor needs */
-    const struct gas *g;
-    const double *S;
-    double *out;
-};
-
-KERNEL static void central_row(int n, long step, double half_inverse, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = (q[i + step] - q[i - step]) * half_inverse;
+ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = (q[i + step] - q[i - step]) * quarter;
 }
 
-static void gradient_visit(void *context, long offset, int n) {
-    const struct gradients *v = context;
-    const struct forest *f = v->g->forest;
-    const int dim = v->g->dim;
-    for (int k = 0; k < dim; k++)
-        for (int c = 0; c < dim; c++)
-            central_row(n, f->stride[k], 0.5 / f->width[k], v->S + c * f->size + offset,
-                        v->out + (k * dim + c) * f->size + offset);
+KERNEL static void tile_gradients(const struct forest *f, const int *n, const double *restrict S,
+                                  double *restrict out) {
+    const int vectors = padded(n[0]);
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++)
+            for (int line = 0; line < f->dim * f->dim; line++) {
+                const long at = f->first + j * f->stride[1] + k * f->stride[2];
+                const int along = line / f->dim;
+                gradient_row(vectors, f->stride[along], 0.25 / f->width[along], S + line % f->dim * f->size + at,
+                             out + line * f->size + at);
+            }
 }
 
 static void find_gradients(struct gas *g) {
     const struct forest *f = g->forest;
     struct diffuser *d = &g->diffuser;
     const int all = g->dim * g->dim, each = all <= FILL_VARIABLES ? all : g->dim;
-    for (int t = 0; t < f->ntiles; t++) {
-        struct gradients v = {g, d->sum[d->last][t], d->gradient[t]};
-        rows_visit(f, &f->tile[t], 0, gradient_visit, &v);
-    }
+    for (int t = 0; t < f->ntiles; t++) tile_gradients(f, f->tile[t].n, d->sum[d->last][t], d->gradient[t]);
     for (int from = 0; from < all; from += each) {
         for (int t = 0; t < f->ntiles; t++) d->part[t] = d->gradient[t] + from * f->size;
         forest_fill_layers(g->forest, 1, each, d->part);
@@ -278,132 +291,16 @@ static void fill_sums(struct gas *g, enum diffusing what, double weight) {
 /* ---- fluxes and what they move -------------------------------------------------------------------------------------
  */
 
-/* `half`: half the width of a cell */
-ALWAYS_INLINE void mean_across(int n, long step, double half, const double *restrict q, const double *restrict keep,
-                               double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = half * (q[i] + q[i + step]);
-    for (int i = 0; keep && i < n; i++) out[i] *= keep[i];
-}
-
-/* Through the faces above n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
- * inwards), and its work on S. Lines stand at the first cell; `step` leads across the face. keep: 0 where tangential
- * derivatives do not count, else 1; NULL: they all do. */
-KERNEL static void viscous_faces(int n, int dim, int axis, long step, long size, double width, bool ends,
-                                 const double *restrict S, const double *restrict gradient, const double *restrict face,
-                                 const double *restrict keep, double (*restrict out)[BATCH]) {
-    const double *restrict lambda = face, *restrict mu = face + size, *restrict u = S + axis * size;
-    double spread[BATCH], side[BATCH], *restrict work = out[dim];
-    for (int i = 0; i < n; i++) spread[i] = u[i + step] - u[i];
-    for (int t = 0; t < dim; t++) {
-        if (t == axis) continue;
-        mean_across(n, step, 0.5 * width, gradient + (t * dim + t) * size, keep, side);
-        for (int i = 0; i < n; i++) spread[i] += side[i];
-    }
-    for (int i = 0; i < n; i++) out[axis][i] = lambda[i] * spread[i] + 2 * mu[i] * (u[i + step] - u[i]);
-    for (int t = 0; t < dim; t++) {
-        const double *restrict v = S + t * size;
-        if (t == axis) continue;
-        mean_across(n, step, 0.5 * width, gradient + (t * dim + axis) * size, keep, side);
-        for (int i = 0; i < n; i++) out[t][i] = mu[i] * ((v[i + step] - v[i]) + side[i]);
-    }
-    for (int i = 0; ends && i < n; i++) work[i] = out[axis][i] * (0.5 * (u[i] + u[i + step]));
-    for (int t = 0; ends && t < dim; t++) {
-        const double *restrict v = S + t * size;
-        if (t == axis) continue;
-        for (int i = 0; i < n; i++) work[i] += out[t][i] * (0.5 * (v[i] + v[i + step]));
-    }
-}
-
 struct sweep { /* of a tile */
+    struct gas *g;
     enum diffusing what;
-    const double *Y0, *c; /* c: of the next stage; NULL: this was the last one */
+    int tile;
+    const double *S, *c; /* c: of the next stage, next_sum; NULL: this was the last one */
+    double *next;
+    const double *Y0; /* of the end */
     double *to, dt;
-    int tile, n;
     long bad;
 };
-
-static void viscous_above(const struct gas *g, const struct sweep *s, int axis, long at, int n, double (*out)[BATCH]) {
-    const struct forest *f = g->forest;
-    const struct diffuser *d = &g->diffuser;
-    const double *S = d->sum[d->last][s->tile] + at, *face = d->face[s->tile] + 3 * axis * f->size + at;
-    const double *flag = g->flag[s->tile] + at;
-    const long step = f->stride[axis];
-    double keep[BATCH];
-    for (int i = 0; i < n && g->flagged[s->tile]; i++) keep[i] = flag[i] + flag[i + step] > 0 ? 0 : 1;
-    viscous_faces(n, g->dim, axis, step, f->size, f->width[axis], !s->c, S, d->gradient[s->tile] + at, face,
-                  g->flagged[s->tile] ? keep : NULL, out);
-}
-
-struct around { /* a row: lines of its faces along axis 0, and pairs of lines below and above it along the others */
-    const double *x, *y[2], *z[2];
-};
-
-/* What n cells gain by their faces. */
-KERNEL static void gain_row(int n, int dim, const struct around *f, double *restrict out) {
-    const double *restrict x = f->x, *restrict y0 = f->y[0], *restrict y1 = f->y[1], *restrict z0 = f->z[0],
-                           *restrict z1 = f->z[1];
-    if (dim == 1)
-        for (int i = 0; i < n; i++) out[i] = x[i + 1] - x[i];
-    else if (dim == 2)
-        for (int i = 0; i < n; i++) out[i] = (x[i + 1] - x[i]) + (y1[i] - y0[i]);
-    else
-        for (int i = 0; i < n; i++) out[i] = (x[i + 1] - x[i]) + (y1[i] - y0[i]) + (z1[i] - z0[i]);
-}
-
-/* The same by conduction; lines stand at the cell. Sums of terms that a swap of axes or a mirror exchanges. */
-ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
-    double sum = 0;
-    for (int axis = 0; axis < dim; axis++) {
-        const double *kappa = face + (3 * axis + 2) * size;
-        const long step = stride[axis];
-        const double here = kappa[0] * (S[step] - S[0]) - kappa[-step] * (S[0] - S[-step]);
-        sum = axis ? sum + here : here;
-    }
-    return sum;
-}
-
-/* S of the next stage in place of the one before the last, which may hold anything where it does not count;
- * c: of S, of that, of the gain over rho, of q_0. */
-ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
-    return (c[0] * last + (c[1] == 0 ? 0 : c[1] * before)) + (c[2] * (gain * light) + c[3] * start);
-}
-
-KERNEL static void next_row(int n, const double *restrict c, const double *restrict gain, const double *restrict light,
-                            const double *restrict start, const double *restrict last, double *restrict next) {
-    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
-}
-
-ALWAYS_INLINE void heat_row(int n, int dim, const long *stride, long size, const double *restrict c,
-                            const double *restrict face, const double *restrict light, const double *restrict start,
-                            const double *restrict last, double *restrict next) {
-    for (int i = 0; i < n; i++)
-        next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]);
-}
-
-KERNEL static void heat_stage(const struct forest *f, const int *n, const double *restrict c,
-                              const double *restrict face, const double *restrict light, const double *restrict start,
-                              const double *restrict last, double *restrict next) {
-    for (int k = 0; k < n[2]; k++)
-        for (int j = 0; j < n[1]; j++) {
-            const long at = f->first + j * f->stride[1] + k * f->stride[2];
-            if (f->dim == 1)
-                heat_row(n[0], 1, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
-            else if (f->dim == 2)
-                heat_row(n[0], 2, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
-            else
-                heat_row(n[0], 3, f->stride, f->size, c, face + at, light + at, start + at, last + at, next + at);
-        }
-}
-
-KERNEL static void heat_gain_row(int n, int dim, const long *stride, long size, const double *restrict face,
-                                 const double *restrict S, double *restrict out) {
-    if (dim == 1)
-        for (int i = 0; i < n; i++) out[i] = heat_gain(1, stride, size, face + i, S + i);
-    else if (dim == 2)
-        for (int i = 0; i < n; i++) out[i] = heat_gain(2, stride, size, face + i, S + i);
-    else
-        for (int i = 0; i < n; i++) out[i] = heat_gain(3, stride, size, face + i, S + i);
-}
 
 KERNEL static void moved_row(int n, double factor, const double *restrict from, const double *restrict M,
                              double *restrict out) {
@@ -411,7 +308,8 @@ KERNEL static void moved_row(int n, double factor, const double *restrict from, 
 }
 
 /* to = Y_0 + div of the flux of S; the work of the stress of S on S/dt makes the energy. */
-static void end_row(struct gas *g, struct sweep *s, long at, double (*M)[BATCH]) {
+static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
+    struct gas *g = s->g;
     const long size = g->forest->size;
     const int lines = lines_of(g, s->what), energy = g->dim + 1;
     double moved[BATCH];
@@ -420,75 +318,162 @@ static void end_row(struct gas *g, struct sweep *s, long at, double (*M)[BATCH])
         const double *from = s->Y0 + v * size + at;
         if (changes) {
             const double factor = v == energy && s->what == VISCOUS ? 1 / s->dt : 1;
-            moved_row(s->n, factor, from, M[line ? v - 1 : s->what == VISCOUS ? lines : 0], moved);
+            moved_row(n, factor, from, M[line ? v - 1 : s->what == VISCOUS ? lines : 0], moved);
         }
         if (changes || s->to != s->Y0)
-            memcpy(s->to + v * size + at, changes ? moved : from, (size_t)s->n * sizeof(double));
+            memcpy(s->to + v * size + at, changes ? moved : from, (size_t)n * sizeof(double));
     }
-    s->bad += row_inadmissible(g, s->to, at, s->n, g->diffuser.mark[s->tile]);
+    s->bad += row_inadmissible(g, s->to, at, n, g->diffuser.mark[s->tile]);
 }
 
-/* A row from its faces along all axes. */
-static void move_row(struct gas *g, struct sweep *s, long at, double (*low)[BATCH], double (*high)[BATCH]) {
-    const struct forest *f = g->forest;
-    const struct diffuser *d = &g->diffuser;
-    double x[MAX_VAR][BATCH], z[2][MAX_VAR][BATCH], M[MAX_VAR][BATCH];
-    viscous_above(g, s, 0, at - 1, s->n + 1, x);
-    for (int i = 0; i < 2 && g->dim > 2; i++) viscous_above(g, s, 2, at + (i - 1) * f->stride[2], s->n, z[i]);
-    for (int v = 0; v < g->dim + !s->c; v++) {
-        const struct around faces = {x[v], {low[v], high[v]}, {z[0][v], z[1][v]}};
-        const long line = v * f->size + at;
-        gain_row(s->n, g->dim, &faces, M[v]);
-        if (s->c)
-            next_row(s->n, s->c, M[v], d->light[s->tile] + at, d->start[s->tile] + line,
-                     d->sum[d->last][s->tile] + line, d->sum[1 - d->last][s->tile] + line);
+/* S of the next stage, in place of the one before the last. c: of S, of that, of the gain over rho, of q_0. */
+ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
+    return (c[0] * last + c[1] * before) + (c[2] * (gain * light) + c[3] * start);
+}
+
+/* What conduction brings to a cell; lines stand there. Sums of terms that a swap of axes or a mirror exchanges. */
+ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
+    double sum = 0;
+    for (int axis = 0; axis < dim; axis++) {
+        const double *heat = face + (FACE_LINES * axis + CONDUCTION) * size;
+        const long step = stride[axis];
+        const double here = heat[0] * (S[step] - S[0]) - heat[-step] * (S[0] - S[-step]);
+        sum = axis ? sum + here : here;
     }
-    if (!s->c) end_row(g, s, at, M);
+    return sum;
 }
 
-static void move_tile(struct gas *g, struct sweep *s) {
-    const struct forest *f = g->forest;
-    const int *n = f->tile[s->tile].n;
-    double faces[2][MAX_VAR][BATCH];
-    s->n = n[0];
-    for (int k = 0; k < n[2]; k++)
-        for (int row = g->dim > 1 ? -1 : 0; row < n[1]; row++) {
-            const long at = row_at(f, row, k);
-            double(*low)[BATCH] = faces[(row + 2) % 2], (*high)[BATCH] = faces[(row + 1) % 2];
-            if (g->dim > 1) viscous_above(g, s, 1, at, n[0], high);
-            if (row >= 0) move_row(g, s, at, low, high);
-        }
+ALWAYS_INLINE void heat_next(int n, int dim, const long *stride, long size, const double *restrict c,
+                             const double *restrict face, const double *restrict light, const double *restrict start,
+                             const double *restrict last, double *restrict next) {
+    for (int i = 0; i < n; i++)
+        next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]);
 }
 
-static void heat_tile(struct gas *g, struct sweep *s) {
-    const struct forest *f = g->forest;
-    const struct diffuser *d = &g->diffuser;
-    const int *n = f->tile[s->tile].n;
-    const double *face = d->face[s->tile], *S = d->sum[d->last][s->tile];
-    double M[1][BATCH];
-    s->n = n[0];
+ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, const double *restrict face,
+                              const double *restrict S, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = heat_gain(dim, stride, size, face + i, S + i);
+}
+
+ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = &s->g->diffuser;
+    const int *n = f->tile[s->tile].n, vectors = padded(n[0]);
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
-            const long at = row_at(f, j, k);
-            heat_gain_row(n[0], g->dim, f->stride, f->size, face + at, S + at, M[0]);
-            end_row(g, s, at, M);
+            const long at = f->first + j * f->stride[1] + k * f->stride[2];
+            const double *face = d->face[s->tile] + at;
+            double M[1][BATCH];
+            if (s->c) {
+                heat_next(vectors, dim, f->stride, f->size, s->c, face, d->light[s->tile] + at, d->start[s->tile] + at,
+                          s->S + at, s->next + at);
+            } else {
+                heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
+                end_row(s, at, n[0], M);
+            }
         }
+}
+
+/* Through the faces above n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
+ * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face. */
+ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, long step, long size, const double *restrict face,
+                                 const double *restrict gradient, const double *restrict S,
+                                 double (*restrict out)[LINE]) {
+    const double *u = S + axis * size;
+    for (int i = 0; i < n; i++) {
+        double stress = face[NORMAL * size + i] * (u[i + step] - u[i]), side = 0;
+        for (int t = 0; t < dim; t++) {
+            const double *q = gradient + (t * dim + t) * size + i;
+            if (t != axis) side += q[0] + q[step];
+        }
+        if (dim > 1) stress += face[CROSS * size + i] * side;
+        double work = stress * (0.5 * (u[i] + u[i + step]));
+        out[axis][i] = stress;
+        for (int t = 0; t < dim; t++) {
+            const double *v = S + t * size + i, *q = gradient + (t * dim + axis) * size + i;
+            if (t == axis) continue;
+            double shear = face[SHEAR * size + i] * (v[step] - v[0]) + face[TWIST * size + i] * (q[0] + q[step]);
+            work += shear * (0.5 * (v[0] + v[step]));
+            out[t][i] = shear;
+        }
+        if (ends) out[dim][i] = work;
+    }
+}
+
+/* What a row gains by its faces: lines along axis 0, below and above it along the others. */
+ALWAYS_INLINE void gain_row(int n, int dim, const double *restrict x, const double *restrict y0,
+                            const double *restrict y1, const double *restrict z0, const double *restrict z1,
+                            double *restrict out) {
+    for (int i = 0; i < n; i++) {
+        double sum = x[i + 1] - x[i];
+        if (dim > 1) sum += y1[i] - y0[i];
+        if (dim > 2) sum += z1[i] - z0[i];
+        out[i] = sum;
+    }
+}
+
+ALWAYS_INLINE void next_row(int n, const double *restrict c, const double *restrict gain, const double *restrict light,
+                            const double *restrict start, const double *restrict last, double *restrict next) {
+    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
+}
+
+/* Faces above and below a row along axis 1 serve two rows: those of odd and even rows in turn. */
+ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = &s->g->diffuser;
+    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = dim + ends;
+    const long size = f->size, across = FACE_LINES * size, *stride = f->stride;
+    double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
+    const double *face = d->face[s->tile], *gradient = d->gradient[s->tile];
+    for (int k = 0; k < n[2]; k++)
+        for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
+            const long at = f->first + j * stride[1] + k * stride[2], under = at - stride[2];
+            if (dim > 1)
+                viscous_faces(vectors, dim, 1, ends, stride[1], size, face + across + at, gradient + at, s->S + at,
+                              y[j & 1]);
+            if (j < 0) continue;
+            viscous_faces(padded(n[0] + 1), dim, 0, ends, 1, size, face + at - 1, gradient + at - 1, s->S + at - 1, x);
+            if (dim > 2) {
+                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * across + under, gradient + under,
+                              s->S + under, z[0]);
+                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * across + at, gradient + at, s->S + at,
+                              z[1]);
+            }
+            for (int v = 0; v < lines; v++) {
+                gain_row(vectors, dim, x[v], y[(j + 1) & 1][v], y[j & 1][v], z[0][v], z[1][v], M[v]);
+                if (!ends)
+                    next_row(vectors, s->c, M[v], d->light[s->tile] + at, d->start[s->tile] + v * size + at,
+                             s->S + v * size + at, s->next + v * size + at);
+            }
+            if (ends) end_row(s, at, n[0], M);
+        }
+}
+
+KERNEL static void sweep_1d(struct sweep *s) {
+    s->what == HEAT ? heat_sweep(s, 1) : s->c ? viscous_sweep(s, 1, false) : viscous_sweep(s, 1, true);
+}
+KERNEL static void sweep_2d(struct sweep *s) {
+    s->what == HEAT ? heat_sweep(s, 2) : s->c ? viscous_sweep(s, 2, false) : viscous_sweep(s, 2, true);
+}
+KERNEL static void sweep_3d(struct sweep *s) {
+    s->what == HEAT ? heat_sweep(s, 3) : s->c ? viscous_sweep(s, 3, false) : viscous_sweep(s, 3, true);
+}
+
+static void sweep_tile(struct sweep *s) {
+    const struct diffuser *d = &s->g->diffuser;
+    s->S = d->sum[d->last][s->tile];
+    s->next = d->sum[1 - d->last][s->tile];
+    (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s);
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
                            double weight) {
-    struct diffuser *d = &g->diffuser;
     const double factor[4] = {c[0], c[1], what == HEAT ? c[2] * (g->models.material.gamma - 1) : c[2], c[2] + c[3]};
+    (void)Y0;
     fill_sums(g, what, weight);
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct sweep s = {.what = what, .Y0 = Y0->block[t], .c = factor, .tile = t};
-        if (what == HEAT)
-            heat_stage(g->forest, g->forest->tile[t].n, factor, d->face[t], d->light[t], d->start[t],
-                       d->sum[d->last][t], d->sum[1 - d->last][t]);
-        else
-            move_tile(g, &s);
-    }
-    d->last = 1 - d->last;
+    for (int t = 0; t < g->forest->ntiles; t++)
+        sweep_tile(&(struct sweep){.g = g, .what = what, .tile = t, .c = factor});
+    g->diffuser.last = 1 - g->diffuser.last;
 }
 
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
@@ -496,12 +481,28 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     long bad = 0;
     fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++) {
-        struct sweep s = {.what = what, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt, .tile = t};
-        (what == HEAT ? heat_tile : move_tile)(g, &s);
+        struct sweep s = {.g = g, .what = what, .tile = t, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt};
+        sweep_tile(&s);
         bad += s.bad;
     }
     g->diffuser.marked |= bad > 0;
     return bad;
+}
+
+/* Leaves the tangential derivatives out of the stress on the faces of flagged cells. */
+static void plain_faces(struct gas *g, int tile) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[tile].n;
+    const double *flag = g->flag[tile];
+    for (int axis = 0; axis < g->dim; axis++)
+        for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
+            for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
+                const long at = row_at(f, j, k);
+                double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
+                for (long i = at - (axis == 0); i < at + n[0]; i++)
+                    if (flag[i] + flag[i + f->stride[axis]] > 0)
+                        face[CROSS * f->size + i] = face[TWIST * f->size + i] = 0;
+            }
 }
 
 /* Flags count from here on, the same on both sides of a face. */
@@ -512,5 +513,9 @@ long tiles_diffusion_flags(struct gas *g, bool keep) {
         memset(g->diffuser.mark[t], 0, bytes);
     }
     g->diffuser.marked = false;
-    return keep ? tiles_share_flags(g) : 0;
+    if (!keep) return 0;
+    const long flagged = tiles_share_flags(g);
+    for (int t = 0; t < g->forest->ntiles; t++)
+        if (g->flagged[t]) plain_faces(g, t);
+    return flagged;
 }
