@@ -194,6 +194,13 @@ def heated_walls(path):
     return Channel(Disks.of(path), 20, 0.2, {"T": 1}, {"T": 4})
 
 
+def poiseuille(path):
+    with open(os.path.join(path, "constant", "g")) as f:
+        g = float(re.search(r"value\s+\(([-+.\deE]+) 0 0\)", f.read())[1])
+    wall = {"T": 1, "u": 0}
+    return Channel(Disks.of(path), 20, 0.2, wall, wall, (g, 0))
+
+
 def error(case, flow, name, component=None, axis=0):
     """Mean difference of a field at the last time over the flow's largest value."""
     found = case.field(name, case.times[-1])

@@ -32,6 +32,12 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
                 self.assertGreater(order.min(), least)
                 self.assertLess(errors[-1].max(), largest)
 
+    def test_poiseuille(self):
+        fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
+        errors, order = self.errors("poiseuilleDisks", (16, 32), disks.poiseuille, fields)
+        self.assertGreater(order.min(), 1.75)
+        self.assertLess(errors[-1].max(), 3e-3)
+
 
 if __name__ == "__main__":
     unittest.main()
