@@ -34,15 +34,30 @@ static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : value_of(rule, l, i, c);
 }
 
+#define FIELDS(s, v) .scalar = s, .vector = v
+#define SLIPS        FIELDS(true, true), .reflects = true, .ghost = flip_normal
+#define DRAGS        FIELDS(false, true), .reflects = true, .drags = true, .ghost = flip
+
 const struct boundary_type boundary_table[] = {
-    {"slip", "reflecting wall without friction", true, true, true, NULL, flip_normal},
-    {"symmetry", "mirror, as slip", true, true, true, NULL, flip_normal},
-    {"symmetryPlane", "mirror on a plane, as slip", true, true, true, NULL, flip_normal},
-    {"noSlip", "reflecting wall that turns the whole velocity", false, true, true, NULL, flip},
-    {"zeroGradient", "in- or outflow of the cell's own state", true, true, false, NULL, copy},
-    {"fixedValue", "given value", true, true, false, "value", fixed},
-    {"inletOutlet", "zeroGradient outwards, given value inwards", true, true, false, "inletValue", inlet_outlet},
+    {.name = "slip", .about = "reflecting wall without friction", SLIPS},
+    {.name = "symmetry", .about = "mirror, as slip", SLIPS},
+    {.name = "symmetryPlane", .about = "mirror on a plane, as slip", SLIPS},
+    {.name = "noSlip", .about = "wall at rest that the gas sticks to (without transport: turns the velocity)", DRAGS},
+    {.name = "translatingWallVelocity",
+     .about = "wall that moves along itself and that the gas sticks to",
+     .value = "U",
+     .plain = true,
+     .viscous = true,
+     DRAGS},
+    {.name = "zeroGradient", .about = "in- or outflow of the cell's own state", FIELDS(true, true), .ghost = copy},
+    {.name = "fixedValue", .about = "given value", FIELDS(true, true), .value = "value", .ghost = fixed},
+    {.name = "inletOutlet",
+     .about = "zeroGradient outwards, given value inwards",
+     FIELDS(true, true),
+     .value = "inletValue",
+     .ghost = inlet_outlet},
 };
+const struct boundary_type *const boundary_mirror = &boundary_table[0];
 const int boundary_count = sizeof boundary_table / sizeof *boundary_table;
 
 const struct boundary_type *boundary_find(const char *name) {

@@ -1,6 +1,8 @@
 /* Boundary conditions as ghost cells: a table of types by OpenFOAM's names. A patch has one rule per field; a
- * reflecting velocity (a wall) makes every scalar's ghost the mirror image, so that mass is conserved to round-off; a
- * temperature given there counts for the conduction of heat only. */
+ * reflecting velocity (a wall) makes every scalar's ghost the mirror image, so that mass is conserved to round-off.
+ * With transport every wall is a mirror to the fluxes of the inviscid gas, which then pass on its pressure and nothing
+ * else: that a wall drags, or has a temperature, counts for viscous stress and heat conduction only
+ * (libcore/diffusion_edges.c). */
 #ifndef LIBCORE_BOUNDARY_H
 #define LIBCORE_BOUNDARY_H
 
@@ -19,11 +21,15 @@ struct boundary_type {
     const char *name, *about;
     bool scalar, vector; /* fields it is allowed for */
     bool reflects;       /* a wall (vectors) */
+    bool drags;          /* a wall that gives the gas at it its velocity: the value, along the patch, or 0 */
+    bool viscous;        /* for a gas with transport only */
     const char *value;   /* keyword of the value it needs, or NULL */
+    bool plain;          /* that is one for the patch, without `uniform` */
     void (*ghost)(const struct rule *rule, const struct ghost_line *line);
 };
 extern const struct boundary_type boundary_table[];
 extern const int boundary_count;
+extern const struct boundary_type *const boundary_mirror;    /* the plainest wall */
 const struct boundary_type *boundary_find(const char *name); /* NULL: none; constraint types are the mesh's */
 
 struct rule {

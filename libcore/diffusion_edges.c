@@ -27,11 +27,18 @@ static void isothermal(const struct rule *rule, const struct sum_line *l) {
     }
 }
 
+void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l) {
+    const struct rule *rule = &rules->velocity;
+    if (what != VISCOUS || !rule->type->drags || !rule->type->value) return;
+    for (int c = 0; c < l->components; c++)
+        for (int i = 0; i < l->n; i++) l->ghost[c][i] += 2 * l->weight * rule->uniform[c];
+}
+
 void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l) {
     const bool given = what == HEAT && rules->temperature.type->value;
     if (rules->velocity.type->reflects && given)
         isothermal(&rules->temperature, l);
-    else if (given || (what == VISCOUS && rules->velocity.type->value))
+    else if (given || (what == VISCOUS && rules->velocity.type->value && !rules->velocity.type->reflects))
         hold(l);
     else
         reflect_sums(rules, l);

@@ -48,7 +48,9 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     int last = g->dim + 1;
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
-        apply(&r->velocity, l, g->dim, l->normal, inner + 1, ghost + 1);
+        const struct rule mirror = {.type = boundary_mirror};
+        apply(g->models.transport && r->velocity.type->reflects ? &mirror : &r->velocity, l, g->dim, l->normal,
+              inner + 1, ghost + 1);
         memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
         return;
     }

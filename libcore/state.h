@@ -110,8 +110,10 @@ struct sum_line {              /* n <= BATCH cells along a patch and what lies b
     double (*inner)[BATCH], (*start)[BATCH], (*ghost)[BATCH]; /* S inside, q_0 beyond; the result */
 };
 /* S beyond a patch, by its rules; reflect_sums: as for a velocity without a value. Where a rule reflects, components
- * are in the frame of the face, else in the axes of the mesh (libcore/cells_edge.c). */
+ * are in the frame of the face, else in the axes of the mesh (libcore/cells_edge.c). carry_sums comes after
+ * sums_beyond, in the axes of the mesh: it adds the wall's own velocity to `ghost`. */
 void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
+void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */

@@ -232,6 +232,7 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     take_edge(size, e->from, e, lines, S, inner);
     take_edge(size, e->to, e, lines, g->diffuser.start[tile], start);
     sums_beyond(e->rules, fill->what, &line);
+    carry_sums(e->rules, fill->what, &line);
     put_edge(size, e, lines, ghost, S);
 }
 

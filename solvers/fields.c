@@ -163,6 +163,11 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     return OK;
 }
 
+static status read_plain(struct dict *d, const char *key, const struct field_kind *kind, double *out) {
+    const signed char *k = kind->dimensions, unit[3] = {k[0], k[1], k[2]};
+    return kind->components == 3 ? dict_vector(d, key, unit, out) : dict_number(d, key, NULL, out);
+}
+
 static status read_patch(struct dict *d, const struct field_kind *kind, const struct patch *p,
                          struct patch_field *out) {
     TRY(dict_word(d, "type", &out->type));
@@ -170,7 +175,10 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     TRY(check_type(d, kind, p, out->type));
     const struct boundary_type *type = boundary_find(out->type);
     if (type && type->value) out->value_line = dict_line(d, type->value);
-    if (type && type->value) TRY(read_value(d, type->value, kind->components, p->nfaces, out->uniform, &out->values));
+    if (type && type->plain)
+        TRY(read_plain(d, type->value, kind, out->uniform));
+    else if (type && type->value)
+        TRY(read_value(d, type->value, kind->components, p->nfaces, out->uniform, &out->values));
     static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes them known */
     for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
     return OK;
@@ -291,7 +299,7 @@ status field_check_range(const struct field *f, const struct field_place *place,
     for (int p = 0; p < place->mesh->npatches; p++) {
         const struct patch_field *q = &f->patch[p];
         const struct boundary_type *type = boundary_find(q->type);
-        if (!type || !type->value) continue;
+        if (!type || !type->value || type->plain) continue;
         for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
             double v = q->values ? q->values[i] : q->uniform[0];
             if (v > low && v < high) continue;

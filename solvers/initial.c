@@ -202,6 +202,42 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
                 s->field[a] && s->field[b] ? " or in " : "", s->field[a] && s->field[b] ? field_kinds[b].name : "");
 }
 
+/* A wall that moves along itself must lead along each face of its patch. */
+static status check_tangential(const struct reader *r, const struct field *U, int p) {
+    const struct polymesh *m = r->place->mesh;
+    const struct patch *patch = &m->patch[p];
+    const double *u = U->patch[p].uniform, speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    double *geometry;
+    int wrong = -1;
+    TRY(allocate(&geometry, 6L * m->nfaces, sizeof *geometry, "face geometry"));
+    polymesh_face_geometry(m, geometry, geometry + 3L * m->nfaces);
+    for (int i = patch->start; i < patch->start + patch->nfaces && wrong < 0; i++) {
+        const double *a = geometry + 3L * (m->nfaces + i), area = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+        if (fabs(u[0] * a[0] + u[1] * a[1] + u[2] * a[2]) > 1e-6 * speed * area) wrong = i;
+    }
+    double x[3] = {0};
+    if (wrong >= 0) memcpy(x, geometry + 3L * wrong, sizeof x);
+    free(geometry);
+    if (wrong >= 0)
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
+                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2], x[0], x[1], x[2]);
+    for (int k = 0; k < r->dim; k++) x[k] = u[r->axis[k]];
+    if (x[0] * x[0] + (r->dim > 1) * x[1] * x[1] + (r->dim > 2) * x[2] * x[2] < 0.999999 * speed * speed)
+        return fail(ERR_INPUT, "%s:%d: patch %s: U (%g %g %g): 'empty' patches take away an axis it leads along",
+                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2]);
+    return OK;
+}
+
+static status check_viscous(const struct reader *r, const struct field *f, int p) {
+    const struct boundary_type *type = boundary_find(f->patch[p].type);
+    if (!type || !type->viscous || r->models->transport) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: %s is '%s', which is nothing to a gas without viscosity and heat conduction; give "
+                "`transport` in constant/granularProperties",
+                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name);
+}
+
 static status take_patch(const struct reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     enum field_id density, thermal;
@@ -217,7 +253,9 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     TRY(take_rule(r, s->field[FIELD_U], p, 1, &rules->velocity, &s->values[3 * p + 1]));
     TRY(take_rule(r, s->field[thermal], p, 1, &rules->temperature, &s->values[3 * p + 2]));
     rules->pressure = thermal == FIELD_P;
+    TRY(check_viscous(r, s->field[FIELD_U], p));
     if (!rules->velocity.type || !rules->velocity.type->reflects) return OK;
+    if (rules->velocity.type->drags && rules->velocity.type->value) TRY(check_tangential(r, s->field[FIELD_U], p));
     const enum field_id scalars[2] = {density, thermal};
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];

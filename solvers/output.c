@@ -117,15 +117,16 @@ static void print_list(struct sink *s, const struct foam_format *f, int componen
 
 /* With all digits: the next start reads them. */
 static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key,
-                        const struct patch_field *q, const struct printing *c) {
+                        const struct patch_field *q, const struct printing *c, bool plain) {
     const struct foam_format exact = {.binary = w->format->binary, .precision = 17};
     const struct patch *patch = &w->mesh->patch[p];
     int m = c->components;
     sink_printf(s, "        %-15s ", key);
+    if (!q->values && !plain) sink_printf(s, "uniform ");
     if (!q->values && m == 3)
-        sink_printf(s, "uniform (%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
+        sink_printf(s, "(%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
     else if (!q->values)
-        sink_printf(s, "uniform %.17g;\n", q->uniform[0]);
+        sink_printf(s, "%.17g;\n", q->uniform[0]);
     if (!q->values) return;
     for (int i = 0; i < patch->nfaces; i++) {
         int from = c->part ? c->part->face[patch->start + i] - c->patches[p].start : i;
@@ -165,7 +166,7 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     const struct patch_field *given = c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
-    if (b && b->value) print_given(s, w, p, b->value, given, c);
+    if (b && b->value) print_given(s, w, p, b->value, given, c, b->plain);
     if (!b || (b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false); /* OpenFOAM wants it */
 }
 

@@ -29,16 +29,16 @@ status particle_box_check(const struct setup *s) {
 
 static bool flat_wall(const char *type) {
     const struct boundary_type *b = boundary_find(type);
-    return b && b->reflects && strcmp(type, "noSlip") != 0;
+    return b && b->reflects && !b->drags;
 }
 
 static status check_wall(const struct setup *s, const struct field *U, int p, int axis) {
     const struct patch_field *q = &U->patch[p];
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
     if (flat_wall(q->type)) return OK;
-    if (!strcmp(q->type, "noSlip"))
-        return fail(ERR_INPUT, "%s:%d: patch %s: type is noSlip; walls of grains are smooth: use  slip;", file, q->line,
-                    patch);
+    if (boundary_find(q->type) && boundary_find(q->type)->drags)
+        return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
+                    patch, q->type);
     return fail(ERR_INPUT,
                 "%s:%d: patch %s: type is %s, which lets grains in or out; allowed are slip, symmetry, symmetryPlane "
                 "(walls) and cyclic (with patches of type cyclic): close the box along %c with  type slip;",

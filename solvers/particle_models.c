@@ -186,7 +186,7 @@ void particle_models_list(FILE *f) {
 
 void particle_boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++)
-        if (boundary_table[i].reflects && strcmp(boundary_table[i].name, "noSlip") != 0)
+        if (boundary_table[i].reflects && !boundary_table[i].drags)
             fprintf(f, "  %-14s %-16s flat smooth wall; its restitution: walls of constant/particleProperties\n",
                     boundary_table[i].name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");

@@ -147,6 +147,41 @@ class Viscous(harness.Folder, unittest.TestCase):
         for field in ("rho", "rhoU", "rhoE"):
             np.testing.assert_array_equal(harness.haff.Case(again).field(field), case.field(field))
 
+    def moving_wall(self, name, U, end=0.4):
+        """A channel whose upper wall moves with U and whose lower one is at rest."""
+        n = (4, 16, 1)
+        y = harness.boxes.centres(n, (1.0, 4.0, 0.1))[:, 1]
+        rho, zeros = density(0.3) * np.ones(64), np.zeros((64, 3))
+        case = self.box(name, n, rho, zeros, 1 + 0.2 * y, end, types={"x": "cyclic"}, slip=("yLow", "yHigh"), interval=end / 2)
+        harness.boxes.write_field(case, "U", zeros, f'"x.*" cyclic\nyLow noSlip\nyHigh translatingWallVelocity; U {U}\n"z.*" empty')
+        return case
+
+    def test_moving_wall(self):
+        """Couette flow of a granular gas: mass stays, the wall's work heats; the same bits on two ranks after a restart."""
+        case = self.moving_wall("couette", "(0.5 0 0)")
+        log = harness.program("granularGas", "-case", case).stdout
+        result = harness.haff.Case(case)
+        u = result.field("U")[:, 0].reshape(16, 4)
+        np.testing.assert_array_equal(u, np.repeat(u[:, :1], 4, axis=1))
+        self.assertTrue((np.diff(u[:, 0]) > 0).all())
+        self.assertGreater(u[0, 0], 0)
+        self.assertLess(u[-1, 0], 0.5)
+        self.assertRegex(log, r"mass \S+ \(drift [+-]\S+e(-1[4-9]|\+00)")
+        self.assertRegex(log, r"energy \S+ \(change ")
+        with open(os.path.join(case, "0.2", "U"), errors="replace") as f:
+            self.assertRegex(f.read(), r"type +translatingWallVelocity;\s+U +\(0.5 0 0\);\s+value")
+        again = self.moving_wall("couetteAgain", "(0.5 0 0)")
+        harness.edit(again, "system/controlDict", endTime=0.2)
+        harness.program("granularGas", "-case", again, ranks=2)
+        harness.edit(again, "system/controlDict", endTime=0.4)
+        harness.program("granularGas", "-case", again)
+        for field in ("rho", "rhoU", "rhoE"):
+            np.testing.assert_array_equal(harness.haff.Case(again).field(field), result.field(field))
+        for U, words in (("(0.5 0.1 0)", "leads through the wall"), ("(0.5 0 1)", "'empty' patches take away")):
+            done = harness.program("granularGas", "-case", self.moving_wall(f"wrong{len(words)}", U), check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stdout + done.stderr, r"0/U:\d+: patch yHigh: U .*" + words)
+
     def test_refused(self):
         ones = np.ones(4)
         for name, options, words in (("spheres", {"eos": "TorquatoSpheres"}, "JenkinsRichman is for disks"),

@@ -1,0 +1,246 @@
+/* Walls of a gas with transport, on tiles: walls that move and that take heat, against exact solutions. */
+#include "libcore/state.h"
+#include "tests/box.h"
+
+#include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
+
+#define PI 3.14159265358979323846
+
+static struct comm *world;
+
+static const double BULK_VISCOSITY = 0.4, VISCOSITY = 0.7, CONDUCTION = 1.1, DENSITY = 2;
+static void constant(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                     const double *restrict rho, const double *restrict T, double *restrict bulk,
+                     double *restrict shear, double *restrict heat) {
+    (void)t, (void)eos, (void)m, (void)rho, (void)T;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = BULK_VISCOSITY;
+        shear[i] = VISCOSITY;
+        heat[i] = CONDUCTION;
+    }
+}
+static const struct transport CONSTANT = {.coefficients = constant};
+
+struct scene { /* a channel between walls at y = 0 and 1, periodic along x; of disks */
+    struct box box;
+    struct forest *forest;
+    struct gas *gas;
+    struct gas_models models;
+    struct patch_rules rules[6];
+    int cells, along, across;
+};
+enum { LOW = 2, HIGH = 3 }; /* patches */
+
+static void must(status s) {
+    if (s) fail_msg("%s", status_text(s));
+}
+
+static struct scene channel(int across, const struct transport *transport) {
+    struct scene s = {.along = 4, .across = across, .cells = 4 * across};
+    s.models = (struct gas_models){.material = grains_of(eos_find("TorquatoDisks"), 0.9, 0.1),
+                                   .eos = eos_find("TorquatoDisks"),
+                                   .flux = flux_find("common"),
+                                   .reconstruct = reconstruct_find("WENO5"),
+                                   .stepper = stepper_find("SSPRK3"),
+                                   .transport = transport,
+                                   .numbers = {1e-4, 1},
+                                   .diffusion = diffusion_find("RKL2")};
+    for (int p = 0; p < 6; p++) {
+        s.rules[p].density.type = s.rules[p].temperature.type = boundary_find("zeroGradient");
+        s.rules[p].velocity.type = boundary_find("noSlip");
+    }
+    return s;
+}
+
+static void moving(struct scene *s, int patch, double speed) {
+    s->rules[patch].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {speed}};
+}
+
+static void isothermal(struct scene *s, int patch, double T) {
+    s->rules[patch].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {T}};
+}
+
+typedef void initial(double y, double *rho, double u[3], double *T);
+
+static void open_channel(struct scene *s, initial *at) {
+    const double length[3] = {4. / s->across, 1, 1};
+    const int n = s->cells;
+    double *all = malloc(4 * (size_t)n * sizeof *all), *u[3] = {all + n, all + 2 * n};
+    box_make(&s->box, 2, (int[3]){s->along, s->across, 1}, length, (bool[3]){true, false, false});
+    must(forest_make(&s->box.lattice, &s->box.mesh, world, 8, &s->forest));
+    must(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+    for (int i = 0; i < n; i++) {
+        double v[3] = {0, 0, 0};
+        at((i / s->along + 0.5) / s->across, &all[i], v, &all[3 * n + i]);
+        u[0][i] = v[0];
+        u[1][i] = v[1];
+    }
+    must(gas_set(s->gas, all, (const double *const *)u, all + 3 * n));
+    free(all);
+}
+
+static void close_channel(struct scene *s) {
+    gas_free(s->gas);
+    forest_free(s->forest);
+    box_free(&s->box);
+}
+
+static void still(double y, double *rho, double u[3], double *T) {
+    (void)y, (void)u;
+    *rho = DENSITY;
+    *T = 1;
+}
+
+/* Only the diffusion, `steps` times dt. */
+static void spread(struct scene *s, int steps, double dt) {
+    struct gas *g = s->gas;
+    for (int i = 0; i < steps; i++) {
+        assert_true(diffuse(g, &g->U, &g->U0, dt, i % 2, 0));
+        struct state moved = g->U0;
+        g->U0 = g->U;
+        g->U = moved;
+    }
+}
+
+static void go(struct scene *s, int count, double dt) {
+    for (int i = 0; i < count; i++) {
+        struct gas_speed speed;
+        double taken = dt;
+        gas_speed(s->gas, &speed);
+        must(gas_step(s->gas, i * dt, &taken, 1, 0, 0, &speed));
+        assert_true(taken == dt);
+    }
+}
+
+/* rho, u, v, T (gamma - 1 is 1) of the rows, broadcast; caller frees. */
+static double *rows_of(const struct scene *s) {
+    const int n = s->cells, rows = s->across;
+    double *all = calloc(4 * (size_t)n, sizeof *all), *out = calloc(4 * (size_t)rows, sizeof *out);
+    must(gas_get_conserved(s->gas, (double *[MAX_VAR]){all, all + n, all + 2 * n, all + 3 * n}));
+    comm_broadcast(world, all, 4L * n * (long)sizeof *all);
+    for (int j = 0; j < rows; j++) {
+        const double *q = all + j * s->along;
+        const double u = q[n] / q[0], v = q[2 * n] / q[0];
+        out[j] = q[0];
+        out[rows + j] = u;
+        out[2 * rows + j] = v;
+        out[3 * rows + j] = q[3 * n] / q[0] - 0.5 * (u * u + v * v);
+        for (int i = 1; i < s->along; i++)
+            for (int k = 0; k < 4; k++) assert_true(q[k * n + i] == q[k * n]);
+    }
+    free(all);
+    return out;
+}
+
+/* ---- walls that move -----------------------------------------------------------------------------------------------
+ */
+
+/* u/u_w at time t after the wall at y = 1 was set in motion. */
+static double started(double y, double nu_t) {
+    double sum = y;
+    for (int k = 1; k < 40; k++)
+        sum += 2 / (k * PI) * (k % 2 ? -1 : 1) * exp(-k * k * PI * PI * nu_t) * sin(k * PI * y);
+    return sum;
+}
+
+static double start_error(int n) {
+    struct scene s = channel(n, &CONSTANT);
+    const double speed = 1e-4, time = 0.25;
+    moving(&s, HIGH, speed);
+    open_channel(&s, still);
+    go(&s, 6 * n, time / (6 * n));
+    double *q = rows_of(&s), error = 0;
+    for (int j = 0; j < n; j++)
+        error = fmax(error, fabs(q[n + j] / speed - started((j + 0.5) / n, VISCOSITY / DENSITY * time)));
+    free(q);
+    close_channel(&s);
+    return error;
+}
+
+/* Whole steps: the fluxes of the inviscid gas add no friction of their own. */
+static void couette_starts(void **state) {
+    (void)state;
+    double coarse = start_error(16), fine = start_error(32);
+    assert_near(fine, 0, 1e-3);
+    assert_near(log2(coarse / fine), 2, 0.1);
+}
+
+static const double FAST = 1.5, RISE = 0.7 * 1.5 * 1.5 / (2 * 1.1); /* speed; viscosity speed^2/(2 conduction) */
+static void steady(double y, double *rho, double u[3], double *T) {
+    *rho = DENSITY;
+    *T = 1 + 0.3 * y + RISE * y * (1 - y);
+    u[0] = FAST * y;
+}
+
+/* The splitting leaves the heating of half a step at isothermal walls: dt goes with h^2. */
+static double steady_error(int n) {
+    struct scene s = channel(n, &CONSTANT);
+    moving(&s, HIGH, FAST);
+    isothermal(&s, LOW, 1);
+    isothermal(&s, HIGH, 1.3);
+    open_channel(&s, steady);
+    spread(&s, 3 * n * n, 0.2 / (n * n));
+    double *q = rows_of(&s), error = 0;
+    for (int j = 0; j < n; j++) {
+        double rho, u[3], T;
+        steady((j + 0.5) / n, &rho, u, &T);
+        assert_near(q[n + j], u[0], 1e-13);
+        error = fmax(error, fabs(q[3 * n + j] - T));
+    }
+    free(q);
+    close_channel(&s);
+    return error;
+}
+
+/* What the moving wall does in work, the walls take as heat. */
+static void couette_is_steady(void **state) {
+    (void)state;
+    double coarse = steady_error(16), fine = steady_error(32);
+    assert_near(fine, 0, 1e-3);
+    assert_near(log2(coarse / fine), 2, 0.1);
+}
+
+static void rough(double y, double *rho, double u[3], double *T) {
+    *rho = 30 * (1 + 0.9 * sin(7 * y));
+    *T = 1 + 0.8 * cos(9 * y);
+    u[0] = sin(5 * y);
+    u[1] = 0.3 * sin(PI * y);
+}
+
+/* Between a wall that moves and one without friction: mass stays, and what comes in as energy is momentum times speed.
+ */
+static void work_is_momentum_times_speed(void **state) {
+    (void)state;
+    for (int whole = 0; whole < 2; whole++) {
+        const double speed = -0.8;
+        struct scene s = channel(24, transport_find("JenkinsRichman"));
+        double before[MAX_VAR], after[MAX_VAR];
+        s.rules[LOW].velocity.type = boundary_find("slip");
+        moving(&s, HIGH, speed);
+        open_channel(&s, rough);
+        must(gas_totals(s.gas, before));
+        if (whole)
+            go(&s, 20, 1e-3);
+        else
+            spread(&s, 20, 1e-3);
+        must(gas_totals(s.gas, after));
+        assert_near(after[0], before[0], 1e-14 * before[0]);
+        const double given = after[1] - before[1], work = after[3] - before[3];
+        assert_true(fabs(given) > 1e-3 * before[0]);
+        assert_near(work, speed * given, 1e-13 * before[3]);
+        close_channel(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(couette_starts),
+        cmocka_unit_test(couette_is_steady),
+        cmocka_unit_test(work_is_momentum_times_speed),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}
