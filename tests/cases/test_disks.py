@@ -114,7 +114,7 @@ class Viscous(harness.Folder, unittest.TestCase):
 
     def test_shear_wave(self):
         """Decays by e as the viscosity says, to second order, by either way of taking the steps."""
-        for diffusion in ("RKL2", "explicit"):
+        for diffusion in ("RKJ2", "RKL2", "explicit"):
             with self.subTest(diffusion):
                 coarse, _ = self.shear(f"coarse{diffusion}", 16, diffusion=diffusion)
                 fine, log = self.shear(f"fine{diffusion}", 32, diffusion=diffusion)
@@ -187,7 +187,7 @@ class Viscous(harness.Folder, unittest.TestCase):
         for name, options, words in (("spheres", {"eos": "TorquatoSpheres"}, "JenkinsRichman is for disks"),
                                      ("unknown", {"transport": "JenkinsRichmann"}, "did you mean 'JenkinsRichman'"),
                                      ("bulk", {"transport": "JenkinsRichman; JenkinsRichmanCoeffs { bulk half; }"}, "corrected, paper"),
-                                     ("type", {"diffusion": "RKL3"}, "RKL2, explicit")):
+                                     ("type", {"diffusion": "RKL3"}, "RKJ2, RKL2, explicit")):
             with self.subTest(name):
                 case = self.box(name, (4, 1, 1), density(0.3) * ones, np.zeros((4, 3)), ones, 1.0, **options)
                 done = harness.program("granularGas", "-case", case, check=False)
