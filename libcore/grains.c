@@ -13,6 +13,7 @@ void grains_free(struct grains *g) {
     free(g->order);
     free(g->list);
     free(g->meeting);
+    for (int k = 0; k < 3; k++) free(g->cells.row[k]);
     free(g->cells.slot);
     free(g->cells.next);
     calendar_free(g->queue);
@@ -122,7 +123,7 @@ static status place(struct grains *g, int i, const double x[3], const double u[3
         p->x[k] = periodic ? grains_wrap(&g->box, k, x[k] + w.s) : x[k] + w.s;
         p->u[k] = u[k] + w.v;
     }
-    p->cell = grains_cell_of(g, p->x);
+    g->event[i].cell = grains_cell_of(g, p->x);
     grains_cell_enter(g, i);
     return OK;
 }
@@ -139,7 +140,7 @@ static status overlap(const struct grains *g, int a, int b, double distance) {
 static status check_overlap(const struct grains *g, int i) {
     struct grain_block b;
     double least = g->law.diameter * (1 - 1e-9);
-    grains_block(&g->cells, g->box.periodic, g->grain[i].cell, STAYS, &b);
+    grains_block(&g->cells, g->event[i].cell, STAYS, &b);
     for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
         double square = 0;
         int j = (int)g->list[q];
@@ -172,16 +173,18 @@ status grains_make(const struct grain_box *box, const struct grain_law *law, int
 static status check_saved(const struct grains *g, int i) {
     const struct grain *p = &g->grain[i];
     const struct grain_event *e = &g->event[i];
-    bool good = isfinite(p->t) && p->t <= g->time && p->cell >= 0 && !isnan(e->t) && e->t >= p->t && e->partner < g->n;
+    bool good = isfinite(p->t) && p->t <= g->time && e->cell >= 0 && !isnan(p->impact) && p->impact >= p->t &&
+                e->partner < g->n;
     for (int k = 0; k < 3 && good; k++) {
-        int number = cell_number(&g->cells, p->cell, k);
+        int number = cell_number(&g->cells, e->cell, k);
         double slack = 1e-6 * g->cells.width[k];
         good = number < g->cells.n[k] && isfinite(p->u[k]) &&
                p->x[k] >= grains_cell_edge(&g->cells, k, number) - slack &&
                p->x[k] <= grains_cell_edge(&g->cells, k, number + 1) + slack;
     }
     int b = e->partner;
-    good = good && (b >= 0 || (b == NO_PARTNER && e->t == HUGE_VAL) || b == LOOK_AGAIN || (b < 0 && b >= -2 * g->dim));
+    good = good &&
+           (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN || (b < 0 && b >= -2 * g->dim));
     if (!good) return fail(ERR_INPUT, "saved grain %d does not belong to this box, or its file is damaged", i);
     return OK;
 }
@@ -248,12 +251,12 @@ static void fetch(const struct grains *g) {
         __builtin_prefetch(&g->grain[partner], 1);
         __builtin_prefetch(&g->event[partner], 1);
     }
-    grains_block(c, g->box.periodic, g->grain[next].cell, STAYS, &b);
-    for (int z = 0; z < b.n[2]; z++)
-        for (int y = 0; y < b.n[1]; y++) {
-            long q = b.start[1][y] + b.start[2][z];
-            __builtin_prefetch(c->slot + SLOTS * (q + b.start[0][0]));
-            __builtin_prefetch(c->slot + SLOTS * (q + b.start[0][b.n[0] - 1]));
+    grains_block(c, g->event[next].cell, STAYS, &b);
+    for (int z = 0; z < b.to[2]; z++)
+        for (int y = 0; y < 3; y++) {
+            const uint32_t *row = c->slot + (long)(b.around[2][z] + b.around[1][y]) * SLOTS;
+            __builtin_prefetch(row + (long)b.around[0][0] * SLOTS);
+            __builtin_prefetch(row + (long)b.around[0][2] * SLOTS);
         }
 }
 
@@ -267,7 +270,7 @@ static void take(struct grains *g, int i, double t, struct grain_observer *obser
         int exit = g->exit[i];
         grains_cell_cross(g, i, exit);
         grains_predict_beyond(g, i, t, exit);
-    } else if (e.partner >= 0 && g->grain[e.partner].changes == e.changes) {
+    } else if (e.partner >= 0 && g->event[e.partner].changes == e.known) {
         bring(g, &g->grain[e.partner], t);
         grains_collide(g, i, e.partner, t, observer);
         grains_predict(g, i, t);

@@ -41,16 +41,17 @@ struct grain_law {
     double gravity[3];             /* m/s^2 */
 };
 
-/* One grain, a cache line; saved and resumed as it is. Frame at rest; x within the box in periodic axes. */
+/* One grain, saved and resumed as it is: a cache line with what others ask of it when they predict, and the rest.
+ * Frame at rest; x within the box in periodic axes. */
 struct grain {
     double x[3], u[3], t; /* m, m/s, s: at its own time t */
-    int32_t cell;
-    uint32_t changes; /* of its velocity: events predicted with an older number are void */
+    double impact;        /* s: of the impact predicted for it, no later than its first; HUGE_VAL: none */
 };
-struct grain_event {  /* impact predicted for its grain; it is no later than the grain's first */
-    double t;         /* s; HUGE_VAL: none */
-    int32_t partner;  /* >= 0: grain; < 0: -1 - (2 axis + side) a wall; others are the engine's own */
-    uint32_t changes; /* of the partner when predicted */
+struct grain_event {
+    int32_t partner;  /* of that impact; >= 0: grain; < 0: -1 - (2 axis + side) a wall; others are the engine's own */
+    uint32_t known;   /* changes of the partner when it was predicted */
+    uint32_t changes; /* of the grain's velocity: events predicted with an older number are void */
+    int32_t cell;     /* that the grain is in */
 };
 struct grain_counts {
     int64_t pairs, walls;      /* impacts */

@@ -47,9 +47,31 @@ static bool choose(struct grains *g, double diameter) {
     return true;
 }
 
+static void set_rows(struct grains *g) {
+    struct grain_cells *c = &g->cells;
+    int32_t stride = 1;
+    c->planes = g->dim > 2 ? 3 : 1;
+    for (int k = 0; k < 3; k++) {
+        int beyond = k < g->dim && !g->box.periodic[k];
+        for (int q = 0; q < c->n[k]; q++) {
+            struct grain_row *r = &c->row[k][q];
+            for (int side = 0; side < 2; side++) {
+                int last = side ? c->n[k] - 1 : 0, wrapped = k < g->dim ? c->n[k] - 1 - last : 0;
+                int next = q == last && !beyond ? wrapped : q + 2 * side - 1;
+                r->around[2 * side] = (next + beyond) * stride;
+                r->edge[side] = q == last && beyond ? (2 * side - 1) * HUGE_VAL : grains_cell_edge(c, k, q + side);
+            }
+            r->around[1] = (q + beyond) * stride;
+        }
+        stride *= c->n[k] + 2 * beyond;
+    }
+    c->all = stride;
+}
+
 bool grains_cells_widen(struct grains *g) {
     if (!choose(g, grains_diameter(g, g->time) * (1 + 1e-9))) return false;
-    for (int i = 0; i < g->n; i++) g->grain[i].cell = grains_cell_of(g, g->grain[i].x);
+    set_rows(g);
+    for (int i = 0; i < g->n; i++) g->event[i].cell = grains_cell_of(g, g->grain[i].x);
     grains_cells_fill(g);
     return true;
 }
@@ -63,8 +85,9 @@ status grains_cells_make(struct grains *g) {
         c->high[k] = solved ? g->box.high[k] + more : 1;
     }
     choose(g, g->law.diameter);
-    long cells = (long)c->n[0] * c->n[1] * c->n[2];
-    TRY(allocate(&c->slot, cells * SLOTS, sizeof *c->slot, "cells"));
+    for (int k = 0; k < 3; k++) TRY(allocate(&c->row[k], c->n[k], sizeof *c->row[k], "cells"));
+    set_rows(g);
+    TRY(allocate(&c->slot, (long)c->all * SLOTS, sizeof *c->slot, "cells"));
     return allocate(&c->next, g->n, sizeof *c->next, "cells");
 }
 
@@ -81,22 +104,24 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]) {
 static const uint32_t INDEX = ((uint32_t)1 << SLOT_BITS) - 1;
 
 static uint32_t *slots_of(struct grain_cells *c, int32_t cell) {
-    return c->slot + (long)cell_index(c, cell) * SLOTS;
+    long q = 0;
+    for (int k = 0; k < 3; k++) q += cell_row(c, cell, k)->around[1];
+    return c->slot + q * SLOTS;
 }
 
 /* Their count is taken out of the slots and put back, so that they hold indices in between. */
 static int take_count(uint32_t *slot) {
-    uint32_t count = slot[0] >> SLOT_BITS;
-    slot[0] &= INDEX;
+    uint32_t count = slot[SLOTS - 1] >> SLOT_BITS;
+    slot[SLOTS - 1] &= INDEX;
     return (int)count;
 }
 static void put_count(uint32_t *slot, int count) {
-    slot[0] |= (uint32_t)count << SLOT_BITS;
+    slot[SLOTS - 1] |= (uint32_t)count << SLOT_BITS;
 }
 
 void grains_cell_enter(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
-    uint32_t *slot = slots_of(c, g->grain[i].cell);
+    uint32_t *slot = slots_of(c, g->event[i].cell);
     int count = take_count(slot);
     if (count < SLOTS) {
         slot[count++] = (uint32_t)i;
@@ -111,14 +136,14 @@ void grains_cell_enter(struct grains *g, int i) {
 
 void grains_cells_fill(struct grains *g) {
     struct grain_cells *c = &g->cells;
-    for (long q = 0; q < (long)c->n[0] * c->n[1] * c->n[2]; q++) c->slot[q * SLOTS] = 0;
+    for (long q = 0; q < c->all; q++) c->slot[q * SLOTS + SLOTS - 1] = 0;
     for (int i = 0; i < g->n; i++) grains_cell_enter(g, i);
 }
 
 /* The last of those in slots, of a chain the first, takes the place of i. */
 static void leave(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
-    uint32_t *slot = slots_of(c, g->grain[i].cell);
+    uint32_t *slot = slots_of(c, g->event[i].cell);
     int count = take_count(slot), last = (count == CHAINED ? SLOTS : count) - 1, at = 0;
     while (at < last && slot[at] != (uint32_t)i) at++;
     int32_t moved = (int32_t)slot[last];
@@ -147,50 +172,37 @@ static void leave(struct grains *g, int i) {
 void grains_cell_cross(struct grains *g, int i, int exit) {
     struct grain_cells *c = &g->cells;
     struct grain *p = &g->grain[i];
-    int k = exit / 2, up = exit & 1, number = cell_number(c, p->cell, k), to = number + (up ? 1 : -1);
+    int32_t *cell = &g->event[i].cell;
+    int k = exit / 2, up = exit & 1, number = cell_number(c, *cell, k), to = number + (up ? 1 : -1);
     leave(g, i);
     if (to < 0) to = c->n[k] - 1;
     if (to == c->n[k]) to = 0;
     p->x[k] = grains_cell_edge(c, k, up ? to : to + 1);
     int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
-    p->cell += (to - number) * (1 << shift);
+    *cell += (to - number) * (1 << shift);
     grains_cell_enter(g, i);
 }
 
-void grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit, struct grain_block *b) {
-    int32_t stride = 1;
-    for (int k = 0; k < 3; k++) {
-        int number = cell_number(c, cell, k), from = -1, to = 1, n = 0;
-        if (exit != STAYS && exit / 2 == k) from = to = exit & 1 ? 1 : -1;
-        for (int q = number + from; q <= number + to; q++) {
-            int at = q;
-            if (at < 0 || at >= c->n[k]) {
-                if (!periodic[k]) continue;
-                at += at < 0 ? c->n[k] : -c->n[k];
-            }
-            b->start[k][n++] = at * stride;
-        }
-        b->n[k] = n;
-        stride *= c->n[k];
-    }
+static inline int add_occupants(const struct grain_cells *c, const uint32_t *slot, uint32_t *list, int m) {
+    uint32_t last = slot[SLOTS - 1], count = last >> SLOT_BITS;
+    memcpy(list + m, slot, SLOTS * sizeof *list); /* all of them: no branches */
+    m += (int)count;
+    if (count < SLOTS) return m;
+    last &= INDEX;
+    if (count == CHAINED) m--;
+    list[m - 1] = last;
+    if (count == CHAINED)
+        for (int32_t i = c->next[last]; i >= 0; i = c->next[i]) list[m++] = (uint32_t)i;
+    return m;
 }
 
 int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list) {
     int m = 0;
-    for (int z = 0; z < b->n[2]; z++)
-        for (int y = 0; y < b->n[1]; y++)
-            for (int x = 0; x < b->n[0]; x++) {
-                int32_t q = b->start[0][x] + b->start[1][y] + b->start[2][z];
-                const uint32_t *slot = c->slot + (long)q * SLOTS;
-                uint32_t count = slot[0] >> SLOT_BITS;
-                memcpy(list + m, slot, SLOTS * sizeof *list); /* all of them: no branches */
-                list[m] &= INDEX;
-                if (count < CHAINED) {
-                    m += (int)count;
-                    continue;
-                }
-                m += SLOTS;
-                for (int32_t i = c->next[slot[SLOTS - 1]]; i >= 0; i = c->next[i]) list[m++] = (uint32_t)i;
-            }
+    for (int z = b->from[2]; z < b->to[2]; z++)
+        for (int y = b->from[1]; y < b->to[1]; y++) {
+            const uint32_t *row = c->slot + (long)(b->around[2][z] + b->around[1][y]) * SLOTS;
+            for (int x = b->from[0]; x < b->to[0]; x++)
+                m = add_occupants(c, row + (long)b->around[0][x] * SLOTS, list, m);
+        }
     return m;
 }

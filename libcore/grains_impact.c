@@ -52,8 +52,8 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         p->u[k] -= du;
         q->u[k] += du;
     }
-    p->changes++;
-    q->changes++;
+    g->event[a].changes++;
+    g->event[b].changes++;
     g->counts.pairs++;
     g->counts.lost += 0.25 * g->law.mass * (normal - after) * (normal + after);
     if (observer) tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
@@ -67,7 +67,7 @@ void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_ob
     double approach = fmax(outward + growth, 0), after = rebound(g, approach, e, least).speed + growth;
     double gain = outward + after, r[3] = {0};
     p->u[k] -= out * gain;
-    p->changes++;
+    g->event[a].changes++;
     g->counts.walls++;
     g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
     g->counts.wall_impulse[k][side] += g->law.mass * gain;

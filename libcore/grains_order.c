@@ -53,7 +53,7 @@ void grains_sort(struct grains *g) {
     int32_t *place = g->cells.next; /* free until the cells are filled again */
     grains_set_sorting(g);
     if (g->n <= FEW) return;
-    for (int i = 0; i < g->n; i++) g->order[i] = curve(&g->cells, g->grain[i].cell) << 32 | (uint64_t)i;
+    for (int i = 0; i < g->n; i++) g->order[i] = curve(&g->cells, g->event[i].cell) << 32 | (uint64_t)i;
     qsort(g->order, (size_t)g->n, sizeof *g->order, by_key);
     for (int p = 0; p < g->n; p++) {
         g->order[p] &= index;

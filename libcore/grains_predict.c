@@ -3,7 +3,7 @@
  * Each grain stores one predicted impact, and the time at which it leaves its cell if that comes first. What holds
  * between events, for every pair i, j in neighbouring cells that would meet at t_ij on their present courses, is
  *
- *   event[i].t <= t_ij  or  event[j].t <= t_ij.                                                                (1)
+ *   grain[i].impact <= t_ij  or  grain[j].impact <= t_ij.                                                      (1)
  *
  * So no impact is missed: the earliest of the true ones is stored by one of its two grains, or that grain has something
  * stored that comes before it. (1) survives because
@@ -12,119 +12,133 @@
  *   predict anew; until then it is early enough for (1).
  * - a grain that enters a cell keeps its event and looks only at the cells that are newly beside it, for the pairs with
  *   all others satisfy (1) already; the same courses stay the same.
- * - a grain i that predicts may leave out j when event[j].t <= t_ij: that is the other side of (1). event[j] only
+ * - a grain i that predicts may leave out j when grain[j].impact <= t_ij: that is the other side of (1). It only
  *   becomes later when j predicts from all its neighbours, i among them.
  * Walls are in the same way part of i's own side. */
 #include "libcore/grains_private.h"
 
-enum { PAD = 8 }; /* candidates are filled up to a whole vector with the grain itself */
+/* Candidates are looked at LANES at a time; their list is filled up with the grain itself. */
+enum { LANES = 4, CACHED = 8000 /* grains that fit into a cache */ };
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+typedef int64_t marks __attribute__((vector_size(LANES * sizeof(int64_t))));
+typedef uint32_t indices __attribute__((vector_size(LANES * sizeof(uint32_t))));
 
-/* The grain that predicts, and what tells when others meet it */
-struct mover {
-    double x[3], u[3], gravity[3], period[3], half[3], now, d, growth;
+/* Macros, for a function that takes vectors is called in another way on each instruction set. */
+#define ONLY(where, yes)       ((lanes)((where) & (marks)(yes)))
+#define CHOOSE(where, yes, no) ((lanes)(((where) & (marks)(yes)) | (~(where) & (marks)(no))))
+
+ALWAYS_INLINE void take_root(lanes *of) {
+    double v[LANES];
+    memcpy(v, of, sizeof v);
+    for (int q = 0; q < LANES; q++) v[q] = sqrt(v[q]);
+    memcpy(of, v, sizeof v);
+}
+
+/* Four times four numbers of LANES grains, so that column k holds the k-th of all. */
+ALWAYS_INLINE void gather(const struct grain *grain, const uint32_t *list, size_t offset, lanes column[4]) {
+    lanes r[LANES];
+    for (int q = 0; q < LANES; q++) memcpy(&r[q], (const char *)&grain[list[q]] + offset, sizeof r[q]);
+    lanes even = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), odd = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    lanes even2 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
+          odd2 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+    column[0] = __builtin_shufflevector(even, even2, 0, 1, 4, 5);
+    column[1] = __builtin_shufflevector(odd, odd2, 0, 1, 4, 5);
+    column[2] = __builtin_shufflevector(even, even2, 2, 3, 6, 7);
+    column[3] = __builtin_shufflevector(odd, odd2, 2, 3, 6, 7);
+}
+
+struct found {
+    double t;
+    int64_t partner;
 };
 
-/* Times at which |r + v t| = d + growth t, approaching; HUGE_VAL: never. They may touch or overlap by round-off: then
- * it is now if they close. Nothing branches, so that all candidates cost the same. */
-ALWAYS_INLINE void meet(const struct mover *mover, const struct grain *restrict grain, int m,
-                        const uint32_t *restrict list, double *restrict when, int dim, bool grows) {
-    const struct mover me = *mover;
-    for (int q = 0; q < (m + PAD - 1) / PAD * PAD; q++) {
-        const struct grain *p = &grain[list[q]];
-        double dt = me.now - p->t, rv = 0, vv = 0, rr = 0;
+/* The earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which is
+ * before the other's own event; equal times by the partner. Grains may touch or overlap by round-off: then it is now if
+ * they close. Nothing branches, so that all candidates cost the same. */
+ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, int dim, bool grows) {
+    const struct grain *me = &g->grain[i];
+    const double d = grains_diameter(g, now), growth = g->law.growth;
+    const lanes zero = {0}, never = zero + HUGE_VAL;
+    lanes least = zero + first->t;
+    marks with = (marks)zero + first->partner;
+    for (const uint32_t *list = g->list; list < g->list + m; list += LANES) {
+        lanes low[4], high[4], rv = zero, vv = zero, rr = zero;
+        gather(g->grain, list, 0, low);
+        gather(g->grain, list, 4 * sizeof(double), high);
+        lanes x[3] = {low[0], low[1], low[2]}, u[3] = {low[3], high[0], high[1]}, dt = now - high[2], impact = high[3];
         for (int k = 0; k < dim; k++) {
-            double fall = me.gravity[k] * dt, v = p->u[k] + fall - me.u[k];
-            double r = p->x[k] + dt * (p->u[k] + 0.5 * fall) - me.x[k];
-            r -= select_double(r > me.half[k], me.period[k], 0);
-            r += select_double(r < -me.half[k], me.period[k], 0);
+            lanes fall = g->law.gravity[k] * dt, v = u[k] + fall - me->u[k];
+            lanes r = x[k] + dt * (u[k] + 0.5 * fall) - me->x[k];
+            r -= ONLY(r > g->half[k], zero + g->period[k]);
+            r += ONLY(r < -g->half[k], zero + g->period[k]);
             rv += r * v;
             vv += v * v;
             rr += r * r;
         }
-        double a = grows ? vv - me.growth * me.growth : vv, b = grows ? rv - me.d * me.growth : rv;
-        double c = larger(rr - me.d * me.d, 0), square = b * b - a * c, root = sqrt(larger(square, 0));
-        double t = select_double((b < 0) & (square >= 0), me.now + c / (root - b), HUGE_VAL);
-        if (grows) t = select_double((b >= 0) & (a < 0), me.now - (b + root) / a, t);
-        when[q] = t;
+        lanes a = grows ? vv - growth * growth : vv, b = grows ? rv - d * growth : rv, c = rr - d * d;
+        c = ONLY(c > 0, c);
+        lanes square = b * b - a * c, root = ONLY(square > 0, square);
+        take_root(&root);
+        lanes t = CHOOSE((b < 0) & (square >= 0), now + c / (root - b), never);
+        if (grows) t = CHOOSE((b >= 0) & (a < 0), now - (b + root) / a, t);
+        indices index;
+        memcpy(&index, list, sizeof index);
+        marks j = __builtin_convertvector(index, marks);
+        t = CHOOSE((impact > t) & (j != i), t, never);
+        marks better = (t < least) | ((t == least) & (j < with));
+        least = CHOOSE(better, t, least);
+        with = (better & j) | (~better & with);
+    }
+    for (int q = 0; q < LANES; q++) {
+        bool better = (least[q] < first->t) | ((least[q] == first->t) & (with[q] < first->partner));
+        first->t = better ? least[q] : first->t;
+        first->partner = better ? with[q] : first->partner;
     }
 }
-KERNEL static void meet_disks(const struct mover *me, const struct grain *grain, int m, const uint32_t *list,
-                              double *when) {
-    meet(me, grain, m, list, when, 2, false);
+KERNEL static void meet_disks(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, 2, false);
 }
-KERNEL static void meet_spheres(const struct mover *me, const struct grain *grain, int m, const uint32_t *list,
-                                double *when) {
-    meet(me, grain, m, list, when, 3, false);
+KERNEL static void meet_spheres(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, 3, false);
 }
-static void meet_growing(const struct mover *me, const struct grain *grain, int m, const uint32_t *list, double *when) {
-    meet(me, grain, m, list, when, 3, true);
+static void meet_growing(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, 3, true);
 }
 
-/* Which of m candidates grain i meets first, before `best`, equal times by the index; < 0: none */
-static int first_of(const struct grains *g, int m, int i, const struct grain_event *best) {
-    double first = best->t;
-    int at = -1, partner = best->partner;
-    for (int q = 0; q < m; q++) {
-        double t = g->meeting[q];
-        int j = (int)g->list[q];
-        if (t > first || t == HUGE_VAL || (t == first && j >= partner) || j == i) continue;
-        first = t;
-        partner = j;
-        at = q;
-    }
-    return at;
-}
-
-static void consider_cells(struct grains *g, int i, double now, int exit, struct grain_event *best) {
+static void consider_cells(struct grains *g, int i, double now, int exit) {
     struct grain_block b;
-    grains_block(&g->cells, g->box.periodic, g->grain[i].cell, exit, &b);
+    struct grain *p = &g->grain[i];
+    struct grain_event *e = &g->event[i];
+    grains_block(&g->cells, e->cell, exit, &b);
     int m = grains_occupants(&g->cells, &b, g->list);
-    for (int q = 0; q < PAD; q++) g->list[m + q] = (uint32_t)i;
-    for (int q = 0; q < m; q++) {
-        __builtin_prefetch(&g->grain[g->list[q]]);
-        __builtin_prefetch(&g->event[g->list[q]]);
-    }
-    struct mover me = {.now = now, .d = grains_diameter(g, now), .growth = g->law.growth};
-    for (int k = 0; k < 3; k++) {
-        me.x[k] = g->grain[i].x[k];
-        me.u[k] = g->grain[i].u[k];
-        me.gravity[k] = g->law.gravity[k];
-        me.period[k] = g->period[k];
-        me.half[k] = g->half[k];
-    }
+    for (int q = 0; q < LANES; q++) g->list[m + q] = (uint32_t)i;
+    if (g->n > CACHED)
+        for (int q = 0; q < m; q++) __builtin_prefetch(&g->grain[g->list[q]]);
+    struct found first = {p->impact, e->partner};
     if (g->law.growth != 0)
-        meet_growing(&me, g->grain, m, g->list, g->meeting);
+        meet_growing(g, i, now, m, &first);
     else if (g->dim == 2)
-        meet_disks(&me, g->grain, m, g->list, g->meeting);
+        meet_disks(g, i, now, m, &first);
     else
-        meet_spheres(&me, g->grain, m, g->list, g->meeting);
-    for (int earliest; (earliest = first_of(g, m, i, best)) >= 0;) { /* event[] of few is read */
-        double t = g->meeting[earliest];
-        int j = (int)g->list[earliest];
-        if (g->event[j].t > t) {
-            *best = (struct grain_event){t, j, g->grain[j].changes};
-            return;
-        }
-        g->meeting[earliest] = HUGE_VAL;
-    }
+        meet_spheres(g, i, now, m, &first);
+    if (first.t == p->impact && first.partner == e->partner) return;
+    p->impact = first.t;
+    e->partner = (int32_t)first.partner;
+    e->known = g->event[e->partner].changes;
 }
 
-/* When x, moving at u inside cell `number` of axis k, leaves it, and which side; nothing branches on the sign of u. */
-static inline double leaves_straight(const struct grains *g, int k, int number, double x, double u, int *side) {
-    const struct grain_cells *c = &g->cells;
-    bool up = u > 0, wall = !g->box.periodic[k] && number == (up ? c->n[k] - 1 : 0);
-    double edge = grains_cell_edge(c, k, number + up), h = larger(up ? edge - x : x - edge, 0);
+/* When x, moving at u between the edges, leaves them, and on which side; nothing branches on the sign of u. */
+static inline double leaves_straight(const double edge[2], double x, double u, int *side) {
+    int up = u > 0;
     *side = up;
-    return wall || u == 0 ? HUGE_VAL : h / fabs(u);
+    return larger((edge[up] - x) * (2 * up - 1), 0) / fabs(u);
 }
 
-static inline double leaves_falling(const struct grains *g, int k, int number, double x, double u, int *side) {
-    const struct grain_cells *c = &g->cells;
-    double first = HUGE_VAL, a = g->law.gravity[k];
+static inline double leaves_falling(const double edge[2], double x, double u, double a, int *side) {
+    double first = HUGE_VAL;
     for (int s = 0; s < 2; s++) {
-        if (!g->box.periodic[k] && number == (s ? c->n[k] - 1 : 0)) continue;
-        double h = s ? grains_cell_edge(c, k, number + 1) - x : x - grains_cell_edge(c, k, number);
-        double t = grains_first_root(h, s ? -u : u, s ? -a : a);
+        double h = s ? edge[1] - x : x - edge[0];
+        double t = h < HUGE_VAL ? grains_first_root(h, s ? -u : u, s ? -a : a) : HUGE_VAL;
         if (t >= first) continue;
         first = t;
         *side = s;
@@ -136,61 +150,70 @@ static inline double leaves_falling(const struct grains *g, int k, int number, d
 static double leaves(const struct grains *g, int i, int *exit) {
     const struct grain *p = &g->grain[i];
     double first = HUGE_VAL;
-    *exit = STAYS;
+    int through = STAYS;
     for (int k = 0; k < g->dim; k++) {
-        int number = cell_number(&g->cells, p->cell, k), side = 0;
-        double t = g->law.gravity[k] == 0 ? leaves_straight(g, k, number, p->x[k], p->u[k], &side)
-                                          : leaves_falling(g, k, number, p->x[k], p->u[k], &side);
-        *exit = t < first ? 2 * k + side : *exit;
+        const double *edge = cell_row(&g->cells, g->event[i].cell, k)->edge;
+        int side = 0;
+        double t = g->law.gravity[k] == 0 ? leaves_straight(edge, p->x[k], p->u[k], &side)
+                                          : leaves_falling(edge, p->x[k], p->u[k], g->law.gravity[k], &side);
+        through += (2 * k + side - through) * (t < first); /* a product: no branch; 0/0 is not less */
         first = smaller(t, first);
     }
+    *exit = through;
     return p->t + first;
 }
 
 /* Walls no later than the exit from the cell: after it they are looked for again. */
-static void consider_walls(const struct grains *g, int i, double leaving, struct grain_event *best) {
+static void consider_walls(struct grains *g, int i, double leaving) {
     const struct grain_cells *c = &g->cells;
+    struct grain *p = &g->grain[i];
+    struct grain_event *e = &g->event[i];
     for (int k = 0; k < g->dim; k++)
         for (int side = 0; side < 2; side++) {
-            int number = cell_number(c, g->grain[i].cell, k);
+            int number = cell_number(c, e->cell, k);
             if (side ? number < c->reach[k][1] : number > c->reach[k][0]) continue;
             bool again;
-            double t = grains_wall_time(g, i, k, side, fmin(best->t, leaving), &again);
-            if (t < best->t) *best = (struct grain_event){t, again ? LOOK_AGAIN : -1 - (2 * k + side), 0};
+            double t = grains_wall_time(g, i, k, side, fmin(p->impact, leaving), &again);
+            if (t >= p->impact) continue;
+            p->impact = t;
+            e->partner = again ? LOOK_AGAIN : -1 - (2 * k + side);
         }
 }
 
-static void settle(struct grains *g, int i, struct grain_event best) {
+static void settle(struct grains *g, int i) {
     int exit;
     double leaving = leaves(g, i, &exit);
-    consider_walls(g, i, leaving, &best);
-    g->event[i] = best;
-    g->exit[i] = (int8_t)(leaving < best.t ? exit : STAYS);
-    calendar_move(g->queue, i, fmin(leaving, best.t));
+    consider_walls(g, i, leaving);
+    g->exit[i] = (int8_t)(leaving < g->grain[i].impact ? exit : STAYS);
+    calendar_move(g->queue, i, fmin(leaving, g->grain[i].impact));
+}
+
+static void forget(struct grains *g, int i) {
+    g->grain[i].impact = HUGE_VAL;
+    g->event[i].partner = NO_PARTNER;
 }
 
 void grains_predict(struct grains *g, int i, double now) {
-    struct grain_event best = {HUGE_VAL, NO_PARTNER, 0};
-    consider_cells(g, i, now, STAYS, &best);
-    settle(g, i, best);
+    forget(g, i);
+    consider_cells(g, i, now, STAYS);
+    settle(g, i);
 }
 
 void grains_predict_beyond(struct grains *g, int i, double now, int exit) {
-    struct grain_event best = g->event[i];
-    consider_cells(g, i, now, exit, &best);
-    settle(g, i, best);
+    consider_cells(g, i, now, exit);
+    settle(g, i);
 }
 
 double grains_schedule(struct grains *g, int i) {
     int exit;
-    double leaving = leaves(g, i, &exit), t = g->event[i].t;
+    double leaving = leaves(g, i, &exit), t = g->grain[i].impact;
     g->exit[i] = (int8_t)(leaving < t ? exit : STAYS);
     return fmin(leaving, t);
 }
 
 void grains_predict_all(struct grains *g) {
     for (int i = 0; i < g->n; i++) {
-        g->event[i] = (struct grain_event){HUGE_VAL, NO_PARTNER, 0};
+        forget(g, i);
         calendar_set(g->queue, i, HUGE_VAL);
     }
     calendar_start(g->queue, g->time);

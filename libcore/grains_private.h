@@ -13,14 +13,21 @@ enum {
 };
 
 /* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; arrays of cells are indexed by
- * c0 + n0 (c1 + n1 c2). As many as SLOTS occupants stand in a cell's slots; a fuller one (a dense or a wide cell) has
- * all but SLOTS - 1 of them in a chain through `next` that begins in the last. */
+ * the sum of what its rows say. Along axes with walls a layer of empty cells lies beyond each wall, so that every cell
+ * has neighbours on both sides. As many as SLOTS occupants stand in a cell's slots; a fuller one (a dense or a wide
+ * cell) has all but SLOTS - 1 of them in a chain through `next` that begins in the last. */
 enum { SLOTS = 4, CHAINED = SLOTS + 1, SLOT_BITS = 29, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 2) * SLOTS };
+struct grain_row {     /* the cells of one number along an axis */
+    int32_t around[3]; /* parts of the index: of the cells before, of its own, of those after */
+    double edge[2];    /* where it is left; a wall: -HUGE_VAL, HUGE_VAL */
+};
 struct grain_cells {
-    int n[3], bits[3];
+    int n[3], bits[3], planes;        /* planes: of neighbours along the last axis, 1 in 2D, else 3 */
+    struct grain_row *row[3];         /* [n[k]] */
     double low[3], high[3], width[3]; /* what they cover, at rest; a shaken wall's whole reach */
     int reach[3][2];                  /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
-    uint32_t *slot;                   /* [cells][SLOTS]; count << SLOT_BITS is added to the first, count: or CHAINED */
+    int32_t all;                      /* cells, with those beyond the walls */
+    uint32_t *slot;                   /* [all][SLOTS]; count << SLOT_BITS is added to the last, count: or CHAINED */
     int32_t *next;                    /* [n] */
 };
 
@@ -31,8 +38,8 @@ struct grains {
     double start, time; /* start: when the diameter was law.diameter */
     double outgrown;    /* when it reaches the width of the cells; HUGE_VAL: never */
     struct grain *grain;
-    struct grain_event *event; /* impact predicted, no later than the grain's first (grains_predict.c) */
-    int8_t *exit;              /* [n] 2 axis + side of the cell's face where it leaves before that, or STAYS */
+    struct grain_event *event;
+    int8_t *exit; /* [n] 2 axis + side of the cell's face where it leaves before that, or STAYS */
     int32_t *id;
     struct grain_counts counts;
     struct grain_cells cells;
@@ -89,8 +96,8 @@ static inline int cell_number(const struct grain_cells *c, int32_t cell, int k) 
     int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
     return (cell >> shift) & ((1 << c->bits[k]) - 1);
 }
-static inline int32_t cell_index(const struct grain_cells *c, int32_t cell) {
-    return cell_number(c, cell, 0) + c->n[0] * (cell_number(c, cell, 1) + c->n[1] * cell_number(c, cell, 2));
+static inline const struct grain_row *cell_row(const struct grain_cells *c, int32_t cell, int k) {
+    return &c->row[k][cell_number(c, cell, k)];
 }
 static inline double grains_cell_edge(const struct grain_cells *c, int k, int number) {
     return select_double(number == c->n[k], c->high[k], c->low[k] + number * c->width[k]);
@@ -99,13 +106,21 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]);
 void grains_cell_enter(struct grains *g, int i);
 /* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
 void grains_cell_cross(struct grains *g, int i, int exit);
-struct grain_block {
-    int n[3];
-    int32_t start[3][3]; /* times the stride */
+struct grain_block { /* of cells: the product of those around one along each axis */
+    const int32_t *around[3];
+    int from[3], to[3];
 };
-/* Rows of three (or fewer) cells along each axis about one, times their strides; exit != STAYS: only those new beyond
- * that face. */
-void grains_block(const struct grain_cells *c, const bool periodic[3], int32_t cell, int exit, struct grain_block *b);
+/* All about a cell; exit != STAYS: only those new beyond that face. */
+static inline void grains_block(const struct grain_cells *c, int32_t cell, int exit, struct grain_block *b) {
+    for (int k = 0; k < 3; k++) {
+        b->around[k] = cell_row(c, cell, k)->around;
+        b->from[k] = 0;
+        b->to[k] = k < 2 ? 3 : c->planes;
+    }
+    if (exit == STAYS) return;
+    b->from[exit / 2] = exit & 1 ? 2 : 0;
+    b->to[exit / 2] = b->from[exit / 2] + 1;
+}
 /* All in the cells of a block; list has room for n + ROOM. Returns how many. */
 int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list);
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VERSION = 1, BOX = 24, LAW = 8 };
+enum { VERSION = 2, BOX = 24, LAW = 8 };
 struct head { /* what the sizes of the rest follow from */
     char name[8];
     uint64_t order; /* of bytes */
