@@ -15,75 +15,39 @@ import math
 import os
 import re
 import shutil
-import subprocess
 import sys
 import threading
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-TOP = os.path.abspath(os.path.join(HERE, "..", ".."))
-sys.path.insert(0, os.path.join(TOP, "postprocessing"))
+sys.path.insert(0, os.path.abspath(os.path.join(HERE, "..", "..", "postprocessing")))
 
 import numpy as np  # noqa: E402
 
 import faraday  # noqa: E402
+from faradayRows import acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, program, throw  # noqa: E402
 
-BIN = os.environ.get("HAFF_BIN", os.path.join(TOP, "build", "bin"))
-PAPER = os.path.join(TOP, "tests", "oracles", "carrillo_table1.csv")
-GRAVITY, WARM = 981.0, 2.75  # sigma/s^2; g amplitude of -warm
+WARM = 2.75  # g: amplitude of -warm
 COLUMNS = ("row Gamma f_Hz A_sigma L_sigma N plate seed warm cycles paper dpaper wavelength shorter longer centroid spread "
            "contrast flip stands within strongest dstrongest meanHeight impacts seconds").split()
 lock = threading.Lock()
 
 
-def paper():
-    """{number from 1: row}."""
-    with open(PAPER) as f:
-        return {k: {key: float(v) for key, v in row.items()} for k, row in enumerate(csv.DictReader(f), 1)}
-
-
-def acceleration(amplitude, frequency):
-    return amplitude * (2 * math.pi * frequency) ** 2 / GRAVITY
-
-
 def height(amplitude, frequency):
-    """Of the box: grains thrown by the plate rise by its speed squared over 2 g, above the layer and its stroke; whole."""
-    speed = 2 * math.pi * frequency * amplitude
-    return math.ceil((30 + 4 * speed**2 / (2 * GRAVITY)) / 10) * 10
-
-
-def edit(path, **entries):
-    with open(path) as f:
-        text = f.read()
-    for key, value in entries.items():
-        text, found = re.subn(rf"^((?!\s*//).*?(?<![\w.]){key}\s+)[^;{{}}]*;", rf"\g<1>{value};", text, count=1, flags=re.M)
-        if not found:
-            raise KeyError(f"{path} has no entry {key}")
-    with open(path, "w") as f:
-        f.write(text)
-
-
-def program(case, name, *arguments, log="a"):
-    with open(os.path.join(case, f"log.{name}"), log) as f:
-        done = subprocess.run([name if name == "gmsh" else os.path.join(BIN, name), *arguments], stdout=f,
-                              stderr=subprocess.STDOUT)
-    if done.returncode:
-        raise RuntimeError(f"{name} failed, see {f.name}")
+    """Of the box: grains thrown by the plate, above the layer and its stroke; whole."""
+    return math.ceil((30 + 4 * throw(acceleration(amplitude, frequency), frequency)) / 10) * 10
 
 
 def make(case, row, plate, seed, cycles):
     """The case with its mesh; written at quarters of the period."""
-    shutil.copytree(HERE, case, ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK",
-                                                              "*.png", "log.*", "*.py", "*.csv", "__pycache__"))
+    copy(HERE, case)
     period = 1 / row["f_Hz"]
     at = lambda *names: os.path.join(case, *names)
     edit(at("constant", "shaking"), frequency=repr(row["f_Hz"]), amplitude=repr(acceleration(row["A_diam"], row["f_Hz"])))
     edit(at("constant", "particleProperties"), N=int(row["N"]), seed=seed, writeCloud="no", restitution=plate,
          window=repr(period / 100))
     edit(at("system", "controlDict"), endTime=repr(cycles * period), writeInterval=repr(period / 4))
-    size = ["-setnumber", "L", str(int(row["L_diam"])), "-setnumber", "H", str(height(row["A_diam"], row["f_Hz"]))]
-    program(case, "gmsh", "-3", "-v", "2", *size, at("mesh.geo"), "-o", at("mesh.msh"))
-    program(case, "gmshToCase", at("mesh.msh"), "-case", case)
+    mesh(case, row["L_diam"], height(row["A_diam"], row["f_Hz"]))
 
 
 def measured(case, first, last):
@@ -99,17 +63,11 @@ def measured(case, first, last):
             "dstrongest": f"{deviation:.3g}", "meanHeight": f"{heights.mean():.4g}"}, result
 
 
-def clear(case):
-    for name in os.listdir(case):
-        if faraday.haff.is_time(name) and float(name) > 0:
-            shutil.rmtree(os.path.join(case, name))
-
-
 def run(folder, number, row, plate, o):
     """One row; the line of the table."""
     case = os.path.join(folder, f"row{number:02d}-e{plate:g}" + (f"-warm{o.warm}" if o.warm else "") + f"-seed{o.seed}")
     begin = time.time()
-    if not os.path.exists(os.path.join(case, "constant", "polyMesh", "boundary")):
+    if not has_mesh(case):
         shutil.rmtree(case, ignore_errors=True)
         make(case, row, plate, o.seed, o.warm or o.last)
     shaking, control = (os.path.join(case, *names) for names in (("constant", "shaking"), ("system", "controlDict")))
@@ -172,11 +130,6 @@ def draw(folder):
         ax.set(xlim=(1, 12), ylim=(0, 90))
     axes[0][0].legend(title="open: the paper, filled: ours", fontsize=7, title_fontsize=7)
     figures.save(fig, os.path.join(folder, "table1.png"))
-
-
-def numbers(text):
-    ends = [[int(w) for w in part.split("-")] for part in text.split(",")]
-    return [k for e in ends for k in range(e[0], e[-1] + 1)]
 
 
 def arguments():
