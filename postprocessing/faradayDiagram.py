@@ -3,7 +3,7 @@
 
     faradayDiagram.py FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-draw] ..
 
-Each row runs as a variant of cases/faraday in FOLDER/rowNN and adds a line to FOLDER/faradayDiagram.csv, which is drawn
+Each row runs as a variant of the template (cases/faradaySweep: its layer, schemes and Courant number) in FOLDER/rowNN and adds a line to FOLDER/faradayDiagram.csv, which is drawn
 beside the paper's values and the grains of cases/faradayMD/table1.csv as FOLDER/faradayDiagram.png. Rows that stand
 there are not run again. After Ctrl-C or SIGTERM the runs write their state, and the same command goes on from there.
 The rows named first run first; -jobs of them at once.
@@ -34,7 +34,7 @@ import figures
 import haff
 from faradayRows import BIN, TOP, acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, throw
 
-TEMPLATE = os.path.join(TOP, "cases", "faraday")
+TEMPLATE = os.path.join(TOP, "cases", "faradaySweep")
 GRAINS = os.path.join(TOP, "cases", "faradayMD", "table1.csv")
 HOT, STANDS = 2.75, 0.05  # g; of the mean mass of a column
 COLUMNS = ("row Gamma f_Hz A_sigma L_sigma height cells warm cycles paper dpaper wavelength shorter longer centroid spread contrast flip "
@@ -79,10 +79,8 @@ class Row:
         """The case with its mesh; written at halves of the period."""
         copy(self.o.template, self.case)
         edit(self.at("constant", "shaking"), frequency=repr(self.entry["f_Hz"]), amplitude=self.shaking())
-        edit(self.at("0", "alpha"), amplitude=repr(self.o.amplitude), seed=self.o.seed)
-        edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 2),
-             maxCo=repr(self.o.maxCo))
-        edit(self.at("system", "fvSchemes"), timeScheme=self.o.timeScheme)
+        edit(self.at("0", "alpha"), seed=self.o.seed)
+        edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 2))
         mesh(self.case, self.entry["L_diam"], self.height)
 
     def run(self, processes):
@@ -97,6 +95,14 @@ class Row:
             f.write(f"{used.ru_utime + used.ru_stime:.1f}\n")
         if code or self.reached() < self.cycles - 0.01:
             raise RuntimeError(f"row {self.number} stopped at cycle {self.reached():.1f} of {self.cycles}, see {self.at('log.granularGas')}")
+
+    def options(self):
+        """What the case says of scheme and waves, and how it was measured."""
+        said = []
+        for key, *names in (("timeScheme", "system", "fvSchemes"), ("maxCo", "system", "controlDict"), ("amplitude", "0", "alpha"), ("seed", "0", "alpha")):
+            with open(self.at(*names)) as f:
+                said.append(f"{key} {re.search(rf'{key}[ ]+([^;]+);', f.read())[1]}")
+        return " ".join(said + [f"last {self.o.last}", self.o.note]).strip()
 
     def steps(self):
         """Of all runs: the log numbers them through from the start of each."""
@@ -129,8 +135,11 @@ def state(result):
 
 
 def finish(row):
-    """Measures, adds the line and removes the fields."""
+    """Measures; leaves the modes of the columns' mass, {phase: [cycle][number of the cycle, mode 0, 1, ..]}, for when the
+    fields are gone."""
     entry, result = row.entry, measured(row.case, row.cycles, row.o.last)
+    every = faraday.samples(faraday.Layer(row.case))
+    np.savez_compressed(row.at("modes.npz"), **{f"{key:g}": np.column_stack([cycles, c]) for key, (cycles, c) in every.items()})
     off = result["wavelength"] / entry["lambda_diam"] - 1
     with open(row.at("cpu.txt")) as f:
         cpu = sum(float(line) for line in f)
@@ -142,7 +151,7 @@ def finish(row):
             "state": result["state"], "off": f"{off:+.3f}",
             "within20": ("yes" if abs(off) <= 0.2 else "no") if result["state"] == "stands" else "",
             "steps": row.steps(), "cpuSeconds": f"{cpu:.0f}",
-            "options": f"{row.o.timeScheme} maxCo {row.o.maxCo:g} amplitude {row.o.amplitude:g} seed {row.o.seed} last {row.o.last} {row.o.note}".strip()}
+            "options": row.options()}
     return line, result
 
 
@@ -261,10 +270,7 @@ def arguments():
     parser.add_argument("-last", type=int, default=8, help="cycles to measure in")
     parser.add_argument("-warm", type=int, nargs=2, default=[8, 4])
     parser.add_argument("-warmBelow", type=float, default=2.1)
-    parser.add_argument("-amplitude", type=float, default=1e-2, help="of each of the 20 first waves, of the mass")
     parser.add_argument("-seed", type=int, default=1)
-    parser.add_argument("-timeScheme", default="SSPRK43")
-    parser.add_argument("-maxCo", type=float, default=0.4)
     parser.add_argument("-template", default=TEMPLATE)
     parser.add_argument("-note", default="", help="for the column of options, say the version")
     parser.add_argument("-keep", action="store_true", help="the fields of rows that are done")
