@@ -87,6 +87,9 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
      * them. flags: makes the marks flags, if they are to be kept, which leave the tangential derivatives out of the
      * stress on their faces; drops them else. Returns the number of flagged cells of all ranks. */
     void (*diffusion_rates)(struct gas *g, const struct state *Y0, double most[2]);
+    /* Notes by how much T rose to `to` from the state of the last rates; if g->ahead, rates sees T of Y0 risen by as
+     * much. NULL: g->ahead is never set. */
+    void (*diffusion_ahead)(struct gas *g, const struct state *to);
     void (*diffusion_begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
     void (*diffusion_stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
                             double weight);
@@ -116,16 +119,18 @@ void sums_beyond(const struct patch_rules *rules, enum diffusing what, const str
 void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 
-struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
-    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
-    double **start;    /* dim: q_0, the same */
-    double **gradient; /* dim * dim: half of dS_c/dx_k at k dim + c by central differences; ghosts for the axes across */
-    double **face;     /* of each axis FACE_LINES: coefficients of the face above a cell */
-    double **light;    /* 1/rho */
-    double **mark;     /* 1: cells that were not admissible */
-    double **part;     /* into `gradient` */
-    bool marked;       /* any? */
-    int last;          /* sum of the last stage */
+struct diffuser {    /* of the tiles: [ntiles] of so many lines of [size] */
+    double **sum[2]; /* dim: S of the last stage, with one layer of ghosts, and of the one before */
+    double **start;  /* dim: q_0, the same */
+    double *
+        *gradient;  /* dim * dim: half of dS_c/dx_k at k dim + c by central differences; ghosts for the axes across */
+    double **face;  /* of each axis FACE_LINES: coefficients of the face above a cell */
+    double **light; /* 1/rho */
+    double **mark;  /* 1: cells that were not admissible */
+    double **warm;  /* T of the coefficients, or what it rose by; with one layer of ghosts */
+    double **part;  /* into `gradient` */
+    bool marked;    /* any? */
+    int last;       /* sum of the last stage */
 };
 
 struct gas {
@@ -146,8 +151,9 @@ struct gas {
     int slow;    /* so many steps in a row were tiny; slow_dt: an earlier one and the last; < 0: not known */
     double slow_dt[2];
     struct gas_counts counts;
-    long faces;     /* limited in the last redo, on this rank */
-    long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
+    bool ahead;   /* the coefficients of diffusion are to be those at the end of the half step (libcore/diffusion.c) */
+    long faces;   /* limited in the last redo, on this rank */
+    long floored; /* cells raised to the round-off floor by this attempt at a step, on this rank */
     double *raised; /* [nraised] J/m^3 of this attempt: of tiles, or of cells of the mosaic */
     int nraised;
     long filled;        /* cells raised to the density floor by this attempt, on this rank */
@@ -186,6 +192,7 @@ void tiles_exchange(struct gas *g, const struct state *start, const struct state
 status diffuser_make(struct gas *g);
 void diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void tiles_diffusion_ahead(struct gas *g, const struct state *to);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
                            double weight);

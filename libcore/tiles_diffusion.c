@@ -8,6 +8,7 @@
 /* Of a face of an axis, h the width of a cell there: (lambda + 2 mu)/h^2, lambda/h, mu/h^2, mu/h, heat/h^2. Jumps take
  * the squares, and the others the sum of both sides' tangential derivatives halved, as `gradient` holds them. */
 enum { NORMAL, CROSS, SHEAR, TWIST, CONDUCTION, FACE_LINES };
+#define MOST_RISE 4.       /* of T ahead; a front that passes tells nothing of what follows */
 enum { LINE = BATCH + 8 }; /* faces of a row */
 
 /* Rows in whole vectors, without a rest cell by cell: beyond the row there are ghosts, which are filled again before
@@ -24,13 +25,14 @@ status diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
+    TRY(blocks_make(g->forest, 1, &d->warm));
     return allocate(&d->part, g->forest->ntiles, sizeof(double *), "tiles");
 }
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark};
-    for (int i = 0; i < 7; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark, d->warm};
+    for (int i = 0; i < 8; i++) blocks_free(g->forest, blocks[i]);
     free(d->part);
 }
 
@@ -41,16 +43,24 @@ static int lines_of(const struct gas *g, enum diffusing what) {
 struct coefficients { /* what its row visitor needs */
     const struct gas *g;
     const double *U;
+    double *warm;
 };
+
+/* T of a row of U; velocity and eps go to the workspace. */
+static void temperature_of_row(const struct gas *g, const double *U, long offset, int n, double T[BATCH]) {
+    velocities_of_row(g, U, offset, n);
+    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
+}
 
 /* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
 static void coefficient_visit(void *context, long offset, int n) {
     const struct coefficients *v = context;
     const struct gas *g = v->g;
     const struct work *w = &g->work;
-    double T[BATCH];
-    velocities_of_row(g, v->U, offset, n);
-    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * w->eps[offset + i];
+    double T[BATCH], *warm = v->warm + offset;
+    temperature_of_row(g, v->U, offset, n, T);
+    for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
+    for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
     g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, v->U + offset, T,
                                       w->p + offset, w->c + offset, w->gruneisen + offset);
 }
@@ -127,11 +137,28 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     most[0] = most[1] = 0;
     forest_fill(g->forest, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {.g = g, .U = Y0->block[t]};
+        struct coefficients v = {g, Y0->block[t], g->diffuser.warm[t]};
         ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t);
         tile_rates(g, t, Y0->block[t], most);
+    }
+}
+
+static void ahead_visit(void *context, long offset, int n) {
+    const struct coefficients *v = context;
+    double T[BATCH], *warm = v->warm + offset;
+    temperature_of_row(v->g, v->U, offset, n, T);
+    for (int i = 0; i < n; i++) warm[i] = smaller(larger(T[i] / warm[i], 1 / MOST_RISE), MOST_RISE);
+}
+
+void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
+    const struct forest *f = g->forest;
+    forest_fill(g->forest, g->nvar, to->block);
+    for (int t = 0; t < f->ntiles; t++) {
+        struct coefficients v = {g, to->block[t], g->diffuser.warm[t]};
+        ghosts_of_patches(g, t, to->block[t]);
+        rows_visit(f, &f->tile[t], 1, ahead_visit, &v);
     }
 }
 
