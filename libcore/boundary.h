@@ -23,6 +23,7 @@ struct boundary_type {
     bool reflects;       /* a wall (vectors) */
     bool drags;          /* a wall that gives the gas at it its velocity: the value, along the patch, or 0 */
     bool viscous;        /* for a gas with transport only */
+    bool absorbs;        /* at a wall takes heat as impacts do: the value is their restitution */
     const char *value;   /* keyword of the value it needs, or NULL */
     bool plain;          /* that is one for the patch, without `uniform` */
     void (*ghost)(const struct rule *rule, const struct ghost_line *line);

@@ -19,12 +19,49 @@ static void hold(const struct sum_line *l) {
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->weight * l->start[c][i];
 }
 
-/* Beyond a wall of a given temperature: the mean of both sides is that of the wall. */
-static void isothermal(const struct rule *rule, const struct sum_line *l) {
+bool wall_conducts(const struct patch_rules *rules) {
+    return rules->velocity.type->reflects && rules->temperature.type->value;
+}
+
+/* The sum of a wall's temperature; a wall that absorbs takes heat in proportion to the temperature of the gas alone. */
+static void at_wall(const struct rule *rule, const struct sum_line *l) {
     for (int i = 0; i < l->n; i++) {
         const double T = rule->values ? rule->values[l->face[i]] : rule->uniform[0];
-        l->ghost[0][i] = 2 * l->weight * T - l->inner[0][i];
+        l->ghost[0][i] = rule->type->absorbs ? 0 : l->weight * T;
     }
+}
+
+/* A wall of restitution e takes q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), T_w of the gas at it: per area and time
+ * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p. The cell conducts
+ * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is
+ *     s^2 + 2 B s - T = 0,  B = c p d/(4 heat).
+ * With B/s kept from the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0
+ * takes.
+ */
+static void absorbed_shares(const struct gas *g, double restitution, int n, double (*U)[BATCH], const double *d,
+                            const double *heat, double *share) {
+    const double c = (1 - restitution * restitution) / sqrt(2 * 3.14159265358979323846);
+    double p[BATCH], square[BATCH], gruneisen[BATCH], *eps = U[g->dim + 1];
+    for (int i = 0; i < n; i++) {
+        double kinetic = 0;
+        for (int k = 1; k <= g->dim; k++) kinetic += 0.5 * U[k][i] * U[k][i];
+        eps[i] = (eps[i] - kinetic / U[0][i]) / U[0][i];
+    }
+    g->models.eos->state(&g->models.material, n, U[0], eps, p, square, gruneisen);
+    for (int i = 0; i < n; i++) {
+        const double T = (g->models.material.gamma - 1) * eps[i], B = c * p[i] * d[i] / (4 * heat[i]);
+        const double s = T / (B + sqrt(B * B + T));
+        share[i] = 4 / (s / B + 2); /* B = 0: none */
+    }
+}
+
+void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, double (*U)[BATCH], const double *d,
+                 const double *heat, double *share) {
+    const struct rule *rule = &rules->temperature;
+    if (rule->type->absorbs)
+        absorbed_shares(g, rule->uniform[0], n, U, d, heat, share);
+    else
+        for (int i = 0; i < n; i++) share[i] = 2; /* half the distance */
 }
 
 void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l) {
@@ -36,8 +73,8 @@ void carry_sums(const struct patch_rules *rules, enum diffusing what, const stru
 
 void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l) {
     const bool given = what == HEAT && rules->temperature.type->value;
-    if (rules->velocity.type->reflects && given)
-        isothermal(&rules->temperature, l);
+    if (what == HEAT && wall_conducts(rules))
+        at_wall(&rules->temperature, l);
     else if (given || (what == VISCOUS && rules->velocity.type->value && !rules->velocity.type->reflects))
         hold(l);
     else

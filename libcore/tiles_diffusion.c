@@ -132,6 +132,64 @@ static void tile_rates(const struct gas *g, int tile, const double *rho, double 
         }
 }
 
+struct edge { /* n cells along a side: offsets of the first one and of its ghost, from cell to cell `step` */
+    const struct patch_rules *rules;
+    const int *face; /* [n] within the patch */
+    int normal, n;
+    long from, to, step;
+};
+
+/* The lines of q at the cells of an edge, or at its ghosts. */
+static void take_edge(long size, long at, const struct edge *e, int components, const double *q, double (*out)[BATCH]) {
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) out[c][i] = q[c * size + at + i * e->step];
+}
+
+static void put_edge(long size, const struct edge *e, int components, double (*in)[BATCH], double *q) {
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = in[c][i];
+}
+
+typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
+
+/* The first layer of ghosts of all sides of a tile that are patches. */
+static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        if (t->side[side].patch < 0) continue;
+        struct edge e = {.rules = &g->rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
+        for (int k = 0; k < t->n[deep]; k++)
+            for (int start = 0; start < t->n[across]; start += BATCH) {
+                e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
+                         start * f->stride[across];
+                e.face = t->side[side].face + (long)k * t->n[across] + start;
+                e.to = e.from + (side % 2 ? f->stride[axis] : -f->stride[axis]);
+                e.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
+                visit(g, tile, &e, context);
+            }
+    }
+}
+
+/* Walls that take heat: their share of the conduction. */
+static void conduction_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct forest *f = g->forest;
+    const double width = f->width[e->normal];
+    double *faces = g->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
+    double U[MAX_VAR][BATCH], d[BATCH], heat[1][BATCH], share[BATCH];
+    const long face = e->to < e->from ? e->to : e->from;
+    if (!wall_conducts(e->rules)) return;
+    take_edge(f->size, e->from, e, g->nvar, context, U);
+    take_edge(f->size, face, e, 1, faces, heat);
+    for (int i = 0; i < e->n; i++) {
+        d[i] = width;
+        heat[0][i] *= width * width;
+    }
+    wall_shares(g, e->rules, e->n, U, d, heat[0], share);
+    for (int i = 0; i < e->n; i++) faces[face + i * e->step] *= share[i];
+}
+
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
@@ -141,6 +199,7 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
         ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t);
+        edges_visit(g, t, conduction_edge, Y0->block[t]);
         tile_rates(g, t, Y0->block[t], most);
     }
 }
@@ -200,46 +259,6 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
         ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], 1, begin_visit, &b);
         first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
-    }
-}
-
-struct edge { /* n cells along a side: offsets of the first one and of its ghost, from cell to cell `step` */
-    const struct patch_rules *rules;
-    const int *face; /* [n] within the patch */
-    int normal, n;
-    long from, to, step;
-};
-
-/* The lines of q at the cells of an edge, or at its ghosts. */
-static void take_edge(long size, long at, const struct edge *e, int components, const double *q, double (*out)[BATCH]) {
-    for (int c = 0; c < components; c++)
-        for (int i = 0; i < e->n; i++) out[c][i] = q[c * size + at + i * e->step];
-}
-
-static void put_edge(long size, const struct edge *e, int components, double (*in)[BATCH], double *q) {
-    for (int c = 0; c < components; c++)
-        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = in[c][i];
-}
-
-typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
-
-/* The first layer of ghosts of all sides of a tile that are patches. */
-static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {
-    const struct forest *f = g->forest;
-    const struct tile *t = &f->tile[tile];
-    for (int side = 0; side < 2 * g->dim; side++) {
-        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
-        if (t->side[side].patch < 0) continue;
-        struct edge e = {.rules = &g->rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
-        for (int k = 0; k < t->n[deep]; k++)
-            for (int start = 0; start < t->n[across]; start += BATCH) {
-                e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
-                         start * f->stride[across];
-                e.face = t->side[side].face + (long)k * t->n[across] + start;
-                e.to = e.from + (side % 2 ? f->stride[axis] : -f->stride[axis]);
-                e.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
-                visit(g, tile, &e, context);
-            }
     }
 }
 

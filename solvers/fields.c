@@ -165,7 +165,9 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
 
 static status read_plain(struct dict *d, const char *key, const struct field_kind *kind, double *out) {
     const signed char *k = kind->dimensions, unit[3] = {k[0], k[1], k[2]};
-    return kind->components == 3 ? dict_vector(d, key, unit, out) : dict_number(d, key, NULL, out);
+    if (kind->components == 3) return dict_vector(d, key, unit, out);
+    TRY(dict_number(d, key, NULL, out));
+    return *out >= 0 && *out <= 1 ? OK : dict_fail(d, key, "it must lie between 0 and 1");
 }
 
 static status read_patch(struct dict *d, const struct field_kind *kind, const struct patch *p,

@@ -238,6 +238,21 @@ static status check_viscous(const struct reader *r, const struct field *f, int p
                 dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name);
 }
 
+/* What absorbs as a wall does belongs to a wall. */
+static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
+                         enum field_id thermal) {
+    const enum field_id scalars[2] = {density, thermal};
+    for (int i = 0; i < 2; i++) {
+        const struct field *f = s->field[scalars[i]];
+        const struct boundary_type *type = boundary_find(f->patch[p].type);
+        if (type && type->absorbs)
+            return fail(ERR_INPUT, "%s:%d: patch %s: %s is '%s', but U is '%s', no wall; give U slip or noSlip there",
+                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name,
+                        s->field[FIELD_U]->patch[p].type);
+    }
+    return OK;
+}
+
 static status take_patch(const struct reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     enum field_id density, thermal;
@@ -254,18 +269,22 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     TRY(take_rule(r, s->field[thermal], p, 1, &rules->temperature, &s->values[3 * p + 2]));
     rules->pressure = thermal == FIELD_P;
     TRY(check_viscous(r, s->field[FIELD_U], p));
-    if (!rules->velocity.type || !rules->velocity.type->reflects) return OK;
+    TRY(check_viscous(r, s->field[thermal], p));
+    if (!rules->velocity.type) return OK;
+    if (!rules->velocity.type->reflects) return check_open(r, s, p, density, thermal);
     if (rules->velocity.type->drags && rules->velocity.type->value) TRY(check_tangential(r, s->field[FIELD_U], p));
     const enum field_id scalars[2] = {density, thermal};
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *scalar = boundary_find(f->patch[p].type);
-        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar == boundary_find("fixedValue");
+        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar &&
+                            (scalar->absorbs || scalar == boundary_find("fixedValue"));
         if (scalar && scalar->value && !heated)
             return fail(ERR_INPUT,
                         "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient%s",
                         dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
-                        f->kind->name, scalar->name, r->models->transport ? " (or a fixedValue of T)" : "");
+                        f->kind->name, scalar->name,
+                        r->models->transport ? " (or fixedValue or granularWall for T)" : "");
     }
     return OK;
 }

@@ -147,18 +147,57 @@ class Viscous(harness.Folder, unittest.TestCase):
         for field in ("rho", "rhoU", "rhoE"):
             np.testing.assert_array_equal(harness.haff.Case(again).field(field), case.field(field))
 
-    def moving_wall(self, name, U, end=0.4):
+    def test_granular_wall(self):
+        """Steady conduction from a wall of T = 1 to one that takes q = (1 - e^2) p sqrt(T/(2 pi)); p is uniform."""
+        sigma, restitution = 0.1, 0.6
+        c = (1 - restitution**2) / np.sqrt(2 * np.pi)
+
+        def profile(p, Tw):
+            """T, rho and x from the hot wall to the cold one at x = 1, and the heat flux."""
+            T = np.linspace(1, Tw, 1001)
+            low, high = density(1e-3) + 0 * T, density(0.68) + 0 * T
+            for _ in range(50):
+                rho = 0.5 * (low + high)
+                above = rho * T * compressibility(np.pi / 4 * sigma**2 * rho, 1.0)[0] > p
+                low, high = np.where(above, low, rho), np.where(above, rho, high)
+            phi = np.pi / 4 * sigma**2 * rho
+            G = phi * (1 - 0.436 * phi) / (1 - phi)**2
+            heat = np.sqrt(np.pi) / 2 * rho * sigma * np.sqrt(T) * (1 / G + 3 + (9 / 4 + 4 / np.pi) * G)
+            x = np.concatenate([[0], np.cumsum(0.5 * (heat[1:] + heat[:-1]) * -np.diff(T))])
+            return T, rho, x / x[-1], x[-1]
+
+        low, high, p = 1e-3, 0.999, 57.0
+        for _ in range(45):
+            Tw = 0.5 * (low + high)
+            low, high = (Tw, high) if c * p * np.sqrt(Tw) < profile(p, Tw)[3] else (low, Tw)
+        T, rho, x, _ = profile(p, Tw)
+        mean = np.sum(0.5 * (rho[1:] + rho[:-1]) * np.diff(x))
+        errors = []
+        for cells in (8, 16):
+            n, ones = (cells, 1, 1), np.ones(cells)
+            at = (np.arange(cells) + 0.5) / cells
+            case = self.box(f"granularWall{cells}", n, mean * ones, np.zeros((cells, 3)), np.interp(at, x, T), 15.0, types={},
+                            slip=("xLow", "xHigh"), courant=0.8, step=1e-4)
+            rules = f"xLow fixedValue; value uniform 1\nxHigh granularWall; restitution {restitution}\n\"[yz].*\" empty"
+            harness.boxes.write_field(case, "T", np.interp(at, x, T), rules)
+            harness.program("granularGas", "-case", case)
+            errors.append(np.abs(harness.haff.Case(case).field("T") - np.interp(at, x, T)).max())
+        self.assertLess(errors[1], 2e-5)
+        self.assertGreater(np.log2(errors[0] / errors[1]), 1.8)
+
+    def moving_wall(self, name, U="(0.5 0 0)", end=0.4, cold="granularWall; restitution 0.8"):
         """A channel whose upper wall moves with U and whose lower one is at rest."""
         n = (4, 16, 1)
         y = harness.boxes.centres(n, (1.0, 4.0, 0.1))[:, 1]
         rho, zeros = density(0.3) * np.ones(64), np.zeros((64, 3))
         case = self.box(name, n, rho, zeros, 1 + 0.2 * y, end, types={"x": "cyclic"}, slip=("yLow", "yHigh"), interval=end / 2)
         harness.boxes.write_field(case, "U", zeros, f'"x.*" cyclic\nyLow noSlip\nyHigh translatingWallVelocity; U {U}\n"z.*" empty')
+        harness.boxes.write_field(case, "T", 1 + 0.2 * y, f'"x.*" cyclic\nyLow {cold}\nyHigh zeroGradient\n"z.*" empty')
         return case
 
     def test_moving_wall(self):
         """Couette flow of a granular gas: mass stays, the wall's work heats; the same bits on two ranks after a restart."""
-        case = self.moving_wall("couette", "(0.5 0 0)")
+        case = self.moving_wall("couette")
         log = harness.program("granularGas", "-case", case).stdout
         result = harness.haff.Case(case)
         u = result.field("U")[:, 0].reshape(16, 4)
@@ -170,7 +209,9 @@ class Viscous(harness.Folder, unittest.TestCase):
         self.assertRegex(log, r"energy \S+ \(change ")
         with open(os.path.join(case, "0.2", "U"), errors="replace") as f:
             self.assertRegex(f.read(), r"type +translatingWallVelocity;\s+U +\(0.5 0 0\);\s+value")
-        again = self.moving_wall("couetteAgain", "(0.5 0 0)")
+        with open(os.path.join(case, "0.2", "T"), errors="replace") as f:
+            self.assertRegex(f.read(), r"type +granularWall;\s+restitution +0.80*\d*;\s+value")
+        again = self.moving_wall("couetteAgain")
         harness.edit(again, "system/controlDict", endTime=0.2)
         harness.program("granularGas", "-case", again, ranks=2)
         harness.edit(again, "system/controlDict", endTime=0.4)
@@ -181,6 +222,11 @@ class Viscous(harness.Folder, unittest.TestCase):
             done = harness.program("granularGas", "-case", self.moving_wall(f"wrong{len(words)}", U), check=False)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stdout + done.stderr, r"0/U:\d+: patch yHigh: U .*" + words)
+        for cold, words in (("granularWall; restitution 1.2", "between 0 and 1"), ("granularWall; restitution uniform 0.8", "number"),
+                            ("granularWall; restitutoin 0.8", "'restitution' is missing"), ("granularWal; restitution 1", "did you mean 'granularWall'")):
+            done = harness.program("granularGas", "-case", self.moving_wall("wrongT", cold=cold), check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(words, done.stdout + done.stderr)
 
     def test_refused(self):
         ones = np.ones(4)

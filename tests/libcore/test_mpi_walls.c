@@ -20,6 +20,13 @@ static void constant(const struct transport_numbers *t, const struct eos *eos, c
     }
 }
 static const struct transport CONSTANT = {.coefficients = constant};
+static void even(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                 const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
+                 double *restrict heat) {
+    constant(t, eos, m, n, rho, T, bulk, shear, heat);
+    for (int i = 0; i < n; i++) heat[i] = 1e4;
+}
+static const struct transport EVEN = {.coefficients = even}; /* T is the same everywhere */
 
 struct scene { /* a channel between walls at y = 0 and 1, periodic along x; of disks */
     struct box box;
@@ -58,6 +65,10 @@ static void moving(struct scene *s, int patch, double speed) {
 
 static void isothermal(struct scene *s, int patch, double T) {
     s->rules[patch].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {T}};
+}
+
+static void absorbing(struct scene *s, int patch, double restitution) {
+    s->rules[patch].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {restitution}};
 }
 
 typedef void initial(double y, double *rho, double u[3], double *T);
@@ -195,7 +206,7 @@ static double steady_error(int n) {
 /* What the moving wall does in work, the walls take as heat. */
 static void couette_is_steady(void **state) {
     (void)state;
-    double coarse = steady_error(16), fine = steady_error(32);
+    double coarse = steady_error(8), fine = steady_error(16);
     assert_near(fine, 0, 1e-3);
     assert_near(log2(coarse / fine), 2, 0.1);
 }
@@ -232,6 +243,99 @@ static void work_is_momentum_times_speed(void **state) {
     }
 }
 
+/* ---- walls that take heat ------------------------------------------------------------------------------------------
+ */
+
+/* Where conduction is fast, dT/dt = -B T^(3/2) with B = 2 c p/(rho T), of two walls at a distance of 1. */
+static void losses_follow_haff(void **state) {
+    (void)state;
+    const double restitution = 0.7, time = 0.8, packing = DENSITY * PI * 0.01 / 4,
+                 G = packing * (1 - 0.436 * packing) / ((1 - packing) * (1 - packing));
+    const double B = 2 * (1 - restitution * restitution) / sqrt(2 * PI) * (1 + 1.9 * G);
+    double error[2];
+    for (int i = 0; i < 2; i++) {
+        struct scene s = channel(8, &EVEN);
+        absorbing(&s, LOW, restitution);
+        absorbing(&s, HIGH, restitution);
+        open_channel(&s, still);
+        spread(&s, 40 << i, time / (40 << i));
+        double *q = rows_of(&s);
+        error[i] = q[3 * 8 + 3] * pow(1 + 0.5 * B * time, 2) - 1;
+        close_channel(&s);
+        free(q);
+    }
+    assert_near(2 * error[1] - error[0], 0, 2e-4); /* shares are those of the start of a half step */
+    assert_near(error[1], 0, 1e-2);
+}
+
+static double *rows_after(int patch, const struct rule *temperature, int whole) {
+    struct scene s = channel(24, transport_find("JenkinsRichman"));
+    if (temperature) s.rules[patch].temperature = *temperature;
+    open_channel(&s, rough);
+    if (whole)
+        go(&s, 10, 1e-3);
+    else
+        spread(&s, 10, 1e-3);
+    double *q = rows_of(&s);
+    close_channel(&s);
+    return q;
+}
+
+static void elastic_walls_are_adiabatic(void **state) {
+    (void)state;
+    const struct rule elastic = {.type = boundary_find("granularWall"), .uniform = {1}};
+    for (int whole = 0; whole < 2; whole++) {
+        double *a = rows_after(LOW, NULL, whole), *b = rows_after(LOW, &elastic, whole);
+        assert_memory_equal(a, b, 4 * 24 * sizeof *a);
+        free(a);
+        free(b);
+    }
+}
+
+/* Six decades of T beside a wall; no libm, for its bits. */
+static void wild(double y, double *rho, double u[3], double *T) {
+    uint64_t h = (uint64_t)(y * 1024) * 0x9e3779b97f4a7c15u + 7;
+    double q[3];
+    for (int i = 0; i < 3; i++) {
+        h ^= h >> 29;
+        h *= 0xbf58476d1ce4e5b9u;
+        q[i] = (double)(h >> 40) / 16777216;
+    }
+    *rho = 95 * q[0] * q[0] * q[0] * q[0] + 1e-4;
+    *T = 1e3 * q[1] * q[1] * q[1] * q[1] * q[1] * q[1] + 1e-3;
+    u[0] = 20 * (q[2] - 0.5);
+    u[1] = 0;
+}
+
+/* Walls that swallow grains' energy, and walls next to absolute zero: T > 0, however long the steps. */
+static void cold_walls_leave_heat(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        struct scene s = channel(24, transport_find("JenkinsRichman"));
+        double last[MAX_VAR], now[MAX_VAR], rate[2];
+        for (int p = LOW; p <= HIGH; p++) {
+            if (kind % 2)
+                isothermal(&s, p, 1e-9);
+            else
+                absorbing(&s, p, 0);
+        }
+        open_channel(&s, kind < 2 ? wild : rough);
+        must(gas_totals(s.gas, last));
+        const double mass = last[0];
+        for (int i = 0; i < 20; i++) {
+            s.gas->engine->diffusion_rates(s.gas, &s.gas->U, rate);
+            comm_max(world, rate, 2);
+            spread(&s, 1, (i % 2 ? 40 : 0.9) / larger(rate[0], rate[1]));
+            must(gas_check(s.gas));
+            must(gas_totals(s.gas, now));
+            assert_true(now[0] == mass);
+            assert_true(now[3] < last[3]);
+            memcpy(last, now, sizeof last);
+        }
+        close_channel(&s);
+    }
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return 1;
@@ -239,6 +343,9 @@ int main(int argc, char **argv) {
         cmocka_unit_test(couette_starts),
         cmocka_unit_test(couette_is_steady),
         cmocka_unit_test(work_is_momentum_times_speed),
+        cmocka_unit_test(losses_follow_haff),
+        cmocka_unit_test(elastic_walls_are_adiabatic),
+        cmocka_unit_test(cold_walls_leave_heat),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);

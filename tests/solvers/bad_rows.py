@@ -356,6 +356,8 @@ FIELDS = [
     Row("moving wall that is a number", ("0/U", "type slip;", "type translatingWallVelocity; U 1;"), "'U'", "(x y z)"),
     Row("misspelt moving wall", ("0/U", "type slip;", "type translatingwallvelocity; U (0 1 0);"),
         "did you mean 'translatingWallVelocity'?"),
+    Row("wall that takes heat without conduction", ("0/T", "type slip;", "type granularWall; restitution 0.9;"),
+        "T is 'granularWall'", "transport"),
     Row("calculated on U", ("0/U", "type slip;", "type calculated;"), "calculated", "allowed are"),
     Row("calculated that says nothing", ("0/T", "type slip;", "type calculated;"), "'calculated'", "give its type"),
     Row("no type", ("0/T", "type slip;", ""), "'type' is missing", at="    xHigh"),
