@@ -134,6 +134,31 @@ class Layer:
         return wave > np.quantile(wave, 0.75)
 
 
+def interface(profile, gas, packing=0.05):
+    """Height at which the packing of a profile last falls below `packing`, and the Mach number |U|/c there (U relative to
+    the plate, along gravity); gas: disks.Disks, for the sound speed. nan where there is no such height."""
+    alpha = profile["alpha"]
+    below = np.flatnonzero(alpha >= packing)
+    if not len(below) or below[-1] + 1 == len(alpha):
+        return np.nan, np.nan
+    i = below[-1]
+    part = np.log(alpha[i] / packing) / np.log(alpha[i] / max(alpha[i + 1], 1e-30))
+    y, U, T = (profile[k][i] + part * (profile[k][i + 1] - profile[k][i]) for k in ("y", "U", "T"))
+    A = gas.A(packing)
+    return y, abs(U) / np.sqrt(T * (A + (A - 1) * gas.slope(packing) + A * A))
+
+
+def pairs(layer, first, last=np.inf, of="mass", heaps=True):
+    """Of a pattern of twice the period, written at the same phases of every period from cycle `first` on: its mode, and for
+    each pair of cycles {phase in 0 .. 2: name of the time} with the mask [x] of the columns where a heap (else a
+    valley) lies at its start."""
+    written = layer.phases(first, last)
+    mode = measure(list(samples(layer, first, last, of).values()), layer.length)["mode"]
+    name = {(n, phase): time for phase, (cycles, names) in written.items() for n, time in zip(cycles, names)}
+    starts = [n for n in range(int(np.ceil(first)), max(written[0][0]), 2) if all((n + k, p) in name for p in written for k in (0, 1))]
+    return mode, [({p + k: name[n + k, p] for p in written for k in (0, 1)}, layer.crests(name[n, 0], mode, not heaps, of)) for n in starts]
+
+
 def modes(heights):
     """Complex amplitudes [moment][mode] of heights [moment][x]; mode 0 is the mean. x counts from half a cell."""
     n = heights.shape[1]

@@ -76,11 +76,11 @@ class Row:
         return "table ((0 %r) (%r %r) (%r %r))" % (HOT, hold * self.period, HOT, (hold + ramp) * self.period, self.own)
 
     def make(self):
-        """The case with its mesh; written at halves of the period."""
+        """The case with its mesh; written at quarters of the period."""
         copy(self.o.template, self.case)
         edit(self.at("constant", "shaking"), frequency=repr(self.entry["f_Hz"]), amplitude=self.shaking())
         edit(self.at("0", "alpha"), seed=self.o.seed)
-        edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 2))
+        edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 4))
         mesh(self.case, self.entry["L_diam"], self.height)
 
     def run(self, processes):

@@ -13,6 +13,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import boxes
 
+import disks
 import faraday
 
 L, CELLS, CYCLES = 300.0, 150, 50
@@ -234,6 +235,63 @@ class Files(unittest.TestCase):
             self.assertLess(np.count_nonzero(masks[0] & masks[1]), 1)
             found = layer.profile(["1", "2"], None if where == "all" else masks)
             self.assertAlmostEqual(found["alpha"] @ found["y"] / found["alpha"].sum(), centre, delta=0.1)
+
+    def test_interface(self):
+        """Where the packing falls below 5 %: the last such height, and the Mach number there, of known profiles."""
+        y = np.arange(0.5, 30)
+        p = {"y": y, "alpha": 0.6 * np.exp(-y / 4), "U": -3 * y, "T": 2 + 0 * y}
+        height, number = faraday.interface(p, disks.Disks(0.75))
+        self.assertAlmostEqual(height, 4 * np.log(12), places=9)
+        chi, slope = (1 - 0.436 * 0.05) / 0.95**2, (-0.436 * 0.95 + 2 * (1 - 0.436 * 0.05)) / 0.95**3
+        A = 1 + 1.75 * 0.05 * chi
+        c = np.sqrt(2 * (A + 1.75 * 0.05 * (chi + 0.05 * slope) + A * A))
+        self.assertAlmostEqual(number, 3 * height / c, places=6)
+        gap = {**p, "alpha": np.where(y < 3, 0.01, p["alpha"])}
+        self.assertEqual(faraday.interface(gap, disks.Disks(0.75))[0], height)
+        self.assertTrue(np.isnan(faraday.interface({**p, "alpha": 0 * y + 1e-3}, disks.Disks(0.75))[0]))
+
+    def test_pairs(self):
+        """Heaps of a wave of 30 that turns over lie where they lay two cycles before; valleys between them."""
+        zero = dict(U=np.zeros((len(self.at), 3)), T=np.zeros(len(self.at)))
+        x, y = self.at[:, 0], self.at[:, 1]
+        for n in range(1, 8):
+            for phase in (0, 0.25, 0.5, 0.75):
+                wave = 1 + 0.5 * np.cos(np.pi * (n + phase)) * np.cos(2 * np.pi * x / 30)
+                boxes.write_field(self.case, "alpha", 0.3 * wave * (y < 6), time="%g" % ((n + phase) / 4))
+                for name, values in zero.items():
+                    boxes.write_field(self.case, name, values, time="%g" % ((n + phase) / 4))
+        layer = faraday.Layer(self.case)
+        mode, found = faraday.pairs(layer, 2)
+        self.assertEqual((mode, len(found)), (4, 3))
+        names, mask = found[0]
+        self.assertEqual([names[p] for p in sorted(names)], ["%g" % (0.5 + k / 16) for k in range(8)])
+        self.assertTrue((np.cos(2 * np.pi * layer.x[mask] / 30) > 0.6).all())
+        np.testing.assert_array_equal(mask, found[1][1])
+        valleys = faraday.pairs(layer, 2, heaps=False)[1][0][1]
+        self.assertTrue((np.cos(2 * np.pi * layer.x[valleys] / 30) < -0.6).all())
+
+    def test_figures(self):
+        """All pictures, of gas and grains that are the same run; the numbers of a known layer."""
+        x, y = self.at[:, 0], self.at[:, 1]
+        for n in range(1, 8):
+            for phase in (0, 0.25, 0.5, 0.75):
+                wave = 1 + 0.5 * np.cos(np.pi * n) * np.cos(2 * np.pi * x / 30)
+                boxes.write_field(self.case, "alpha", 0.3 * wave * np.exp(-y / 3), time="%g" % ((n + phase) / 4))
+                boxes.write_field(self.case, "U", np.outer(np.full(len(x), 5.0), (0, 1, 0)), time="%g" % ((n + phase) / 4))
+                boxes.write_field(self.case, "T", np.full(len(x), 2.0), time="%g" % ((n + phase) / 4))
+        boxes.write_dictionary(self.case, "constant", "granularProperties", "grain { diameter 1; mass 1; restitution 0.75; }\n")
+        script = os.path.join(harness.SOURCE, "postprocessing", "faradayFigures.py")
+        out = os.path.join(self.case, "figures")
+        done = subprocess.run([sys.executable, script, self.case, self.case, out, "-gas", "1", "-grains", "2"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(sorted(os.listdir(out)), ["mach.png", "momentum.png", "patterns.png", "profiles.png"])
+        heap = [float(v) for v in re.findall(r"^grains t = .*?heap at t = 0: at the plate (\S+),", done.stdout, re.M)]
+        valley = [float(v) for v in re.findall(r"^grains t = .*?valley: at the plate (\S+),", done.stdout, re.M)]
+        self.assertEqual((len(heap), len(valley)), (8, 8))
+        self.assertGreater(heap[0], 0.35)
+        self.assertLess(heap[4], 0.2)
+        np.testing.assert_allclose(heap[0] + valley[0], heap[4] + valley[4], atol=0.01)
+        self.assertEqual(len(re.findall(r"Mach 2\.\d\d", done.stdout)), 4)
 
     def test_command(self):
         rng = np.random.default_rng(4)
