@@ -38,28 +38,23 @@ static void at_wall(const struct rule *rule, const struct sum_line *l) {
  * With B/s kept from the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0
  * takes.
  */
-static void absorbed_shares(const struct gas *g, double restitution, int n, double (*U)[BATCH], const double *d,
-                            const double *heat, double *share) {
+static void absorbed_shares(const struct gas *g, double restitution, int n, const double *rho, const double *T,
+                            const double *d, const double *heat, double *share) {
     const double c = (1 - restitution * restitution) / sqrt(2 * 3.14159265358979323846);
-    double p[BATCH], square[BATCH], gruneisen[BATCH], *eps = U[g->dim + 1];
+    double eps[BATCH] = {0}, p[BATCH], square[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < n; i++) eps[i] = T[i] / (g->models.material.gamma - 1);
+    g->models.eos->state(&g->models.material, n, rho, eps, p, square, gruneisen);
     for (int i = 0; i < n; i++) {
-        double kinetic = 0;
-        for (int k = 1; k <= g->dim; k++) kinetic += 0.5 * U[k][i] * U[k][i];
-        eps[i] = (eps[i] - kinetic / U[0][i]) / U[0][i];
-    }
-    g->models.eos->state(&g->models.material, n, U[0], eps, p, square, gruneisen);
-    for (int i = 0; i < n; i++) {
-        const double T = (g->models.material.gamma - 1) * eps[i], B = c * p[i] * d[i] / (4 * heat[i]);
-        const double s = T / (B + sqrt(B * B + T));
+        const double B = c * p[i] * d[i] / (4 * heat[i]), s = T[i] / (B + sqrt(B * B + T[i]));
         share[i] = 4 / (s / B + 2); /* B = 0: none */
     }
 }
 
-void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, double (*U)[BATCH], const double *d,
-                 const double *heat, double *share) {
+void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, const double *rho, const double *T,
+                 const double *d, const double *heat, double *share) {
     const struct rule *rule = &rules->temperature;
     if (rule->type->absorbs)
-        absorbed_shares(g, rule->uniform[0], n, U, d, heat, share);
+        absorbed_shares(g, rule->uniform[0], n, rho, T, d, heat, share);
     else
         for (int i = 0; i < n; i++) share[i] = 2; /* half the distance */
 }

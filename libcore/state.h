@@ -117,12 +117,12 @@ struct sum_line {              /* n <= BATCH cells along a patch and what lies b
  * sums_beyond, in the axes of the mesh: it adds the wall's own velocity to `ghost`.
  * Heat crosses some walls (wall_conducts): of these sums_beyond gives S of the wall itself, and the heat that enters is
  *     share * heat (S_wall - S)/d,  d: from the cell to its mirror image,
- * share from wall_shares, by the conserved state U inside at the start; that changes U's last line. */
+ * share from wall_shares, by the density and the temperature inside that the coefficients are those of. */
 void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 bool wall_conducts(const struct patch_rules *rules);
-void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, double (*U)[BATCH], const double *d,
-                 const double *heat, double *share);
+void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, const double *rho, const double *T,
+                 const double *d, const double *heat, double *share);
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 
 struct diffuser {    /* of the tiles: [ntiles] of so many lines of [size] */

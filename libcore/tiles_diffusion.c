@@ -172,21 +172,22 @@ static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void
     }
 }
 
-/* Walls that take heat: their share of the conduction. */
+/* Walls that take heat: their share of the conduction. eps is still in the workspace. */
 static void conduction_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
-    const double width = f->width[e->normal];
+    const double width = f->width[e->normal], *U = context;
     double *faces = g->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
-    double U[MAX_VAR][BATCH], d[BATCH], heat[1][BATCH], share[BATCH];
+    double rho[BATCH], T[BATCH], d[BATCH], heat[BATCH], share[BATCH];
     const long face = e->to < e->from ? e->to : e->from;
     if (!wall_conducts(e->rules)) return;
-    take_edge(f->size, e->from, e, g->nvar, context, U);
-    take_edge(f->size, face, e, 1, faces, heat);
     for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step;
+        rho[i] = U[at];
+        T[i] = (g->models.material.gamma - 1) * g->work.eps[at] * (g->ahead ? g->diffuser.warm[tile][at] : 1);
         d[i] = width;
-        heat[0][i] *= width * width;
+        heat[i] = width * width * faces[face + i * e->step];
     }
-    wall_shares(g, e->rules, e->n, U, d, heat[0], share);
+    wall_shares(g, e->rules, e->n, rho, T, d, heat, share);
     for (int i = 0; i < e->n; i++) faces[face + i * e->step] *= share[i];
 }
 
