@@ -52,7 +52,8 @@ static status cells_make(struct gas *g) {
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
     TRY(make_lines(g));
     measure_cells(c);
-    return fit_make(c->mosaic, g->models.polynomial, &c->fit);
+    TRY(fit_make(c->mosaic, g->models.polynomial, &c->fit));
+    return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
 static void cells_free(struct gas *g) {
@@ -65,6 +66,7 @@ static void cells_free(struct gas *g) {
     floors_free(g);
     if (!c) return;
     fit_free(c->fit);
+    cells_diffuser_free(c->diffuser);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);
@@ -346,4 +348,10 @@ const struct engine engine_cells = {.make = cells_make,
                                     .sum_raised = cells_sum_raised,
                                     .note_limited = cells_note_limited,
                                     .clear_flags = cells_clear_flags,
-                                    .exchange = cells_exchange};
+                                    .exchange = cells_exchange,
+                                    .diffusion_rates = cells_diffusion_rates,
+                                    .diffusion_ahead = cells_diffusion_ahead,
+                                    .diffusion_begin = cells_diffusion_begin,
+                                    .diffusion_stage = cells_diffusion_stage,
+                                    .diffusion_end = cells_diffusion_end,
+                                    .diffusion_flags = cells_diffusion_flags};

@@ -15,24 +15,24 @@ static struct frame frame_of(int dim, double *const normal[3], double *const tan
     return f;
 }
 
-/* The momentum of state i between the axes of the mosaic and the frame. */
+/* Vector i of a batch between the axes of the mosaic and the frame. */
 static void into_frame(int dim, const struct frame *f, double (*q)[BATCH], int i) {
     double m[MAX_DIM];
-    for (int k = 0; k < dim; k++) m[k] = q[k + 1][i];
+    for (int k = 0; k < dim; k++) m[k] = q[k][i];
     for (int t = 0; t < dim; t++) {
         double sum = 0;
         for (int k = 0; k < dim; k++) sum += f->axis[t][k] * m[k];
-        q[t + 1][i] = sum;
+        q[t][i] = sum;
     }
 }
 
 static void out_of_frame(int dim, const struct frame *f, double (*q)[BATCH], int i) {
     double m[MAX_DIM];
-    for (int t = 0; t < dim; t++) m[t] = q[t + 1][i];
+    for (int t = 0; t < dim; t++) m[t] = q[t][i];
     for (int k = 0; k < dim; k++) {
         double sum = 0;
         for (int t = 0; t < dim; t++) sum += f->axis[t][k] * m[t];
-        q[k + 1][i] = sum;
+        q[k][i] = sum;
     }
 }
 
@@ -47,21 +47,28 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
         outflow[i] = 0;
         for (int v = 0; v < g->nvar; v++) inner[v][i] = U[v][m->mirror.cell[from + i]];
         for (int k = 0; k < g->dim; k++) outflow[i] += f.axis[0][k] * inner[k + 1][i] / inner[0][i];
-        if (reflects) into_frame(g->dim, &f, inner, i);
+        if (reflects) into_frame(g->dim, &f, inner + 1, i);
     }
     patch_ghosts(g, r, &line, inner, ghost);
     for (int i = 0; i < n; i++) {
         struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
-        if (reflects) out_of_frame(g->dim, &f, ghost, i);
+        if (reflects) out_of_frame(g->dim, &f, ghost + 1, i);
         for (int v = 0; v < g->nvar; v++) U[v][m->ncells + from + i] = ghost[v][i];
     }
 }
 
-void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
+/* How many mirrors from `from` on, before `to`, are of one patch: a batch at most. */
+static int patch_run(const struct gas *g, int from, int to) {
     const int *patch = g->cells->mosaic->mirror.patch;
-    for (int end; from < to; from = end) {
-        for (end = from + 1; end < to && end < from + BATCH && patch[end] == patch[from];) end++;
-        mirror_run(g, from, end - from, U);
+    int end = from + 1;
+    while (end < to && end < from + BATCH && patch[end] == patch[from]) end++;
+    return end - from;
+}
+
+void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
+    for (int n; from < to; from += n) {
+        n = patch_run(g, from, to);
+        mirror_run(g, from, n, U);
     }
 }
 
@@ -77,11 +84,118 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
         outflow[i] = q[1][i] / q[0][i];
         if (reflects) continue;
         struct frame f = frame_of(g->dim, faces->normal, faces->tangent, face[i]);
-        out_of_frame(g->dim, &f, inner, i);
+        out_of_frame(g->dim, &f, inner + 1, i);
     }
     patch_ghosts(g, r, &line, inner, ghost);
     for (int i = 0; i < n && !reflects; i++) {
         struct frame f = frame_of(g->dim, faces->normal, faces->tangent, face[i]);
-        into_frame(g->dim, &f, ghost, i);
+        into_frame(g->dim, &f, ghost + 1, i);
+    }
+}
+
+static void wall_shares_run(const struct gas *g, int from, int n, const double *const *U, const double *heat,
+                            double *share) {
+    const struct mosaic *m = g->cells->mosaic;
+    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    double inner[MAX_VAR][BATCH], d[BATCH], within[BATCH];
+    for (int i = 0; i < n; i++) {
+        const int cell = m->mirror.cell[from + i];
+        for (int v = 0; v < g->nvar; v++) inner[v][i] = U[v][cell];
+        within[i] = heat[cell];
+        d[i] = share[from + i] = 0;
+        for (int k = 0; k < g->dim; k++)
+            d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][cell]) * m->mirror.normal[k][from + i];
+    }
+    if (wall_conducts(r)) wall_shares(g, r, n, inner, d, within, share + from);
+}
+
+void cells_wall_shares(const struct gas *g, const double *const *U, const double *heat, double *share) {
+    const int mirrors = g->cells->mosaic->mirror.n;
+    for (int n, from = 0; from < mirrors; from += n) {
+        n = patch_run(g, from, mirrors);
+        wall_shares_run(g, from, n, U, heat, share);
+    }
+}
+
+static void mirror_sums_run(const struct gas *g, enum diffusing what, double weight, int from, int n,
+                            const double *share, const double *const *start, double *const *S) {
+    const struct mosaic *m = g->cells->mosaic;
+    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const int lines = what == VISCOUS ? g->dim : 1;
+    const bool turn = r->velocity.type->reflects && what == VISCOUS;
+    double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    const struct sum_line line = {n,      lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, weight, inner,
+                                  beyond, ghost};
+    for (int i = 0; i < n; i++) {
+        const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
+        for (int c = 0; c < lines; c++) {
+            inner[c][i] = S[c][m->mirror.cell[from + i]];
+            beyond[c][i] = start[c][m->ncells + from + i];
+        }
+        if (!turn) continue;
+        into_frame(g->dim, &f, inner, i);
+        into_frame(g->dim, &f, beyond, i);
+    }
+    sums_beyond(r, what, &line);
+    for (int i = 0; i < n; i++) {
+        const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
+        if (turn) out_of_frame(g->dim, &f, ghost, i);
+    }
+    carry_sums(r, what, &line);
+    if (what == HEAT && wall_conducts(r))
+        for (int i = 0; i < n; i++) ghost[0][i] = inner[0][i] + share[from + i] * (ghost[0][i] - inner[0][i]);
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < lines; c++) S[c][m->ncells + from + i] = ghost[c][i];
+}
+
+void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
+                       const double *const *start, double *const *S) {
+    for (int n; from < to; from += n) {
+        n = patch_run(g, from, to);
+        mirror_sums_run(g, what, weight, from, n, share, start, S);
+    }
+}
+
+/* Of the derivatives along the wall; the one across it is the cell's. */
+static void mirror_gradients_run(const struct gas *g, int from, int n, double *const *gradient) {
+    const struct mosaic *m = g->cells->mosaic;
+    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const int dim = g->dim;
+    double in[MAX_DIM][MAX_DIM][BATCH], along[MAX_DIM][MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    for (int i = 0; i < n; i++) {
+        const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
+        for (int k = 0; k < dim; k++) {
+            for (int c = 0; c < dim; c++) in[k][c][i] = gradient[k * dim + c][m->mirror.cell[from + i]];
+            into_frame(dim, &f, in[k], i);
+        }
+        for (int t = 0; t < dim; t++)
+            for (int c = 0; c < dim; c++) {
+                along[t][c][i] = 0;
+                for (int k = 0; k < dim; k++) along[t][c][i] += f.axis[t][k] * in[k][c][i];
+            }
+    }
+    for (int t = 1; t < dim; t++) {
+        const struct sum_line line = {
+            .n = n, .components = dim, .face = m->mirror.place + from, .inner = along[t], .ghost = ghost};
+        reflect_sums(r, &line);
+        memcpy(along[t], ghost, sizeof ghost);
+    }
+    for (int i = 0; i < n; i++) {
+        const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
+        for (int k = 0; k < dim; k++) {
+            for (int c = 0; c < dim; c++) {
+                ghost[c][i] = 0;
+                for (int t = 0; t < dim; t++) ghost[c][i] += f.axis[t][k] * along[t][c][i];
+            }
+            out_of_frame(dim, &f, ghost, i);
+            for (int c = 0; c < dim; c++) gradient[k * dim + c][m->ncells + from + i] = ghost[c][i];
+        }
+    }
+}
+
+void cells_mirror_gradients(const struct gas *g, int from, int to, double *const *gradient) {
+    for (int n; from < to; from += n) {
+        n = patch_run(g, from, to);
+        mirror_gradients_run(g, from, n, gradient);
     }
 }

@@ -235,9 +235,8 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     }
 }
 
-/* residual = -(sum of the fluxes out of the cell)/V, in the order of its faces; eight cells at a time have no common
- * number of faces, so this is a loop over cells. */
-static void residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
+/* Eight cells at a time have no common number of faces, so this is a loop over cells. */
+void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
     const struct mosaic *m = c->mosaic;
     for (int i = 0; i < n; i++) {
         double sum = 0;
@@ -261,7 +260,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int v = 0; v < g->nvar; v++) {
-            residuals(c, at, n, c->flux[v], residual);
+            cells_residuals(c, at, n, c->flux[v], residual);
             update_row(n, a, dt, start[v] + at, in[v] + at, residual, out[v] + at);
         }
         if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;

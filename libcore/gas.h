@@ -36,7 +36,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct stepper *stepper;
     struct sources source;
     const struct polynomial *polynomial; /* on a mosaic, in place of reconstruct; may be NULL on a forest */
-    const struct transport *transport;   /* NULL: inviscid, which costs nothing; a forest only */
+    const struct transport *transport;   /* NULL: inviscid, which costs nothing */
     struct transport_numbers numbers;    /* of the transport */
     const struct diffusion *diffusion;   /* with transport */
     double alpha_floor;                  /* alpha stays above it: mass is added where the fluxes cannot help; 0: off */

@@ -40,7 +40,7 @@ static status rows_make(const struct fit *f, const int *length, int width, bool 
             r->cell[j] = b * LANES + (b * LANES + (int)(j % LANES) < n ? (int)(j % LANES) : 0);
     return OK;
 }
-static void rows_free(struct rows *r) {
+void rows_free(struct rows *r) {
     free(r->start);
     free(r->cell);
     free(r->data);
@@ -293,6 +293,53 @@ static status fill(struct fit *f) {
     free(length);
     free(l.start);
     free(l.entry);
+    return s;
+}
+
+static int nearest_members(const struct mosaic *m, int i) {
+    int n = 0, first = m->stencil_start[i];
+    while (first + n < m->stencil_start[i + 1] && m->ring[first + n] == 1) n++;
+    return n;
+}
+
+/* Weights of the gradient of cell i from its first n members; returns whether they span the axes. */
+static bool gradient_weights(const struct mosaic *m, int i, int n, const int *all, double *work, double *W) {
+    double *w = work + (long)m->dim * n;
+    member_means(m, i, 1, n, all, work, w);
+    return n >= m->dim && least_squares(n, m->dim, work, w, DEPENDENT, W) == 0;
+}
+
+static status put_gradients(const struct mosaic *m, int *length, int *all, double *work, double *W, const struct fit *f,
+                            struct rows *r) {
+    const int most = most_members(m);
+    for (int j = 0; j < most; j++) all[j] = j;
+    for (int i = 0; i < m->nnear; i++) {
+        length[i] = nearest_members(m, i);
+        if (!gradient_weights(m, i, length[i], all, work, W)) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
+    }
+    TRY(rows_make(f, length, m->dim, true, r));
+    for (int i = 0; i < m->nnear; i++) {
+        (void)gradient_weights(m, i, length[i], all, work, W);
+        for (int j = 0; j < length[i]; j++) {
+            put_cell(r, i, j, m->stencil[m->stencil_start[i] + j]);
+            for (int k = 0; k < m->dim; k++) put(r, i, j, k, W[(long)k * length[i] + j] / unit(m, i));
+        }
+    }
+    return OK;
+}
+
+status fit_gradients(const struct fit *f, struct rows *r) {
+    const struct mosaic *m = f->mosaic;
+    const int most = most_members(m);
+    int *list;
+    double *work;
+    TRY(allocate(&list, m->nnear + most, sizeof *list, "the members of gradients"));
+    status s = allocate(&work, (2L * m->dim + 1) * most, sizeof *work, "a least-squares problem");
+    if (!s) {
+        s = put_gradients(m, list, list + m->nnear, work, work + (m->dim + 1L) * most, f, r);
+        free(work);
+    }
+    free(list);
     return s;
 }
 

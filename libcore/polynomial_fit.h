@@ -33,4 +33,9 @@ struct fit {
     int *place[2];       /* [points] of the face points, where their values stand: left and right */
 };
 
+/* Members and weights, 1/m, of the unlimited gradients of linear fits to the neighbours across faces, or to the whole
+ * stencil where those do not span the axes: of cells < nnear. rows_free when done. */
+status fit_gradients(const struct fit *f, struct rows *r);
+void rows_free(struct rows *r);
+
 #endif

@@ -80,7 +80,7 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*clear_flags)(struct gas *g);
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
-    /* With transport (NULL: this engine knows none), see libcore/diffusion.h. rates: freezes the coefficients of Y0,
+    /* With transport, see libcore/diffusion.h. rates: freezes the coefficients of Y0,
      * fills its ghosts; most[2]: the largest rates of this rank's cells, viscous and of heat. begin: q_0 from Y0, and
      * S_1 = factor q_0. stage: the next S, by its c[4] with dt in the last two; weight: of S when q is 1. end: to
      * (perhaps Y0 itself) = Y0 moved by S over dt; returns the number of cells that are not admissible, and marks

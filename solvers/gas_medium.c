@@ -71,10 +71,6 @@ static status gas_read_state(struct setup *s) {
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
                          s->why);
     TRY(setup_grid(s, g->models->engine == ENGINE_POLYHEDRAL, models->polynomial->rings));
-    if (s->grid->mosaic && models->transport)
-        return dict_fail(g->models->properties, "transport", "%s needs a lattice of equal boxes%s%s",
-                         models->transport->name, s->lattice ? "; leave out meshEngine" : ": ",
-                         s->lattice ? "" : s->why);
     if (s->grid->mosaic && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;
@@ -135,8 +131,12 @@ static double gas_memory(const struct medium *medium) {
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
     double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
            sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
-    double cell = (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + sides * 8 * (1 + 2 * dim + 2 * coefficients));
+    const bool transport = of(medium)->models->gas.transport;
+    const double diffuser = transport ? 8. * (dim * (dim + 3) + 4) + (dim + 1.) * (8 * dim + 4) : 0;
+    double cell =
+        diffuser + (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
+    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 5) : 0) +
+                                             sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
 static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {

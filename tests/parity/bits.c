@@ -101,6 +101,23 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     return OK;
 }
 
+static struct gas_models disks_of(const struct diffusion *diffusion) {
+    struct gas_models m = models_of(flux_find("common"));
+    m.material = (struct material){.diameter = 0.04,
+                                   .mass = 1,
+                                   .restitution = 0.9,
+                                   .gamma = 2,
+                                   .alpha_max = 0.82,
+                                   .disks = true,
+                                   .freezing = 0.69,
+                                   .smoothing = 0.01};
+    m.eos = eos_find("TorquatoDisks");
+    m.transport = transport_find("JenkinsRichman");
+    m.numbers = (struct transport_numbers){1e-4, 1};
+    m.diffusion = diffusion;
+    return m;
+}
+
 /* Disks with viscosity and heat conduction. */
 static status print_diffusion(const struct comm *c, int dim, const struct diffusion *diffusion) {
     struct box box;
@@ -114,20 +131,8 @@ static status print_diffusion(const struct comm *c, int dim, const struct diffus
         walls[k].velocity.type = boundary_find("noSlip");
     }
     box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false});
-    struct gas_models m = models_of(flux_find("common"));
-    m.material = (struct material){.diameter = 0.04,
-                                   .mass = 1,
-                                   .restitution = 0.9,
-                                   .gamma = 2,
-                                   .alpha_max = 0.82,
-                                   .disks = true,
-                                   .freezing = 0.69,
-                                   .smoothing = 0.01};
-    m.eos = eos_find("TorquatoDisks");
+    struct gas_models m = disks_of(diffusion);
     m.reconstruct = reconstruct_find("WENO5");
-    m.transport = transport_find("JenkinsRichman");
-    m.numbers = (struct transport_numbers){1e-4, 1};
-    m.diffusion = diffusion;
     TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
     TRY(gas_make(f, &m, 6, walls, &g));
     TRY(fill(g, box.mesh.ncells, n));
@@ -140,17 +145,18 @@ static status print_diffusion(const struct comm *c, int dim, const struct diffus
     return OK;
 }
 
-static status print_polynomial(const struct comm *c, const struct cells_recipe *r, const struct polynomial *p) {
+static status print_polynomial(const struct comm *c, const struct cells_recipe *r, const struct polynomial *p,
+                               const struct diffusion *diffusion) {
     struct polymesh *mesh = cells_make(r);
     struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
     struct grid *grid;
     struct gas *g;
     uint64_t sum = 0;
-    struct gas_models m = models_of(flux_find("common"));
+    struct gas_models m = diffusion ? disks_of(diffusion) : models_of(flux_find("common"));
     m.polynomial = p;
     for (int k = 0; k < 6; k++) {
         walls[k].density.type = walls[k].temperature.type = boundary_find("zeroGradient");
-        walls[k].velocity.type = boundary_find("slip");
+        walls[k].velocity.type = boundary_find(diffusion ? "noSlip" : "slip");
     }
     TRY(grid_make(NULL, mesh, NULL, NULL, c, p->rings, &grid));
     TRY(gas_make_mosaic(grid, &m, 6, walls, &g));
@@ -158,7 +164,8 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
     TRY(advance(g));
     TRY(checksum(g, mesh->ncells, &sum));
     if (harsh && !gas_counts(g).faces) return (fail)(ERR_STATE, "nothing was limited");
-    if (comm_root(c)) printf("%s %s %016llx\n", r->name, p->name, (unsigned long long)sum);
+    if (comm_root(c))
+        printf("%s %s %s %016llx\n", r->name, p->name, diffusion ? diffusion->name : "", (unsigned long long)sum);
     gas_free(g);
     grid_free(grid);
     polymesh_free(mesh);
@@ -220,10 +227,13 @@ int main(int argc, char **argv) {
         {"triangles", 2, PRISMS, {34, 34, 1}, {0, 1, 2}, 0.2, {false, true, false}},
         {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};
     for (int i = 0; i < 2; i++)
-        for (int p = 0; p < polynomial_count && !s; p++) s = print_polynomial(c, &meshes[i], &polynomial_table[p]);
+        for (int p = 0; p < polynomial_count && !s; p++)
+            s = print_polynomial(c, &meshes[i], &polynomial_table[p], NULL);
+    for (int i = 0; i < 2 * diffusion_count && !s; i++)
+        s = print_polynomial(c, &meshes[i % 2], polynomial_find("linear"), &diffusion_table[i / 2]);
     harsh = true;
     for (int dim = 1; dim <= 3 && !s; dim++) s = print_scheme(c, dim, flux_find("common"), reconstruct_find("WENO5"));
-    for (int i = 0; i < 2 && !s; i++) s = print_polynomial(c, &meshes[i], polynomial_find("CWENO3"));
+    for (int i = 0; i < 2 && !s; i++) s = print_polynomial(c, &meshes[i], polynomial_find("CWENO3"), NULL);
     for (int dim = 2; dim <= 3; dim++)
         for (int k = COARSE_CELL; k <= COARSE_GAUSSIAN && !s; k++) s = print_grains(c, dim, (enum coarse_kernel)k);
     int code = status_print(s, true);

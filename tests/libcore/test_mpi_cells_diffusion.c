@@ -1,0 +1,480 @@
+/* Viscous stress and heat conduction on mosaics: order on perturbed meshes, what linear fields must do exactly, bits,
+ * what must not happen; against the tiles. */
+#include "libcore/state.h"
+#include "tests/box.h"
+#include "tests/libcore/manufactured.h"
+
+#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world, *alone;
+
+static void constant(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                     const double *restrict rho, const double *restrict T, double *restrict bulk,
+                     double *restrict shear, double *restrict heat) {
+    (void)t, (void)eos, (void)m, (void)rho, (void)T;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = 0.4;
+        shear[i] = 0.7;
+        heat[i] = 1.1;
+    }
+}
+static const struct transport EVEN = {.coefficients = constant}, VARIED = {.coefficients = manufactured_law};
+
+struct scene { /* in the unit box, on polyhedra or, with a forest, on a lattice */
+    struct box box;
+    struct forest *forest;
+    struct polymesh *mesh;
+    struct grid *grid;
+    struct gas *gas;
+    struct gas_models models;
+    struct patch_rules rules[6];
+    double *centre;
+    int cells, dim;
+};
+
+static void choose(struct scene *s, int dim, const char *wall, const struct transport *law) {
+    memset(s, 0, sizeof *s);
+    s->dim = dim;
+    s->models = (struct gas_models){.material = {.diameter = 0.1,
+                                                 .mass = 1,
+                                                 .restitution = 0.9,
+                                                 .gamma = 2,
+                                                 .alpha_max = 0.82,
+                                                 .disks = true,
+                                                 .freezing = 0.69,
+                                                 .smoothing = 0.01},
+                                    .eos = eos_find("TorquatoDisks"),
+                                    .flux = flux_find("common"),
+                                    .polynomial = polynomial_find("linear"),
+                                    .reconstruct = reconstruct_find("WENO5"),
+                                    .stepper = stepper_find("SSPRK3"),
+                                    .transport = law,
+                                    .numbers = {1e-4, 1},
+                                    .diffusion = diffusion_find("RKL2")};
+    for (int p = 0; p < 6; p++) {
+        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
+        s->rules[p].velocity.type = boundary_find(wall);
+    }
+}
+
+static void open_polyhedra(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
+    s->mesh = cells_make(r);
+    s->cells = s->mesh->ncells;
+    for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * r->n[i % 3];
+    double *face = calloc(6 * (size_t)s->mesh->nfaces, sizeof *face), *volume;
+    s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
+    volume = s->centre + 3 * s->cells;
+    polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
+    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
+    free(face);
+    for (int i = 0; i < s->cells; i++)
+        for (int k = s->dim; k < 3; k++) s->centre[3 * i + k] = 0;
+    ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
+    ok(gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas));
+}
+
+static void open_lattice(struct scene *s, int n) {
+    box_make(&s->box, s->dim, (int[3]){n, n, n}, (double[3]){1, 1, 1}, (bool[3]){false, false, false});
+    s->cells = s->box.mesh.ncells;
+    s->centre = calloc(3 * (size_t)s->cells, sizeof *s->centre);
+    for (int i = 0; i < s->cells; i++)
+        for (int k = 0; k < s->dim; k++)
+            s->centre[3 * i + k] = ((k == 0 ? i % n : k == 1 ? i / n % n : i / n / n) + 0.5) / n;
+    ok(forest_make(&s->box.lattice, &s->box.mesh, world, 8, &s->forest));
+    ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+}
+
+static void close_scene(struct scene *s) {
+    gas_free(s->gas);
+    grid_free(s->grid);
+    forest_free(s->forest);
+    if (s->mesh) polymesh_free(s->mesh);
+    if (s->forest) box_free(&s->box);
+    free(s->centre);
+}
+
+typedef void initial(const double x[3], double *rho, double u[3], double *T);
+
+static void start(struct scene *s, initial *at) {
+    int n = s->cells;
+    double *all = malloc(5 * (size_t)n * sizeof *all), *u[3] = {all + n, all + 2 * n, all + 3 * n};
+    for (int i = 0; i < n; i++) {
+        double v[3] = {0, 0, 0};
+        at(s->centre + 3 * i, &all[i], v, &all[4 * n + i]);
+        for (int k = 0; k < 3; k++) u[k][i] = v[k];
+    }
+    ok(gas_set(s->gas, all, (const double *const *)u, all + 4 * n));
+    free(all);
+}
+
+/* Only the diffusion, `steps` times dt. */
+static void spread(struct scene *s, int steps, double dt) {
+    struct gas *g = s->gas;
+    for (int i = 0; i < steps; i++) {
+        assert_true(diffuse(g, &g->U, &g->U0, dt, i % 2, 0));
+        struct state moved = g->U0;
+        g->U0 = g->U;
+        g->U = moved;
+    }
+}
+
+/* An Euler step of the viscous part alone. */
+static void shear(struct scene *s, double dt) {
+    struct gas *g = s->gas;
+    double rate[2];
+    g->engine->diffusion_rates(g, &g->U, rate);
+    g->engine->diffusion_begin(g, VISCOUS, &g->U, dt);
+    assert_true(g->engine->diffusion_end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
+}
+
+/* dt at which an Euler step of the faster of both kinds is just stable */
+static double stable(struct scene *s) {
+    double rate[2];
+    s->gas->engine->diffusion_rates(s->gas, &s->gas->U, rate);
+    comm_max(world, rate, 2);
+    return 1 / larger(rate[0], rate[1]);
+}
+
+/* Root's conserved state, broadcast: [nvar][cells], caller frees. */
+static double *state_of(const struct scene *s, const struct comm *c) {
+    int nvar = gas_variables(s->gas);
+    double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
+    for (int v = 0; v < nvar; v++) U[v] = all + v * s->cells;
+    ok(gas_get_conserved(s->gas, U));
+    comm_broadcast(c, all, (long)sizeof *all * nvar * s->cells);
+    return all;
+}
+
+#define CYCLIC                                                                                                         \
+    { true, true, true }
+#define OPEN                                                                                                           \
+    { false, false, false }
+
+/* ---- order ---------------------------------------------------------------------------------------------------------
+ */
+
+/* What keeps the manufactured fields steady is added in halves around each step; what is left at the end is the error
+ * of space and splitting: the mean over the cells, the worst of the variables. */
+static double steady_error(const struct cells_recipe *r, int count) {
+    struct scene s;
+    const double time = 0.02;
+    double worst = 0;
+    choose(&s, r->dim, "slip", &VARIED);
+    open_polyhedra(&s, world, r);
+    start(&s, manufactured_fields);
+    const int nvar = r->dim + 2;
+    double *begin = state_of(&s, world), *drive = malloc((size_t)(nvar * s.cells) * sizeof *drive);
+    for (int i = 0; i < s.cells; i++) {
+        double rates[MAX_VAR] = {0};
+        manufactured_rates(&s.models, r->dim, OF_STRESS | OF_HEAT, s.centre + 3 * i, rates);
+        for (int v = 0; v < nvar; v++) drive[v * s.cells + i] = -rates[v];
+    }
+    for (int step = 0; step < 2 * count; step++) {
+        double *now = state_of(&s, world);
+        const double *U[MAX_VAR];
+        for (int i = 0; i < nvar * s.cells; i++) now[i] += 0.5 * time / count * drive[i];
+        for (int v = 0; v < nvar; v++) U[v] = now + v * s.cells;
+        gas_set_conserved(s.gas, U);
+        free(now);
+        if (step % 2 == 0) spread(&s, 1, time / count);
+    }
+    double *end = state_of(&s, world);
+    for (int v = 0; v < nvar; v++) {
+        double sum = 0;
+        for (int i = 0; i < s.cells; i++) sum += fabs(end[v * s.cells + i] - begin[v * s.cells + i]) / s.cells;
+        worst = larger(worst, sum);
+    }
+    free(begin);
+    free(drive);
+    free(end);
+    close_scene(&s);
+    return worst;
+}
+
+static void driven_gas_stays_at_second_order(void **state) {
+    (void)state;
+    if (comm_size(world) > 1) skip(); /* other ranks have the same bits */
+    static const struct {
+        struct cells_recipe recipe;
+        int fine, count; /* steps of the coarse mesh; as many more as there are cells in a square of the fine one */
+        double order, most;
+    } cases[] = {
+        {{"line", 1, BOXES, {32, 1, 1}, {0, 1, 2}, 0.3, CYCLIC}, 128, 48, 1.9, 0.002},
+        {{"quads", 2, BOXES, {16, 16, 1}, {0, 1, 2}, 0.2, CYCLIC}, 32, 48, 1.9, 0.009},
+        {{"triangles", 2, PRISMS, {12, 12, 1}, {0, 1, 2}, 0.15, CYCLIC}, 24, 48, 1.9, 0.01},
+        {{"hexahedra", 3, BOXES, {8, 8, 8}, {0, 1, 2}, 0.15, CYCLIC}, 12, 24, 1.9, 0.06},
+        {{"tetrahedra", 3, TETS, {9, 9, 9}, {0, 1, 2}, 0.1, CYCLIC}, 15, 24, 1.6, 0.03}, /* from 16 to 24 boxes 2.1 */
+    };
+    for (int c = 0; c < (int)(sizeof cases / sizeof *cases); c++) {
+        struct cells_recipe fine = cases[c].recipe;
+        const double ratio = (double)cases[c].fine / fine.n[0];
+        for (int k = 0; k < fine.dim; k++) fine.n[k] = cases[c].fine;
+        const double coarse = steady_error(&cases[c].recipe, cases[c].count),
+                     error = steady_error(&fine, (int)(ratio * ratio * cases[c].count));
+        const double order = log(coarse / error) / log(ratio);
+        print_message("%s: %.3g, %.3g: order %.2f\n", fine.name, coarse, error, order);
+        assert_true(order > cases[c].order);
+        assert_true(error < cases[c].most);
+    }
+}
+
+/* ---- linear fields -------------------------------------------------------------------------------------------------
+ */
+
+static const struct cells_recipe rough[] = {
+    {"quads", 2, BOXES, {12, 12, 1}, {0, 1, 2}, 0.3, OPEN},
+    {"triangles", 2, PRISMS, {10, 10, 1}, {0, 1, 2}, 0.2, OPEN},
+    {"tetrahedra", 3, TETS, {6, 6, 6}, {0, 1, 2}, 0.15, OPEN},
+};
+enum { ROUGH = sizeof rough / sizeof *rough };
+
+static void turning(const double x[3], double *rho, double u[3], double *T) {
+    *rho = 1 + x[0] * x[0] + 0.5 * x[1];
+    *T = 2;
+    u[0] = -3 * (x[1] - 0.4);
+    u[1] = 3 * (x[0] - 0.3);
+}
+
+/* Neither force nor heat from rigid rotation, whatever the viscosities; away from the walls, which do not turn. */
+static void rotation_makes_no_heat(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        double most = 0;
+        choose(&s, rough[b].dim, "noSlip", &VARIED);
+        open_polyhedra(&s, world, &rough[b]);
+        start(&s, turning);
+        double *before = state_of(&s, world), *after;
+        shear(&s, 0.1 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < s.cells; i++) {
+            bool near = false;
+            for (int k = 0; k < s.dim; k++) near |= fabs(s.centre[3 * i + k] - 0.5) > (s.dim == 3 ? 0.1 : 0.25);
+            for (int v = 0; v < s.dim + 2; v++) {
+                const double change = fabs(after[v * s.cells + i] - before[v * s.cells + i]);
+                if (!near && !(change < 1e-14)) fail_msg("%s: %g", rough[b].name, change);
+                most = larger(most, change);
+            }
+        }
+        assert_true(most > 1e-6); /* something was done */
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+static void between_walls(const double x[3], double *rho, double u[3], double *T) {
+    (void)u;
+    *rho = 0.7;
+    *T = 2 + 3 * x[0];
+}
+
+/* The steady profile between isothermal walls is linear: exact on any mesh. */
+static void linear_temperature_is_steady(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        choose(&s, rough[b].dim, "noSlip", &EVEN);
+        for (int p = 0; p < 2; p++)
+            s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {p ? 5 : 2}};
+        open_polyhedra(&s, world, &rough[b]);
+        start(&s, between_walls);
+        double *before = state_of(&s, world), *after;
+        spread(&s, 1, 30 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < (s.dim + 2) * s.cells; i++)
+            if (!(fabs(after[i] - before[i]) < 1e-12)) fail_msg("%s: %g", rough[b].name, after[i] - before[i]);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+/* ---- against the tiles ---------------------------------------------------------------------------------------------
+ */
+
+static void boxes_are_a_lattice(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++)
+        for (int wall = 0; wall < 2; wall++) {
+            const int n = dim == 3 ? 8 : 16;
+            const struct cells_recipe r = {"boxes",   dim, BOXES, {n, dim > 1 ? n : 1, dim > 2 ? n : 1},
+                                           {0, 1, 2}, 0,   OPEN};
+            struct scene s[2];
+            double *end[2];
+            for (int i = 0; i < 2; i++) {
+                choose(&s[i], dim, wall ? "noSlip" : "slip", &VARIED);
+                for (int p = 0; p < 2; p++)
+                    s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
+                if (wall && dim > 1) {
+                    s[i].rules[2].velocity =
+                        (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
+                    s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
+                }
+                if (i)
+                    open_polyhedra(&s[i], world, &r);
+                else
+                    open_lattice(&s[i], n);
+                start(&s[i], manufactured_fields);
+                spread(&s[i], 2, 40 * stable(&s[i]));
+                end[i] = state_of(&s[i], world);
+            }
+            for (int i = 0; i < s[0].cells; i++) {
+                int j = 0; /* the cells may be in another order */
+                for (double near = HUGE_VAL, square; j < s[1].cells; j++) {
+                    square = 0;
+                    for (int k = 0; k < 3; k++) {
+                        const double off = s[1].centre[3 * j + k] - s[0].centre[3 * i + k];
+                        square += off * off;
+                    }
+                    near = square;
+                    if (near < 1e-12) break;
+                }
+                assert_true(j < s[1].cells);
+                for (int v = 0; v < dim + 2; v++) {
+                    const double a = end[0][v * s[0].cells + i], b = end[1][v * s[1].cells + j];
+                    if (!(fabs(a - b) < 1e-11)) fail_msg("%dD, wall %d: %g and %g", dim, wall, a, b);
+                }
+            }
+            for (int i = 0; i < 2; i++) {
+                free(end[i]);
+                close_scene(&s[i]);
+            }
+        }
+}
+
+/* ---- what must not happen ------------------------------------------------------------------------------------------
+ */
+
+/* Six decades of density and temperature, Mach numbers of hundreds; no libm, for its bits. */
+static void wild(const double x[3], double *rho, double u[3], double *T) {
+    uint64_t h = (uint64_t)(x[0] * 1024) * 0x9e3779b97f4a7c15u + (uint64_t)(x[1] * 1024) * 0xc2b2ae3d27d4eb4fu +
+                 (uint64_t)(x[2] * 1024) * 0x2545f4914f6cdd1du + 7;
+    double q[5];
+    for (int i = 0; i < 5; i++) {
+        h ^= h >> 29;
+        h *= 0xbf58476d1ce4e5b9u;
+        q[i] = (double)(h >> 40) / 16777216;
+    }
+    *rho = 95 * q[0] * q[0] * q[0] * q[0] + 1e-4;
+    *T = 1e3 * q[1] * q[1] * q[1] * q[1] * q[1] * q[1] + 1e-3;
+    for (int k = 0; k < 3; k++) u[k] = 20 * (q[2 + k] - 0.5);
+}
+
+static long repeated; /* for cells that would have become inadmissible: these, too, conserve */
+
+static void totals_stay(const struct cells_recipe *r, const char *wall, const char *diffusion) {
+    struct scene s;
+    double before[MAX_VAR], after[MAX_VAR];
+    choose(&s, r->dim, wall, transport_find("JenkinsRichman"));
+    s.models.diffusion = diffusion_find(diffusion);
+    open_polyhedra(&s, world, r);
+    start(&s, wild);
+    ok(gas_totals(s.gas, before));
+    for (int i = 0; i < 2; i++) {
+        spread(&s, 1, (diffusion[0] == 'e' ? 3 : 50) * stable(&s)); /* 50: one super step */
+        ok(gas_check(s.gas));                                       /* T > 0 everywhere */
+    }
+    ok(gas_totals(s.gas, after));
+    repeated += gas_counts(s.gas).repeated;
+    const double scale = before[r->dim + 1];
+    assert_true(after[0] == before[0]);
+    assert_true(fabs(after[r->dim + 1] - scale) < 1e-13 * scale);
+    for (int k = 1; k <= r->dim && r->cyclic[0]; k++) assert_true(fabs(after[k] - before[k]) < 1e-13 * scale);
+    close_scene(&s);
+}
+
+/* In boxes that slip and that do not, and periodic: neither mass nor energy gets lost, nor momentum. */
+static void totals_are_conserved(void **state) {
+    (void)state;
+    for (int scheme = 0; scheme < diffusion_count; scheme++)
+        for (int b = 0; b < ROUGH; b++) {
+            struct cells_recipe round = rough[b];
+            for (int k = 0; k < 3; k++) round.cyclic[k] = true;
+            totals_stay(&rough[b], "slip", diffusion_table[scheme].name);
+            totals_stay(&rough[b], "noSlip", diffusion_table[scheme].name);
+            totals_stay(&round, "slip", diffusion_table[scheme].name);
+        }
+    assert_true(repeated > 0);
+}
+
+/* Whole steps, with walls, on these ranks and on one. */
+static void bits_know_no_ranks(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        double *found[2];
+        size_t bytes = 0;
+        for (int i = 0; i < 2; i++) {
+            struct scene s;
+            double t = 0;
+            choose(&s, rough[b].dim, "noSlip", transport_find("JenkinsRichman"));
+            s.models.source.cooling = true;
+            s.rules[0].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
+            s.rules[1].velocity.type = boundary_find("zeroGradient");
+            s.rules[2].velocity = (struct rule){.type = boundary_find("fixedValue"), .uniform = {0.3, 0.2, 0.1}};
+            open_polyhedra(&s, i ? alone : world, &rough[b]);
+            start(&s, wild);
+            for (int step = 0; step < 2; step++) {
+                struct gas_speed speed;
+                gas_speed(s.gas, &speed);
+                double dt = 0.3 / speed.rate;
+                ok(gas_step(s.gas, t, &dt, 0.3, 0, 0, &speed));
+                t += dt;
+            }
+            assert_true(gas_counts(s.gas).halves >= 4);
+            found[i] = state_of(&s, i ? alone : world);
+            bytes = (size_t)((s.dim + 2) * s.cells) * sizeof(double);
+            close_scene(&s);
+        }
+        assert_memory_equal(found[0], found[1], bytes);
+        free(found[0]);
+        free(found[1]);
+    }
+}
+
+static void still(const double x[3], double *rho, double u[3], double *T) {
+    (void)x;
+    *rho = 61.7;
+    *T = 0.3;
+    u[0] = 0.1;
+    u[1] = -0.7;
+    u[2] = 0.4;
+}
+
+static void uniform_gas_keeps_its_bits(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        struct cells_recipe round = rough[b];
+        for (int k = 0; k < 3; k++) round.cyclic[k] = true;
+        choose(&s, round.dim, "slip", transport_find("JenkinsRichman"));
+        open_polyhedra(&s, world, &round);
+        start(&s, still);
+        double *before = state_of(&s, world);
+        spread(&s, 3, 100 * stable(&s));
+        double *after = state_of(&s, world);
+        assert_memory_equal(before, after, (size_t)((s.dim + 2) * s.cells) * sizeof *before);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (!s) s = comm_alone(&alone);
+    if (s) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(driven_gas_stays_at_second_order),
+        cmocka_unit_test(rotation_makes_no_heat),
+        cmocka_unit_test(linear_temperature_is_steady),
+        cmocka_unit_test(boxes_are_a_lattice),
+        cmocka_unit_test(totals_are_conserved),
+        cmocka_unit_test(bits_know_no_ranks),
+        cmocka_unit_test(uniform_gas_keeps_its_bits),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_alone_free(alone);
+    comm_finish(world);
+    return failed;
+}
