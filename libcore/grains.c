@@ -8,11 +8,9 @@ void grains_free(struct grains *g) {
     if (!g) return;
     free(g->grain);
     free(g->event);
-    free(g->exit);
     free(g->id);
     free(g->order);
     free(g->list);
-    free(g->meeting);
     for (int k = 0; k < 3; k++) free(g->cells.row[k]);
     free(g->cells.slot);
     free(g->cells.next);
@@ -91,11 +89,9 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     set_scales(g);
     TRY(allocate(&g->grain, n, sizeof *g->grain, "grains"));
     TRY(allocate(&g->event, n, sizeof *g->event, "events"));
-    TRY(allocate(&g->exit, n, sizeof *g->exit, "events"));
     TRY(allocate(&g->id, n, sizeof *g->id, "grains"));
     TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
-    TRY(allocate(&g->meeting, n + (long)ROOM, sizeof *g->meeting, "neighbours"));
     TRY(calendar_make(n, &g->queue));
     return grains_cells_make(g);
 }
@@ -202,7 +198,7 @@ static status check_ids(const struct grains *g) {
     return s;
 }
 
-/* Exits and the queue from the grains and their events */
+/* The queue from the grains and their events */
 static void schedule_all(struct grains *g) {
     for (int i = 0; i < g->n; i++) calendar_set(g->queue, i, grains_schedule(g, i));
     calendar_start(g->queue, g->time);
@@ -253,10 +249,9 @@ static void fetch(const struct grains *g) {
     }
     grains_block(c, g->event[next].cell, STAYS, &b);
     for (int z = 0; z < b.to[2]; z++)
-        for (int y = 0; y < 3; y++) {
-            const uint32_t *row = c->slot + (long)(b.around[2][z] + b.around[1][y]) * SLOTS;
-            __builtin_prefetch(row + (long)b.around[0][0] * SLOTS);
-            __builtin_prefetch(row + (long)b.around[0][2] * SLOTS);
+        for (int corner = 0; corner < 4; corner++) { /* two by two cells are in a line of the cache */
+            long q = b.around[0][corner & 2] + b.around[1][2 * (corner & 1)] + b.around[2][z];
+            __builtin_prefetch(c->slot + q * SLOTS);
         }
 }
 
@@ -264,10 +259,10 @@ static void fetch(const struct grains *g) {
 static void take(struct grains *g, int i, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[i];
     const struct grain_event e = g->event[i];
-    fetch(g);
+    if (g->n > CACHED) fetch(g);
+    int exit = t < p->impact ? grains_exit(g, i) : STAYS;
     bring(g, p, t);
-    if (g->exit[i] != STAYS) {
-        int exit = g->exit[i];
+    if (exit != STAYS) {
         grains_cell_cross(g, i, exit);
         grains_predict_beyond(g, i, t, exit);
     } else if (e.partner >= 0 && g->event[e.partner].changes == e.known) {
@@ -365,6 +360,6 @@ double grains_time(const struct grains *g) {
 }
 double grains_bytes(int n, int dim) {
     double cells = dim == 2 ? 1.3 : 2; /* a grain, at packing 0.6 and 0.26 */
-    double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(int8_t) + 3 * sizeof(int32_t) + 16;
+    double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(uint64_t) + 3 * sizeof(int32_t);
     return n * (grain + cells * SLOTS * sizeof(uint32_t)) + calendar_bytes(n);
 }

@@ -47,23 +47,28 @@ static bool choose(struct grains *g, double diameter) {
     return true;
 }
 
+/* What a place along axis k adds to the index. Cells lie in memory by cubes of 2, these by cubes of 4 (in 2D squares):
+ * the neighbours of a cell are in few lines of the cache. */
+static int32_t index_part(int place, int k, int dim, int32_t stride) {
+    return (place & 1) << k | (place >> 1 & 1) << (dim + k) | (place >> 2) * stride;
+}
+
 static void set_rows(struct grains *g) {
     struct grain_cells *c = &g->cells;
-    int32_t stride = 1;
+    int32_t stride = 1 << 2 * g->dim;
     c->planes = g->dim > 2 ? 3 : 1;
-    for (int k = 0; k < 3; k++) {
-        int beyond = k < g->dim && !g->box.periodic[k];
-        for (int q = 0; q < c->n[k]; q++) {
+    for (int k = 0; k < g->dim; k++) {
+        int n = c->n[k], beyond = !g->box.periodic[k]; /* layers before the first */
+        for (int q = 0; q < n; q++) {
             struct grain_row *r = &c->row[k][q];
-            for (int side = 0; side < 2; side++) {
-                int last = side ? c->n[k] - 1 : 0, wrapped = k < g->dim ? c->n[k] - 1 - last : 0;
-                int next = q == last && !beyond ? wrapped : q + 2 * side - 1;
-                r->around[2 * side] = (next + beyond) * stride;
-                r->edge[side] = q == last && beyond ? (2 * side - 1) * HUGE_VAL : grains_cell_edge(c, k, q + side);
+            for (int side = -1; side <= 1; side++) {
+                int place = beyond ? q + side + 1 : (q + side + n) % n;
+                r->around[side + 1] = index_part(place, k, g->dim, stride);
             }
-            r->around[1] = (q + beyond) * stride;
+            r->edge[0] = beyond && q == 0 ? -HUGE_VAL : grains_cell_edge(c, k, q);
+            r->edge[1] = beyond && q == n - 1 ? HUGE_VAL : grains_cell_edge(c, k, q + 1);
         }
-        stride *= c->n[k] + 2 * beyond;
+        stride *= (n + 2 * beyond + 3) / 4;
     }
     c->all = stride;
 }
@@ -101,7 +106,7 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]) {
     return cell;
 }
 
-static const uint32_t INDEX = ((uint32_t)1 << SLOT_BITS) - 1;
+static const uint32_t INDEX = ((uint32_t)1 << SLOT_BITS) - 1, SLOTS_FULL = (uint32_t)SLOTS << SLOT_BITS;
 
 static uint32_t *slots_of(struct grain_cells *c, int32_t cell) {
     long q = 0;
@@ -183,26 +188,31 @@ void grains_cell_cross(struct grains *g, int i, int exit) {
     grains_cell_enter(g, i);
 }
 
-static inline int add_occupants(const struct grain_cells *c, const uint32_t *slot, uint32_t *list, int m) {
-    uint32_t last = slot[SLOTS - 1], count = last >> SLOT_BITS;
-    memcpy(list + m, slot, SLOTS * sizeof *list); /* all of them: no branches */
-    m += (int)count;
-    if (count < SLOTS) return m;
-    last &= INDEX;
-    if (count == CHAINED) m--;
-    list[m - 1] = last;
-    if (count == CHAINED)
-        for (int32_t i = c->next[last]; i >= 0; i = c->next[i]) list[m++] = (uint32_t)i;
-    return m;
+/* Those of one cell go to the end of the list. */
+static inline uint32_t *add_occupants(const uint32_t *slot, const int32_t *next, uint32_t *end) {
+    uint32_t last = slot[SLOTS - 1];
+    memcpy(end, slot, SLOTS * sizeof *end); /* all of them: no branches */
+    if (last < SLOTS_FULL) return end + (last >> SLOT_BITS);
+    end += SLOTS;
+    end[-1] = last & INDEX;
+    if (last >> SLOT_BITS == CHAINED)
+        for (int32_t i = next[last & INDEX]; i >= 0; i = next[i]) *end++ = (uint32_t)i;
+    return end;
 }
 
 int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list) {
-    int m = 0;
+    const int32_t *next = c->next;
+    uint32_t *end = list;
+    long x[3];
+    int width = b->to[0] - b->from[0];
+    for (int k = 0; k < width; k++) x[k] = (long)b->around[0][b->from[0] + k] * SLOTS;
     for (int z = b->from[2]; z < b->to[2]; z++)
         for (int y = b->from[1]; y < b->to[1]; y++) {
             const uint32_t *row = c->slot + (long)(b->around[2][z] + b->around[1][y]) * SLOTS;
-            for (int x = b->from[0]; x < b->to[0]; x++)
-                m = add_occupants(c, row + (long)b->around[0][x] * SLOTS, list, m);
+            end = add_occupants(row + x[0], next, end);
+            if (width == 1) continue;
+            end = add_occupants(row + x[1], next, end);
+            end = add_occupants(row + x[2], next, end);
         }
-    return m;
+    return (int)(end - list);
 }

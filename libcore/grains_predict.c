@@ -18,7 +18,7 @@
 #include "libcore/grains_private.h"
 
 /* Candidates are looked at LANES at a time; their list is filled up with the grain itself. */
-enum { LANES = 4, CACHED = 8000 /* grains that fit into a cache */ };
+enum { LANES = 4 };
 typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
 typedef int64_t marks __attribute__((vector_size(LANES * sizeof(int64_t))));
 typedef uint32_t indices __attribute__((vector_size(LANES * sizeof(uint32_t))));
@@ -184,7 +184,6 @@ static void settle(struct grains *g, int i) {
     int exit;
     double leaving = leaves(g, i, &exit);
     consider_walls(g, i, leaving);
-    g->exit[i] = (int8_t)(leaving < g->grain[i].impact ? exit : STAYS);
     calendar_move(g->queue, i, fmin(leaving, g->grain[i].impact));
 }
 
@@ -204,11 +203,15 @@ void grains_predict_beyond(struct grains *g, int i, double now, int exit) {
     settle(g, i);
 }
 
-double grains_schedule(struct grains *g, int i) {
+double grains_schedule(const struct grains *g, int i) {
     int exit;
-    double leaving = leaves(g, i, &exit), t = g->grain[i].impact;
-    g->exit[i] = (int8_t)(leaving < t ? exit : STAYS);
-    return fmin(leaving, t);
+    return fmin(leaves(g, i, &exit), g->grain[i].impact);
+}
+
+int grains_exit(const struct grains *g, int i) {
+    int exit;
+    leaves(g, i, &exit);
+    return exit;
 }
 
 void grains_predict_all(struct grains *g) {

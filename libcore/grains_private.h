@@ -9,7 +9,8 @@
 enum {
     NO_PARTNER = -1000, /* with t = HUGE_VAL */
     LOOK_AGAIN = -100,  /* nothing found up to t: predict anew */
-    STAYS = -1          /* in its cell */
+    STAYS = -1,         /* in its cell */
+    CACHED = 8000       /* so many grains fit into a cache; beyond, memory is asked for ahead */
 };
 
 /* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; arrays of cells are indexed by
@@ -39,15 +40,13 @@ struct grains {
     double outgrown;    /* when it reaches the width of the cells; HUGE_VAL: never */
     struct grain *grain;
     struct grain_event *event;
-    int8_t *exit; /* [n] 2 axis + side of the cell's face where it leaves before that, or STAYS */
     int32_t *id;
     struct grain_counts counts;
     struct grain_cells cells;
     struct calendar *queue;
-    int64_t sort_at; /* so many pairs; -1: never */
-    uint64_t *order; /* [n] scratch of grains_sort */
-    uint32_t *list;  /* of occupants, and their impacts' times: scratch of a prediction */
-    double *meeting;
+    int64_t sort_at;           /* so many pairs; -1: never */
+    uint64_t *order;           /* [n] scratch of grains_sort */
+    uint32_t *list;            /* [n + ROOM] of occupants: scratch of a prediction */
     double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
@@ -126,15 +125,16 @@ int grains_occupants(const struct grain_cells *c, const struct grain_block *b, u
 
 void grains_cells_fill(struct grains *g); /* from the grains' cells */
 
-/* grains_order.c: indices change; exits and the queue are to be made anew from the grains and their events. */
+/* grains_order.c: indices change; the queue is to be made anew from the grains. */
 void grains_sort(struct grains *g);
 void grains_set_sorting(struct grains *g); /* sort_at from the counts */
 
 /* grains_predict.c; grain i's clock shows `now` */
 void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */
 void grains_predict_beyond(struct grains *g, int i, double now, int exit); /* after a crossing */
-double grains_schedule(struct grains *g, int i); /* exit[i] and the time of the next, from the grain and its event */
-void grains_predict_all(struct grains *g);       /* all clocks show g->time */
+double grains_schedule(const struct grains *g, int i);                     /* the time of its next event */
+int grains_exit(const struct grains *g, int i); /* the face where it leaves its cell: 2 axis + side, or STAYS */
+void grains_predict_all(struct grains *g);      /* all clocks show g->time */
 double grains_wrap(const struct grain_box *box, int k, double x); /* into the box */
 /* grains_walls.c: the wall's first contact no later than `limit`, else HUGE_VAL; *again: none up to the time returned
  */
