@@ -32,8 +32,8 @@ void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VA
 void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
                   double (*ghost)[BATCH]);
 
-/* Of all mirrors that conduct heat the share of wall_shares, by the states U inside, else 0. heat: [size] */
-void cells_wall_shares(const struct gas *g, const double *const *U, const double *heat, double *share);
+/* Of all mirrors that conduct heat the share of wall_shares, else 0; rho, T, heat: [size] */
+void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share);
 /* S of mirrors from <= i < to of the mosaic; gradients dS_c/dx_k, at k dim + c, likewise. Beyond walls that conduct S
  * is such that the jump to it times the coefficient is the heat that enters. */
 void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,

@@ -17,7 +17,8 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *start[MAX_DIM];              /* q_0 */
     double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
     double *cell[3];                     /* bulk, shear, heat */
-    double *warm;                        /* T of the coefficients, or what it rose by */
+    double *T;                           /* of the coefficients */
+    double *warm;                        /* T of the first half step, or what it rose by */
     double *wall;                        /* [mirrors] of those that conduct heat the share of wall_shares, else 0 */
     double *mark;                        /* 1: cells that were not admissible */
     double *face[3];                     /* lambda, shear, heat times the area */
@@ -89,6 +90,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->start, g->dim, size));
     TRY(lines_allocate(d->gradient, g->dim * g->dim, size));
     TRY(lines_allocate(d->cell, 3, size));
+    TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
     TRY(lines_allocate(&d->wall, 1, m->mirror.n));
     TRY(lines_allocate(&d->mark, 1, size));
@@ -108,6 +110,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->cell, 3);
     lines_drop(d->face, 3);
     lines_drop(d->rest, MAX_DIM);
+    free(d->T);
     free(d->warm);
     free(d->wall);
     free(d->mark);
@@ -129,7 +132,7 @@ static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR])
 }
 
 /* T of n cells whose variables start at rho. */
-static void find_temperature(const struct gas *g, int n, const double *rho, double T[BATCH]) {
+static void find_temperature(const struct gas *g, int n, const double *rho, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->dim, g->cells->mosaic->size, rho, u, T);
     for (int i = 0; i < n; i++) T[i] *= g->models.material.gamma - 1;
@@ -138,9 +141,9 @@ static void find_temperature(const struct gas *g, int n, const double *rho, doub
 static void cell_coefficients(struct gas *g, const double *rho) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->mosaic->size;
-    double T[BATCH];
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
+        double *T = d->T + at;
         find_temperature(g, n, rho + at, T);
         for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
         for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
@@ -206,7 +209,7 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     cell_coefficients(g, U[0]);
     face_coefficients(m->face.n, g->models.material.disks ? 1 : 2. / 3, m->face.left, m->face.right, m->face.area,
                       d->share, d->cell, d->face);
-    cells_wall_shares(g, (const double *const *)U, d->cell[2], d->wall);
+    cells_wall_shares(g, U[0], d->T, d->cell[2], d->wall);
     find_rates(g, U[0], most);
 }
 

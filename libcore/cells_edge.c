@@ -93,27 +93,28 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
     }
 }
 
-static void wall_shares_run(const struct gas *g, int from, int n, const double *const *U, const double *heat,
-                            double *share) {
+static void wall_shares_run(const struct gas *g, int from, int n, const double *rho, const double *T,
+                            const double *heat, double *share) {
     const struct mosaic *m = g->cells->mosaic;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    double inner[MAX_VAR][BATCH], d[BATCH], within[BATCH];
+    double inner[3][BATCH], d[BATCH];
     for (int i = 0; i < n; i++) {
         const int cell = m->mirror.cell[from + i];
-        for (int v = 0; v < g->nvar; v++) inner[v][i] = U[v][cell];
-        within[i] = heat[cell];
+        inner[0][i] = rho[cell];
+        inner[1][i] = T[cell];
+        inner[2][i] = heat[cell];
         d[i] = share[from + i] = 0;
         for (int k = 0; k < g->dim; k++)
             d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][cell]) * m->mirror.normal[k][from + i];
     }
-    if (wall_conducts(r)) wall_shares(g, r, n, inner, d, within, share + from);
+    if (wall_conducts(r)) wall_shares(g, r, n, inner[0], inner[1], d, inner[2], share + from);
 }
 
-void cells_wall_shares(const struct gas *g, const double *const *U, const double *heat, double *share) {
+void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share) {
     const int mirrors = g->cells->mosaic->mirror.n;
     for (int n, from = 0; from < mirrors; from += n) {
         n = patch_run(g, from, mirrors);
-        wall_shares_run(g, from, n, U, heat, share);
+        wall_shares_run(g, from, n, rho, T, heat, share);
     }
 }
 
