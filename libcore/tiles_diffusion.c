@@ -8,8 +8,8 @@
 /* Of a face of an axis, h the width of a cell there: (lambda + 2 mu)/h^2, lambda/h, mu/h^2, mu/h, heat/h^2. Jumps take
  * the squares, and the others the sum of both sides' tangential derivatives halved, as `gradient` holds them. */
 enum { NORMAL, CROSS, SHEAR, TWIST, CONDUCTION, FACE_LINES };
-#define MOST_RISE 4.       /* of T ahead; a front that passes tells nothing of what follows */
-enum { LINE = BATCH + 8 }; /* faces of a row */
+#define MOST_RISE 4.                        /* of T ahead; a front that passes tells nothing of what follows */
+enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: its first cell, and doubles */
 
 /* Rows in whole vectors, without a rest cell by cell: beyond the row there are ghosts, which are filled again before
  * they are read, and padding, where 1/rho is 0. */
@@ -25,15 +25,13 @@ status diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
-    TRY(blocks_make(g->forest, 1, &d->warm));
-    return allocate(&d->part, g->forest->ntiles, sizeof(double *), "tiles");
+    return blocks_make(g->forest, 1, &d->warm);
 }
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
     double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark, d->warm};
     for (int i = 0; i < 8; i++) blocks_free(g->forest, blocks[i]);
-    free(d->part);
 }
 
 static int lines_of(const struct gas *g, enum diffusing what) {
@@ -69,18 +67,18 @@ ALWAYS_INLINE double harmonic(double a, double b) {
     return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
 }
 
-/* Faces above n cells; `trace`: 2/d */
+/* Faces below n cells; `trace`: 2/d */
 KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
                                      const double *restrict bulk, const double *restrict shear,
                                      const double *restrict heat, double *restrict face) {
     const double per = 1 / width, square = per * per;
     for (int i = 0; i < n; i++) {
-        double mu = harmonic(shear[i], shear[i + step]), lambda = harmonic(bulk[i], bulk[i + step]) - trace * mu;
+        double mu = harmonic(shear[i - step], shear[i]), lambda = harmonic(bulk[i - step], bulk[i]) - trace * mu;
         face[NORMAL * size + i] = square * (lambda + 2 * mu);
         face[CROSS * size + i] = per * lambda;
         face[SHEAR * size + i] = square * mu;
         face[TWIST * size + i] = per * mu;
-        face[CONDUCTION * size + i] = square * harmonic(heat[i], heat[i + step]);
+        face[CONDUCTION * size + i] = square * harmonic(heat[i - step], heat[i]);
     }
 }
 
@@ -95,9 +93,9 @@ static void tile_faces(struct gas *g, int tile) {
     const double trace = g->models.material.disks ? 1 : 2. / 3;
     for (int axis = 0; axis < g->dim; axis++) {
         double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
-        for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
-            for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
-                long at = row_at(f, j, k) - (axis == 0);
+        for (int k = 0; k < n[2] + (axis == 2); k++)
+            for (int j = 0; j < n[1] + (axis == 1); j++) {
+                long at = row_at(f, j, k);
                 face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
                                   w->c + at, w->gruneisen + at, face + at);
             }
@@ -108,8 +106,8 @@ static void tile_faces(struct gas *g, int tile) {
 KERNEL static void add_rates(int n, long step, long size, const double *restrict face, double (*restrict sum)[BATCH]) {
     const double *restrict normal = face + NORMAL * size, *restrict heat = face + CONDUCTION * size;
     for (int i = 0; i < n; i++) {
-        sum[0][i] += normal[i - step] + normal[i];
-        sum[1][i] += heat[i - step] + heat[i];
+        sum[0][i] += normal[i] + normal[i + step];
+        sum[1][i] += heat[i] + heat[i + step];
     }
 }
 
@@ -178,7 +176,7 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
     const double width = f->width[e->normal], *U = context;
     double *faces = g->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
     double rho[BATCH], T[BATCH], d[BATCH], heat[BATCH], share[BATCH];
-    const long face = e->to < e->from ? e->to : e->from;
+    const long face = e->to > e->from ? e->to : e->from;
     if (!wall_conducts(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step;
@@ -194,7 +192,7 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
-    forest_fill(g->forest, g->nvar, Y0->block);
+    forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
         struct coefficients v = {g, Y0->block[t], g->diffuser.warm[t]};
         ghosts_of_patches(g, t, Y0->block[t]);
@@ -214,7 +212,7 @@ static void ahead_visit(void *context, long offset, int n) {
 
 void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
     const struct forest *f = g->forest;
-    forest_fill(g->forest, g->nvar, to->block);
+    forest_fill_layers(g->forest, 1, g->nvar, to->block);
     for (int t = 0; t < f->ntiles; t++) {
         struct coefficients v = {g, to->block[t], g->diffuser.warm[t]};
         ghosts_of_patches(g, t, to->block[t]);
@@ -299,32 +297,35 @@ static void gradient_edge(struct gas *g, int tile, const struct edge *e, const v
     }
 }
 
-ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = (q[i + step] - q[i - step]) * quarter;
+/* Half of a central difference; quarter: 1/(4 h) */
+ALWAYS_INLINE double half_derivative(const double *q, long step, double quarter) {
+    return (q[step] - q[-step]) * quarter;
 }
 
-KERNEL static void tile_gradients(const struct forest *f, const int *n, const double *restrict S,
-                                  double *restrict out) {
-    const int vectors = padded(n[0]);
-    for (int k = 0; k < n[2]; k++)
-        for (int j = 0; j < n[1]; j++)
-            for (int line = 0; line < f->dim * f->dim; line++) {
-                const long at = f->first + j * f->stride[1] + k * f->stride[2];
-                const int along = line / f->dim;
-                gradient_row(vectors, f->stride[along], 0.25 / f->width[along], S + line % f->dim * f->size + at,
-                             out + line * f->size + at);
+/* Of the cells along the sides, for the ghosts beyond these: the derivatives along a side. */
+static void side_gradients(const struct forest *f, const struct tile *t, const double *S, double *out) {
+    for (int side = 0; side < 2 * f->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        const long first = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0), step = f->stride[across];
+        for (int line = 0; line < f->dim * f->dim; line++) {
+            const int along = line / f->dim;
+            const double quarter = 0.25 / f->width[along];
+            for (int k = 0; along != axis && k < t->n[deep]; k++) {
+                const long at = first + k * f->stride[deep];
+                const double *q = S + line % f->dim * f->size + at;
+                double *to = out + line * f->size + at;
+                for (int i = 0; i < t->n[across]; i++)
+                    to[i * step] = half_derivative(q + i * step, f->stride[along], quarter);
             }
+        }
+    }
 }
 
 static void find_gradients(struct gas *g) {
     const struct forest *f = g->forest;
     struct diffuser *d = &g->diffuser;
-    const int all = g->dim * g->dim, each = all <= FILL_VARIABLES ? all : g->dim;
-    for (int t = 0; t < f->ntiles; t++) tile_gradients(f, f->tile[t].n, d->sum[d->last][t], d->gradient[t]);
-    for (int from = 0; from < all; from += each) {
-        for (int t = 0; t < f->ntiles; t++) d->part[t] = d->gradient[t] + from * f->size;
-        forest_fill_layers(g->forest, 1, each, d->part);
-    }
+    for (int t = 0; t < f->ntiles; t++) side_gradients(f, &f->tile[t], d->sum[d->last][t], d->gradient[t]);
+    forest_fill_derivatives(g->forest, d->gradient);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
 }
 
@@ -385,7 +386,7 @@ ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const dou
     for (int axis = 0; axis < dim; axis++) {
         const double *heat = face + (FACE_LINES * axis + CONDUCTION) * size;
         const long step = stride[axis];
-        const double here = heat[0] * (S[step] - S[0]) - heat[-step] * (S[0] - S[-step]);
+        const double here = heat[step] * (S[step] - S[0]) - heat[0] * (S[0] - S[-step]);
         sum = axis ? sum + here : here;
     }
     return sum;
@@ -422,77 +423,115 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
         }
 }
 
-/* Through the faces above n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
- * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face. */
+ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, step, quarter);
+}
+
+/* The gradients of a row of cells; of a row of ghosts, the derivatives along it. */
+ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, int j, int k, const double *S,
+                                 const double *ghosts, double *out) {
+    const long at = f->first + j * f->stride[1] + k * f->stride[2];
+    const int beyond = j < 0 || j >= n[1] ? 1 : k < 0 || k >= n[2] ? 2 : 0, vectors = padded(n[0]);
+    for (int line = 0; line < dim * dim; line++) {
+        const int along = line / dim;
+        const double *ghost = ghosts + line * f->size + at;
+        double *row = out + line * LINE + EDGE;
+        if (beyond) {
+            memcpy(row, ghost, (size_t)vectors * sizeof *row);
+        } else {
+            gradient_row(vectors, f->stride[along], 0.25 / f->width[along], S + line % dim * f->size + at, row);
+            row[-1] = ghost[-1];
+            row[n[0]] = ghost[n[0]];
+        }
+    }
+}
+
+/* Through the faces below n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
+ * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face; low, high: the
+ * gradients on both sides. */
 ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, long step, long size, const double *restrict face,
-                                 const double *restrict gradient, const double *restrict S,
+                                 const double *restrict low, const double *restrict high, const double *restrict S,
                                  double (*restrict out)[LINE]) {
     const double *u = S + axis * size;
     for (int i = 0; i < n; i++) {
-        double stress = face[NORMAL * size + i] * (u[i + step] - u[i]), side = 0;
-        for (int t = 0; t < dim; t++) {
-            const double *q = gradient + (t * dim + t) * size + i;
-            if (t != axis) side += q[0] + q[step];
-        }
+        double stress = face[NORMAL * size + i] * (u[i] - u[i - step]), side = 0;
+        for (int t = 0; t < dim; t++)
+            if (t != axis) side += low[(t * dim + t) * LINE + i] + high[(t * dim + t) * LINE + i];
         if (dim > 1) stress += face[CROSS * size + i] * side;
-        double work = stress * (0.5 * (u[i] + u[i + step]));
+        double work = stress * (0.5 * (u[i - step] + u[i]));
         out[axis][i] = stress;
         for (int t = 0; t < dim; t++) {
-            const double *v = S + t * size + i, *q = gradient + (t * dim + axis) * size + i;
+            const double *v = S + t * size + i;
             if (t == axis) continue;
-            double shear = face[SHEAR * size + i] * (v[step] - v[0]) + face[TWIST * size + i] * (q[0] + q[step]);
-            work += shear * (0.5 * (v[0] + v[step]));
+            side = low[(t * dim + axis) * LINE + i] + high[(t * dim + axis) * LINE + i];
+            double shear = face[SHEAR * size + i] * (v[0] - v[-step]) + face[TWIST * size + i] * side;
+            work += shear * (0.5 * (v[-step] + v[0]));
             out[t][i] = shear;
         }
         if (ends) out[dim][i] = work;
     }
 }
 
-/* What a row gains by its faces: lines along axis 0, below and above it along the others. */
+/* What a cell gains by its faces: of lines along axis 0, and of those below and above it along the others. */
+ALWAYS_INLINE double gain(int dim, int i, const double *x, const double *y0, const double *y1, const double *z0,
+                          const double *z1) {
+    double sum = x[i + 1] - x[i];
+    if (dim > 1) sum += y1[i] - y0[i];
+    if (dim > 2) sum += z1[i] - z0[i];
+    return sum;
+}
+
 ALWAYS_INLINE void gain_row(int n, int dim, const double *restrict x, const double *restrict y0,
                             const double *restrict y1, const double *restrict z0, const double *restrict z1,
                             double *restrict out) {
-    for (int i = 0; i < n; i++) {
-        double sum = x[i + 1] - x[i];
-        if (dim > 1) sum += y1[i] - y0[i];
-        if (dim > 2) sum += z1[i] - z0[i];
-        out[i] = sum;
-    }
+    for (int i = 0; i < n; i++) out[i] = gain(dim, i, x, y0, y1, z0, z1);
 }
 
-ALWAYS_INLINE void next_row(int n, const double *restrict c, const double *restrict gain, const double *restrict light,
-                            const double *restrict start, const double *restrict last, double *restrict next) {
-    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
+ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const double *restrict x,
+                            const double *restrict y0, const double *restrict y1, const double *restrict z0,
+                            const double *restrict z1, const double *restrict light, const double *restrict start,
+                            const double *restrict last, double *restrict next) {
+    for (int i = 0; i < n; i++)
+        next[i] = next_sum(c, last[i], next[i], gain(dim, i, x, y0, y1, z0, z1), light[i], start[i]);
 }
 
-/* Faces above and below a row along axis 1 serve two rows: those of odd and even rows in turn. */
+/* Gradients of a row, and faces below it along axis 1, serve two rows: those of odd and even rows in turn. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = &s->g->diffuser;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = dim + ends;
-    const long size = f->size, across = FACE_LINES * size, *stride = f->stride;
-    double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
-    const double *face = d->face[s->tile], *gradient = d->gradient[s->tile];
+    const long size = f->size, *stride = f->stride;
+    _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
+    _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
+    const double *face = d->face[s->tile], *ghosts = d->gradient[s->tile];
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
-            const long at = f->first + j * stride[1] + k * stride[2], under = at - stride[2];
-            if (dim > 1)
-                viscous_faces(vectors, dim, 1, ends, stride[1], size, face + across + at, gradient + at, s->S + at,
-                              y[j & 1]);
+            const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
+            double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
+                   (*high)[LINE] = y[(j + 1) & 1];
+            if (j >= 0)
+                viscous_faces(padded(n[0] + 1), dim, 0, ends, 1, size, face + at, here + EDGE - 1, here + EDGE,
+                              s->S + at, x);
+            else
+                row_gradients(f, n, dim, j, k, s->S, ghosts, here);
+            if (dim > 1) {
+                row_gradients(f, n, dim, j + 1, k, s->S, ghosts, next);
+                viscous_faces(vectors, dim, 1, ends, stride[1], size, face + FACE_LINES * size + above, here + EDGE,
+                              next + EDGE, s->S + above, high);
+            }
             if (j < 0) continue;
-            viscous_faces(padded(n[0] + 1), dim, 0, ends, 1, size, face + at - 1, gradient + at - 1, s->S + at - 1, x);
-            if (dim > 2) {
-                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * across + under, gradient + under,
-                              s->S + under, z[0]);
-                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * across + at, gradient + at, s->S + at,
-                              z[1]);
+            for (int i = 0; dim > 2 && i < 2; i++) {
+                const long top = at + i * stride[2];
+                row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, outer[i]);
+                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * FACE_LINES * size + top,
+                              (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
             }
-            for (int v = 0; v < lines; v++) {
-                gain_row(vectors, dim, x[v], y[(j + 1) & 1][v], y[j & 1][v], z[0][v], z[1][v], M[v]);
-                if (!ends)
-                    next_row(vectors, s->c, M[v], d->light[s->tile] + at, d->start[s->tile] + v * size + at,
-                             s->S + v * size + at, s->next + v * size + at);
-            }
+            for (int v = 0; v < lines; v++)
+                if (ends)
+                    gain_row(vectors, dim, x[v], low[v], high[v], z[0][v], z[1][v], M[v]);
+                else
+                    next_row(vectors, dim, s->c, x[v], low[v], high[v], z[0][v], z[1][v], d->light[s->tile] + at,
+                             d->start[s->tile] + v * size + at, s->S + v * size + at, s->next + v * size + at);
             if (ends) end_row(s, at, n[0], M);
         }
 }
@@ -543,12 +582,12 @@ static void plain_faces(struct gas *g, int tile) {
     const int *n = f->tile[tile].n;
     const double *flag = g->flag[tile];
     for (int axis = 0; axis < g->dim; axis++)
-        for (int k = axis == 2 ? -1 : 0; k < n[2]; k++)
-            for (int j = axis == 1 ? -1 : 0; j < n[1]; j++) {
+        for (int k = 0; k < n[2] + (axis == 2); k++)
+            for (int j = 0; j < n[1] + (axis == 1); j++) {
                 const long at = row_at(f, j, k);
                 double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
-                for (long i = at - (axis == 0); i < at + n[0]; i++)
-                    if (flag[i] + flag[i + f->stride[axis]] > 0)
+                for (long i = at; i < at + n[0] + (axis == 0); i++)
+                    if (flag[i - f->stride[axis]] + flag[i] > 0)
                         face[CROSS * f->size + i] = face[TWIST * f->size + i] = 0;
             }
 }

@@ -55,12 +55,15 @@ void forest_free(struct forest *f);
  * start sends what other ranks need; fill_tile fills the layers of one tile, as often as wanted until the next start:
  * tiles that are not remote at once, the others after finish. data and its cells must stay until then. Sides between my
  * tiles where leave[side] is set (leave may be NULL) are left alone, too.
- * forest_fill does all of it; forest_fill_layers only for the first layers (1 .. GHOSTS) beyond each side. */
+ * forest_fill does all of it; forest_fill_layers only for the first layers (1 .. GHOSTS) beyond each side.
+ * forest_fill_derivatives does it for one layer of dim * dim variables, of which those at k dim + c are derivatives
+ * along axis k: these stay as they are beyond the sides of that axis. */
 void forest_fill_start(struct forest *f, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
 void forest_fill_tile(const struct forest *f, int t, const bool *leave);
 void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
+void forest_fill_derivatives(struct forest *f, double *const *data);
 
 /* Moves values of cells between tiles and the polyMesh's order. gather: root's all[ncells_all] <- every tile's cells
  * (others: NULL). scatter: from an array [ncells_all] that every rank holds; local. */

@@ -168,13 +168,20 @@ static bool trim(const struct forest *f, int layers, struct copy *c, long *inner
     return true;
 }
 
-static void fill_start(struct forest *f, int layers, int nvar, double *const *data) {
+/* Where variable v of those that a box takes stands in a block. */
+static long line_of(const struct forest *f, const struct copy *c, int v) {
+    const int axis = c->side / 2;
+    return (f->hidden->derivatives && v >= axis * f->dim ? v + f->dim : v) * f->size;
+}
+
+static void fill_start(struct forest *f, int layers, bool derivatives, int nvar, double *const *data) {
     struct forest_private *h = f->hidden;
     if (nvar > FILL_VARIABLES) {
         fprintf(stderr, "forest_fill_start: %d variables at once, at most %d\n", nvar, FILL_VARIABLES);
         abort();
     }
     h->layers = layers;
+    h->derivatives = derivatives;
     h->nvar = nvar;
     h->data = data;
     for (int i = 0; i < h->pack.n; i++) {
@@ -184,13 +191,13 @@ static void fill_start(struct forest *f, int layers, int nvar, double *const *da
         packed_strides(c.n, stride);
         for (int v = 0; v < nvar; v++)
             copy_box(h->link[c.link].out + c.to_start * layers * nvar + v * cells_of(c.n), stride,
-                     data[c.from] + v * f->size + c.from_start + inner, f->stride, c.n);
+                     data[c.from] + line_of(f, &c, v) + c.from_start + inner, f->stride, c.n);
     }
     comm_exchange_start(h->exchange, layers * nvar);
 }
 
 void forest_fill_start(struct forest *f, int nvar, double *const *data) {
-    fill_start(f, GHOSTS, nvar, data);
+    fill_start(f, GHOSTS, false, nvar, data);
 }
 
 void forest_fill_finish(struct forest *f) {
@@ -205,9 +212,10 @@ void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
         if ((leave && c.link < 0 && leave[c.side]) || !trim(f, h->layers, &c, &inner)) continue;
         packed_strides(c.n, packed);
         for (int v = 0; v < h->nvar; v++) {
-            double *to = h->data[t] + v * f->size + c.to_start + inner;
+            const long line = line_of(f, &c, v);
+            double *to = h->data[t] + line + c.to_start + inner;
             if (c.link < 0)
-                copy_box(to, f->stride, h->data[c.from] + v * f->size + c.from_start + inner, f->stride, c.n);
+                copy_box(to, f->stride, h->data[c.from] + line + c.from_start + inner, f->stride, c.n);
             else
                 copy_box(to, f->stride, h->link[c.link].in + c.from_start * h->layers * h->nvar + v * cells_of(c.n),
                          packed, c.n);
@@ -215,12 +223,20 @@ void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
     }
 }
 
-void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data) {
-    fill_start(f, layers, nvar, data);
+static void fill_all(struct forest *f, int layers, bool derivatives, int nvar, double *const *data) {
+    fill_start(f, layers, derivatives, nvar, data);
     forest_fill_finish(f);
     for (int t = 0; t < f->ntiles; t++) forest_fill_tile(f, t, NULL);
 }
 
 void forest_fill(struct forest *f, int nvar, double *const *data) {
-    forest_fill_layers(f, GHOSTS, nvar, data);
+    fill_all(f, GHOSTS, false, nvar, data);
+}
+
+void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data) {
+    fill_all(f, layers, false, nvar, data);
+}
+
+void forest_fill_derivatives(struct forest *f, double *const *data) {
+    fill_all(f, 1, true, f->dim * (f->dim - 1), data);
 }

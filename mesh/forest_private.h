@@ -37,6 +37,7 @@ struct forest_private {
     long *arriving;         /* [ranks] while the plan is made: doubles of a link's incoming message so far */
     struct comm_exchange *exchange;
     int layers, nvar; /* of the fill under way */
+    bool derivatives;
     double *const *data;
 };
 

@@ -129,6 +129,7 @@ struct fixture {
     struct polymesh m;
     struct forest *f;
     int nvar, layers; /* that are to be filled */
+    bool derivatives;
     double **data;
 };
 
@@ -185,6 +186,7 @@ static double expected(const struct fixture *x, const struct tile *tile, const i
     }
     if (outside > 1) return absent;
     if (outside == 0) return value(x, at, v);
+    if (x->derivatives && v / x->f->dim == side / 2) return absent;
     int n = x->scene->n[side / 2];
     at[side / 2] = (at[side / 2] + GHOSTS * n) % n;
     return tile->side[side].patch >= 0 ? absent : value(x, at, v);
@@ -225,6 +227,21 @@ static void ghost_layers_hold_the_cells_beyond(void **state) {
             }
             end(&x);
         }
+}
+
+static void derivatives_stay_beyond_sides_of_their_axis(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 9);
+        x.nvar = x.f->dim * x.f->dim;
+        x.layers = 1;
+        x.derivatives = true;
+        set_cells(&x);
+        forest_fill_derivatives(x.f, x.data);
+        for (int t = 0; t < x.f->ntiles; t++) check_block(&x, t);
+        end(&x);
+    }
 }
 
 static void only_remote_tiles_wait_for_finish(void **state) {
@@ -419,6 +436,7 @@ int main(int argc, char **argv) {
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ghost_layers_hold_the_cells_beyond),
+        cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),
         cmocka_unit_test(gather_undoes_scatter),
