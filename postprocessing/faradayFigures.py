@@ -12,8 +12,8 @@ passes its middle upwards and the grains lie compressed on it. Writes to FOLDER
     mach.png       Mach number and height where the packing is 5 %, there and where a valley lies (Fig. 5)
     momentum.png   momentum over packing at four moments (Figs. 7, 8)
 
-and prints the numbers. Of the gas one pair of periods is shown in pictures, its last; of the grains the packing of a moment.
-Profiles are means over all pairs, of the columns where a heap (a valley) lies at the first moment of each; U and T of a row
+and prints the numbers. Pictures show the last pair of periods of the gas, and the mean of the last ten of the grains (the paper: of 25),
+whose wave wanders. Profiles are means over all pairs, of the columns where a heap (a valley) lies at the first moment of each; U and T of a row
 are those of all mass in it.
 """
 import argparse
@@ -30,36 +30,41 @@ NAMES = ("gas", "grains")
 
 
 class Run:
-    """A row's case: pairs of cycles from `first` on, with heaps and with valleys."""
+    """A row's case: pairs of cycles from `first` on, with heaps and with valleys; pictures are means of the last `many`."""
 
-    def __init__(self, path, first):
+    def __init__(self, path, first, many):
         self.layer = faraday.Layer(path)
         self.gas = disks.Disks.of(path)
         self.mode, self.heaps = faraday.pairs(self.layer, first)
         self.valleys = faraday.pairs(self.layer, first, heaps=False)[1]
         self.phases = sorted(self.heaps[0][0])
+        self.pairs = [names for names, _ in self.heaps[-many:]]
 
     def profile(self, phase, valleys=False):
         chosen = self.valleys if valleys else self.heaps
         return self.layer.profile([names[phase] for names, _ in chosen], [mask for _, mask in chosen])
 
     def origin(self):
-        """Index of the column where a heap lies at the start of the last pair: pictures begin half a wave before."""
-        names, _ = self.heaps[-1]
-        c = faraday.modes(self.layer.mass(names[0])[None])[0]
+        """Index of the column half a wave before a heap at the start of the pairs shown: pictures begin there."""
+        c = faraday.modes(np.array([self.layer.mass(names[0]) for names in self.pairs]).mean(axis=0)[None])[0]
         place = -np.angle(c[self.mode]) / (2 * np.pi) * self.layer.length / self.mode
         return int(np.searchsorted(self.layer.x, (place - 0.5 * self.layer.length / self.mode) % self.layer.length))
 
-    def shown(self, name, phase):
-        """A field of the last pair [x][up], from the origin on."""
-        return np.roll(self.layer.field(name, self.heaps[-1][0][phase])[:, :, 0], -self.origin(), axis=0)
+    def shown(self, phase, momentum=False):
+        """Mean packing [x][up], or momentum along x and up times it [2][x][up], from the origin on."""
+        layer, sum = self.layer, 0
+        for names in self.pairs:
+            alpha = layer.field("alpha", names[phase])[:, :, 0]
+            U = layer.field("U", names[phase])[:, :, 0] if momentum else None
+            sum = sum + (np.stack([alpha * U[:, :, k] for k in (layer.along, layer.up)]) if momentum else alpha)
+        return np.roll(sum / len(self.pairs), -self.origin(), axis=1 if momentum else 0)
 
 
 def patterns(runs, folder):
     fig, axes = figures.panels(8, 2, width=7.2, height=0.95)
     for row, phase in enumerate(runs[0].phases):
         for ax, run, name in zip(axes[row], runs, NAMES):
-            ax.pcolormesh(run.layer.x, run.layer.y, run.shown("alpha", phase).T, cmap="magma_r", vmin=0, vmax=0.82, rasterized=True)
+            ax.pcolormesh(run.layer.x, run.layer.y, run.shown(phase).T, cmap="magma_r", vmin=0, vmax=0.82, rasterized=True)
             ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal", xticks=[] if row < 7 else np.arange(0, WIDTH + 1, 40))
             figures.label(ax, "", "", f"{name}, $t$ = {phase:g} $T$")
     figures.save(fig, os.path.join(folder, "patterns.png"))
@@ -100,16 +105,13 @@ def mach(runs, folder):
 
 
 def momentum(runs, folder):
-    """Arrows of alpha U, in one scale, from every second column and third row; means of all pairs of the grains would
-    blur a wave that moves, so one pair is shown of both."""
+    """Arrows of packing times velocity, in one scale, from every second cell both ways."""
     fig, axes = figures.panels(4, 2, width=7.2, height=1.25)
     greatest = {}
     for row, phase in enumerate(runs[0].phases[::2]):
         for ax, run, name in zip(axes[row], runs, NAMES):
-            layer, alpha = run.layer, run.shown("alpha", phase)
-            U = np.stack([np.roll(layer.field("U", run.heaps[-1][0][phase])[:, :, 0, k], -run.origin(), axis=0) for k in (layer.along, layer.up)])
-            m = alpha * U
-            ax.pcolormesh(layer.x, layer.y, alpha.T, cmap="Greys", vmin=0, vmax=1.2, rasterized=True)
+            layer, m = run.layer, run.shown(phase, momentum=True)
+            ax.pcolormesh(layer.x, layer.y, run.shown(phase).T, cmap="Greys", vmin=0, vmax=1.2, rasterized=True)
             cells = np.s_[:, ::2, ::2]
             ax.quiver(layer.x[::2], layer.y[::2], m[cells][0].T, m[cells][1].T, scale=20 * np.sqrt(GRAVITY), width=1.2e-3, color=figures.COLOURS[1])
             ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal")
@@ -128,7 +130,7 @@ def main():
     parser.add_argument("-grains", dest="first_grains", type=float, default=20, metavar="CYCLE")
     o = parser.parse_args()
     os.makedirs(o.folder, exist_ok=True)
-    runs = [Run(o.gas, o.first_gas), Run(o.grains, o.first_grains)]
+    runs = [Run(o.gas, o.first_gas, 1), Run(o.grains, o.first_grains, 10)]
     for draw in (patterns, profiles, mach, momentum):
         draw(runs, o.folder)
 

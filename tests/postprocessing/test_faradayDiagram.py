@@ -14,6 +14,7 @@ SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirn
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
 import faradayDiagram  # noqa: E402
+import faradayOnset  # noqa: E402
 import faradayRows  # noqa: E402
 import haff  # noqa: E402
 
@@ -66,7 +67,7 @@ class Driver(unittest.TestCase):
         with open(path) as f:
             text = f.read()
         with open(path, "w") as f:  # 25 x 15 cells
-            f.write(text.replace("= L/2 + 1", "= L/10 + 1").replace("= H + 1", "= H/2 + 1"))
+            f.write(text.replace("= L/W + 1", "= L/10 + 1").replace("= H + 1", "= H/2 + 1"))
 
     def tearDown(self):
         shutil.rmtree(self.folder)
@@ -98,6 +99,32 @@ class Driver(unittest.TestCase):
             self.assertEqual(len(re.findall(r"^end at time", f.read(), re.M)), 2)
         for key in ("wavelength", "contrast", "flip", "amplitude", "growth", "meanHeight", "state"):
             self.assertEqual(first[0][key], second[0][key], key)
+
+
+class Onset(unittest.TestCase):
+    def test_line(self):
+        rows = [{"Gamma": 2.0, "width": 2.0, "warm": 0.0, "A_sigma": a, "wave": w, "growth": g}
+                for a, w, g in ((1.5, 20, 0.9), (1.5, 30, 0.8), (1.7, 20, 1.0), (1.7, 30, 1.1), (1.9, 30, 1.3))]
+        line = faradayOnset.fastest(rows, 2.0, 2.0, 0.0)
+        self.assertEqual(line, [(1.5, 0.9, 20), (1.7, 1.1, 30), (1.9, 1.3, 30)])
+        self.assertAlmostEqual(faradayOnset.onset(line), 1.5 + 0.2 * np.log(1 / 0.9) / np.log(1.1 / 0.9))
+        self.assertTrue(np.isnan(faradayOnset.onset(line[1:])))
+        self.assertAlmostEqual(faradayRows.acceleration(1.85, faradayOnset.frequency(2.25, 1.85)), 2.25)
+
+    def test_driver(self):
+        """A wave high above the onset grows and turns over; its run stands in the table and is not done again."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            command = [sys.executable, os.path.join(SOURCE, "postprocessing", "faradayOnset.py"), folder, "-gamma", "2.75", "-A", "5.57",
+                       "-waves", "38", "-cycles", "7", "-settle", "4", "-jobs", "1"]
+            for n in range(2):
+                done = subprocess.run(command, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertNotIn("1/1", done.stdout)
+            rows = faradayOnset.table(folder)
+            self.assertEqual(len(rows), 1)
+            self.assertLess(abs(rows[0]["growth"] - 1.65), 0.1)
+            self.assertLess(rows[0]["flip"], -0.7)
+            self.assertTrue(os.path.exists(os.path.join(folder, "faradayOnset.png")))
 
 
 if __name__ == "__main__":
