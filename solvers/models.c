@@ -352,15 +352,15 @@ void models_list(FILE *f) {
 void boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++) {
         const struct boundary_type *b = &boundary_table[i];
-        fprintf(f, "  %-14s %-16s %s%s%s\n", b->name,
+        fprintf(f, "  %-24s %-11s %s%s%s\n", b->name,
                 b->scalar && b->vector ? "scalars, U"
                 : b->vector            ? "U"
                                        : "scalars",
                 b->about, b->value ? "; needs " : "", b->value ? b->value : "");
     }
-    fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
-    fprintf(f, "  %-14s %-16s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
-    fprintf(f, "  %-14s %-16s %s\n", "calculated", "scalars", "in a written field that is not read again");
+    fprintf(f, "  %-24s %-11s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
+    fprintf(f, "  %-24s %-11s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
+    fprintf(f, "  %-24s %-11s %s\n", "calculated", "scalars", "in a written field that is not read again");
 }
 
 static void print_values(FILE *f, const struct param *table, int n, const void *base) {

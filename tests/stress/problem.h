@@ -17,6 +17,11 @@ struct point { /* of the gas */
     double alpha, p, u[3];
 };
 
+struct wall { /* of a closed side; NULL: slip and zeroGradient */
+    const char *velocity, *temperature;
+    double along, value; /* its velocity along the second axis, or along the first if it stands across that one */
+};
+
 struct problem {
     int family;
     uint64_t seed;
@@ -30,6 +35,11 @@ struct problem {
     struct material material;
     const struct eos *eos;
     struct sources source;
+    const struct transport *transport; /* and what it needs; on lattices only */
+    struct transport_numbers numbers;
+    const struct diffusion *diffusion;
+    double alpha_floor;
+    struct wall wall[6];
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
 
     double p0;               /* pressure scale, Pa */
@@ -40,7 +50,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 13 };
+enum { FAMILIES = 14 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);

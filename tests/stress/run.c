@@ -23,6 +23,12 @@ static bool is_periodic(const struct problem *p, int axis) {
     return p->edge == PERIODIC && !(axis == 0 && p->walls_along);
 }
 
+static void set_wall(const struct wall *w, int axis, struct patch_rules *rules) {
+    rules->velocity = (struct rule){.type = boundary_find(w->velocity)};
+    rules->velocity.uniform[axis == 0] = w->along;
+    rules->temperature = (struct rule){.type = boundary_find(w->temperature), .uniform = {w->value}};
+}
+
 static void set_models(struct scene *s, const struct scheme *scheme) {
     const struct problem *p = s->problem;
     s->models = (struct gas_models){.material = p->material,
@@ -32,11 +38,16 @@ static void set_models(struct scene *s, const struct scheme *scheme) {
                                     .reconstruct = reconstruct_find(scheme->reconstruct),
                                     .stepper = stepper_find(scheme->stepper),
                                     .polynomial = polynomial_find(scheme->polynomial),
+                                    .transport = p->transport,
+                                    .numbers = p->numbers,
+                                    .diffusion = p->diffusion,
+                                    .alpha_floor = p->alpha_floor,
                                     .skip_uniform = true};
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along);
         s->rules[i].density.type = s->rules[i].temperature.type = boundary_find("zeroGradient");
         s->rules[i].velocity.type = boundary_find(open ? "zeroGradient" : "slip");
+        if (!open && p->wall[i].velocity) set_wall(&p->wall[i], i / 2, &s->rules[i]);
     }
 }
 
@@ -192,17 +203,39 @@ static status look_at_end(const struct scene *s, struct outcome *out) {
 #define ROUNDINGS 4
 #define EPS       0x1p-52
 
-static void judge_budget(const struct problem *p, const struct watch *w, struct outcome *out) {
+/* What walls do to what is conserved. */
+struct exchange {
+    bool drag;       /* of momentum */
+    bool work, loss; /* of energy: either way; to the walls only */
+};
+static struct exchange exchange_of(const struct scene *s) {
+    struct exchange e = {false, false, false};
+    for (int i = 0; i < 2 * s->problem->dim; i++) {
+        const struct patch_rules *r = &s->rules[i];
+        if (is_periodic(s->problem, i / 2) || !r->velocity.type->reflects) continue;
+        e.drag |= r->velocity.type->drags;
+        e.work |= r->velocity.type->value || (r->temperature.type->value && !r->temperature.type->absorbs);
+        e.loss |= r->temperature.type->absorbs;
+    }
+    return e;
+}
+
+static void judge_budget(const struct scene *s, const struct watch *w, struct outcome *out) {
+    const struct problem *p = s->problem;
     const struct budget *b = &w->budget;
     const bool closed = p->edge != OPEN_ENDED;
+    const struct exchange e = exchange_of(s);
     const long double bound[3] = {ROUNDINGS * EPS * b->rounding[0], ROUNDINGS * EPS * b->rounding[1],
                                   ROUNDINGS * EPS * b->rounding[2]};
     for (int q = 0; q < CONSERVED; q++) out->drift[q] = out->relative[q] = -1;
     for (int v = 0; v < p->dim + 2; v++) {
         int q = v == 0 ? MASS : v <= p->dim ? MOMENTUM : ENERGY;
-        if (!closed || (q == MOMENTUM && !is_periodic(p, v - 1))) continue;
+        if (!closed || (q == MOMENTUM && (!is_periodic(p, v - 1) || e.drag || out->counts.filled))) continue;
+        if (q == ENERGY && e.work) continue;
         long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy : 0); /* of the floor */
-        long double off = fabsl(b->now[v] - b->start[v] - gain);
+        if (q != MOMENTUM) gain += out->counts.fill[q == ENERGY];
+        long double off = b->now[v] - b->start[v] - gain;
+        off = q == ENERGY && e.loss && off < 0 ? 0 : fabsl(off);
         out->drift[q] = fmax(out->drift[q], (double)(off / bound[q]));
         out->relative[q] = fmax(out->relative[q], (double)(off / b->magnitude[q]));
     }
@@ -226,7 +259,7 @@ static void judge(const struct scene *s, const struct run_options *o, const stru
     char why[200];
     if (out->verdict == COLLAPSED && !may_collapse(s->problem, out)) out->verdict = FAILED;
     if (o->bare || comm_size(s->comm) > 1 || out->verdict == FAILED) return;
-    judge_budget(s->problem, w, out);
+    judge_budget(s, w, out);
     for (int q = 0; q < CONSERVED; q++) {
         if (!(out->drift[q] > 1) && !isnan(out->drift[q])) continue;
         snprintf(why, sizeof why, "%s is off by %.3g of itself, %.3g times what rounding explains", names[q],

@@ -112,15 +112,47 @@ static void before_visit(void *context, long cell, double volume, const double U
     for (int v = 0; v < s->g->nvar; v++) s->w->before[MAX_VAR * cell + v] = U[v];
 }
 
+/* Torquato's contact value of disks or its derivatives on one of its branches (shared/physics.md 2.1). */
+static long double branch(bool dense, int derivative, long double nu, long double f, long double c) {
+    const long double chi = (1 - 0.436L * f) / ((1 - f) * (1 - f)) * (c - f) / (c - nu), r = 1 - nu;
+    if (dense) return derivative == 0 ? chi : derivative == 1 ? chi / (c - nu) : 2 * chi / ((c - nu) * (c - nu));
+    if (derivative == 0) return (1 - 0.436L * nu) / (r * r);
+    if (derivative == 1) return (-0.436L * r + 2 * (1 - 0.436L * nu)) / (r * r * r);
+    return (-1.744L * r + 6 * (1 - 0.436L * nu)) / (r * r * r * r);
+}
+
+static long double torquato(const struct material *m, long double nu) {
+    const long double f = m->freezing, c = m->alpha_max, w = m->smoothing, h = 2 * w, t = (nu - f + w) / h;
+    if (t <= 0 || t >= 1) return branch(t >= 1, 0, nu, f, c);
+    const long double c0 = branch(false, 0, f - w, f, c), c1 = h * branch(false, 1, f - w, f, c),
+                      c2 = h * h * branch(false, 2, f - w, f, c) / 2, d0 = branch(true, 0, f + w, f, c) - c0 - c1 - c2,
+                      d1 = h * branch(true, 1, f + w, f, c) - c1 - 2 * c2,
+                      d2 = h * h * branch(true, 2, f + w, f, c) - 2 * c2;
+    const long double c3 = 10 * d0 - 4 * d1 + d2 / 2, c4 = -15 * d0 + 7 * d1 - d2, c5 = 6 * d0 - 3 * d1 + d2 / 2;
+    return c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))));
+}
+
+/* G = nu chi of disks, its tangent where packing is next. */
+static long double disks_contact(const struct material *m, long double nu, long double *condition) {
+    const long double c = m->alpha_max, last = EOS_PACKING * c;
+    *condition = 1 + c / (c - (nu < last ? nu : last));
+    if (nu < last) return nu * torquato(m, nu);
+    const long double chi = torquato(m, last);
+    return last * chi + (nu - last) * (chi + last * branch(true, 1, last, m->freezing, c));
+}
+
 /* 1 + B sqrt(T) dt/2 of Haff's law, and how much larger its rounding is than eps: 1 - x cancels near packing. */
 static long double slowing(const struct gas *g, double dt, double rho, long double eps, long double *condition) {
     const struct material *m = &g->models.material;
     const long double pi = 3.14159265358979323846L;
     long double nu = pi / 6 * rho * m->diameter * m->diameter * m->diameter / m->mass, a = 4 * m->alpha_max / 3.0L;
     long double free = g->models.eos->bounded ? 1 - powl(nu / m->alpha_max, a) : 1, T = (m->gamma - 1) * eps;
+    long double contact = nu / free;
     *condition = 1 + a / free;
+    if (m->disks) contact = disks_contact(m, pi / 4 * rho * m->diameter * m->diameter / m->mass, condition);
     if (!g->models.source.cooling || m->restitution >= 1 || T <= 0) return 1;
-    long double loss = 12 / sqrtl(pi) * (1 - (long double)m->restitution * m->restitution) / m->diameter * (nu / free);
+    long double loss = 1 - (long double)m->restitution * m->restitution;
+    loss *= (m->disks ? 4 : 12) / sqrtl(pi) / m->diameter * contact;
     return 1 + (m->gamma - 1) * loss * sqrtl(T) * dt / 2;
 }
 
