@@ -283,6 +283,9 @@ static void disks_draw(struct problem *p, struct seed *s) {
     p->wave[0][1] = p->pattern;
     p->pattern = 1 + seed_below(s, 4);
     p->duration *= 0.5;
+    p->polyhedral = p->dim == 2 && seed_chance(s, 0.4);
+    p->shape = seed_below(s, 3) ? TRIANGLES : QUADS;
+    p->noise = seed_uniform(s, 0, 0.25);
 }
 
 static void disks_at(const struct problem *p, const struct place *where, struct point *out) {

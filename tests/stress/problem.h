@@ -35,7 +35,7 @@ struct problem {
     struct material material;
     const struct eos *eos;
     struct sources source;
-    const struct transport *transport; /* and what it needs; on lattices only */
+    const struct transport *transport; /* and what it needs */
     struct transport_numbers numbers;
     const struct diffusion *diffusion;
     double alpha_floor;
