@@ -264,9 +264,9 @@ static status integrate(const struct gas *g, const double *line, double *total) 
     return OK;
 }
 
-static status cells_totals(const struct gas *g, double totals[MAX_VAR]) {
+static status cells_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]) {
     double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
+    cells_lines(g, s, line);
     for (int v = 0; v < g->nvar; v++) TRY(integrate(g, line[v], &totals[v]));
     return OK;
 }

@@ -129,13 +129,17 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     const bool first = !heat_first && g->engine->diffusion_ahead;
     g->ahead = false;
     long repeats = 0, plain = 0;
+    audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < 2 * parts; i++)
+        for (int i = 0; i < 2 * parts; i++) {
             bad = cover(g, order[i % 2], i ? to : from, to, dt / parts, most[1 + order[i % 2]]);
+            audit_part(g, order[i % 2] == HEAT ? GAS_HEAT : GAS_FRICTION, to);
+        }
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
         repeats++;
+        audit_mark(g, true);
         plain = g->engine->diffusion_flags(g, true);
     }
     (void)g->engine->diffusion_flags(g, false);

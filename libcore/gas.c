@@ -90,6 +90,7 @@ status gas_make_mosaic(const struct grid *grid, const struct gas_models *models,
 void gas_free(struct gas *g) {
     if (!g) return;
     g->engine->free(g);
+    audit_free(g->audit);
     free(g);
 }
 
@@ -160,5 +161,5 @@ void first_place_share(const struct gas *g, const struct first_place *p, double 
 }
 
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
-    return g->engine->totals(g, totals);
+    return g->engine->totals(g, &g->U, totals);
 }

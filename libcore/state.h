@@ -2,6 +2,7 @@
 #ifndef LIBCORE_STATE_H
 #define LIBCORE_STATE_H
 
+#include "libcore/audit.h"
 #include "libcore/gas.h"
 #include "libcore/limit.h"
 
@@ -52,7 +53,7 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     status (*check)(const struct gas *g);
     void (*speed)(struct gas *g, struct gas_speed *speed); /* of this rank's cells */
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
-    status (*totals)(const struct gas *g, double totals[MAX_VAR]);
+    status (*totals)(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
     /* to = the sources applied to from, over dt; kick: the velocity gained. Returns the number of cells that are not
      * admissible then. */
     long (*sources)(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
@@ -161,10 +162,11 @@ struct gas {
     long floored; /* cells raised to the round-off floor by this attempt at a step, on this rank */
     double *raised; /* [nraised] J/m^3 of this attempt: of tiles, or of cells of the mosaic */
     int nraised;
-    long filled;        /* cells raised to the density floor by this attempt, on this rank */
-    double *fill[2];    /* [nraised] the mass and energy of that in the step's result, per m^3; NULL without a floor */
-    double share;       /* of what is added to a stage in that result */
-    long computed, all; /* cells times stages on this rank */
+    long filled;         /* cells raised to the density floor by this attempt, on this rank */
+    double *fill[2];     /* [nraised] the mass and energy of that in the step's result, per m^3; NULL without a floor */
+    double share;        /* of what is added to a stage in that result */
+    long computed, all;  /* cells times stages on this rank */
+    struct audit *audit; /* NULL: off */
 
     struct forest *forest; /* from here on: of the tiles */
     double **flag;         /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */

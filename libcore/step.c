@@ -17,7 +17,9 @@ enum {
 static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
     double kick[MAX_DIM];
     source_kick(&g->models.source, t, dt, kick);
-    return g->engine->sources(g, dt, kick, from, to);
+    const long bad = g->engine->sources(g, dt, kick, from, to);
+    audit_sources(g, kick, to);
+    return bad;
 }
 
 /* The largest of one number over the ranks. */
@@ -97,7 +99,10 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
     }
     if (sources) {
         *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
-        if (guarded) *bad = g->engine->floor(g, before);
+        if (guarded) {
+            *bad = g->engine->floor(g, before);
+            audit_part(g, GAS_FLOORS, before);
+        }
         U0 = before;
     }
     if (!g->models.transport) return U0;
@@ -110,7 +115,7 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
 static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
     const struct stepper *s = g->models.stepper;
     struct ending ending = {.sources = sources, .dt = 0.5 * dt};
-    const bool at_once = g->engine->last_stage && !g->models.transport;
+    const bool at_once = g->engine->last_stage && !g->models.transport && !g->audit;
     source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
@@ -121,8 +126,9 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
             bad += g->engine->stage(g, U0, from, &g->W, a, b);
         U0 = after_stage(g, U0, stage);
     }
+    audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, dt, bad)) bad++;
-    if (sources && !at_once) bad += g->engine->sources(g, 0.5 * dt, ending.kick, &g->V, &g->V);
+    if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
     if (!speed_share(g, &ending.speed, bad > 0)) {
         g->guarded = GUARDED;
         g->engine->clear_flags(g);
@@ -147,11 +153,14 @@ static bool guard_stages(struct gas *g, const struct state *U0, double t, double
         }
         U0 = after_stage(g, U0, stage);
     }
+    audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, dt, 0)) return false;
     if (!sources) return true;
     g->share = 1;
     bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
-    return !bad || !any_rank(g, g->engine->floor(g, &g->V));
+    if (bad) bad = any_rank(g, g->engine->floor(g, &g->V));
+    audit_part(g, GAS_FLOORS, &g->V);
+    return !bad;
 }
 
 static status count_fill(struct gas *g) {
@@ -220,6 +229,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (;;) {
         const bool guarded = g->guarded > 0;
         long bad;
+        audit_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         if (U0 && (guarded ? guard_stages : try_stages)(g, U0, t, *dt, sources, bad)) break;
         if (!guarded) {
@@ -239,7 +249,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         g->guarded--;
     }
     swap(&g->U, &g->V);
-    return OK;
+    return audit_keep(g);
 }
 
 struct gas_counts gas_counts(const struct gas *g) {

@@ -343,11 +343,11 @@ static void sum_visit(void *context, long offset, int n) {
     for (int i = 0; i < n; i++) s->sum += s->q[offset + i];
 }
 
-static status tiles_totals(const struct gas *g, double totals[MAX_VAR]) {
+static status tiles_totals(const struct gas *g, const struct state *state, double totals[MAX_VAR]) {
     for (int v = 0; v < g->nvar; v++) {
         for (int t = 0; t < g->forest->ntiles; t++) {
-            struct summing s = {.q = g->U.block[t] + v * g->forest->size};
-            activity_store_all(g, t, &g->U);
+            struct summing s = {.q = state->block[t] + v * g->forest->size};
+            activity_store_all(g, t, state);
             rows_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
             g->sums[t] = s.sum;
         }

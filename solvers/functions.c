@@ -30,6 +30,11 @@ static const struct function_type function_table[] = {
      .make = integral_make,
      .execute = integral_execute},
     {.name = "vtk", .about = "legacy VTK files in VTK/, with a .vtk.series", .make = vtk_make, .execute = vtk_execute},
+    {.name = "energyBudget",
+     .about = "mass and energy, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
+     .make = budget_make,
+     .execute = budget_execute,
+     .no_fields = true},
     {.name = "phaseAverage",
      .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
      .make = phases_make,
@@ -94,7 +99,7 @@ static status make_one(struct function *f, struct dict *d) {
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));
     TRY(dict_switch_or(d, "log", false, &f->log));
-    TRY(read_fields(f, d));
+    if (!f->type->no_fields) TRY(read_fields(f, d));
     TRY(f->type->make(f, d));
     for (int b = 0; b < f->setup->grid->nblocks; b++)
         if (f->setup->grid->block[b].ncells > largest) largest = f->setup->grid->block[b].ncells;

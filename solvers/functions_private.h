@@ -39,6 +39,7 @@ struct function_type {
     const char *name, *about;
     status (*make)(struct function *f, struct dict *d);
     status (*execute)(struct function *f, const struct moment *now, const char *time);
+    bool no_fields;   /* it takes none */
     bool with_fields; /* executed when the fields are written, if nothing else is said; else each step */
     /* Of averages, as in functions.h; NULL: none. */
     double (*next)(const struct function *f, double t);
@@ -67,6 +68,8 @@ status integral_make(struct function *f, struct dict *d);
 status integral_execute(struct function *f, const struct moment *now, const char *time);
 status vtk_make(struct function *f, struct dict *d);
 status vtk_execute(struct function *f, const struct moment *now, const char *time);
+status budget_make(struct function *f, struct dict *d);
+status budget_execute(struct function *f, const struct moment *now, const char *time);
 status phases_make(struct function *f, struct dict *d);
 status phases_execute(struct function *f, const struct moment *now, const char *time);
 double phases_next(const struct function *f, double t);

@@ -17,6 +17,7 @@ struct gas_state {
     struct gas_speed speed;   /* of the last plan */
     double totals[MAX_VAR];   /* at the start */
     struct gas_counts counts; /* at the last log entry */
+    bool audited;             /* a budget is kept */
 };
 static struct gas_state *of(const struct medium *m) {
     return (struct gas_state *)(uintptr_t)m;
@@ -290,6 +291,31 @@ static const char help[] =
     "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
     "MPI.\n";
 
+static const char *const budget_titles[] = {"mass",    "massFlow", "massFloor", "massResidual", "energy",
+                                            "cooling", "gravity",  "heat",      "wallWork",     "flow",
+                                            "floors",  "residual", NULL};
+static status gas_medium_budget(struct medium *m, double row[MAX_BUDGET]) {
+    struct gas_state *g = of(m);
+    struct gas_budget b;
+    if (!g->audited) TRY(gas_audit(g->gas));
+    g->audited = true;
+    TRY(gas_budget(g->gas, &b));
+    const double values[] = {b.mass,
+                             b.flowed,
+                             b.filled,
+                             b.lost[0],
+                             b.energy,
+                             b.gained[GAS_COOLING],
+                             b.gained[GAS_GRAVITY],
+                             b.gained[GAS_HEAT],
+                             b.gained[GAS_FRICTION],
+                             b.gained[GAS_FLOW],
+                             b.gained[GAS_FLOORS],
+                             b.lost[1]};
+    memcpy(row, values, sizeof values);
+    return OK;
+}
+
 const struct medium_type gas_medium = {
     .application = "granularGas",
     .help = help,
@@ -317,4 +343,6 @@ const struct medium_type gas_medium = {
     .gather = gas_gather,
     .present = gas_present,
     .patch = gas_patch,
+    .budget_titles = budget_titles,
+    .budget = gas_medium_budget,
 };

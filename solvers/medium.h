@@ -8,7 +8,7 @@
 #include "solvers/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 16 };
+enum { MAX_QUANTITIES = 16, MAX_BUDGET = 16 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
@@ -62,6 +62,10 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is it written? NULL: always */
     /* The entry that the start folder gives, or NULL: calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
+    /* What has changed mass and energy since the first call, by cause, as the titles say; NULL ends these. Collective.
+     * NULL: no such account is kept. */
+    const char *const *budget_titles;
+    status (*budget)(struct medium *m, double row[MAX_BUDGET]);
     /* Of a medium of grains, else NULL: the grains (n = 0: none to be written), to be freed; what besides fields a
      * restart needs, written into the folder of a time. The root's. */
     status (*cloud)(const struct medium *m, struct cloud *out);
