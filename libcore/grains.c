@@ -71,6 +71,7 @@ static void set_scales(struct grains *g) {
         g->pull[k] = k < g->dim ? fabs(g->law.gravity[k]) + fabs(g->box.shake[k]) * omega * omega : 0;
         all += g->pull[k];
     }
+    for (int k = 0; k < g->dim; k++) g->falls = g->falls || g->law.gravity[k] != 0;
     g->gentle = 1e-7 * sqrt(all * g->law.diameter);
 }
 

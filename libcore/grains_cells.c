@@ -65,6 +65,7 @@ static void set_rows(struct grains *g) {
                 int place = beyond ? q + side + 1 : (q + side + n) % n;
                 r->around[side + 1] = index_part(place, k, g->dim, stride);
             }
+            r->wraps = !beyond && (n < 5 || q == 0 || q == n - 1); /* of few the nearest image may lie behind others */
             r->edge[0] = beyond && q == 0 ? -HUGE_VAL : grains_cell_edge(c, k, q);
             r->edge[1] = beyond && q == n - 1 ? HUGE_VAL : grains_cell_edge(c, k, q + 1);
         }

@@ -55,7 +55,8 @@ struct found {
 /* The earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which is
  * before the other's own event; equal times by the partner. Grains may touch or overlap by round-off: then it is now if
  * they close. Nothing branches, so that all candidates cost the same. */
-ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, int dim, bool grows) {
+ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, int dim, bool wraps,
+                        bool falls, bool grows) {
     const struct grain *me = &g->grain[i];
     const double d = grains_diameter(g, now), growth = g->law.growth;
     const lanes zero = {0}, never = zero + HUGE_VAL;
@@ -67,10 +68,12 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         gather(g->grain, list, 4 * sizeof(double), high);
         lanes x[3] = {low[0], low[1], low[2]}, u[3] = {low[3], high[0], high[1]}, dt = now - high[2], impact = high[3];
         for (int k = 0; k < dim; k++) {
-            lanes fall = g->law.gravity[k] * dt, v = u[k] + fall - me->u[k];
-            lanes r = x[k] + dt * (u[k] + 0.5 * fall) - me->x[k];
-            r -= ONLY(r > g->half[k], zero + g->period[k]);
-            r += ONLY(r < -g->half[k], zero + g->period[k]);
+            lanes fall = falls ? g->law.gravity[k] * dt : zero, v = (falls ? u[k] + fall : u[k]) - me->u[k];
+            lanes r = x[k] + dt * (falls ? u[k] + 0.5 * fall : u[k]) - me->x[k];
+            if (wraps) {
+                r -= ONLY(r > g->half[k], zero + g->period[k]);
+                r += ONLY(r < -g->half[k], zero + g->period[k]);
+            }
             rv += r * v;
             vv += v * v;
             rr += r * r;
@@ -84,7 +87,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         indices index;
         memcpy(&index, list, sizeof index);
         marks j = __builtin_convertvector(index, marks);
-        t = CHOOSE((impact > t) & (j != i), t, never);
+        t = CHOOSE(grows ? (impact > t) & (j != i) : impact > t, t, never); /* else b = 0 for the grain itself */
         marks better = (t < least) | ((t == least) & (j < with));
         least = CHOOSE(better, t, least);
         with = (better & j) | (~better & with);
@@ -95,14 +98,28 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         first->partner = better ? with[q] : first->partner;
     }
 }
-KERNEL static void meet_disks(const struct grains *g, int i, double now, int m, struct found *first) {
-    meet(g, i, now, m, first, 2, false);
+/* Of disks and spheres; Near: none of them is seen beyond a periodic end; Free: without gravity */
+typedef void meeting(const struct grains *g, int i, double now, int m, struct found *first);
+#define MEETING(name, ...)                                                                                             \
+    KERNEL static void name(const struct grains *g, int i, double now, int m, struct found *first) {                   \
+        meet(g, i, now, m, first, __VA_ARGS__, false);                                                                 \
+    }
+MEETING(disks_near_free, 2, false, false)
+MEETING(disks_near, 2, false, true)
+MEETING(disks_free, 2, true, false)
+MEETING(disks, 2, true, true)
+MEETING(spheres_near_free, 3, false, false)
+MEETING(spheres_near, 3, false, true)
+MEETING(spheres_free, 3, true, false)
+MEETING(spheres, 3, true, true)
+static void growing(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, 3, true, false, true);
 }
-KERNEL static void meet_spheres(const struct grains *g, int i, double now, int m, struct found *first) {
-    meet(g, i, now, m, first, 3, false);
-}
-static void meet_growing(const struct grains *g, int i, double now, int m, struct found *first) {
-    meet(g, i, now, m, first, 3, true);
+
+static meeting *meeting_of(const struct grains *g, bool wraps) {
+    if (g->law.growth != 0) return growing;
+    if (g->dim == 2) return g->falls ? (wraps ? disks : disks_near) : wraps ? disks_free : disks_near_free;
+    return g->falls ? (wraps ? spheres : spheres_near) : wraps ? spheres_free : spheres_near_free;
 }
 
 static void consider_cells(struct grains *g, int i, double now, int exit) {
@@ -115,12 +132,7 @@ static void consider_cells(struct grains *g, int i, double now, int exit) {
     if (g->n > CACHED)
         for (int q = 0; q < m; q++) __builtin_prefetch(&g->grain[g->list[q]]);
     struct found first = {p->impact, e->partner};
-    if (g->law.growth != 0)
-        meet_growing(g, i, now, m, &first);
-    else if (g->dim == 2)
-        meet_disks(g, i, now, m, &first);
-    else
-        meet_spheres(g, i, now, m, &first);
+    meeting_of(g, b.wraps)(g, i, now, m, &first);
     if (first.t == p->impact && first.partner == e->partner) return;
     p->impact = first.t;
     e->partner = (int32_t)first.partner;

@@ -20,6 +20,7 @@ enum {
 enum { SLOTS = 4, CHAINED = SLOTS + 1, SLOT_BITS = 29, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 2) * SLOTS };
 struct grain_row {     /* the cells of one number along an axis */
     int32_t around[3]; /* parts of the index: of the cells before, of its own, of those after */
+    int32_t wraps;     /* some of those are beyond a periodic end */
     double edge[2];    /* where it is left; a wall: -HUGE_VAL, HUGE_VAL */
 };
 struct grain_cells {
@@ -48,6 +49,7 @@ struct grains {
     uint64_t *order;           /* [n] scratch of grains_sort */
     uint32_t *list;            /* [n + ROOM] of occupants: scratch of a prediction */
     double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
+    bool falls;                /* gravity is not zero */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
 };
@@ -107,12 +109,15 @@ void grains_cell_enter(struct grains *g, int i);
 void grains_cell_cross(struct grains *g, int i, int exit);
 struct grain_block { /* of cells: the product of those around one along each axis */
     const int32_t *around[3];
-    int from[3], to[3];
+    int from[3], to[3], wraps;
 };
 /* All about a cell; exit != STAYS: only those new beyond that face. */
 static inline void grains_block(const struct grain_cells *c, int32_t cell, int exit, struct grain_block *b) {
+    b->wraps = 0;
     for (int k = 0; k < 3; k++) {
-        b->around[k] = cell_row(c, cell, k)->around;
+        const struct grain_row *row = cell_row(c, cell, k);
+        b->around[k] = row->around;
+        b->wraps |= row->wraps;
         b->from[k] = 0;
         b->to[k] = k < 2 ? 3 : c->planes;
     }
