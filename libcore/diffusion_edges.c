@@ -32,11 +32,10 @@ static void at_wall(const struct rule *rule, const struct sum_line *l) {
 }
 
 /* A wall of restitution e takes q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), T_w of the gas at it: per area and time
- * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p. The cell conducts
- * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is
- *     s^2 + 2 B s - T = 0,  B = c p d/(4 heat).
- * With B/s kept from the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0
- * takes.
+ * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p, taken from the cell: of
+ * second order where nothing pushes the gas onto the wall, else of first. The cell conducts 2 heat/d (T - T_w) to it,
+ * which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from the start that is the share
+ * 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
  */
 static void absorbed_shares(const struct gas *g, double restitution, int n, const double *rho, const double *T,
                             const double *d, const double *heat, double *share) {

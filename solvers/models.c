@@ -356,7 +356,7 @@ void boundaries_list(FILE *f) {
                 b->scalar && b->vector ? "scalars, U"
                 : b->vector            ? "U"
                                        : "scalars",
-                b->about, b->value ? "; needs " : "", b->value ? b->value : "");
+                b->about, b->value && !b->plain ? "; needs " : "", b->value && !b->plain ? b->value : "");
     }
     fprintf(f, "  %-24s %-11s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-24s %-11s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
