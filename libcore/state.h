@@ -126,17 +126,16 @@ void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, co
                  const double *d, const double *heat, double *share);
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 
-struct diffuser {    /* of the tiles: [ntiles] of so many lines of [size] */
-    double **sum[2]; /* dim: S of the last stage, with one layer of ghosts, and of the one before */
-    double **start;  /* dim: q_0, the same */
-    double *
-        *gradient;  /* dim * dim: half of dS_c/dx_k at k dim + c by central differences, along the sides, of ghosts */
-    double **face;  /* of each axis FACE_LINES: coefficients of the face below a cell */
-    double **light; /* 1/rho */
-    double **mark;  /* 1: cells that were not admissible */
-    double **warm;  /* T of the coefficients, or what it rose by; with one layer of ghosts */
-    bool marked;    /* any? */
-    int last;       /* sum of the last stage */
+struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
+    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
+    double **start;    /* dim: q_0, the same */
+    double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
+    double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
+    double **light;    /* 1/rho */
+    double **mark;     /* 1: cells that were not admissible */
+    double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
+    bool marked;       /* any? */
+    int last;          /* sum of the last stage */
 };
 
 struct gas {
