@@ -250,13 +250,22 @@ KERNEL static void first_sums(long n, double factor, const double *restrict star
     }
 }
 
+/* Does S beyond a side of the tile follow from q_0 there? */
+static bool beyond_counts(const struct gas *g, const struct tile *t) {
+    bool counts = false;
+    for (int side = 0; side < 2 * g->dim; side++)
+        if (t->side[side].patch >= 0) counts |= patch_needs_values(&g->rules[t->side[side].patch]);
+    return counts;
+}
+
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor) {
     const struct forest *f = g->forest;
     struct diffuser *d = &g->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
         struct beginning b = {g, what, Y0->block[t], d->start[t]};
-        ghosts_of_patches(g, t, Y0->block[t]);
-        rows_visit(f, &f->tile[t], 1, begin_visit, &b);
+        const bool beyond = beyond_counts(g, &f->tile[t]);
+        if (beyond) ghosts_of_patches(g, t, Y0->block[t]);
+        rows_visit(f, &f->tile[t], beyond, begin_visit, &b);
         first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
     }
 }
