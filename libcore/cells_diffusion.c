@@ -25,7 +25,6 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *inverse;                     /* 1/(n.e) */
     double *share;         /* of the way from the left centre to the right one that lies before the face */
     double *rest[MAX_DIM]; /* r */
-    double stiffen;        /* of the rates, for the parts of fluxes that do not follow the jump */
     bool skewed;           /* is any r not 0? */
     bool marked;           /* any mark? */
     int last;              /* sum of the last stage */
@@ -85,7 +84,6 @@ status cells_diffuser_make(struct gas *g) {
     struct cells_diffuser *d;
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
     g->cells->diffuser = d;
-    d->stiffen = 1;
     for (int i = 0; i < 2; i++) TRY(lines_allocate(d->sum[i], g->dim, size));
     TRY(lines_allocate(d->start, g->dim, size));
     TRY(lines_allocate(d->gradient, g->dim * g->dim, size));
@@ -195,7 +193,7 @@ static void find_rates(const struct gas *g, const double *rho, double most[2]) {
             const double wall = face < m->face.ninternal ? 0 : d->wall[face - m->face.ninternal];
             sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
         }
-        const double per = d->stiffen * c->inverse_volume[i] / rho[i];
+        const double per = c->inverse_volume[i] / rho[i];
         most[0] = larger(per * sum[0], most[0]);
         most[1] = larger((g->models.material.gamma - 1) * per * sum[1], most[1]);
     }

@@ -157,7 +157,8 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
     }
 }
 
-/* Of the derivatives along the wall; the one across it is the cell's. */
+/* Of the derivatives along the wall; the one across it is the cell's. Where a wall drags all are the cell's: those
+ * along it are 0 on the wall itself, but the cell's keep the operator symmetric (libcore/cells_gradient.c). */
 static void mirror_gradients_run(const struct gas *g, int from, int n, double *const *gradient) {
     const struct mosaic *m = g->cells->mosaic;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
@@ -178,6 +179,7 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, double *c
     for (int t = 1; t < dim; t++) {
         const struct sum_line line = {
             .n = n, .components = dim, .face = m->mirror.place + from, .inner = along[t], .ghost = ghost};
+        if (r->velocity.type->drags) continue;
         reflect_sums(r, &line);
         memcpy(along[t], ghost, sizeof ghost);
     }

@@ -109,10 +109,19 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
     return g->engine->diffusion_end(g, what, Y0, to, dt, weight[0]);
 }
 
+/* Into how many super steps, of how many stages: no more than the engine can bear. */
+static long plan_steps(const struct gas *g, double ratio, int *stages) {
+    const int most = g->engine->diffusion_stages;
+    for (long parts = 1;; parts *= 2) {
+        const long steps = g->models.diffusion->plan(ratio / (double)parts, stages);
+        if (most == 0 || *stages <= most) return parts * steps;
+    }
+}
+
 static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to, double dt,
                   double rate) {
     int stages;
-    const long steps = g->models.diffusion->plan(dt * rate, &stages);
+    const long steps = plan_steps(g, dt * rate, &stages);
     long bad = 0;
     for (long i = 0; i < steps; i++) bad = super_step(g, what, i ? to : from, to, dt / (double)steps, stages);
     return bad;

@@ -293,54 +293,56 @@ static void linear_temperature_is_steady(void **state) {
 /* ---- against the tiles ---------------------------------------------------------------------------------------------
  */
 
+/* The mean difference between both engines on n boxes along each axis after some time. */
+static double difference(int dim, int n, const char *wall, double time) {
+    const struct cells_recipe r = {"boxes", dim, BOXES, {n, dim > 1 ? n : 1, dim > 2 ? n : 1}, {0, 1, 2}, 0, OPEN};
+    struct scene s[2];
+    double *end[2], mean = 0;
+    for (int i = 0; i < 2; i++) {
+        choose(&s[i], dim, wall, &VARIED);
+        for (int p = 0; p < 2; p++)
+            s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
+        s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
+        if (strcmp(wall, "noSlip") == 0)
+            s[i].rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
+        if (i)
+            open_polyhedra(&s[i], world, &r);
+        else
+            open_lattice(&s[i], n);
+        start(&s[i], manufactured_fields);
+        spread(&s[i], 4, time / 4);
+        end[i] = state_of(&s[i], world);
+    }
+    for (int i = 0; i < s[0].cells; i++) {
+        double nearest = HUGE_VAL;
+        int same = 0; /* the cells may be in another order */
+        for (int j = 0; j < s[1].cells && nearest > 1e-12; j++) {
+            double square = 0;
+            for (int k = 0; k < 3; k++) {
+                const double off = s[1].centre[3 * j + k] - s[0].centre[3 * i + k];
+                square += off * off;
+            }
+            if (square < nearest) same = j;
+            nearest = smaller(nearest, square);
+        }
+        for (int v = 0; v < dim + 2; v++)
+            mean += fabs(end[0][v * s[0].cells + i] - end[1][v * s[1].cells + same]) / s[0].cells;
+    }
+    for (int i = 0; i < 2; i++) {
+        free(end[i]);
+        close_scene(&s[i]);
+    }
+    return mean;
+}
+
+/* The same fluxes, but beside walls that drag, where those of derivatives along the wall differ by their error. */
 static void boxes_are_a_lattice(void **state) {
     (void)state;
-    for (int dim = 1; dim <= 3; dim++)
-        for (int wall = 0; wall < 2; wall++) {
-            const int n = dim == 3 ? 8 : 16;
-            const struct cells_recipe r = {"boxes",   dim, BOXES, {n, dim > 1 ? n : 1, dim > 2 ? n : 1},
-                                           {0, 1, 2}, 0,   OPEN};
-            struct scene s[2];
-            double *end[2];
-            for (int i = 0; i < 2; i++) {
-                choose(&s[i], dim, wall ? "noSlip" : "slip", &VARIED);
-                for (int p = 0; p < 2; p++)
-                    s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
-                if (wall && dim > 1) {
-                    s[i].rules[2].velocity =
-                        (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
-                    s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
-                }
-                if (i)
-                    open_polyhedra(&s[i], world, &r);
-                else
-                    open_lattice(&s[i], n);
-                start(&s[i], manufactured_fields);
-                spread(&s[i], 2, 40 * stable(&s[i]));
-                end[i] = state_of(&s[i], world);
-            }
-            for (int i = 0; i < s[0].cells; i++) {
-                int j = 0; /* the cells may be in another order */
-                for (double near = HUGE_VAL, square; j < s[1].cells; j++) {
-                    square = 0;
-                    for (int k = 0; k < 3; k++) {
-                        const double off = s[1].centre[3 * j + k] - s[0].centre[3 * i + k];
-                        square += off * off;
-                    }
-                    near = square;
-                    if (near < 1e-12) break;
-                }
-                assert_true(j < s[1].cells);
-                for (int v = 0; v < dim + 2; v++) {
-                    const double a = end[0][v * s[0].cells + i], b = end[1][v * s[1].cells + j];
-                    if (!(fabs(a - b) < 1e-11)) fail_msg("%dD, wall %d: %g and %g", dim, wall, a, b);
-                }
-            }
-            for (int i = 0; i < 2; i++) {
-                free(end[i]);
-                close_scene(&s[i]);
-            }
-        }
+    for (int dim = 1; dim <= 3; dim++) assert_true(difference(dim, dim == 3 ? 8 : 16, "slip", 0.02) < 1e-12);
+    const double coarse = difference(2, 16, "noSlip", 0.02), fine = difference(2, 32, "noSlip", 0.02);
+    print_message("at walls that drag: %g, %g\n", coarse, fine);
+    assert_true(fine < 0.3 * coarse);
+    assert_true(fine < 2e-3);
 }
 
 /* ---- what must not happen ------------------------------------------------------------------------------------------

@@ -229,8 +229,8 @@ int main(int argc, char **argv) {
     for (int i = 0; i < 2; i++)
         for (int p = 0; p < polynomial_count && !s; p++)
             s = print_polynomial(c, &meshes[i], &polynomial_table[p], NULL);
-    for (int i = 0; i < 2 * diffusion_count && !s; i++)
-        s = print_polynomial(c, &meshes[i % 2], polynomial_find("linear"), &diffusion_table[i / 2]);
+    for (int i = 0; i < 2 && !s; i++)
+        s = print_polynomial(c, &meshes[i], polynomial_find("linear"), diffusion_find("RKL2"));
     harsh = true;
     for (int dim = 1; dim <= 3 && !s; dim++) s = print_scheme(c, dim, flux_find("common"), reconstruct_find("WENO5"));
     for (int i = 0; i < 2 && !s; i++) s = print_polynomial(c, &meshes[i], polynomial_find("CWENO3"), NULL);
