@@ -190,15 +190,26 @@ class Channel:
 
 # ---- the cases ------------------------------------------------------------------------------------------------------
 
+def numbers(path, file, pattern):
+    """The numbers of the first match in a file of the case; None: there is none."""
+    with open(os.path.join(path, file)) as f:
+        found = re.search(pattern, f.read())
+    return found and [float(number) for number in found.groups()]
+
+
 def heated_walls(path):
-    return Channel(Disks.of(path), 20, 0.2, {"T": 1}, {"T": 4})
+    absorbed = numbers(path, "0/T", r"right\s+\{ type granularWall; restitution (\S+);")
+    return Channel(Disks.of(path), 20, 0.2, {"T": 1}, {"restitution": absorbed[0]} if absorbed else {"T": 4})
 
 
 def poiseuille(path):
-    with open(os.path.join(path, "constant", "g")) as f:
-        g = float(re.search(r"value\s+\(([-+.\deE]+) 0 0\)", f.read())[1])
     wall = {"T": 1, "u": 0}
-    return Channel(Disks.of(path), 20, 0.2, wall, wall, (g, 0))
+    return Channel(Disks.of(path), 20, 0.2, wall, wall, (*numbers(path, "constant/g", r"value\s+\((\S+) 0 0\)"), 0))
+
+
+def couette(path):
+    u = numbers(path, "0/U", r"lid\s+\{ type translatingWallVelocity; U \((\S+) 0 0\)")[0]
+    return Channel(Disks.of(path), 20, 0.2, {"T": 1, "u": -u}, {"T": 1, "u": u})
 
 
 def error(case, flow, name, component=None, axis=0):

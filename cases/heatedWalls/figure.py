@@ -11,7 +11,8 @@ import figures  # noqa: E402
 import haff  # noqa: E402
 
 folder = figures.folder()
-variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""))]
+variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""),
+                                                                ("$e$ = 0.95, $e_w$ = 0.8", "dissipative"))]
 variants = [(title, path) for title, path in variants if os.path.isdir(path)]
 fig, (panels,) = figures.panels(1, 2)
 fine = np.linspace(0, 20, 400)

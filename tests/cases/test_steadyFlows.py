@@ -1,5 +1,6 @@
-"""Steady flows of disks with viscosity and heat conduction between two walls, against the solution of their ordinary
-differential equations (postprocessing/disks.py)."""
+"""Flows of disks with viscosity and heat conduction between two walls, against the solution of the ordinary differential
+equations of steady flow (postprocessing/disks.py) and that of Couette flow that starts."""
+import os
 import unittest
 
 import numpy as np
@@ -9,12 +10,23 @@ from tests.cases import harness
 import disks  # noqa: E402  (the harness knows where)
 
 
+def replace(case, file, old, new):
+    path = os.path.join(case, file)
+    with open(path) as f:
+        text = f.read()
+    assert old in text, f"{path} has no {old}"
+    with open(path, "w") as f:
+        f.write(text.replace(old, new))
+
+
 class SteadyFlows(harness.Folder, unittest.TestCase):
-    def errors(self, name, cells, reference, fields, granular=None, control=None):
-        """Mean errors on each of the grids; the orders between them."""
+    def errors(self, name, cells, reference, fields, granular=None, control=None, other=()):
+        """Mean errors on each of the grids; the orders between them. other: file, old and new text."""
         found = []
         for n in cells:
             case = harness.copy(name, self.folder)
+            for change in other:
+                replace(case, *change)
             harness.edit(case, "constant/granularProperties", **(granular or {}))
             harness.mesh(case, n)
             result = harness.run(case, **(control or {}))
@@ -37,6 +49,40 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         errors, order = self.errors("poiseuilleDisks", (16, 32), disks.poiseuille, fields)
         self.assertGreater(order.min(), 1.75)
         self.assertLess(errors[-1].max(), 3e-3)
+
+    def test_granular_wall(self):
+        """Heat from one wall, which gas and impacts with the other take."""
+        wall = ("0/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
+        errors, order = self.errors("heatedWalls", (20, 40), disks.heated_walls, (("T",), ("alpha",), ("p",)), other=[wall])
+        self.assertGreater(order.min(), 1.85)
+        self.assertLess(errors[-1].max(), 3e-4)
+
+    def test_couette(self):
+        fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
+        errors, order = self.errors("couetteDisks", (16, 32), disks.couette, fields, control={"maxCo": 0.4})
+        self.assertGreater(order.min(), 1.85)
+        self.assertLess(errors[-1].max(), 5e-4)
+
+    def test_start(self):
+        """A wall begins to move, so slowly that the gas stays as it is: u obeys the heat equation."""
+        faint, end, gas = 1e-4, 20, disks.Disks(1)
+        nu = gas.shear(0.2 / gas.per, 1) / (0.2 / gas.per)
+        errors = []
+        for n in (16, 32):
+            case = harness.copy("couetteDisks", self.folder)
+            harness.mesh(case, n)
+            harness.edit(case, "constant/granularProperties", restitution=1)
+            replace(case, "0/T", "type fixedValue; value uniform 1;", "type zeroGradient;")
+            replace(case, "0/U", "type translatingWallVelocity; U (-2 0 0);", "type noSlip;")
+            replace(case, "0/U", "U (2 0 0)", f"U ({faint} 0 0)")
+            replace(case, "0/U", "0.2*(y - 10)", "0")
+            result = harness.run(case, endTime=end, writeInterval=end, maxCo=0.4)
+            y = result.centres[:, 1] / 20
+            exact = y + sum(2 / (k * np.pi) * (-1)**k * np.sin(k * np.pi * y) * np.exp(-nu * end * (k * np.pi / 20)**2)
+                            for k in range(1, 40))
+            errors.append(np.abs(result.field("U")[:, 0] / faint - exact).max())
+        self.assertLess(errors[1], 1e-3)
+        self.assertGreater(np.log2(errors[0] / errors[1]), 1.85)
 
 
 if __name__ == "__main__":
