@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Rows of Table 1 of Carrillo et al. by granularGas: which wave stands in which row, beside the grains'.
 
-    faradayDiagram.py FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-draw] ..
+    faradayDiagram.py FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-length 1] [-draw] ..
 
 Each row runs as a variant of the template (cases/faradaySweep: its layer, schemes and Courant number) in FOLDER/rowNN and adds a line to FOLDER/faradayDiagram.csv, which is drawn
 beside the paper's values and the grains of cases/faradayMD/table1.csv as FOLDER/faradayDiagram.png. Rows that stand
@@ -11,6 +11,7 @@ The rows named first run first; -jobs of them at once.
 Rows below the acceleration -warmBelow begin warm: near 2 g two base states coexist, and from a cold layer no wave grows.
 They are shaken with 2.75 g for CYCLES, which fall to the row's own within RAMP more (constant/shaking: a table of the
 amplitude), and then for -cycles less 6. What stands is measured in the -last cycles (faraday.py), of the column's mass.
+-length 0.5 takes boxes half as long as the paper's: half the time, twice the distance of the wavelengths that fit.
 A wave stands where faraday.py says so, and its amplitude is at least STANDS of the mean mass; if it is fainter, it
 grows, decays or is none (it does not turn over with every stroke).
 """
@@ -53,7 +54,8 @@ class Row:
         self.cycles = self.warm + o.cycles - (6 if self.warm else 0)
         hottest = HOT if self.warm else self.own
         self.height = math.ceil((20 + 5 * throw(hottest, entry["f_Hz"])) / 10) * 10
-        self.cells = int(entry["L_diam"]) // 2 * self.height
+        self.length = 2 * round(0.5 * o.length * entry["L_diam"])
+        self.cells = self.length // 2 * self.height
 
     @property
     def cost(self):
@@ -81,7 +83,7 @@ class Row:
         edit(self.at("constant", "shaking"), frequency=repr(self.entry["f_Hz"]), amplitude=self.shaking())
         edit(self.at("0", "alpha"), seed=self.o.seed)
         edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 4))
-        mesh(self.case, self.entry["L_diam"], self.height)
+        mesh(self.case, self.length, self.height)
 
     def run(self, processes):
         """To its end, from where it is; processor time is noted, that of runs before this one included."""
@@ -144,7 +146,7 @@ def finish(row):
     with open(row.at("cpu.txt")) as f:
         cpu = sum(float(line) for line in f)
     line = {"row": row.number, "Gamma": entry["Gamma_printed"], "f_Hz": entry["f_Hz"], "A_sigma": entry["A_diam"],
-            "L_sigma": int(entry["L_diam"]), "height": row.height, "cells": row.cells, "warm": row.warm, "cycles": row.cycles,
+            "L_sigma": row.length, "height": row.height, "cells": row.cells, "warm": row.warm, "cycles": row.cycles,
             "paper": entry["lambda_diam"], "dpaper": entry["dlambda_diam"],
             **{k: f"{result[k]:.4g}" for k in ("wavelength", "shorter", "longer", "centroid", "spread", "contrast", "flip", "amplitude",
                                                "growth", "meanHeight")},
@@ -270,6 +272,7 @@ def arguments():
     parser.add_argument("-last", type=int, default=8, help="cycles to measure in")
     parser.add_argument("-warm", type=int, nargs=2, default=[8, 4])
     parser.add_argument("-warmBelow", type=float, default=2.1)
+    parser.add_argument("-length", type=float, default=1, help="of the box, in that of the paper")
     parser.add_argument("-seed", type=int, default=1)
     parser.add_argument("-template", default=TEMPLATE)
     parser.add_argument("-note", default="", help="for the column of options, say the version")

@@ -12,7 +12,7 @@ passes its middle upwards and the grains lie compressed on it. Writes to FOLDER
     mach.png       Mach number and height where the packing is 5 %, there and where a valley lies (Fig. 5)
     momentum.png   momentum over packing at four moments (Figs. 7, 8)
 
-and prints the numbers. Pictures show the last pair of periods of the gas, and the mean of the last ten of the grains (the paper: of 25),
+and prints the numbers. Pictures show the last pair of periods of the gas, and the mean of the last four of the grains (the paper: of 25),
 whose wave wanders. Profiles are means over all pairs, of the columns where a heap (a valley) lies at the first moment of each; U and T of a row
 are those of all mass in it.
 """
@@ -98,9 +98,9 @@ def mach(runs, folder):
             ax.plot(run.phases, found[:, 0] / 10, "--", color=colour, label=r"height/10 $\sigma$")
             print(f"{name:6s} at a packing of 5 %, {there} at t = 0: Mach " + ", ".join(f"{m:.2f}" for m in found[:, 1])
                   + "; height " + ", ".join(f"{y:.1f}" for y in found[:, 0]))
-        ax.set(xlim=(0, 2), ylim=(0, None))
+        ax.set(xlim=(0, 2), ylim=(0, 6))
         figures.label(ax, "$t/T$", "", f"{name}, where the packing is 5 %")
-    axes[0][0].legend(fontsize=6)
+    axes[0][0].legend(fontsize=6, ncols=2, loc="upper center")
     figures.save(fig, os.path.join(folder, "mach.png"))
 
 
@@ -130,7 +130,7 @@ def main():
     parser.add_argument("-grains", dest="first_grains", type=float, default=20, metavar="CYCLE")
     o = parser.parse_args()
     os.makedirs(o.folder, exist_ok=True)
-    runs = [Run(o.gas, o.first_gas, 1), Run(o.grains, o.first_grains, 10)]
+    runs = [Run(o.gas, o.first_gas, 1), Run(o.grains, o.first_grains, 4)]
     for draw in (patterns, profiles, mach, momentum):
         draw(runs, o.folder)
 

@@ -45,6 +45,8 @@ class Rows(unittest.TestCase):
         self.assertEqual((cold.warm, cold.cycles, cold.height, cold.cells), (0, 20, 60, 15000))
         self.assertEqual((warm.warm, warm.cycles), (12, 26))
         self.assertGreater(warm.height, 60)
+        half = faradayDiagram.Row("f", 20, rows[20], options("-length", "0.5"))
+        self.assertEqual((half.length, half.cells), (250, 7500))
         self.assertAlmostEqual(float(cold.shaking()), cold.own)
         knots = np.array([float(w) for w in re.findall(r"[\d.e+-]+", warm.shaking().replace("table", ""))]).reshape(-1, 2)
         np.testing.assert_allclose(knots, [[0, 2.75], [8 / 3, 2.75], [4, warm.own]])
