@@ -114,7 +114,7 @@ status gas_totals(const struct gas *g, double totals[MAX_VAR]);
 /* The budget of mass and energy by cause (libcore/audit.h). gas_audit: from now on it is kept; the same bits, a few
  * sums over all cells a step. gas_budget: since then; collective, both. */
 enum gas_cause { GAS_COOLING, GAS_GRAVITY, GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_CAUSES };
-struct gas_budget {      /* per thickness of the empty axes, as gas_totals */
+struct gas_budget {      /* sums over the domain, as of gas_totals */
     double mass, energy; /* now, kg and J */
     double
         gained[GAS_CAUSES]; /* J, from impacts (< 0), gravity, the heat and the work of walls, open patches, floors */

@@ -9,7 +9,7 @@ status budget_make(struct function *f, struct dict *d) {
 static status open_table(struct function *f) {
     const char *const *titles = f->setup->medium->type->budget_titles;
     TRY(function_open(f, f->setup->start.name, "energyBudget.dat", &f->file[0]));
-    fprintf(f->file[0], "# Per thickness of the empty axes; changes since the first row.\n# Time          ");
+    fprintf(f->file[0], "# In the whole mesh; changes since the first row.\n# Time          ");
     for (int i = 0; titles[i]; i++) fprintf(f->file[0], "\t%s", titles[i]);
     fprintf(f->file[0], "\n");
     return OK;

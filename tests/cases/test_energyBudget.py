@@ -84,13 +84,28 @@ class EnergyBudget(harness.Folder, unittest.TestCase):
         case = harness.copy("heatedWalls", self.folder)
         harness.mesh(case, 20)
         ask(case)
-        b = budget(harness.run(case))
+        result = harness.run(case)
+        b = budget(result)
         self.close(b)
         late = b["t"] > 200
         heat, cooling = (np.polyfit(b["t"][late], b[name][late], 1)[0] for name in ("heat", "cooling"))
-        flux = disks.heated_walls(case).solution.sol([0, 20])[2]
+        flux = disks.heated_walls(case).solution.sol([0, 20])[2] * result.volumes.sum() / 20
         self.assertAlmostEqual(heat, -cooling, delta=1e-4 * heat)
         self.assertAlmostEqual(heat, flux[1] - flux[0], delta=0.02 * heat)
+
+    def test_moving_walls(self):
+        """Steady shear: the walls do the work of the stress that the reference says; impacts and walls take it."""
+        case = harness.copy("couetteDisks", self.folder)
+        harness.mesh(case, 16)
+        ask(case)
+        result = harness.run(case, maxCo=0.4)
+        b = budget(result)
+        self.close(b)
+        late = b["t"] > 200
+        work, heat, cooling = (np.polyfit(b["t"][late], b[name][late], 1)[0] for name in ("wallWork", "heat", "cooling"))
+        stress, area = disks.couette(case).solution.sol(10)[4], result.volumes.sum() / 20
+        self.assertAlmostEqual(work, 2 * 2 * stress * area, delta=2e-3 * work)
+        self.assertAlmostEqual(work + heat + cooling, 0, delta=1e-4 * work)
 
     def test_bits(self):
         """Of a gas on a lattice whose uniform cells are left out, and of a viscous one."""
