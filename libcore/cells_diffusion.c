@@ -272,31 +272,32 @@ ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, do
  * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. */
 ALWAYS_INLINE void viscous_faces(int dim, const struct sides *f, double *const *S, double *const *gradient,
                                  double *const *out) {
-    double jump[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH];
-    for (int c = 0; c < dim; c++) take_jumps(f, S[c], jump[c], at[c]);
+    double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
+    double stretch[BATCH] = {0}, trace[BATCH] = {0};
+    const struct sides g = *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
+    for (int c = 0; c < dim; c++) take_jumps(f, S[c], a[c], at[c]);
     for (int i = 0; i < dim * dim && dim > 1; i++) take_mean(f, gradient[i], M[i]);
-    for (int i = 0; i < f->n; i++) {
-        double a[MAX_DIM], stretch = 0, trace = 0, work = 0;
-        for (int c = 0; c < dim; c++) {
+    for (int c = 0; c < dim; c++) /* short loops, or compilers do not unroll the inner ones */
+        for (int i = 0; i < g.n; i++) {
             double along = 0;
-            a[c] = jump[c][i] * f->inverse[i];
+            a[c][i] *= g.inverse[i];
             for (int k = 0; k < dim && dim > 1; k++) {
-                a[c] += f->rest[k][i] * M[k * dim + c][i];
-                along += f->normal[k][i] * M[k * dim + c][i];
+                a[c][i] += g.rest[k][i] * M[k * dim + c][i];
+                along += g.normal[k][i] * M[k * dim + c][i];
             }
-            stretch += f->normal[c][i] * (a[c] - along);
-            if (dim > 1) trace += M[c * dim + c][i];
+            stretch[i] += g.normal[c][i] * (a[c][i] - along);
+            if (dim > 1) trace[i] += M[c * dim + c][i];
         }
-        for (int k = 0; k < dim; k++) {
-            double across = f->normal[k][i] * stretch;
-            for (int c = 0; c < dim && dim > 1; c++) across += f->normal[c][i] * M[k * dim + c][i];
-            const double force =
-                f->face[0][i] * ((trace + stretch) * f->normal[k][i]) + f->face[1][i] * (a[k] + across);
-            out[k][i] = -force;
-            work += force * at[k][i];
+    for (int i = 0; i < g.n; i++) found[dim][i] = 0;
+    for (int k = 0; k < dim; k++)
+        for (int i = 0; i < g.n; i++) {
+            double across = g.normal[k][i] * stretch[i];
+            for (int c = 0; c < dim && dim > 1; c++) across += g.normal[c][i] * M[k * dim + c][i];
+            const double spread = (trace[i] + stretch[i]) * g.normal[k][i];
+            found[k][i] = -(g.face[0][i] * spread + g.face[1][i] * (a[k][i] + across));
+            found[dim][i] += found[k][i] * at[k][i];
         }
-        out[dim][i] = -work;
-    }
+    for (int k = 0; k <= dim; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
 }
 
 ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, double *const *gradient,
