@@ -64,7 +64,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
         rules[p].velocity.type = boundary_find("slip");
     }
     box_make(&box, 2, (int[3]){nx, ny, 1}, (double[3]){2. * nx, ny, 1}, (bool[3]){true, false, false});
-    TRY(forest_make(&box.lattice, &box.mesh, c, 50, &f));
+    TRY(forest_make(&box.lattice, &box.mesh, c, 60, &f));
     TRY(gas_make(f, &m, 6, rules, &g));
     TRY(fill(g, nx, ny));
     const double cells = (double)nx * ny;
