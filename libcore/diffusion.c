@@ -127,8 +127,34 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
     return bad;
 }
 
+/* Heat from `from` to `to`, in as many parts as all cells take to be admissible if that is another state: what is left
+ * of a hot thin gas that lies on a cold dense one is a hundredth, of either sign, as no scheme here is monotone. */
+static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
+    for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
+        long bad = 0;
+        for (int i = 0; i < parts; i++) bad = cover(g, HEAT, i ? to : from, to, dt / parts, rate);
+        double all = (double)bad;
+        comm_max(g->comm, &all, 1);
+        if (all == 0 || from == to || 4 * parts > MOST_PARTS) {
+            audit_part(g, GAS_HEAT, to);
+            return bad;
+        }
+        g->counts.repeated++;
+        (void)g->engine->diffusion_flags(g, false);
+    }
+}
+
+/* Both kinds; W is between them where heat follows. */
+static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first,
+                         const double rate[2]) {
+    const struct state *mid = heat_first ? to : &g->W;
+    if (heat_first) (void)conduct(g, from, mid, dt, rate[HEAT]);
+    const long bad = cover(g, VISCOUS, heat_first ? mid : from, mid, dt, rate[VISCOUS]);
+    audit_part(g, GAS_FRICTION, mid);
+    return heat_first ? bad : conduct(g, mid, to, dt, rate[HEAT]);
+}
+
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad) {
-    const enum diffusing order[2] = {heat_first ? HEAT : VISCOUS, heat_first ? VISCOUS : HEAT};
     double rate[2], most[3] = {bad > 0, 0, 0};
     g->ahead = g->ahead && heat_first;
     g->engine->diffusion_rates(g, from, rate);
@@ -140,10 +166,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < 2 * parts; i++) {
-            bad = cover(g, order[i % 2], i ? to : from, to, dt / parts, most[1 + order[i % 2]]);
-            audit_part(g, order[i % 2] == HEAT ? GAS_HEAT : GAS_FRICTION, to);
-        }
+        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, heat_first, most + 1);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
