@@ -13,9 +13,9 @@
  * wall is the first root of the exact distance.
  *
  * Each grain keeps its own clock (position, velocity and the time they belong to) and its next event; cells of at least
- * one diameter find partners; a calendar queue orders the events, equal times by the grain's index. What was predicted
- * for a grain stays until it or its partner changes. Thus a run that is advanced in any pieces, saved and resumed
- * anywhere, has the same bits. Lubachevsky, J. Comput. Phys. 94 (1991) 255; Paul, J. Comput. Phys. 221 (2007) 615.
+ * one diameter find partners; a queue (calendar.h) orders the events, equal times by the grain's index. What was
+ * predicted for a grain stays until it or its partner changes. Thus a run that is advanced in any pieces, saved and
+ * resumed anywhere, has the same bits. Lubachevsky, J. Comput. Phys. 94 (1991) 255.
  */
 #ifndef LIBCORE_GRAINS_H
 #define LIBCORE_GRAINS_H
