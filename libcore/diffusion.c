@@ -4,6 +4,9 @@
  * at its end, as far as the first one tells what T will be there. Both errors are of first order and cancel. Both at
  * the start leave a step of first order, which over a Faraday run costs four times the steps (cases/faraday).
  *
+ * Heat is conducted first and last in a step: what stress heats, and thin gas the most, is shared out before the gas
+ * moves on, or it would drive itself away and leave a void (cases/faraday).
+ *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * Not covered by that are the tangential derivatives in the stress, and RKL2, which is no mean of Euler steps. Where a
  * cell is not admissible in the end, all is done again with none of the former on its faces, which is as conservative,
@@ -144,29 +147,29 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Both kinds; W is between them where heat follows. */
-static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first,
+/* Both kinds: heat first in the first half of a step, last in the second one, from a third state. */
+static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt, bool second,
                          const double rate[2]) {
-    const struct state *mid = heat_first ? to : &g->W;
-    if (heat_first) (void)conduct(g, from, mid, dt, rate[HEAT]);
-    const long bad = cover(g, VISCOUS, heat_first ? mid : from, mid, dt, rate[VISCOUS]);
+    const struct state *mid = !second ? to : to == &g->W ? &g->U0 : &g->W;
+    if (!second) (void)conduct(g, from, mid, dt, rate[HEAT]);
+    const long bad = cover(g, VISCOUS, second ? from : mid, mid, dt, rate[VISCOUS]);
     audit_part(g, GAS_FRICTION, mid);
-    return heat_first ? bad : conduct(g, mid, to, dt, rate[HEAT]);
+    return second ? conduct(g, mid, to, dt, rate[HEAT]) : bad;
 }
 
-bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad) {
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad) {
     double rate[2], most[3] = {bad > 0, 0, 0};
-    g->ahead = g->ahead && heat_first;
+    g->ahead = g->ahead && second;
     g->engine->diffusion_rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
     if (most[0] > 0 || !isfinite(most[1] + most[2])) return false;
-    const bool first = !heat_first && g->engine->diffusion_ahead;
+    const bool first = !second && g->engine->diffusion_ahead;
     g->ahead = false;
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, heat_first, most + 1);
+        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, second, most + 1);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;

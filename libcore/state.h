@@ -104,9 +104,10 @@ extern const struct engine engine_tiles, engine_cells;
 /* The maxima over the ranks to g->speed, unless one of them says that its own are void: then it returns false. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 
-/* to = from moved by viscous stress and heat conduction over dt, heat first or last. bad: cells of `from` on this rank
- * that are not admissible. false, on all ranks: there are some on a rank, or would be in `to`. */
-bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool heat_first, long bad);
+/* to = from moved by viscous stress and heat conduction over dt, in the first or the second half of a
+ * step. bad: cells of `from` on this rank that are not admissible. false, on all ranks: there are some on a rank, or
+ * would be in `to`. */
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
 
 struct sum_line {              /* n <= BATCH cells along a patch and what lies beyond them */
     int n, components, normal; /* component along the normal; of a scalar -1 */

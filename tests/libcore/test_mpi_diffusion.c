@@ -323,7 +323,7 @@ static void totals_stay(const char *wall, int periodic, const char *diffusion) {
     comm_max(world, rate, 2);
     all = larger(rate[0], rate[1]);
     for (int i = 0; i < 2; i++) {
-        spread(&s, 1, (diffusion[0] == 'e' ? 3 : 50) / all); /* 50: one super step */
+        spread(&s, 2, (diffusion[0] == 'e' ? 3 : 50) / all); /* 50: one super step */
         must(gas_check(s.gas));                              /* T > 0 everywhere */
     }
     must(gas_totals(s.gas, after));
