@@ -81,6 +81,7 @@ const struct diffusion diffusion_table[] = {
     {"RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes", plan_rkj2, stage_rkj2},
     {"RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)", plan_rkl2, stage_rkl2},
     {"explicit", "as many steps of Heun's method as stability wants", plan_explicit, stage_explicit},
+    {"implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc", NULL, NULL},
 };
 const int diffusion_count = sizeof diffusion_table / sizeof *diffusion_table;
 
@@ -122,8 +123,9 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
 }
 
 static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to, double dt,
-                  double rate) {
+                  double rate, bool monotone) {
     int stages;
+    if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, dt, monotone);
     const long steps = plan_steps(g, dt * rate, &stages);
     long bad = 0;
     for (long i = 0; i < steps; i++) bad = super_step(g, what, i ? to : from, to, dt / (double)steps, stages);
@@ -135,7 +137,7 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
 static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
-        for (int i = 0; i < parts; i++) bad = cover(g, HEAT, i ? to : from, to, dt / parts, rate);
+        for (int i = 0; i < parts; i++) bad = cover(g, HEAT, i ? to : from, to, dt / parts, rate, parts > 1);
         double all = (double)bad;
         comm_max(g->comm, &all, 1);
         if (all == 0 || from == to || 4 * parts > MOST_PARTS) {
@@ -152,7 +154,7 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
                          const double rate[2]) {
     const struct state *mid = !second ? to : to == &g->W ? &g->U0 : &g->W;
     if (!second) (void)conduct(g, from, mid, dt, rate[HEAT]);
-    const long bad = cover(g, VISCOUS, second ? from : mid, mid, dt, rate[VISCOUS]);
+    const long bad = cover(g, VISCOUS, second ? from : mid, mid, dt, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
     return second ? conduct(g, mid, to, dt, rate[HEAT]) : bad;
 }

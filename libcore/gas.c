@@ -54,6 +54,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (g->models.alpha_floor > 0)
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->make(g);
+    if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->implicit);
     if (s)
         gas_free(g);
     else
@@ -89,6 +90,7 @@ status gas_make_mosaic(const struct grid *grid, const struct gas_models *models,
 
 void gas_free(struct gas *g) {
     if (!g) return;
+    implicit_free(g->implicit);
     g->engine->free(g);
     audit_free(g->audit);
     free(g);

@@ -4,6 +4,7 @@
 
 #include "libcore/audit.h"
 #include "libcore/gas.h"
+#include "libcore/implicit.h"
 #include "libcore/limit.h"
 
 #define PACKED 0.99  /* of the density limit: cells above it are packed */
@@ -42,6 +43,11 @@ struct ending {               /* of a step, behind its last stage */
     struct gas_speed speed;   /* out: of the final state, of this rank's cells */
 };
 enum diffusing { VISCOUS, HEAT };
+struct links { /* between cells that share a face, of this rank's */
+    int cells;
+    int *first;  /* [cells + 1] into `column` */
+    int *column; /* number over all ranks of the cell itself, and of those it is linked to */
+};
 struct gas;
 struct engine {                    /* one kind of mesh: how it holds the state, and its part of what gas.h promises */
     status (*make)(struct gas *g); /* the states and the work memory of g, all else being set */
@@ -98,6 +104,14 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     long (*diffusion_end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                           double weight);
     long (*diffusion_flags)(struct gas *g, bool keep);
+    /* For implicit diffusion (libcore/implicit.h); NULL: this engine has none. pattern: cells of this rank and whom
+     * each is linked to, itself first. matrix: rho, E, and the weights of links, of one unknown of each cell after the
+     * other, in rho - factor L without what couples the components. move: S of the last stage from or to x, whose
+     * unknowns of a cell follow each other. */
+    status (*implicit_pattern)(struct gas *g, struct links *out);
+    void (*implicit_matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
+                            double *E, double *weight);
+    void (*implicit_move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
 };
 extern const struct engine engine_tiles, engine_cells;
 
@@ -108,6 +122,11 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
  * step. bad: cells of `from` on this rank that are not admissible. false, on all ranks: there are some on a rank, or
  * would be in `to`. */
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
+
+/* As what from Y0 to `to` over dt by one implicit step, of backward Euler if `monotone`; returns this rank's number of
+ * cells that are not admissible, or 1 on all ranks if it was not solved. */
+long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                   bool monotone);
 
 struct sum_line {              /* n <= BATCH cells along a patch and what lies beyond them */
     int n, components, normal; /* component along the normal; of a scalar -1 */
@@ -176,7 +195,8 @@ struct gas {
     double *sums;          /* [ntiles] */
     struct work work;
     struct activity activity;
-    struct diffuser diffuser; /* empty without transport */
+    struct diffuser diffuser;  /* empty without transport */
+    struct implicit *implicit; /* NULL: diffusion is explicit */
 
     const struct grid *grid; /* of the mosaic */
     struct cells *cells;     /* libcore/cells.h */
@@ -207,6 +227,10 @@ void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 long tiles_diffusion_flags(struct gas *g, bool keep);
+status tiles_implicit_pattern(struct gas *g, struct links *out);
+void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
+                           double *E, double *weight);
+void tiles_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
 
 status blocks_make(const struct forest *f, int nvar, double ***out);
 void blocks_free(const struct forest *f, double **blocks);

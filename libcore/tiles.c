@@ -382,4 +382,7 @@ const struct engine engine_tiles = {.make = tiles_make,
                                     .diffusion_begin = tiles_diffusion_begin,
                                     .diffusion_stage = tiles_diffusion_stage,
                                     .diffusion_end = tiles_diffusion_end,
-                                    .diffusion_flags = tiles_diffusion_flags};
+                                    .diffusion_flags = tiles_diffusion_flags,
+                                    .implicit_pattern = tiles_implicit_pattern,
+                                    .implicit_matrix = tiles_implicit_matrix,
+                                    .implicit_move = tiles_implicit_move};

@@ -5,9 +5,6 @@
 
 #include <stdlib.h>
 
-/* Of a face of an axis, h the width of a cell there: (lambda + 2 mu)/h^2, lambda/h, mu/h^2, mu/h, heat/h^2. Jumps take
- * the squares, and the others the sum of both sides' tangential derivatives halved, as `gradient` holds them. */
-enum { NORMAL, CROSS, SHEAR, TWIST, CONDUCTION, FACE_LINES };
 #define MOST_RISE 4.                        /* of T ahead; a front that passes tells nothing of what follows */
 enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: its first cell, and doubles */
 

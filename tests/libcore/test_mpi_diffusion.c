@@ -143,6 +143,10 @@ static void wavy(const double x[3], double *rho, double u[3], double *T) {
     for (int k = 1; k < 3; k++) u[k - 1] = wave == k ? 0.5 * sin(TWO_PI * x[0]) : 0;
 }
 
+static bool can(int scheme) {
+    return diffusion_table[scheme].plan || implicit_available();
+}
+
 static double decay_error(const char *diffusion, int dim, int n) {
     struct scene s;
     const double time = 0.02, rate[3] = {CONDUCTION, BULK_VISCOSITY + VISCOSITY, VISCOSITY}; /* of disks */
@@ -163,7 +167,7 @@ static double decay_error(const char *diffusion, int dim, int n) {
 static void waves_decay_at_second_order(void **state) {
     (void)state;
     for (int scheme = 0; scheme < diffusion_count; scheme++)
-        for (wave = 0; wave < 3; wave++) {
+        for (wave = 0; wave < 3 && can(scheme); wave++) {
             double error[3];
             for (int i = 0; i < 3; i++) error[i] = decay_error(diffusion_table[scheme].name, wave < 2 ? 1 : 2, 16 << i);
             assert_near(error[2], 0, 2e-3);
@@ -339,7 +343,7 @@ static void totals_stay(const char *wall, int periodic, const char *diffusion) {
 static void totals_are_conserved(void **state) {
     (void)state;
     for (int scheme = 0; scheme < diffusion_count; scheme++)
-        for (int periodic = 0; periodic < 3; periodic++) {
+        for (int periodic = 0; periodic < 3 && can(scheme); periodic++) {
             totals_stay("slip", periodic, diffusion_table[scheme].name);
             totals_stay("noSlip", periodic, diffusion_table[scheme].name);
         }

@@ -222,7 +222,8 @@ int main(int argc, char **argv) {
             for (int r = 0; r < reconstruct_count && !s; r++)
                 s = print_scheme(c, dim, &flux_table[f], &reconstruct_table[r]);
     for (int dim = 1; dim <= 2; dim++)
-        for (int i = 0; i < diffusion_count && !s; i++) s = print_diffusion(c, dim, &diffusion_table[i]);
+        for (int i = 0; i < diffusion_count && !s; i++)
+            if (diffusion_table[i].plan) s = print_diffusion(c, dim, &diffusion_table[i]);
     static const struct cells_recipe meshes[] = {
         {"triangles", 2, PRISMS, {34, 34, 1}, {0, 1, 2}, 0.2, {false, true, false}},
         {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};

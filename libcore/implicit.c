@@ -1,0 +1,233 @@
+/* The steps of implicit.h, from the hooks of the engine, and the module that solves. */
+#define _GNU_SOURCE /* RTLD_NODELETE */
+#include "libcore/state.h"
+
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+/* Of T, and of velocities against the speed of a cell's energy: what a solution may still be wrong by. */
+static const double TOLERANCE = 1e-6;
+enum { PASSES = 3 };
+
+struct problem {
+    struct gas *gas;
+    enum diffusing what;
+    double factor; /* gamma dt */
+    const struct state *Y0;
+    int *place; /* of a link's weight in system.value */
+    struct linear_system system;
+    struct linear_solver *solver;
+};
+
+struct implicit {
+    const struct linear_module *module;
+    struct links links;
+    struct problem problem[2];
+    double *rho, *limit, *weight; /* limit: the speed whose energy a cell has, m/s */
+    double *q, *moved, *f, *mean; /* the solution in hand, gamma dt L q/rho; S/dt */
+    double *b, *d;
+};
+
+/* ---- the systems as functions --------------------------------------------------------------------------------------
+ */
+
+/* gamma dt L x/rho, of x alone or with what is given at the edges. Scaled so that what rounding q_0 leaves is small. */
+static void operate(const struct problem *p, const double *x, bool edges, double *y) {
+    const double only[4] = {0, 0, 1, -1}; /* L S/rho, without q_0 */
+    struct gas *g = p->gas;
+    for (int k = 0; k < p->system.rows; k++) y[k] = p->factor * x[k];
+    g->engine->implicit_move(g, p->what, y, true);
+    g->engine->diffusion_stage(g, p->what, p->Y0, only, edges ? p->factor : 0);
+    g->engine->implicit_move(g, p->what, y, false);
+}
+
+static void apply(const void *caller, const double *x, double *y) {
+    const struct problem *p = caller;
+    const double *rho = p->gas->implicit->rho;
+    operate(p, x, false, y);
+    for (int i = 0, k = 0; k < p->system.rows; i++)
+        for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = rho[i] * (x[k] - y[k]);
+}
+
+/* What a residual leaves is residual/rho at most in a stiff cell (implicit.h). */
+static double error_of(const void *caller, const double *x, const double *residual) {
+    const struct problem *p = caller;
+    const struct implicit *m = p->gas->implicit;
+    double most = 0;
+    for (int i = 0, k = 0; k < p->system.rows; i++)
+        for (int c = 0; c < p->system.unknowns; c++, k++) {
+            const double scale = p->what == HEAT ? fabs(m->q[k] + x[k]) : m->limit[i];
+            const double error = fabs(residual[k]) / (m->rho[i] * scale * TOLERANCE + 1e-300);
+            if (!(error <= most)) most = error == error ? error : HUGE_VAL;
+        }
+    comm_max(p->gas->comm, &most, 1);
+    return most;
+}
+
+/* ---- set-up --------------------------------------------------------------------------------------------------------
+ */
+
+static status module_load(const struct linear_module **out) {
+    char path[4096];
+    const size_t room = sizeof path - sizeof IMPLICIT_MODULE;
+    const ssize_t length = readlink("/proc/self/exe", path, room);
+    char *end = length > 0 && (size_t)length < room ? path + length : path;
+    while (end > path && end[-1] != '/') end--;
+    memcpy(end, IMPLICIT_MODULE, sizeof IMPLICIT_MODULE);
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    *out = library ? dlsym(library, "haff_linear_module") : NULL;
+    if (*out) return OK;
+    return fail(ERR_INPUT,
+                "diffusion implicit wants the module %s: %s\n"
+                "  it is built where PETSc is installed: on Debian, apt-get install %s, then configure and build again",
+                IMPLICIT_MODULE, dlerror(), IMPLICIT_PACKAGE);
+}
+
+bool implicit_available(void) {
+    const struct linear_module *module;
+    status s = module_load(&module);
+    status_free(s);
+    return !s;
+}
+
+/* The links of every unknown, in ascending order; `place` remembers where each went. */
+static status problem_make(struct implicit *m, struct gas *g, enum diffusing what) {
+    struct problem *p = &m->problem[what];
+    struct linear_system *s = &p->system;
+    const struct links *l = &m->links;
+    const int unknowns = what == VISCOUS ? g->dim : 1, links = l->first[l->cells];
+    p->gas = g;
+    p->what = what;
+    *s = (struct linear_system){.comm = comm_handle(g->comm),
+                                .unknowns = unknowns,
+                                .rows = l->cells * unknowns,
+                                .caller = p,
+                                .apply = apply,
+                                .error = error_of};
+    TRY(allocate(&s->first, s->rows + 1, sizeof(int), "a linear system"));
+    TRY(allocate(&s->column, (long)links * unknowns, sizeof(int), "a linear system"));
+    TRY(allocate(&s->value, (long)links * unknowns, sizeof(double), "a linear system"));
+    TRY(allocate(&p->place, (long)links * unknowns, sizeof(int), "a linear system"));
+    for (int i = 0, next = 0, row = 0; i < l->cells; i++)
+        for (int c = 0; c < unknowns; c++) {
+            const int *link = l->column + l->first[i], n = l->first[i + 1] - l->first[i];
+            for (int k = 0; k < n; k++) {
+                int before = 0;
+                for (int o = 0; o < n; o++) before += link[o] < link[k];
+                s->column[next + before] = link[k] * unknowns + c;
+                p->place[c * links + l->first[i] + k] = next + before;
+            }
+            next += n;
+            s->first[++row] = next;
+        }
+    return OK;
+}
+
+static status solver_make(struct implicit *m, struct problem *p) {
+    const char *text = m->module->make(&p->system, &p->solver);
+    return text ? fail(ERR_SYSTEM, "PETSc: %s", text) : OK;
+}
+
+static status make_parts(struct implicit *m, struct gas *g) {
+    TRY(comm_agree(g->comm, module_load(&m->module)));
+    TRY(g->engine->implicit_pattern(g, &m->links));
+    const long cells = m->links.cells, rows = cells * g->dim;
+    TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));
+    TRY(allocate(&m->rho, cells, sizeof(double), "a linear system"));
+    TRY(allocate(&m->limit, cells, sizeof(double), "a linear system"));
+    double **lines[] = {&m->q, &m->moved, &m->f, &m->mean, &m->b, &m->d};
+    for (int i = 0; i < 6; i++) TRY(allocate(lines[i], rows, sizeof(double), "a linear system"));
+    for (int what = 0; what < 2; what++) {
+        TRY(problem_make(m, g, (enum diffusing)what));
+        TRY(solver_make(m, &m->problem[what]));
+    }
+    return OK;
+}
+
+status implicit_make(struct gas *g, struct implicit **out) {
+    if (!g->engine->implicit_pattern)
+        return fail(ERR_INPUT, "diffusion implicit is not there on polyhedral meshes; choose RKL2");
+    TRY(allocate(out, 1, sizeof **out, "implicit diffusion"));
+    return make_parts(*out, g);
+}
+
+void implicit_free(struct implicit *m) {
+    if (!m) return;
+    for (int what = 0; what < 2; what++) {
+        struct problem *p = &m->problem[what];
+        if (p->solver) m->module->free(p->solver);
+        free(p->place);
+        free(p->system.first);
+        free(p->system.column);
+        free(p->system.value);
+    }
+    void *lines[] = {m->rho,  m->limit, m->weight, m->q,           m->moved,       m->f,
+                     m->mean, m->b,     m->d,      m->links.first, m->links.column};
+    for (int i = 0; i < 11; i++) free(lines[i]);
+    free(m);
+}
+
+/* ---- one step ------------------------------------------------------------------------------------------------------
+ */
+
+static const char *prepare(struct implicit *m, struct problem *p) {
+    struct gas *g = p->gas;
+    const int links = m->links.first[m->links.cells] * p->system.unknowns;
+    g->engine->implicit_matrix(g, p->what, p->Y0, p->factor, m->rho, m->limit, m->weight);
+    for (int i = 0; i < m->links.cells; i++) m->limit[i] = sqrt(2 * fabs(m->limit[i]) / m->rho[i]);
+    for (int i = 0; i < links; i++) p->system.value[p->place[i]] = m->weight[i];
+    return m->module->prepare(p->solver);
+}
+
+/* A d = b; the iterations, or < 0 on all ranks: it was not solved. */
+static int solve(struct implicit *m, struct problem *p) {
+    int iterations;
+    memset(m->d, 0, (size_t)p->system.rows * sizeof *m->d);
+    if (m->module->solve(p->solver, m->b, m->d, &iterations)) return -1;
+    if (iterations > 0) p->gas->counts.stages[p->what] += iterations;
+    return iterations;
+}
+
+/* q = f + moved(q), starting from q, whose `moved` is known, and will be. Where a hot cell adapts, the rounding of what
+ * it loses is much to what it keeps: so once more from there. */
+static bool stage(struct implicit *m, struct problem *p, const double *f, double *q) {
+    const int rows = p->system.rows, unknowns = p->system.unknowns;
+    for (int pass = 0; pass < PASSES; pass++) {
+        for (int k = 0; k < rows; k++) m->b[k] = m->rho[k / unknowns] * (f[k] + m->moved[k] - q[k]);
+        const int iterations = solve(m, p);
+        if (iterations <= 0) return iterations == 0;
+        for (int k = 0; k < rows; k++) q[k] += m->d[k];
+        operate(p, q, true, m->moved);
+    }
+    return true;
+}
+
+/* S/dt */
+static bool stages(struct implicit *m, struct problem *p, double gamma, bool monotone) {
+    const int rows = p->system.rows;
+    memcpy(m->f, m->q, (size_t)rows * sizeof *m->f);
+    operate(p, m->q, true, m->moved);
+    if (!stage(m, p, m->f, m->q)) return false;
+    for (int k = 0; k < rows; k++) m->mean[k] = m->q[k];
+    if (monotone) return true;
+    for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k];
+    if (!stage(m, p, m->f, m->q)) return false;
+    for (int k = 0; k < rows; k++) m->mean[k] += gamma * (m->q[k] - m->mean[k]);
+    return true;
+}
+
+long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                   bool monotone) {
+    struct implicit *m = g->implicit;
+    struct problem *p = &m->problem[what];
+    const double gamma = monotone ? 1 : 1 - sqrt(0.5);
+    p->factor = gamma * dt;
+    p->Y0 = Y0;
+    g->engine->diffusion_begin(g, what, Y0, 1);
+    g->engine->implicit_move(g, what, m->q, false);
+    if (prepare(m, p) || !stages(m, p, gamma, monotone)) return 1;
+    for (int k = 0; k < p->system.rows; k++) m->mean[k] *= dt;
+    g->engine->implicit_move(g, what, m->mean, true);
+    return g->engine->diffusion_end(g, what, Y0, to, dt, dt);
+}

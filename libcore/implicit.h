@@ -1,0 +1,55 @@
+/* Diffusion by implicit steps: the two linear problems of diffusion.h, solved.
+ *
+ * A step of dt is that of the L-stable SDIRK of two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), which is of second
+ * order:
+ *     rho q_1 = rho q_0 + gamma dt L q_1,  rho q_2 = rho q_0 + dt L ((1 - gamma) q_1 + gamma q_2),
+ *     S = dt ((1 - gamma) q_1 + gamma q_2), which the faces take.
+ * Its R(z) = (1 - (1 - 2 gamma) z)/(1 + gamma z)^2 is above that of Crank-Nicolson by gamma^2 z^3/((2 + z)(1 + gamma
+ * z)^2), so its work heats (diffusion.h). The solution enters by S alone, so its faces conserve whatever
+ * the solver left; from a residual r of the second stage q ends r/rho beside q_2. R is below 0 for z > 2.4, down to
+ * -0.21: a hot cell may end below its surroundings. Where one becomes inadmissible, steps of backward Euler take over,
+ * after which a temperature is a mean of temperatures.
+ *
+ * The systems are solved by conjugate gradients with a preconditioner of PETSc, in a module of its own that is loaded
+ * when a run asks for it: PETSc's hundred libraries take 30 ms to load. This header is all that both sides share.
+ */
+#ifndef LIBCORE_IMPLICIT_H
+#define LIBCORE_IMPLICIT_H
+
+#include "mesh/status.h"
+
+#define IMPLICIT_MODULE  "haffimplicit.so" /* in the folder of the program */
+#define IMPLICIT_PACKAGE "petsc-dev"
+
+/* Symmetric and positive: this rank's rows of what the preconditioner is made from, and the system itself as a function
+ */
+struct linear_system {
+    void *comm;                                                    /* MPI_Comm * */
+    int unknowns;                                                  /* of a cell; they follow each other */
+    int rows;                                                      /* = cells * unknowns */
+    int *first;                                                    /* [rows + 1] into column and value */
+    int *column;                                                   /* over all ranks, ascending in a row */
+    double *value;                                                 /* may change from solution to solution */
+    const void *caller;                                            /* of the functions */
+    void (*apply)(const void *caller, const double *x, double *y); /* y = A x */
+    /* Of what x still lacks, over all ranks: 1 is good enough. */
+    double (*error)(const void *caller, const double *x, const double *residual);
+};
+
+struct linear_solver;
+struct linear_module { /* what the module exports as `haff_linear_module`; texts of errors are PETSc's */
+    const char *(*make)(const struct linear_system *s, struct linear_solver **out);
+    const char *(*prepare)(struct linear_solver *l); /* of new values */
+    /* A x = b; iterations: as many as it took; < 0 on all ranks: not solved */
+    const char *(*solve)(struct linear_solver *l, const double *b, double *x, int *iterations);
+    void (*free)(struct linear_solver *l);
+};
+
+bool implicit_available(void); /* is the module there? */
+
+struct gas;
+struct implicit;
+status implicit_make(struct gas *g, struct implicit **out);
+void implicit_free(struct implicit *p);
+
+#endif
