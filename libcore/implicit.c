@@ -100,6 +100,7 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     p->gas = g;
     p->what = what;
     *s = (struct linear_system){.comm = comm_handle(g->comm),
+                                .symmetric = what == HEAT, /* not stress: at walls, and where viscosities vary */
                                 .unknowns = unknowns,
                                 .rows = l->cells * unknowns,
                                 .caller = p,

@@ -21,10 +21,11 @@
 #define IMPLICIT_MODULE  "haffimplicit.so" /* in the folder of the program */
 #define IMPLICIT_PACKAGE "petsc-dev"
 
-/* Symmetric and positive: this rank's rows of what the preconditioner is made from, and the system itself as a function
- */
+/* Positive: this rank's rows of what the preconditioner is made from, which is symmetric, and the system itself as a
+ * function. */
 struct linear_system {
     void *comm;                                                    /* MPI_Comm * */
+    bool symmetric;                                                /* the system itself, too? */
     int unknowns;                                                  /* of a cell; they follow each other */
     int rows;                                                      /* = cells * unknowns */
     int *first;                                                    /* [rows + 1] into column and value */

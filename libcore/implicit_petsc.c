@@ -29,7 +29,8 @@ static PetscErrorCode multiply(Mat A, Vec x, Vec y) {
     return 0;
 }
 
-/* Conjugate gradients ask for the preconditioned residual just before they ask whether to go on. */
+/* Conjugate gradients and residuals both ask for the preconditioned residual, the latter an iteration later than they
+ * might. */
 static PetscErrorCode precondition(PC pc, Vec r, Vec z) {
     struct linear_solver *l;
     const double *x, *residual;
@@ -49,7 +50,7 @@ static PetscErrorCode precondition(PC pc, Vec r, Vec z) {
 static PetscErrorCode enough(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context) {
     const struct linear_solver *l = context;
     (void)ksp;
-    *reason = l->error <= 1                  ? KSP_CONVERGED_ATOL
+    *reason = l->error <= 1 || norm == 0     ? KSP_CONVERGED_ATOL
               : PetscIsInfOrNanReal(norm)    ? KSP_DIVERGED_NANORINF
               : iteration >= MOST_ITERATIONS ? KSP_DIVERGED_ITS
                                              : KSP_CONVERGED_ITERATING;
@@ -111,8 +112,8 @@ static PetscErrorCode make_ksp(struct linear_solver *l, MPI_Comm comm) {
     PC pc;
     PetscCall(KSPCreate(comm, &l->ksp));
     PetscCall(KSPSetOperators(l->ksp, l->A, l->P));
-    PetscCall(KSPSetType(l->ksp, getenv("HAFF_KSP") ? getenv("HAFF_KSP") : KSPCG));
-    PetscCall(KSPSetNormType(l->ksp, KSP_NORM_NATURAL));
+    PetscCall(KSPSetType(l->ksp, l->system->symmetric ? KSPCG : KSPGCR));
+    PetscCall(KSPSetNormType(l->ksp, l->system->symmetric ? KSP_NORM_NATURAL : KSP_NORM_UNPRECONDITIONED));
     PetscCall(KSPSetConvergenceTest(l->ksp, enough, l, NULL));
     PetscCall(KSPGetPC(l->ksp, &pc));
     PetscCall(PCSetType(pc, PCSHELL));
@@ -157,6 +158,7 @@ static const char *module_prepare(struct linear_solver *l) {
 
 static PetscErrorCode solve(struct linear_solver *l, const double *b, double *x, int *iterations) {
     KSPConvergedReason reason;
+    l->error = PETSC_INFINITY;
     PetscCall(VecPlaceArray(l->b, b));
     PetscCall(VecPlaceArray(l->x, x));
     PetscCall(KSPSolve(l->ksp, l->b, l->x));
