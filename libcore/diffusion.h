@@ -18,7 +18,6 @@ struct diffusion { /* without a plan: implicit, libcore/implicit.h */
     /* into how many equal super steps to cut a time of `ratio` = time * rate, and the stages of one */
     long (*plan)(double ratio, int *stages);
     void (*stage)(int stages, int j, double out[4]); /* a, b, c, d; only c counts for j = 1 */
-    bool implicit;                                   /* in place of both (libcore/implicit.h) */
 };
 extern const struct diffusion diffusion_table[];
 extern const int diffusion_count;

@@ -2,6 +2,7 @@
  * them, tangential derivatives of velocity as means of the two cells' central differences. These need the neighbours'
  * own neighbours, so the gradients get ghosts by a fill of their own, and at a wall by the wall's rule for velocity. */
 #include "libcore/state.h"
+#include "libcore/tiles_faces.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,6 @@
 /* What implicit diffusion wants to know of a forest of tiles. Cells are numbered tile by tile, along rows. */
 #include "libcore/state.h"
+#include "libcore/tiles_faces.h"
 
 #include <stdlib.h>
 
