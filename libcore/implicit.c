@@ -227,8 +227,8 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
     p->Y0 = Y0;
     g->engine->diffusion_begin(g, what, Y0, 1);
     g->engine->implicit_move(g, what, m->q, false);
-    if (prepare(m, p) || !stages(m, p, gamma, monotone)) return 1;
-    for (int k = 0; k < p->system.rows; k++) m->mean[k] *= dt;
+    const bool solved = !prepare(m, p) && stages(m, p, gamma, monotone);
+    for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? dt * m->mean[k] : NAN;
     g->engine->implicit_move(g, what, m->mean, true);
     return g->engine->diffusion_end(g, what, Y0, to, dt, dt);
 }

@@ -124,7 +124,7 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
 
 /* As what from Y0 to `to` over dt by one implicit step, of backward Euler if `monotone`; returns this rank's number of
- * cells that are not admissible, or 1 on all ranks if it was not solved. */
+ * cells that are not admissible: all if it was not solved. */
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                    bool monotone);
 

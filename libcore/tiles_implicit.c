@@ -118,9 +118,9 @@ static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
     double *self = v->weight++, sum = *v->rho++ = v->Y0->block[tile][offset];
     for (int face = 0; face < 2 * f->dim; face++) {
         const int axis = face / 2;
-        const long above = offset - (face % 2 ? 0 : f->stride[axis]); /* the cell that the face is above of */
+        const long at = offset + (face % 2 ? f->stride[axis] : 0); /* faces stand at the cell above them */
         const int line = v->what == HEAT ? CONDUCTION : axis == v->unknown ? NORMAL : SHEAR;
-        const double w = v->per * v->g->diffuser.face[tile][(FACE_LINES * axis + line) * f->size + above];
+        const double w = v->per * v->g->diffuser.face[tile][(FACE_LINES * axis + line) * f->size + at];
         if (at_patch(t, i, face))
             sum += w * (1 - v->edge[face]);
         else {

@@ -98,12 +98,14 @@ static void gentle(int i, int j, double *rho, double u[2], double *T) {
     u[1] = 0.5 * sin(x - y);
 }
 
-/* Of second order in time towards what many explicit steps come to, with walls of either kind. */
+/* Of second order in time towards what many explicit steps come to, with walls of either kind; on more ranks only
+ * close, as all iterations wait for all ranks. */
 static void many_steps_come_to_the_same(void **state) {
     (void)state;
     static double exact[4][CELLS], found[4][CELLS];
     static const char *const walls[] = {"slip", "noSlip"};
-    for (int wall = 0; wall < 2; wall++) {
+    const bool alone = comm_size(world) == 1;
+    for (int wall = 0; wall < 1 + alone; wall++) {
         struct scene s;
         double error[2] = {0, 0};
         open_scene(&s, walls[wall], &LAW, "explicit");
@@ -111,20 +113,23 @@ static void many_steps_come_to_the_same(void **state) {
         spread(&s, 400, 0.01 / 400);
         state_of(&s, exact);
         close_scene(&s);
-        for (int k = 0; k < 2; k++) {
+        for (int k = alone ? 0 : 1; k < 2; k++) {
+            const int steps = alone ? 32 << k : 8;
             open_scene(&s, walls[wall], &LAW, "implicit");
             start(&s, gentle);
-            spread(&s, 32 << k, 0.01 / (32 << k));
-            assert_true(gas_counts(s.gas).stages[0] > 0 && gas_counts(s.gas).stages[1] > 0);
+            spread(&s, steps, 0.01 / steps);
+            for (int what = 0; what < 2; what++) { /* few, as the preconditioner is nearly the system */
+                const long each = gas_counts(s.gas).stages[what] / steps;
+                assert_true(each > 0 && each < 30);
+            }
             assert_true(gas_counts(s.gas).repeated == 0);
             state_of(&s, found);
             close_scene(&s);
             for (int v = 0; v < 4; v++)
                 for (int i = 0; i < CELLS; i++) error[k] = fmax(error[k], fabs(found[v][i] - exact[v][i]));
         }
-        print_message("%s: errors %g %g\n", walls[wall], error[0], error[1]);
-        assert_true(log2(error[0] / error[1]) > 1.8);
-        assert_near(error[1], 0, 2e-3);
+        if (alone) assert_true(log2(error[0] / error[1]) > 1.8);
+        assert_near(error[1], 0, alone ? 5e-4 : 5e-3);
     }
 }
 
@@ -158,7 +163,6 @@ static void a_hot_thin_cell_adapts(void **state) {
             low = fmin(low, temperature(all, i));
             high = fmax(high, temperature(all, i));
         }
-        print_message("T %.9g .. %.9g, %ld repeated\n", low, high, gas_counts(s.gas).repeated);
         assert_true(low > 1 - 1e-5);
         assert_true(high < (stiff ? 1.1 : 0.5 * spot_T));
         if (!stiff) assert_true(gas_counts(s.gas).repeated == 1); /* R < 0 there, so backward Euler took over */
