@@ -1,0 +1,170 @@
+/* Run time against error of the schemes of viscous stress and heat conduction over a Faraday scene, that of
+ * cases/faraday in a box of 38 with one wave: bench_faraday [periods, default 7 [diffusion maxCo]...]; without these
+ * every scheme but `explicit`, which takes 3e5 steps a period, at some Courant numbers. CPU time of the process; errors
+ * against the first scheme at a small Courant number. Heights are those of the columns' centres of mass. */
+#include "libcore/gas.h"
+#include "tests/bench/clock.h"
+#include "tests/box.h"
+
+#include <stdio.h>
+
+#define PI   3.14159265358979323846
+#define FINE 0.04 /* Courant number of the reference */
+enum { ROWS = 60, COLUMNS = 19, CELLS = ROWS * COLUMNS, TILE = 60, MOST = 20, GROWTH = 2 };
+
+struct result {
+    double mean[2 * MOST + 1]; /* height at t = n T/2 */
+    double wave[2 * MOST + 1]; /* amplitude in it */
+    double seconds;
+    long steps;
+    struct gas_counts counts;
+};
+
+static status fill(struct gas *g) {
+    double *all, *u[3];
+    TRY(allocate(&all, 5 * CELLS, sizeof(double), "fields"));
+    for (int k = 0; k < 3; k++) u[k] = all + (2 + k) * CELLS;
+    for (int i = 0; i < CELLS; i++) {
+        const int row = i / COLUMNS;
+        const double x = (i % COLUMNS + 0.5) / COLUMNS, alpha = row < 6 ? 0.76 : row < 7 ? 0.36 : 1e-6;
+        all[i] = alpha * (1 + 1e-3 * sin(2 * PI * x)) * 4 / PI;
+        all[CELLS + i] = 30;
+    }
+    status s = gas_set(g, all, (const double *const *)u, all + CELLS);
+    free(all);
+    return s;
+}
+
+static status measure(const struct gas *g, double *mean, double *wave) {
+    double *rho, sum[3] = {0, 0, 0};
+    TRY(allocate(&rho, CELLS, sizeof *rho, "density"));
+    status s = gas_field(g, GAS_RHO, (double *const[3]){rho});
+    for (int i = 0; i < COLUMNS; i++) {
+        double mass = 0, moment = 0, at = 2 * PI * (i + 0.5) / COLUMNS;
+        for (int j = 0; j < ROWS; j++) {
+            mass += rho[j * COLUMNS + i];
+            moment += (j + 0.5) * rho[j * COLUMNS + i];
+        }
+        const double weight[3] = {1, 2 * sin(at), 2 * cos(at)};
+        for (int k = 0; k < 3; k++) sum[k] += weight[k] * moment / mass / COLUMNS;
+    }
+    free(rho);
+    *mean = sum[0];
+    *wave = sqrt(sum[1] * sum[1] + sum[2] * sum[2]);
+    return s;
+}
+
+static status advance(struct gas *g, int periods, double frequency, double courant, struct result *r) {
+    double t = 0;
+    for (int n = 0; n <= 2 * periods; n++) {
+        const double end = n * 0.5 / frequency;
+        while (t < end) {
+            struct gas_speed speed;
+            gas_speed(g, &speed);
+            const double steps = ceil((end - t) * speed.rate / courant);
+            double dt = (end - t) / steps;
+            const double asked = dt;
+            TRY(gas_step(g, t, &dt, courant, 1e-12, 1e-3, &speed));
+            t = steps == 1 && dt == asked ? end : t + dt;
+            r->steps++;
+        }
+        TRY(measure(g, &r->mean[n], &r->wave[n]));
+    }
+    return OK;
+}
+
+static struct gas_models models_of(const struct diffusion *diffusion) {
+    struct gas_models m = {.material = {.diameter = 1, .mass = 1, .restitution = 0.75, .threshold = 1, .disks = true},
+                           .eos = eos_find("TorquatoDisks"),
+                           .flux = flux_find("common"),
+                           .reconstruct = reconstruct_find("WPENO5"),
+                           .stepper = stepper_find("SSPRK3"),
+                           .transport = transport_find("JenkinsRichman"),
+                           .numbers = {1e-4, 1},
+                           .diffusion = diffusion,
+                           .source = {true, {0, -981, 0}, 2.74588290437239, 3.5, PI / 2}};
+    for (int i = 0; i < m.eos->nparam; i++)
+        if (m.eos->param[i].kind == PARAM_NUMBER)
+            memcpy((char *)&m.material + m.eos->param[i].offset, &m.eos->param[i].standard, sizeof(double));
+    return m;
+}
+
+static status run(const struct comm *c, int periods, const struct diffusion *diffusion, double courant,
+                  struct result *r) {
+    const struct gas_models m = models_of(diffusion);
+    struct patch_rules rules[6];
+    struct box box;
+    struct forest *f;
+    struct gas *g;
+    memset(rules, 0, sizeof rules);
+    for (int p = 0; p < 6; p++) {
+        rules[p].density.type = rules[p].temperature.type = boundary_find("zeroGradient");
+        rules[p].velocity.type = boundary_find("slip");
+    }
+    *r = (struct result){.seconds = -cpu_seconds()};
+    box_make(&box, 2, (int[3]){COLUMNS, ROWS, 1}, (double[3]){2 * COLUMNS, ROWS, 1}, (bool[3]){true, false, false});
+    TRY(forest_make(&box.lattice, &box.mesh, c, TILE, &f));
+    TRY(gas_make(f, &m, 6, rules, &g));
+    TRY(fill(g));
+    TRY(advance(g, periods, m.source.frequency, courant, r));
+    r->seconds += cpu_seconds();
+    r->counts = gas_counts(g);
+    gas_free(g);
+    forest_free(f);
+    box_free(&box);
+    return OK;
+}
+
+/* Per period, over the last ones at t = nT. */
+static double growth(const struct result *r, int periods) {
+    return pow(r->wave[2 * periods] / r->wave[2 * (periods - GROWTH)], 1. / GROWTH);
+}
+
+static double worst(const struct result *r, const struct result *exact, int periods) {
+    double error = 0;
+    for (int n = 1; n <= 2 * periods; n++) error = fmax(error, fabs(r->mean[n] / exact->mean[n] - 1));
+    return error;
+}
+
+static status row(const struct comm *c, int periods, const struct diffusion *d, double courant, struct result *exact) {
+    struct result r;
+    TRY(run(c, periods, d, courant, &r));
+    if (!exact->steps) *exact = r;
+    const double halves = fmax(1, (double)r.counts.halves);
+    printf("%-9s %6g %8.2f %8ld %7.1f %7.1f %8ld   %8.1e", d->name, courant, r.seconds, r.steps,
+           (double)r.counts.stages[0] / halves, (double)r.counts.stages[1] / halves, r.counts.repeated,
+           worst(&r, exact, periods));
+    if (periods > GROWTH)
+        printf("  %7.4f %8.1e", growth(&r, periods), growth(&r, periods) / growth(exact, periods) - 1);
+    printf("\n");
+    return fflush(stdout) ? fail(ERR_SYSTEM, "output") : OK;
+}
+
+static status bench(const struct comm *c, int argc, char **argv) {
+    static const double courants[] = {0.1, 0.2, 0.3, 0.5, 0.8};
+    const int periods = argc > 1 ? atoi(argv[1]) : 7;
+    struct result exact = {.steps = 0};
+    if (periods < 1 || periods > MOST) return fail(ERR_INPUT, "periods: 1 .. %d", MOST);
+    printf("diffusion  maxCo    CPU s    steps viscous    heat repeated   error of: heights, growth\n");
+    TRY(row(c, periods, &diffusion_table[0], FINE, &exact));
+    for (int i = 2; i + 1 < argc; i += 2) {
+        const struct diffusion *d = diffusion_find(argv[i]);
+        if (!d) return fail(ERR_INPUT, "no such scheme: %s", argv[i]);
+        TRY(row(c, periods, d, atof(argv[i + 1]), &exact));
+    }
+    for (int i = 0; argc < 3 && i < diffusion_count; i++)
+        for (int k = 0;
+             strcmp(diffusion_table[i].name, "explicit") != 0 && k < (int)(sizeof courants / sizeof *courants); k++)
+            TRY(row(c, periods, &diffusion_table[i], courants[k], &exact));
+    return OK;
+}
+
+int main(int argc, char **argv) {
+    struct comm *c;
+    status s = comm_start(&argc, &argv, &c);
+    if (!s) s = bench(c, argc, argv);
+    int code = status_print(s, true);
+    status_free(s);
+    comm_finish(c);
+    return code;
+}
