@@ -82,7 +82,11 @@ static struct gas_models models_of(const struct diffusion *diffusion) {
                            .transport = transport_find("JenkinsRichman"),
                            .numbers = {1e-4, 1},
                            .diffusion = diffusion,
-                           .source = {true, {0, -981, 0}, 2.74588290437239, 3.5, PI / 2}};
+                           .source = {.cooling = true,
+                                      .gravity = {0, -981, 0},
+                                      .amplitude = 2.74588290437239,
+                                      .frequency = 3.5,
+                                      .phase = PI / 2}};
     for (int i = 0; i < m.eos->nparam; i++)
         if (m.eos->param[i].kind == PARAM_NUMBER)
             memcpy((char *)&m.material + m.eos->param[i].offset, &m.eos->param[i].standard, sizeof(double));
