@@ -3,10 +3,11 @@
 
     faradayDiagram.py FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-length 1] [-draw] ..
 
-Each row runs as a variant of the template (cases/faradaySweep: its layer, schemes and Courant number) in FOLDER/rowNN and adds a line to FOLDER/faradayDiagram.csv, which is drawn
-beside the paper's values and the grains of cases/faradayMD/table1.csv as FOLDER/faradayDiagram.png. Rows that stand
-there are not run again. After Ctrl-C or SIGTERM the runs write their state, and the same command goes on from there.
-The rows named first run first; -jobs of them at once.
+Each row runs as a variant of the template (cases/faradaySweep: its layer, schemes and Courant number) in FOLDER/rowNN and
+adds a line to FOLDER/faradayDiagram.csv, which is drawn beside the paper's values and the grains of
+cases/faradayMD/table1.csv as FOLDER/faradayDiagram.png. Rows that stand there are not run again; with its line removed a
+row that was run with -keep gets more -cycles. After Ctrl-C or SIGTERM the runs write their state, and the same command
+goes on from there. The rows named first run first; -jobs of them at once.
 
 Rows below the acceleration -warmBelow begin warm: near 2 g two base states coexist, and from a cold layer no wave grows.
 They are shaken with 2.75 g for CYCLES, which fall to the row's own within RAMP more (constant/shaking: a table of the
@@ -226,6 +227,7 @@ def work(row, folder, processes, stopping, lock):
         shutil.rmtree(row.case, ignore_errors=True)
         row.make()
     if row.reached() < row.cycles - 0.01:
+        edit(row.at("system", "controlDict"), endTime=repr(row.cycles * row.period))  # more than it was made for, perhaps
         row.run(processes)
     line, result = finish(row)
     with lock:
