@@ -173,12 +173,38 @@ def table(folder):
         return list(csv.DictReader(f))
 
 
+def grains():
+    """Lines of the table of the grains: on the elastic plate."""
+    with open(GRAINS) as f:
+        return [r for r in csv.DictReader(f) if float(r["plate"]) == 1]
+
+
+def markdown(folder):
+    """The table for a README: all rows of the paper, beside our grains (first seed, cold start)."""
+    have = {int(r["row"]): r for r in table(folder)}
+    ours = {int(r["row"]): r for r in reversed(grains()) if r["warm"] == "0" and r["seed"] == "1"}
+    wave = lambda r: f"**{float(r['wavelength']):.1f}** ({float(r['shorter']):.1f} .. {float(r['longer']):.1f})"
+    lines = ["| row | Gamma | f (Hz) | A | L | paper (grains) | our grains | gas | centroid | amplitude, growth a period | off the paper | processor s |",
+             "|" + "---|" * 12]
+    for k, e in paper().items():
+        g, r = ours.get(k), have.get(k)
+        cells = [k, f"{e['Gamma_printed']:.2f}", f"{e['f_Hz']:g}", e["A_diam"], r["L_sigma"] if r else int(e["L_diam"]),
+                 f"{e['lambda_diam']:g} +- {e['dlambda_diam']:g}", f"{float(g['wavelength']):.1f}" if g and g["stands"] == "yes" else "none"]
+        if r and r["state"] == "stands":
+            cells += [wave(r), f"{float(r['centroid']):.1f} +- {float(r['spread']):.1f}"]
+        else:
+            cells += [f"{r['state']} ({float(r['wavelength']):.1f})" if r else "not run", ""]
+        cells += [f"{float(r['amplitude']):.2g}, {float(r['growth']):.2f}" if r else "",
+                  f"{float(r['off']):+.0%}" if r and r["state"] == "stands" else "", r["cpuSeconds"] if r else ""]
+        lines.append("| " + " | ".join(str(c) for c in cells) + " |")
+    return "\n".join(lines)
+
+
 def draw(folder):
     """Wavelength over frequency, a panel for each acceleration (Fig. 3 of the paper draws the same over the amplitude).
     Bars: the paper's deviation; of ours the neighbours in the box."""
     gas = [r for r in table(folder) if r["state"] == "stands"]
-    with open(GRAINS) as f:
-        ours = [r for r in csv.DictReader(f) if r["stands"] == "yes" and float(r["plate"]) == 1]
+    ours = [r for r in grains() if r["stands"] == "yes"]
     fig, axes = figures.panels(2, 2, width=7.5, height=2.8)
 
     def points(ax, rows, move, wave, bars, **style):
@@ -279,7 +305,7 @@ def arguments():
     parser.add_argument("-template", default=TEMPLATE)
     parser.add_argument("-note", default="", help="for the column of options, say the version")
     parser.add_argument("-keep", action="store_true", help="the fields of rows that are done")
-    parser.add_argument("-draw", action="store_true", help="only draw what stands in the table")
+    parser.add_argument("-draw", action="store_true", help="only print and draw what stands in the table")
     return parser.parse_args()
 
 
@@ -295,6 +321,7 @@ def main():
         print(f"{len(rows)} rows to run, {len(done)} stand in {o.folder}/faradayDiagram.csv", flush=True)
         good = sweep(o.folder, rows, o.jobs) if rows else True
     if table(o.folder):
+        print(markdown(o.folder))
         draw(o.folder)
     sys.exit(0 if o.draw or good else 1)
 

@@ -87,10 +87,13 @@ class Driver(unittest.TestCase):
         self.assertIn("1 rows to run, 0 stand", said)
         self.assertEqual(len(first), 1)
         self.assertEqual((first[0]["row"], first[0]["paper"], first[0]["cells"], first[0]["cycles"]), ("7", "21.0", "3750", "4"))
-        self.assertIn("timeScheme SSPRK43 maxCo 0.4 amplitude 1e-2 seed 1 last 3 test", first[0]["options"])
+        self.assertIn("timeScheme SSPRK3 maxCo 0.5 amplitude 1e-2 seed 1 last 3 test", first[0]["options"])
         out = os.path.join(self.folder, "out")
         self.assertTrue(os.path.getsize(os.path.join(out, "faradayDiagram.png")) > 1000)
-        self.assertIn("0 rows to run, 1 stand", self.sweep()[0])
+        said = self.sweep()[0]
+        self.assertIn("0 rows to run, 1 stand", said)
+        self.assertRegex(said, r"\| 7 \| 2.25 \| 6 \| 1.55 \| 250 \| 21 \+- 9 \| none \| (none|grows|decays|\*\*)")
+        self.assertRegex(said, r"\| 8 \| 2.25 \| 5.5 \| 1.85 \| 300 \| 23 \+- 7 \| none \| not run \|")
         # stopped after the second cycle: goes on from there, to the same numbers
         os.remove(os.path.join(out, "faradayDiagram.csv"))
         for name in os.listdir(os.path.join(out, "row07")):
