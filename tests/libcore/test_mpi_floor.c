@@ -16,16 +16,11 @@ static void set_models(struct scene *s, const char *stepper) {
         .stepper = stepper_find(stepper),
         .alpha_floor = FLOOR,
         .skip_uniform = true};
-    set_walls(s);
+    set_walls(s, "slip");
 }
 
 static void open_lattice(struct scene *s, const struct comm *c) {
-    box_make(&s->box, 1, (int[3]){100, 1, 1}, (double[3]){1, 1, 1}, (bool[3]){false, false, false});
-    s->cells = s->box.mesh.ncells;
-    s->centre = calloc(3 * (size_t)s->cells, sizeof *s->centre);
-    for (int i = 0; i < s->cells; i++) s->centre[3 * i] = (i + 0.5) / s->cells;
-    ok(forest_make(&s->box.lattice, &s->box.mesh, c, 16, &s->forest));
-    ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+    open_box(s, c, 1, (int[3]){100, 1, 1}, (double[3]){1, 1, 1}, (bool[3]){false, false, false}, 16);
 }
 
 static void open_triangles(struct scene *s, const struct comm *c) {
@@ -51,27 +46,6 @@ static status start(struct scene *s, double alpha) {
     return gas_check(s->gas);
 }
 
-/* [nvar][cells] at root of c; caller frees. */
-static double *state_of(const struct scene *s, const struct comm *c) {
-    int nvar = gas_variables(s->gas);
-    double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
-    for (int v = 0; v < nvar; v++) U[v] = all + v * s->cells;
-    ok(gas_get_conserved(s->gas, U));
-    comm_broadcast(c, all, (long)sizeof *all * nvar * s->cells);
-    return all;
-}
-
-static void run(struct scene *s, int steps) {
-    double t = 0;
-    for (int i = 0; i < steps; i++) {
-        struct gas_speed speed;
-        gas_speed(s->gas, &speed);
-        double dt = 0.4 / speed.rate;
-        ok(gas_step(s->gas, t, &dt, 0.4, 0, 0, &speed));
-        t += dt;
-    }
-}
-
 static void fly_apart(void (*open)(struct scene *, const struct comm *), const char *stepper, double alpha, int steps) {
     struct scene s, one;
     double before[MAX_VAR], after[MAX_VAR], least = HUGE_VAL;
@@ -83,8 +57,8 @@ static void fly_apart(void (*open)(struct scene *, const struct comm *), const c
     ok(start(&one, alpha));
     const int energy = gas_variables(s.gas) - 1;
     ok(gas_totals(s.gas, before));
-    run(&s, steps);
-    run(&one, steps);
+    run(&s, steps, 0.4);
+    run(&one, steps, 0.4);
     ok(gas_totals(s.gas, after));
     const struct gas_counts n = gas_counts(s.gas), m = gas_counts(one.gas);
     print_message("%s: %ld cells, mass %.3g of %.3g, %ld rejected\n", stepper, n.filled, n.fill[0], before[0],

@@ -22,15 +22,11 @@ static void set_models(struct scene *s, const char *eos, const char *flux, const
         .polynomial = polynomial_find(scheme),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = true};
-    set_walls(s);
+    set_walls(s, "slip");
 }
 
 static void open_lattice(struct scene *s, const struct comm *c, int dim, const int n[3], bool periodic) {
-    box_make(&s->box, dim, n, (double[3]){1, 1.5, 0.7}, (bool[3]){periodic, periodic, periodic});
-    s->cells = s->box.mesh.ncells;
-    s->dim = dim;
-    ok(forest_make(&s->box.lattice, &s->box.mesh, c, dim == 1 ? 16 : 8, &s->forest));
-    ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+    open_box(s, c, dim, n, (double[3]){1, 1.5, 0.7}, (bool[3]){periodic, periodic, periodic}, dim == 1 ? 16 : 8);
 }
 
 /* Near vacuum, near packing, between; Mach numbers to 1000. */
@@ -49,16 +45,6 @@ static void start_at_random(struct scene *s, uint64_t from) {
     }
     ok(gas_set(s->gas, all, (const double *const *)u, all + 4 * n));
     free(all);
-}
-
-/* Root's conserved state, broadcast: [nvar][cells], caller frees. */
-static double *state_of(const struct scene *s, const struct comm *c) {
-    int nvar = gas_variables(s->gas);
-    double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
-    for (int v = 0; v < nvar; v++) U[v] = all + v * s->cells;
-    ok(gas_get_conserved(s->gas, U));
-    comm_broadcast(c, all, (long)sizeof *all * nvar * s->cells);
-    return all;
 }
 
 /* |v| + c of a state, and v; normal: unit. */
