@@ -51,4 +51,7 @@ double packing_per_density(const struct material *m); /* nu / rho, m^3/kg; m^2/k
 double cooling_factor(const struct material *m);
 double density_limit(const struct eos *eos, const struct material *m); /* rho at alpha_max; HUGE_VAL: none */
 
+/* p / T of a gas of density rho[n]: the equations of state are linear in T. */
+void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out);
+
 #endif

@@ -45,7 +45,7 @@ static status take_states(struct averager *a) {
     const double limit = density_limit(a->models->eos, m), per = packing_per_density(m);
     TRY(take_range(a, field[density ? FIELD_RHO : FIELD_ALPHA], density ? limit : limit * per));
     for (long i = 0; i < a->n; i++) a->rho[i] = density ? a->values[i] : a->values[i] / per;
-    if (!thermal) pressure_per_temperature(a->models, (int)a->n, a->rho, a->T);
+    if (!thermal) pressure_per_temperature(a->models->eos, m, (int)a->n, a->rho, a->T);
     TRY(take_range(a, field[thermal ? FIELD_T : FIELD_P], HUGE_VAL));
     for (long i = 0; i < a->n; i++) a->T[i] = thermal ? a->values[i] : a->values[i] / a->T[i];
     TRY(take_values(a, field[FIELD_U]));

@@ -3,7 +3,7 @@
  * Nodes are equidistant in ln w, in which the thin gas is a straight line. */
 #include "solvers/layers.h"
 
-#include "solvers/initial.h"
+#include "libcore/gas.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,12 +27,12 @@ static void density_of(const struct gas_models *m, int n, const double *target, 
         high[i] = isfinite(limit) ? limit : fmin(target[i], 1 / packing_per_density(&m->material)); /* P >= rho */
     }
     for (int k = 0; isinf(limit) && k < MOST_DOUBLINGS; k++) {
-        pressure_per_temperature(m, n, high, P);
+        pressure_per_temperature(m->eos, &m->material, n, high, P);
         for (int i = 0; i < n; i++) high[i] *= P[i] < target[i] ? 2 : 1;
     }
     for (int k = 0; k < HALVINGS; k++) {
         for (int i = 0; i < n; i++) rho[i] = 0.5 * (low[i] + high[i]);
-        pressure_per_temperature(m, n, rho, P);
+        pressure_per_temperature(m->eos, &m->material, n, rho, P);
         for (int i = 0; i < n; i++) *(P[i] < target[i] ? &low[i] : &high[i]) = rho[i];
     }
 }
@@ -49,7 +49,7 @@ status column_make(const struct gas_models *models, double g, double T, double m
     struct column *c = NULL;
     double P, mean = most / lid;
     TRY(allocate(&c, 1, sizeof *c, "a column of gas"));
-    pressure_per_temperature(models, 1, &mean, &P);
+    pressure_per_temperature(models->eos, &models->material, 1, &mean, &P);
     c->g = g;
     c->T = T;
     c->lid = lid;

@@ -73,13 +73,6 @@ static status check_values(const struct reader *r, const struct initial *s) {
     return OK;
 }
 
-void pressure_per_temperature(const struct gas_models *m, int n, const double *rho, double *out) {
-    double eps[BATCH], c2[BATCH], gruneisen[BATCH];
-    for (int i = 0; i < BATCH; i++) eps[i] = 1 / (m->material.gamma - 1); /* T = 1 */
-    for (int i = 0; i < n; i += BATCH)
-        m->eos->state(&m->material, n - i < BATCH ? n - i : BATCH, rho + i, eps, out + i, c2, gruneisen);
-}
-
 static status take_velocity(const struct reader *r, struct initial *s) {
     const struct field *U = s->field[FIELD_U];
     int n = r->place->mesh->ncells;
@@ -109,7 +102,7 @@ static status take_state(const struct reader *r, struct initial *s) {
     if (s->field[FIELD_T]) {
         memcpy(s->T, s->field[FIELD_T]->values, (size_t)n * sizeof(double));
     } else {
-        pressure_per_temperature(r->models, n, s->rho, s->T);
+        pressure_per_temperature(r->models->eos, &r->models->material, n, s->rho, s->T);
         for (int i = 0; i < n; i++) s->T[i] = s->field[FIELD_P]->values[i] / s->T[i];
     }
     return take_velocity(r, s);

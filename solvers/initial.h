@@ -27,7 +27,4 @@ status initial_average(struct initial *s, const struct field_place *place, int d
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);
 
-/* p / T of a gas of density rho[n]: the equations of state are linear in T. */
-void pressure_per_temperature(const struct gas_models *m, int n, const double *rho, double *out);
-
 #endif

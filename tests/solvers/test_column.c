@@ -68,7 +68,7 @@ static void equilibrium(void **state) {
                 const double d = 1e-4 * fmin(T / g, 1), w = column_above(c, bottom, h);
                 double rho = (column_above(c, bottom, h - d) - column_above(c, bottom, h + d)) / (2 * d), P;
                 if (w < 1e-9) break;
-                pressure_per_temperature(&m, 1, &rho, &P);
+                pressure_per_temperature(m.eos, &m.material, 1, &rho, &P);
                 if (rho > 0.999 * density_limit(m.eos, &m.material)) continue; /* the difference is too coarse there */
                 close_to(P / (g * w / T), 1, 1e-5);
             }
