@@ -12,10 +12,10 @@
  *
  * PETSc solves the systems by conjugate gradients, that of the stress, which walls and varying viscosities keep from
  * being quite symmetric, by conjugate residuals; both with the part that couples no components, factored incompletely
- * on each rank. So runs agree to the bit only on the same number of ranks, else to the solver's tolerance: 1e-6 of every
- * cell's T, or of the speed of its energy, below the errors of the splitting and of frozen coefficients by far. This is
- * a module of its own, loaded when a run asks for it: PETSc's hundred libraries take 30 ms to load. This header is all
- * that both sides share.
+ * on each rank. So runs agree to the bit only on the same number of ranks, else to the solver's tolerance: 1e-6 of
+ * every cell's T, or of the speed of its energy, below the errors of the splitting and of frozen coefficients by far.
+ * This is a module of its own, loaded when a run asks for it: PETSc's hundred libraries take 30 ms to load. This header
+ * is all that both sides share.
  */
 #ifndef LIBCORE_IMPLICIT_H
 #define LIBCORE_IMPLICIT_H

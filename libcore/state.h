@@ -92,7 +92,8 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
      * S_1 = factor q_0. stage: the next S, by its c[4] with dt in the last two; weight: of S when q is 1. end: to
      * (perhaps Y0 itself) = Y0 moved by S over dt; returns the number of cells that are not admissible, and marks
      * them. flags: makes the marks flags, if they are to be kept, which leave the tangential derivatives out of the
-     * stress on their faces (on a mosaic all but the jumps across them, of heat, too); drops them else. Returns the number of flagged cells of all ranks. */
+     * stress on their faces (on a mosaic all but the jumps across them, of heat, too); drops them else. Returns the
+     * number of flagged cells of all ranks. */
     int diffusion_stages; /* at most, in one super step: operators that are not quite symmetric; 0: any number */
     void (*diffusion_rates)(struct gas *g, const struct state *Y0, double most[2]);
     /* Notes by how much T rose to `to` from the state of the last rates; if g->ahead, rates sees T of Y0 risen by as
