@@ -148,7 +148,7 @@ static status make_parts(struct implicit *m, struct gas *g) {
 
 status implicit_make(struct gas *g, struct implicit **out) {
     if (!g->engine->implicit_pattern)
-        return fail(ERR_INPUT, "diffusion implicit is not there on polyhedral meshes; choose RKL2");
+        return fail(ERR_INPUT, "diffusion implicit is not there on polyhedral meshes; choose RKJ2");
     TRY(allocate(out, 1, sizeof **out, "implicit diffusion"));
     return make_parts(*out, g);
 }
