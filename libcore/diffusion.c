@@ -9,9 +9,9 @@
  *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * Not covered by that are the tangential derivatives in the stress, and super steps, which are no means of Euler steps.
- * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is done
- * again with none of those derivatives on its faces, which is as conservative, then in ever smaller super steps; if all
- * that does not help the time step is halved. */
+ * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is
+ * done again with none of those derivatives on its faces, which is as conservative, then in ever smaller super steps;
+ * if all that does not help the time step is halved. */
 #include "libcore/state.h"
 
 enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
