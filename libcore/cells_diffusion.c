@@ -15,6 +15,7 @@ static const double CLOSEST = 0.05; /* a cell's centre to the face, as a part of
 struct cells_diffuser {                  /* lines of [size], a batch longer, or of [faces] */
     double *sum[2][MAX_DIM];             /* S of the last stage, and of the one before */
     double *start[MAX_DIM];              /* q_0 */
+    double *friction;                    /* T that the stress of this half step made; 0 in ghosts and mirrors */
     double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* of the coefficients */
@@ -90,6 +91,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
+    TRY(lines_allocate(&d->friction, 1, size));
     TRY(lines_allocate(&d->wall, 1, m->mirror.n));
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
@@ -110,6 +112,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->rest, MAX_DIM);
     free(d->T);
     free(d->warm);
+    free(d->friction);
     free(d->wall);
     free(d->mark);
     free(d->inverse);
@@ -214,8 +217,22 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
 /* ---- S and its gradients ------------------------------------------------------------------------------------------
  */
 
+void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int nown = g->cells->mosaic->nown;
+    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH];
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        find_temperature(g, n, in[0] + at, before);
+        find_temperature(g, n, out[0] + at, d->friction + at);
+        for (int i = 0; i < n; i++) d->friction[at + i] -= before[i];
+    }
+}
+
 /* In ghosts and mirrors, too: rules may take q_0 from beyond, and the mirrors of ghosts from these. */
-void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor) {
+void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->mosaic->size;
     double *U[MAX_VAR], velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
@@ -226,7 +243,8 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
         for (int v = 0; v < lines_of(g, what); v++) {
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
-                q[i] = what == VISCOUS ? velocity[v][i] : (g->models.material.gamma - 1) * eps[i];
+                q[i] = what == VISCOUS ? velocity[v][i]
+                                       : (g->models.material.gamma - 1) * eps[i] - rest * d->friction[at + i];
             for (int i = 0; i < n; i++) S[i] = factor * q[i];
         }
     }
@@ -382,7 +400,7 @@ KERNEL static void sum_row(int n, const double *restrict c, double per, const do
     }
 }
 
-void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int nown = g->cells->mosaic->nown;
@@ -393,7 +411,9 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
         const int n = nown - at < BATCH ? nown - at : BATCH;
         for (int v = 0; v < lines_of(g, what); v++) {
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
-            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, d->sum[1 - d->last][v] + at);
+            double *next = d->sum[1 - d->last][v] + at;
+            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
+            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * d->friction[at + i];
         }
     }
     d->last = 1 - d->last;

@@ -4,8 +4,9 @@
  * at its end, as far as the first one tells what T will be there. Both errors are of first order and cancel. Both at
  * the start leave a step of first order, which over a Faraday run costs four times the steps (cases/faraday).
  *
- * Stress comes first and last in a step. Heat first and last would share out what stress heats before thin gas drives
- * itself away by it (fewer steps, no voids), but makes five times the error in the growth of Faraday waves.
+ * Stress does not ask for T while the coefficients are frozen, so it goes first, and heat is conducted with what the
+ * stress made of T as a source that is constant over the half step: nothing is split between the two. One after the
+ * other in turn, thin gas keeps what the stress makes of it for the length of a flow step, and drives itself away.
  *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * Not covered by that are the tangential derivatives in the stress, and super steps, which are no means of Euler steps.
@@ -94,24 +95,25 @@ const struct diffusion *diffusion_find(const char *name) {
 
 /* One super step of one kind from Y0 to `to`, which may be the same; returns this rank's number of inadmissible cells.
  */
-static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
-                       int stages) {
-    double c[4], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
+static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
+                       const struct lapse *l, int stages) {
+    double c[5], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
     g->models.diffusion->stage(stages, 1, c);
-    weight[0] = c[2] * dt;
-    g->engine->diffusion_begin(g, what, Y0, weight[0]);
+    weight[0] = c[2] * l->dt;
+    g->engine->diffusion_begin(g, what, Y0, weight[0], l->rest);
     for (int j = 2; j <= stages; j++) {
         g->models.diffusion->stage(stages, j, c);
         if (j == 2) c[1] = 0; /* S_0 = 0 */
-        c[2] *= dt;
-        c[3] *= dt;
+        c[2] *= l->dt;
+        c[3] *= l->dt;
+        c[4] = c[2] * l->part * weight[0] / l->dt;
         g->engine->diffusion_stage(g, what, Y0, c, weight[0]);
         const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
         weight[1] = weight[0];
         weight[0] = next;
     }
     g->counts.stages[what] += stages;
-    return g->engine->diffusion_end(g, what, Y0, to, dt, weight[0]);
+    return g->engine->diffusion_end(g, what, Y0, to, l->dt, weight[0]);
 }
 
 /* Into how many super steps, of how many stages: no more than the engine can bear. */
@@ -123,25 +125,38 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
     }
 }
 
-static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to, double dt,
-                  double rate, bool monotone) {
+/* The i-th of so many equal parts. */
+static struct lapse part_of(const struct lapse *l, long i, long parts) {
+    const double n = (double)parts;
+    return (struct lapse){l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
+}
+
+static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to,
+                  const struct lapse *all, double rate, bool monotone) {
     int stages;
-    if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, dt, monotone);
-    const long steps = plan_steps(g, dt * rate, &stages);
+    if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, all, monotone);
+    const long steps = plan_steps(g, all->dt * rate, &stages);
     long bad = 0;
-    for (long i = 0; i < steps; i++) bad = super_step(g, what, i ? to : from, to, dt / (double)steps, stages);
+    for (long i = 0; i < steps; i++) {
+        const struct lapse one = part_of(all, i, steps);
+        bad = super_step(g, what, i ? to : from, to, &one, stages);
+    }
     return bad;
 }
 
-/* Heat from `from` to `to`, in as many parts as all cells take to be admissible if that is another state: what is left
- * of a hot thin gas that lies on a cold dense one is a hundredth, of either sign, as no scheme here is monotone. */
+/* Heat from `from` to `to`, another state, in as many parts as all cells take to be admissible: what is left of a hot
+ * thin gas that lies on a cold dense one is a hundredth, of either sign, as no scheme here is monotone. */
 static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
+    const struct lapse whole = {dt, 1, 1};
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
-        for (int i = 0; i < parts; i++) bad = cover(g, HEAT, i ? to : from, to, dt / parts, rate, parts > 1);
-        double all = (double)bad;
-        comm_max(g->comm, &all, 1);
-        if (all == 0 || from == to || 4 * parts > MOST_PARTS) {
+        for (int i = 0; i < parts; i++) {
+            const struct lapse part = part_of(&whole, i, parts);
+            bad = cover(g, HEAT, i ? to : from, to, &part, rate, parts > 1);
+        }
+        double most = (double)bad;
+        comm_max(g->comm, &most, 1);
+        if (most == 0 || 4 * parts > MOST_PARTS) {
             audit_part(g, GAS_HEAT, to);
             return bad;
         }
@@ -150,14 +165,14 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Both kinds: heat last in the first half of a step, from a third state, first in the second one. */
-static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt, bool second,
+static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
                          const double rate[2]) {
-    const struct state *mid = second ? to : to == &g->W ? &g->U0 : &g->W;
-    if (second) (void)conduct(g, from, mid, dt, rate[HEAT]);
-    const long bad = cover(g, VISCOUS, second ? mid : from, mid, dt, rate[VISCOUS], false);
+    const struct state *mid = to == &g->W ? &g->U0 : &g->W;
+    const struct lapse stress = {dt, 0, 0};
+    (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
-    return second ? bad : conduct(g, mid, to, dt, rate[HEAT]);
+    g->engine->diffusion_friction(g, from, mid);
+    return conduct(g, mid, to, dt, rate[HEAT]);
 }
 
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad) {
@@ -172,7 +187,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, second, most + 1);
+        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;

@@ -7,8 +7,10 @@
  * so that S_s is dt times a mean velocity u* (or temperature) and the faces passed on tau(S_s), conservatively and with
  * nothing at all where q is uniform. Its work is that on u*: E changes by div (tau(S_s) . u*). What this heats is
  * S_s : tau(S_s)/dt, which is no less than 0, and (u* - (u_0 + u_s)/2) . L S_s, which is no less than 0 for every mode
- * of a scheme that damps no faster than Crank-Nicolson, as those below. `rate` is the largest sum over a cell's faces
- * of (face coefficient)/(rho h^2): an Euler step with dt rate <= 1 is stable, and T after it is a mean of temperatures.
+ * of a scheme that damps no faster than Crank-Nicolson, as those below. That heat enters the equation of T as a
+ * constant source, which q_j gets in proportion to the sum of its weights. `rate` is the largest sum over a cell's
+ * faces of (face coefficient)/(rho h^2): an Euler step with dt rate <= 1 is stable, and T after it is a mean of
+ * temperatures.
  */
 #ifndef LIBCORE_DIFFUSION_H
 #define LIBCORE_DIFFUSION_H

@@ -26,6 +26,7 @@ struct implicit {
     struct problem problem[2];
     double *rho, *limit, *weight; /* limit: the speed whose energy a cell has, m/s */
     double *q, *moved, *f, *mean; /* the solution in hand, gamma dt L q/rho; S/dt */
+    double *source;               /* what friction makes of T in this step */
     double *b, *d;
 };
 
@@ -34,7 +35,7 @@ struct implicit {
 
 /* gamma dt L x/rho, of x alone or with what is given at the edges. Scaled so that what rounding q_0 leaves is small. */
 static void operate(const struct problem *p, const double *x, bool edges, double *y) {
-    const double only[4] = {0, 0, 1, -1}; /* L S/rho, without q_0 */
+    const double only[5] = {0, 0, 1, -1, 0}; /* L S/rho, without q_0 */
     struct gas *g = p->gas;
     for (int k = 0; k < p->system.rows; k++) y[k] = p->factor * x[k];
     g->engine->implicit_move(g, p->what, y, true);
@@ -137,8 +138,8 @@ static status make_parts(struct implicit *m, struct gas *g) {
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));
     TRY(allocate(&m->rho, cells, sizeof(double), "a linear system"));
     TRY(allocate(&m->limit, cells, sizeof(double), "a linear system"));
-    double **lines[] = {&m->q, &m->moved, &m->f, &m->mean, &m->b, &m->d};
-    for (int i = 0; i < 6; i++) TRY(allocate(lines[i], rows, sizeof(double), "a linear system"));
+    double **lines[] = {&m->q, &m->moved, &m->f, &m->mean, &m->b, &m->d, &m->source};
+    for (int i = 0; i < 7; i++) TRY(allocate(lines[i], rows, sizeof(double), "a linear system"));
     for (int what = 0; what < 2; what++) {
         TRY(problem_make(m, g, (enum diffusing)what));
         TRY(solver_make(m, &m->problem[what]));
@@ -163,9 +164,9 @@ void implicit_free(struct implicit *m) {
         free(p->system.column);
         free(p->system.value);
     }
-    void *lines[] = {m->rho,  m->limit, m->weight, m->q,           m->moved,       m->f,
-                     m->mean, m->b,     m->d,      m->links.first, m->links.column};
-    for (int i = 0; i < 11; i++) free(lines[i]);
+    void *lines[] = {m->rho,  m->limit, m->weight, m->q,           m->moved,        m->f,
+                     m->mean, m->b,     m->d,      m->links.first, m->links.column, m->source};
+    for (int i = 0; i < 12; i++) free(lines[i]);
     free(m);
 }
 
@@ -207,28 +208,38 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
 /* S/dt */
 static bool stages(struct implicit *m, struct problem *p, double gamma, bool monotone) {
     const int rows = p->system.rows;
-    memcpy(m->f, m->q, (size_t)rows * sizeof *m->f);
+    for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + gamma * m->source[k];
     operate(p, m->q, true, m->moved);
     if (!stage(m, p, m->f, m->q)) return false;
     for (int k = 0; k < rows; k++) m->mean[k] = m->q[k];
     if (monotone) return true;
-    for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k];
+    for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k] + (1 - gamma) * m->source[k];
     if (!stage(m, p, m->f, m->q)) return false;
     for (int k = 0; k < rows; k++) m->mean[k] += gamma * (m->q[k] - m->mean[k]);
     return true;
 }
 
-long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
-                   bool monotone) {
+/* q_0 and the source. */
+static void take_start(struct implicit *m, struct problem *p, const struct lapse *l) {
+    const struct engine *engine = p->gas->engine;
+    engine->diffusion_begin(p->gas, p->what, p->Y0, 1, 0);
+    engine->implicit_move(p->gas, p->what, m->source, false);
+    engine->diffusion_begin(p->gas, p->what, p->Y0, 1, l->rest);
+    engine->implicit_move(p->gas, p->what, m->q, false);
+    for (int k = 0; k < p->system.rows; k++)
+        m->source[k] = l->rest > 0 ? l->part / l->rest * (m->source[k] - m->q[k]) : 0;
+}
+
+long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
+                   const struct lapse *l, bool monotone) {
     struct implicit *m = g->implicit;
     struct problem *p = &m->problem[what];
     const double gamma = monotone ? 1 : 1 - sqrt(0.5);
-    p->factor = gamma * dt;
+    p->factor = gamma * l->dt;
     p->Y0 = Y0;
-    g->engine->diffusion_begin(g, what, Y0, 1);
-    g->engine->implicit_move(g, what, m->q, false);
+    take_start(m, p, l);
     const bool solved = !prepare(m, p) && stages(m, p, gamma, monotone);
-    for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? dt * m->mean[k] : NAN;
+    for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? l->dt * m->mean[k] : NAN;
     g->engine->implicit_move(g, what, m->mean, true);
-    return g->engine->diffusion_end(g, what, Y0, to, dt, dt);
+    return g->engine->diffusion_end(g, what, Y0, to, l->dt, l->dt);
 }

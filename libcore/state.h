@@ -87,9 +87,10 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     void (*clear_flags)(struct gas *g);
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
-    /* With transport, see libcore/diffusion.h. rates: freezes the coefficients of Y0,
-     * fills its ghosts; most[2]: the largest rates of this rank's cells, viscous and of heat. begin: q_0 from Y0, and
-     * S_1 = factor q_0. stage: the next S, by its c[4] with dt in the last two; weight: of S when q is 1. end: to
+    /* With transport, see libcore/diffusion.h. rates: freezes the coefficients of Y0, fills its ghosts; most[2]: the
+     * largest rates of this rank's cells, viscous and of heat. friction: notes by how much T rose, by the stress, from
+     * one state to another. begin: q_0 from Y0, of heat less `rest` of that, and S_1 = factor q_0. stage: the next S,
+     * by its c[5] with dt in all but the first two, the last one for friction; weight: of S when q is 1. end: to
      * (perhaps Y0 itself) = Y0 moved by S over dt; returns the number of cells that are not admissible, and marks
      * them. flags: makes the marks flags, if they are to be kept, which leave the tangential derivatives out of the
      * stress on their faces (on a mosaic all but the jumps across them, of heat, too); drops them else. Returns the
@@ -99,8 +100,9 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     /* Notes by how much T rose to `to` from the state of the last rates; if g->ahead, rates sees T of Y0 risen by as
      * much. NULL: g->ahead is never set. */
     void (*diffusion_ahead)(struct gas *g, const struct state *to);
-    void (*diffusion_begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
-    void (*diffusion_stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+    void (*diffusion_friction)(struct gas *g, const struct state *from, const struct state *to);
+    void (*diffusion_begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+    void (*diffusion_stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                             double weight);
     long (*diffusion_end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                           double weight);
@@ -124,10 +126,14 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
  * would be in `to`. */
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
 
-/* As what from Y0 to `to` over dt by one implicit step, of backward Euler if `monotone`; returns this rank's number of
- * cells that are not admissible: all if it was not solved. */
-long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
-                   bool monotone);
+struct lapse { /* dt, in which heat takes `part` of a friction, of which Y0 has `rest` though it is yet to heat */
+    double dt, rest, part;
+};
+
+/* As what from Y0 to `to` by one implicit step, of backward Euler if `monotone`; returns this rank's number of cells
+ * that are not admissible: all if it was not solved. */
+long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
+                   const struct lapse *l, bool monotone);
 
 struct sum_line {              /* n <= BATCH cells along a patch and what lies beyond them */
     int n, components, normal; /* component along the normal; of a scalar -1 */
@@ -151,6 +157,7 @@ void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
     double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
     double **start;    /* dim: q_0, the same */
+    double **friction; /* T that the stress of this half step made */
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
     double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
     double **light;    /* 1/rho */
@@ -222,8 +229,9 @@ status diffuser_make(struct gas *g);
 void diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void tiles_diffusion_ahead(struct gas *g, const struct state *to);
-void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor);
-void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+void tiles_diffusion_friction(struct gas *g, const struct state *from, const struct state *to);
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);

@@ -23,13 +23,14 @@ status diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
+    TRY(blocks_make(g->forest, 1, &d->friction));
     return blocks_make(g->forest, 1, &d->warm);
 }
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark, d->warm};
-    for (int i = 0; i < 8; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark, d->warm, d->friction};
+    for (int i = 0; i < 9; i++) blocks_free(g->forest, blocks[i]);
 }
 
 static int lines_of(const struct gas *g, enum diffusing what) {
@@ -225,10 +226,11 @@ struct beginning { /* what its row visitor needs */
     const struct gas *g;
     enum diffusing what;
     const double *U;
-    double *start;
+    double *start, rest;
+    const double *friction; /* 0 in ghosts */
 };
 
-/* q_0 of a row: velocity, or T */
+/* q_0 of a row: velocity, or T less what friction is yet to make */
 static void begin_visit(void *context, long offset, int n) {
     const struct beginning *b = context;
     const struct gas *g = b->g;
@@ -237,7 +239,29 @@ static void begin_visit(void *context, long offset, int n) {
     for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
         memcpy(b->start + v * size + offset, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
-        b->start[offset + i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
+        b->start[offset + i] =
+            (g->models.material.gamma - 1) * g->work.eps[offset + i] - b->rest * b->friction[offset + i];
+}
+
+struct rising { /* what its row visitor needs */
+    const struct gas *g;
+    const double *from, *to;
+    double *friction;
+};
+
+static void friction_visit(void *context, long offset, int n) {
+    const struct rising *r = context;
+    double before[BATCH], after[BATCH];
+    temperature_of_row(r->g, r->from, offset, n, before);
+    temperature_of_row(r->g, r->to, offset, n, after);
+    for (int i = 0; i < n; i++) r->friction[offset + i] = after[i] - before[i];
+}
+
+void tiles_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
+    const struct forest *f = g->forest;
+    for (int t = 0; t < f->ntiles; t++)
+        rows_visit(f, &f->tile[t], 0, friction_visit,
+                   &(struct rising){g, from->block[t], to->block[t], g->diffuser.friction[t]});
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -256,11 +280,11 @@ static bool beyond_counts(const struct gas *g, const struct tile *t) {
     return counts;
 }
 
-void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor) {
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     const struct forest *f = g->forest;
     struct diffuser *d = &g->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g, what, Y0->block[t], d->start[t]};
+        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, d->friction[t]};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], beyond, begin_visit, &b);
@@ -401,9 +425,10 @@ ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const dou
 
 ALWAYS_INLINE void heat_next(int n, int dim, const long *stride, long size, const double *restrict c,
                              const double *restrict face, const double *restrict light, const double *restrict start,
-                             const double *restrict last, double *restrict next) {
+                             const double *restrict friction, const double *restrict last, double *restrict next) {
     for (int i = 0; i < n; i++)
-        next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]);
+        next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]) +
+                  c[4] * friction[i];
 }
 
 ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, const double *restrict face,
@@ -422,7 +447,7 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
             double M[1][BATCH];
             if (s->c) {
                 heat_next(vectors, dim, f->stride, f->size, s->c, face, d->light[s->tile] + at, d->start[s->tile] + at,
-                          s->S + at, s->next + at);
+                          d->friction[s->tile] + at, s->S + at, s->next + at);
             } else {
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
                 end_row(s, at, n[0], M);
@@ -560,9 +585,10 @@ static void sweep_tile(struct sweep *s) {
     (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s);
 }
 
-void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[4],
+void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight) {
-    const double factor[4] = {c[0], c[1], what == HEAT ? c[2] * (g->models.material.gamma - 1) : c[2], c[2] + c[3]};
+    const double factor[5] = {c[0], c[1], what == HEAT ? c[2] * (g->models.material.gamma - 1) : c[2], c[2] + c[3],
+                              c[4]};
     (void)Y0;
     fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++)

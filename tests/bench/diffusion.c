@@ -29,12 +29,13 @@ static status fill(struct gas *g, int nx, int ny) {
 static double time_stages(struct gas *g, enum diffusing what, int super, int stages, double dt) {
     const double start = cpu_seconds();
     for (int i = 0; i < super; i++) {
-        double c[4];
-        g->engine->diffusion_begin(g, what, &g->U, dt);
+        double c[5];
+        g->engine->diffusion_begin(g, what, &g->U, dt, 0);
         for (int j = 2; j <= stages; j++) {
             g->models.diffusion->stage(STAGES, j, c);
             c[2] *= dt;
             c[3] *= dt;
+            c[4] = 0;
             g->engine->diffusion_stage(g, what, &g->U, c, dt);
         }
         (void)g->engine->diffusion_end(g, what, &g->U, &g->U0, dt, dt);

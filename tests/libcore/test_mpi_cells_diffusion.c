@@ -23,7 +23,7 @@ static void shear(struct scene *s, double dt) {
     struct gas *g = s->gas;
     double rate[2];
     g->engine->diffusion_rates(g, &g->U, rate);
-    g->engine->diffusion_begin(g, VISCOUS, &g->U, dt);
+    g->engine->diffusion_begin(g, VISCOUS, &g->U, dt, 0);
     assert_true(g->engine->diffusion_end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
 }
 
