@@ -356,4 +356,7 @@ const struct engine engine_cells = {.make = cells_make,
                                     .diffusion_begin = cells_diffusion_begin,
                                     .diffusion_stage = cells_diffusion_stage,
                                     .diffusion_end = cells_diffusion_end,
-                                    .diffusion_flags = cells_diffusion_flags};
+                                    .diffusion_flags = cells_diffusion_flags,
+                                    .implicit_pattern = cells_implicit_pattern,
+                                    .implicit_matrix = cells_implicit_matrix,
+                                    .implicit_move = cells_implicit_move};

@@ -65,5 +65,9 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 long cells_diffusion_flags(struct gas *g, bool keep);
+status cells_implicit_pattern(struct gas *g, struct links *out);
+void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
+                           double *E, double *weight);
+void cells_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
 
 #endif

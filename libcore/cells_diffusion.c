@@ -6,31 +6,11 @@
  * on any mesh, and so a rigid rotation has no stress. */
 #include <stdlib.h>
 
-#include "libcore/cells_gradient.h"
+#include "libcore/cells_diffuser.h"
 
 static const double STEEP = 0.2;    /* n.e is taken as no less than this part of |e| */
 static const double MOST_RISE = 4;  /* of T ahead; a front that passes tells nothing of what follows */
 static const double CLOSEST = 0.05; /* a cell's centre to the face, as a part of both centres' distances */
-
-struct cells_diffuser {                  /* lines of [size], a batch longer, or of [faces] */
-    double *sum[2][MAX_DIM];             /* S of the last stage, and of the one before */
-    double *start[MAX_DIM];              /* q_0 */
-    double *friction;                    /* T that the stress of this half step made; 0 in ghosts and mirrors */
-    double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
-    double *cell[3];                     /* bulk, shear, heat */
-    double *T;                           /* of the coefficients */
-    double *warm;                        /* T of the first half step, or what it rose by */
-    double *wall;                        /* [mirrors] of those that conduct heat the share of wall_shares, else 0 */
-    double *mark;                        /* 1: cells that were not admissible */
-    double *face[3];                     /* lambda, shear, heat times the area */
-    double *inverse;                     /* 1/(n.e) */
-    double *share;         /* of the way from the left centre to the right one that lies before the face */
-    double *rest[MAX_DIM]; /* r */
-    bool skewed;           /* is any r not 0? */
-    bool marked;           /* any mark? */
-    int last;              /* sum of the last stage */
-    struct rows weights;   /* of the gradients */
-};
 
 static int lines_of(const struct gas *g, enum diffusing what) {
     return what == VISCOUS ? g->dim : 1;

@@ -24,9 +24,9 @@ struct implicit {
     const struct linear_module *module;
     struct links links;
     struct problem problem[2];
-    double *rho, *limit, *weight; /* limit: the speed whose energy a cell has, m/s */
-    double *q, *moved, *f, *mean; /* the solution in hand, gamma dt L q/rho; S/dt */
-    double *source;               /* what friction makes of T in this step */
+    double *mass, *limit, *weight; /* limit: the speed whose energy a cell has, m/s */
+    double *q, *moved, *f, *mean;  /* the solution in hand, gamma dt L q/rho; S/dt */
+    double *source;                /* what friction makes of T in this step */
     double *b, *d;
 };
 
@@ -45,13 +45,13 @@ static void operate(const struct problem *p, const double *x, bool edges, double
 
 static void apply(const void *caller, const double *x, double *y) {
     const struct problem *p = caller;
-    const double *rho = p->gas->implicit->rho;
+    const double *mass = p->gas->implicit->mass;
     operate(p, x, false, y);
     for (int i = 0, k = 0; k < p->system.rows; i++)
-        for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = rho[i] * (x[k] - y[k]);
+        for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = mass[i] * (x[k] - y[k]);
 }
 
-/* What a residual leaves is residual/rho at most in a stiff cell (implicit.h). */
+/* What a residual leaves is residual/mass at most in a stiff cell (implicit.h). */
 static double error_of(const void *caller, const double *x, const double *residual) {
     const struct problem *p = caller;
     const struct implicit *m = p->gas->implicit;
@@ -59,7 +59,7 @@ static double error_of(const void *caller, const double *x, const double *residu
     for (int i = 0, k = 0; k < p->system.rows; i++)
         for (int c = 0; c < p->system.unknowns; c++, k++) {
             const double scale = p->what == HEAT ? fabs(m->q[k] + x[k]) : m->limit[i];
-            const double error = fabs(residual[k]) / (m->rho[i] * scale * TOLERANCE + 1e-300);
+            const double error = fabs(residual[k]) / (m->mass[i] * scale * TOLERANCE + 1e-300);
             if (!(error <= most)) most = error == error ? error : HUGE_VAL;
         }
     comm_max(p->gas->comm, &most, 1);
@@ -92,6 +92,29 @@ bool implicit_available(void) {
     return !s;
 }
 
+status implicit_first(const struct gas *g, int cells, long *first) {
+    const int size = comm_size(g->comm), rank = comm_rank(g->comm);
+    long *count;
+    TRY(allocate(&count, size, sizeof *count, "the counts of all ranks"));
+    count[rank] = cells;
+    comm_sum_long(g->comm, count, size);
+    *first = 0;
+    for (int r = 0; r < rank; r++) *first += count[r];
+    free(count);
+    return OK;
+}
+
+/* The place of number k among n in ascending order; equal ones share one. */
+static int place_of(const int *number, int n, int k) {
+    int before = 0;
+    for (int i = 0; i < n; i++) {
+        bool first = number[i] < number[k];
+        for (int j = 0; j < i && first; j++) first = number[j] != number[i];
+        before += first;
+    }
+    return before;
+}
+
 /* The links of every unknown, in ascending order; `place` remembers where each went. */
 static status problem_make(struct implicit *m, struct gas *g, enum diffusing what) {
     struct problem *p = &m->problem[what];
@@ -101,7 +124,8 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     p->gas = g;
     p->what = what;
     *s = (struct linear_system){.comm = comm_handle(g->comm),
-                                .symmetric = what == HEAT, /* not stress: at walls, and where viscosities vary */
+                                /* not stress: at walls, and where viscosities vary */
+                                .symmetric = what == HEAT && l->symmetric,
                                 .unknowns = unknowns,
                                 .rows = l->cells * unknowns,
                                 .caller = p,
@@ -114,14 +138,14 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     for (int i = 0, next = 0, row = 0; i < l->cells; i++)
         for (int c = 0; c < unknowns; c++) {
             const int *link = l->column + l->first[i], n = l->first[i + 1] - l->first[i];
+            int end = next;
             for (int k = 0; k < n; k++) {
-                int before = 0;
-                for (int o = 0; o < n; o++) before += link[o] < link[k];
-                s->column[next + before] = link[k] * unknowns + c;
-                p->place[c * links + l->first[i] + k] = next + before;
+                const int place = next + place_of(link, n, k);
+                s->column[place] = link[k] * unknowns + c;
+                p->place[c * links + l->first[i] + k] = place;
+                if (end <= place) end = place + 1;
             }
-            next += n;
-            s->first[++row] = next;
+            s->first[++row] = next = end;
         }
     return OK;
 }
@@ -136,7 +160,7 @@ static status make_parts(struct implicit *m, struct gas *g) {
     TRY(g->engine->implicit_pattern(g, &m->links));
     const long cells = m->links.cells, rows = cells * g->dim;
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));
-    TRY(allocate(&m->rho, cells, sizeof(double), "a linear system"));
+    TRY(allocate(&m->mass, cells, sizeof(double), "a linear system"));
     TRY(allocate(&m->limit, cells, sizeof(double), "a linear system"));
     double **lines[] = {&m->q, &m->moved, &m->f, &m->mean, &m->b, &m->d, &m->source};
     for (int i = 0; i < 7; i++) TRY(allocate(lines[i], rows, sizeof(double), "a linear system"));
@@ -148,8 +172,6 @@ static status make_parts(struct implicit *m, struct gas *g) {
 }
 
 status implicit_make(struct gas *g, struct implicit **out) {
-    if (!g->engine->implicit_pattern)
-        return fail(ERR_INPUT, "diffusion implicit is not there on polyhedral meshes; choose RKJ2");
     TRY(allocate(out, 1, sizeof **out, "implicit diffusion"));
     return make_parts(*out, g);
 }
@@ -164,7 +186,7 @@ void implicit_free(struct implicit *m) {
         free(p->system.column);
         free(p->system.value);
     }
-    void *lines[] = {m->rho,  m->limit, m->weight, m->q,           m->moved,        m->f,
+    void *lines[] = {m->mass, m->limit, m->weight, m->q,           m->moved,        m->f,
                      m->mean, m->b,     m->d,      m->links.first, m->links.column, m->source};
     for (int i = 0; i < 12; i++) free(lines[i]);
     free(m);
@@ -176,9 +198,10 @@ void implicit_free(struct implicit *m) {
 static const char *prepare(struct implicit *m, struct problem *p) {
     struct gas *g = p->gas;
     const int links = m->links.first[m->links.cells] * p->system.unknowns;
-    g->engine->implicit_matrix(g, p->what, p->Y0, p->factor, m->rho, m->limit, m->weight);
-    for (int i = 0; i < m->links.cells; i++) m->limit[i] = sqrt(2 * fabs(m->limit[i]) / m->rho[i]);
-    for (int i = 0; i < links; i++) p->system.value[p->place[i]] = m->weight[i];
+    g->engine->implicit_matrix(g, p->what, p->Y0, p->factor, m->mass, m->limit, m->weight);
+    for (int i = 0; i < m->links.cells; i++) m->limit[i] = sqrt(2 * fabs(m->limit[i]) / m->mass[i]);
+    memset(p->system.value, 0, (size_t)links * sizeof(double));
+    for (int i = 0; i < links; i++) p->system.value[p->place[i]] += m->weight[i];
     return m->module->prepare(p->solver);
 }
 
@@ -196,7 +219,7 @@ static int solve(struct implicit *m, struct problem *p) {
 static bool stage(struct implicit *m, struct problem *p, const double *f, double *q) {
     const int rows = p->system.rows, unknowns = p->system.unknowns;
     for (int pass = 0; pass < PASSES; pass++) {
-        for (int k = 0; k < rows; k++) m->b[k] = m->rho[k / unknowns] * (f[k] + m->moved[k] - q[k]);
+        for (int k = 0; k < rows; k++) m->b[k] = m->mass[k / unknowns] * (f[k] + m->moved[k] - q[k]);
         const int iterations = solve(m, p);
         if (iterations <= 0) return iterations == 0;
         for (int k = 0; k < rows; k++) q[k] += m->d[k];

@@ -45,8 +45,9 @@ struct ending {               /* of a step, behind its last stage */
 enum diffusing { VISCOUS, HEAT };
 struct links { /* between cells that share a face, of this rank's */
     int cells;
-    int *first;  /* [cells + 1] into `column` */
-    int *column; /* number over all ranks of the cell itself, and of those it is linked to */
+    int *first;     /* [cells + 1] into `column` */
+    int *column;    /* number over all ranks of the cell itself, and of those it is linked to, perhaps twice */
+    bool symmetric; /* is the operator of heat, as far as links go and beyond? the same on all ranks */
 };
 struct gas;
 struct engine {                    /* one kind of mesh: how it holds the state, and its part of what gas.h promises */
@@ -107,12 +108,12 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     long (*diffusion_end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                           double weight);
     long (*diffusion_flags)(struct gas *g, bool keep);
-    /* For implicit diffusion (libcore/implicit.h); NULL: this engine has none. pattern: cells of this rank and whom
-     * each is linked to, itself first. matrix: rho, E, and the weights of links, of one unknown of each cell after the
-     * other, in rho - factor L without what couples the components. move: S of the last stage from or to x, whose
-     * unknowns of a cell follow each other. */
+    /* For implicit diffusion (libcore/implicit.h). pattern: cells of this rank and whom each is linked to, itself
+     * first. matrix: mass and energy of the cells, and the weights of links, of one unknown of each cell after the
+     * other, in mass - factor volume L without what couples the components; volumes that are all the same may be left
+     * out. move: S of the last stage from or to x, whose unknowns of a cell follow each other. */
     status (*implicit_pattern)(struct gas *g, struct links *out);
-    void (*implicit_matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
+    void (*implicit_matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
                             double *E, double *weight);
     void (*implicit_move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
 };
@@ -134,6 +135,9 @@ struct lapse { /* dt, in which heat takes `part` of a friction, of which Y0 has 
  * that are not admissible: all if it was not solved. */
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                    const struct lapse *l, bool monotone);
+
+/* For the patterns: the number over all ranks of this one's first cell. */
+status implicit_first(const struct gas *g, int cells, long *first);
 
 struct sum_line {              /* n <= BATCH cells along a patch and what lies beyond them */
     int n, components, normal; /* component along the normal; of a scalar -1 */

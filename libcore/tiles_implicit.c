@@ -2,23 +2,8 @@
 #include "libcore/state.h"
 #include "libcore/tiles_faces.h"
 
-#include <stdlib.h>
-
 static int cells_of(const struct tile *t) {
     return t->n[0] * t->n[1] * t->n[2];
-}
-
-/* The number of this rank's first cell. */
-static status first_number(const struct gas *g, int cells, long *first) {
-    const int size = comm_size(g->comm), rank = comm_rank(g->comm);
-    long *count;
-    TRY(allocate(&count, size, sizeof *count, "the counts of all ranks"));
-    count[rank] = cells;
-    comm_sum_long(g->comm, count, size);
-    *first = 0;
-    for (int r = 0; r < rank; r++) *first += count[r];
-    free(count);
-    return OK;
 }
 
 /* Is what lies beyond this face of the cell at i a patch? face: of 2 dim, as the sides of a tile */
@@ -66,8 +51,9 @@ status tiles_implicit_pattern(struct gas *g, struct links *out) {
     const struct forest *f = g->forest;
     struct numbering v = {.g = g, .links = out};
     int cells = 0;
+    out->symmetric = true;
     for (int t = 0; t < f->ntiles; t++) cells += cells_of(&f->tile[t]);
-    TRY(first_number(g, cells, &v.next));
+    TRY(implicit_first(g, cells, &v.next));
     TRY(allocate(&out->first, cells + 1, sizeof(int), "the links of cells"));
     TRY(allocate(&out->column, (long)cells * (1 + 2 * f->dim), sizeof(int), "the links of cells"));
     TRY(blocks_make(f, 1, &v.number));
