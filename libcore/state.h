@@ -165,9 +165,11 @@ struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
     double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
     double **light;    /* 1/rho */
+    double **keep;     /* of each axis, if `plain`: 0 where the tangential derivatives do not count, else 1 */
     double **mark;     /* 1: cells that were not admissible */
     double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
     bool marked;       /* any? */
+    bool plain;        /* until the next rates */
     int last;          /* sum of the last stage */
 };
 

@@ -21,6 +21,7 @@ status diffuser_make(struct gas *g) {
     for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
+    TRY(blocks_make(g->forest, g->dim, &d->keep));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
     TRY(blocks_make(g->forest, 1, &d->friction));
@@ -29,8 +30,9 @@ status diffuser_make(struct gas *g) {
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->mark, d->warm, d->friction};
-    for (int i = 0; i < 9; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,
+                         d->light,  d->mark,   d->warm,  d->friction, d->keep};
+    for (int i = 0; i < 10; i++) blocks_free(g->forest, blocks[i]);
 }
 
 static int lines_of(const struct gas *g, enum diffusing what) {
@@ -70,13 +72,11 @@ ALWAYS_INLINE double harmonic(double a, double b) {
 KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
                                      const double *restrict bulk, const double *restrict shear,
                                      const double *restrict heat, double *restrict face) {
-    const double per = 1 / width, square = per * per;
+    const double square = 1 / (width * width);
     for (int i = 0; i < n; i++) {
         double mu = harmonic(shear[i - step], shear[i]), lambda = harmonic(bulk[i - step], bulk[i]) - trace * mu;
         face[NORMAL * size + i] = square * (lambda + 2 * mu);
-        face[CROSS * size + i] = per * lambda;
         face[SHEAR * size + i] = square * mu;
-        face[TWIST * size + i] = per * mu;
         face[CONDUCTION * size + i] = square * harmonic(heat[i - step], heat[i]);
     }
 }
@@ -191,6 +191,7 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
+    g->diffuser.plain = false;
     forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
         struct coefficients v = {g, Y0->block[t], g->diffuser.warm[t]};
@@ -478,25 +479,29 @@ ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, 
     }
 }
 
-/* Through the faces below n cells along `axis`, over the width of a cell there: stress of S (the flux of momentum
+/* Through the faces below n cells along `axis`, over the width h of a cell there: stress of S (the flux of momentum
  * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face; low, high: the
- * gradients on both sides. */
-ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, long step, long size, const double *restrict face,
-                                 const double *restrict low, const double *restrict high, const double *restrict S,
-                                 double (*restrict out)[LINE]) {
+ * gradients on both sides. With a = (lambda + 2 mu)/h^2, b = mu/h^2, the difference d of u, and the tangential
+ * derivative s/h of v the normal stress is a d + (a - 2 b) s. */
+ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, double h, long step, long size,
+                                 const double *restrict face, const double *restrict keep, const double *restrict low,
+                                 const double *restrict high, const double *restrict S, double (*restrict out)[LINE]) {
     const double *u = S + axis * size;
     for (int i = 0; i < n; i++) {
-        double stress = face[NORMAL * size + i] * (u[i] - u[i - step]), side = 0;
+        double side = 0;
         for (int t = 0; t < dim; t++)
             if (t != axis) side += low[(t * dim + t) * LINE + i] + high[(t * dim + t) * LINE + i];
-        if (dim > 1) stress += face[CROSS * size + i] * side;
+        side *= keep ? h * keep[i] : h;
+        const double a = face[NORMAL * size + i], b = face[SHEAR * size + i];
+        double stress = dim > 1 ? a * ((u[i] - u[i - step]) + side) - b * (side + side) : a * (u[i] - u[i - step]);
         double work = stress * (0.5 * (u[i - step] + u[i]));
         out[axis][i] = stress;
         for (int t = 0; t < dim; t++) {
             const double *v = S + t * size + i;
             if (t == axis) continue;
             side = low[(t * dim + axis) * LINE + i] + high[(t * dim + axis) * LINE + i];
-            double shear = face[SHEAR * size + i] * (v[0] - v[-step]) + face[TWIST * size + i] * side;
+            side *= keep ? h * keep[i] : h;
+            double shear = b * ((v[0] - v[-step]) + side);
             work += shear * (0.5 * (v[-step] + v[0]));
             out[t][i] = shear;
         }
@@ -528,35 +533,36 @@ ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const doub
 }
 
 /* Gradients of a row, and faces below it along axis 1, serve two rows: those of odd and even rows in turn. */
-ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends) {
+ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = &s->g->diffuser;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = dim + ends;
     const long size = f->size, *stride = f->stride;
     _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
     _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
-    const double *face = d->face[s->tile], *ghosts = d->gradient[s->tile];
+    const double *face = d->face[s->tile], *keep = d->keep[s->tile], *ghosts = d->gradient[s->tile], *h = f->width;
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
-                viscous_faces(padded(n[0] + 1), dim, 0, ends, 1, size, face + at, here + EDGE - 1, here + EDGE,
-                              s->S + at, x);
+                viscous_faces(padded(n[0] + 1), dim, 0, ends, h[0], 1, size, face + at, plain ? keep + at : NULL,
+                              here + EDGE - 1, here + EDGE, s->S + at, x);
             else
                 row_gradients(f, n, dim, j, k, s->S, ghosts, here);
             if (dim > 1) {
                 row_gradients(f, n, dim, j + 1, k, s->S, ghosts, next);
-                viscous_faces(vectors, dim, 1, ends, stride[1], size, face + FACE_LINES * size + above, here + EDGE,
-                              next + EDGE, s->S + above, high);
+                viscous_faces(vectors, dim, 1, ends, h[1], stride[1], size, face + FACE_LINES * size + above,
+                              plain ? keep + size + above : NULL, here + EDGE, next + EDGE, s->S + above, high);
             }
             if (j < 0) continue;
             for (int i = 0; dim > 2 && i < 2; i++) {
                 const long top = at + i * stride[2];
                 row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, outer[i]);
-                viscous_faces(vectors, dim, 2, ends, stride[2], size, face + 2 * FACE_LINES * size + top,
-                              (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
+                viscous_faces(vectors, dim, 2, ends, h[2], stride[2], size, face + 2 * FACE_LINES * size + top,
+                              plain ? keep + 2 * size + top : NULL, (i ? here : outer[0]) + EDGE,
+                              (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
             }
             for (int v = 0; v < lines; v++)
                 if (ends)
@@ -568,21 +574,24 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends) {
         }
 }
 
-KERNEL static void sweep_1d(struct sweep *s) {
-    s->what == HEAT ? heat_sweep(s, 1) : s->c ? viscous_sweep(s, 1, false) : viscous_sweep(s, 1, true);
-}
-KERNEL static void sweep_2d(struct sweep *s) {
-    s->what == HEAT ? heat_sweep(s, 2) : s->c ? viscous_sweep(s, 2, false) : viscous_sweep(s, 2, true);
-}
-KERNEL static void sweep_3d(struct sweep *s) {
-    s->what == HEAT ? heat_sweep(s, 3) : s->c ? viscous_sweep(s, 3, false) : viscous_sweep(s, 3, true);
-}
+#define SWEEP(dim)                                                                                                     \
+    KERNEL static void sweep_##dim##d(struct sweep *s, bool plain) {                                                   \
+        if (s->what == HEAT)                                                                                           \
+            heat_sweep(s, dim);                                                                                        \
+        else if (plain)                                                                                                \
+            s->c ? viscous_sweep(s, dim, false, true) : viscous_sweep(s, dim, true, true);                             \
+        else                                                                                                           \
+            s->c ? viscous_sweep(s, dim, false, false) : viscous_sweep(s, dim, true, false);                           \
+    }
+SWEEP(1)
+SWEEP(2)
+SWEEP(3)
 
 static void sweep_tile(struct sweep *s) {
     const struct diffuser *d = &s->g->diffuser;
     s->S = d->sum[d->last][s->tile];
     s->next = d->sum[1 - d->last][s->tile];
-    (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s);
+    (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s, d->plain);
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -612,17 +621,11 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
 /* Leaves the tangential derivatives out of the stress on the faces of flagged cells. */
 static void plain_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
-    const int *n = f->tile[tile].n;
     const double *flag = g->flag[tile];
-    for (int axis = 0; axis < g->dim; axis++)
-        for (int k = 0; k < n[2] + (axis == 2); k++)
-            for (int j = 0; j < n[1] + (axis == 1); j++) {
-                const long at = row_at(f, j, k);
-                double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
-                for (long i = at; i < at + n[0] + (axis == 0); i++)
-                    if (flag[i - f->stride[axis]] + flag[i] > 0)
-                        face[CROSS * f->size + i] = face[TWIST * f->size + i] = 0;
-            }
+    for (int axis = 0; axis < g->dim; axis++) {
+        double *keep = g->diffuser.keep[tile] + axis * f->size;
+        for (long i = f->stride[axis]; i < f->size; i++) keep[i] = flag[i - f->stride[axis]] + flag[i] > 0 ? 0 : 1;
+    }
 }
 
 /* Flags count from here on, the same on both sides of a face. */
@@ -635,7 +638,7 @@ long tiles_diffusion_flags(struct gas *g, bool keep) {
     g->diffuser.marked = false;
     if (!keep) return 0;
     const long flagged = tiles_share_flags(g);
-    for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->flagged[t]) plain_faces(g, t);
+    for (int t = 0; t < g->forest->ntiles; t++) plain_faces(g, t);
+    g->diffuser.plain = true;
     return flagged;
 }
