@@ -97,17 +97,19 @@ static void wall_shares_run(const struct gas *g, int from, int n, const double *
                             const double *heat, double *share) {
     const struct mosaic *m = g->cells->mosaic;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    double inner[3][BATCH], d[BATCH];
+    double inner[3][BATCH], push[BATCH], d[BATCH];
     for (int i = 0; i < n; i++) {
         const int cell = m->mirror.cell[from + i];
         inner[0][i] = rho[cell];
         inner[1][i] = T[cell];
         inner[2][i] = heat[cell];
-        d[i] = share[from + i] = 0;
-        for (int k = 0; k < g->dim; k++)
+        d[i] = push[i] = share[from + i] = 0;
+        for (int k = 0; k < g->dim; k++) {
+            push[i] += g->pull[k] * m->mirror.normal[k][from + i];
             d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][cell]) * m->mirror.normal[k][from + i];
+        }
     }
-    if (wall_conducts(r)) wall_shares(g, r, n, inner[0], inner[1], d, inner[2], share + from);
+    if (wall_conducts(r)) wall_shares(g, r, n, inner[0], inner[1], push, d, inner[2], share + from);
 }
 
 void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share) {

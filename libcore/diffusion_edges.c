@@ -32,28 +32,29 @@ static void at_wall(const struct rule *rule, const struct sum_line *l) {
 }
 
 /* A wall of restitution e takes q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), T_w of the gas at it: per area and time
- * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p, taken from the cell: of
- * second order where nothing pushes the gas onto the wall, else of first. The cell conducts 2 heat/d (T - T_w) to it,
- * which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from the start that is the share
- * 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
+ * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p: that of the cell, and the
+ * weight of what lies between, as gas that stays at a wall has dp/dn = rho push there. The cell conducts
+ * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from
+ * the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
  */
 static void absorbed_shares(const struct gas *g, double restitution, int n, const double *rho, const double *T,
-                            const double *d, const double *heat, double *share) {
+                            const double *push, const double *d, const double *heat, double *share) {
     const double c = (1 - restitution * restitution) / sqrt(2 * 3.14159265358979323846);
     double eps[BATCH] = {0}, p[BATCH], square[BATCH], gruneisen[BATCH];
     for (int i = 0; i < n; i++) eps[i] = T[i] / (g->models.material.gamma - 1);
     g->models.eos->state(&g->models.material, n, rho, eps, p, square, gruneisen);
     for (int i = 0; i < n; i++) {
+        p[i] = larger(p[i] + 0.5 * d[i] * rho[i] * push[i], 0); /* gas that the wall leaves behind */
         const double B = c * p[i] * d[i] / (4 * heat[i]), s = T[i] / (B + sqrt(B * B + T[i]));
         share[i] = 4 / (s / B + 2); /* B = 0: none */
     }
 }
 
 void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, const double *rho, const double *T,
-                 const double *d, const double *heat, double *share) {
+                 const double *push, const double *d, const double *heat, double *share) {
     const struct rule *rule = &rules->temperature;
     if (rule->type->absorbs)
-        absorbed_shares(g, rule->uniform[0], n, rho, T, d, heat, share);
+        absorbed_shares(g, rule->uniform[0], n, rho, T, push, d, heat, share);
     else
         for (int i = 0; i < n; i++) share[i] = 2; /* half the distance */
 }

@@ -150,12 +150,13 @@ struct sum_line {              /* n <= BATCH cells along a patch and what lies b
  * sums_beyond, in the axes of the mesh: it adds the wall's own velocity to `ghost`.
  * Heat crosses some walls (wall_conducts): of these sums_beyond gives S of the wall itself, and the heat that enters is
  *     share * heat (S_wall - S)/d,  d: from the cell to its mirror image,
- * share from wall_shares, by the density and the temperature inside that the coefficients are those of. */
+ * share from wall_shares, by the density and the temperature inside that the coefficients are those of; push: what
+ * pulls the gas onto the wall, m/s^2. */
 void sums_beyond(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 void carry_sums(const struct patch_rules *rules, enum diffusing what, const struct sum_line *l);
 bool wall_conducts(const struct patch_rules *rules);
 void wall_shares(const struct gas *g, const struct patch_rules *rules, int n, const double *rho, const double *T,
-                 const double *d, const double *heat, double *share);
+                 const double *push, const double *d, const double *heat, double *share);
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
@@ -191,6 +192,7 @@ struct gas {
     int slow;    /* so many steps in a row were tiny; slow_dt: an earlier one and the last; < 0: not known */
     double slow_dt[2];
     struct gas_counts counts;
+    double pull[MAX_DIM]; /* m/s^2, with transport: mean acceleration by the sources in the half step in hand */
     bool ahead;   /* the coefficients of diffusion are to be those at the end of the half step (libcore/diffusion.c) */
     long faces;   /* limited in the last redo, on this rank */
     long floored; /* cells raised to the round-off floor by this attempt at a step, on this rank */

@@ -79,9 +79,17 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     return g->speed_known;
 }
 
-/* Half the diffusion of V. false, on all ranks: some state was not admissible, or is not. */
-static bool second_diffusion(struct gas *g, double dt, long bad) {
-    if (!diffuse(g, &g->V, &g->W, 0.5 * dt, true, bad)) return false;
+/* Half the diffusion, from t on; sources pull the gas onto walls. */
+static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
+                         bool second, long bad) {
+    source_kick(&g->models.source, t, 0.5 * dt, g->pull);
+    for (int k = 0; k < MAX_DIM; k++) g->pull[k] /= 0.5 * dt;
+    return diffuse(g, from, to, 0.5 * dt, second, bad);
+}
+
+/* Of V. false, on all ranks: some state was not admissible, or is not. */
+static bool second_diffusion(struct gas *g, double t, double dt, long bad) {
+    if (!diffuse_half(g, &g->V, &g->W, t + 0.5 * dt, dt, true, bad)) return false;
     swap(&g->V, &g->W);
     return true;
 }
@@ -107,7 +115,7 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
         U0 = before;
     }
     if (!g->models.transport) return U0;
-    return diffuse(g, U0, &g->U0, 0.5 * dt, false, *bad) ? &g->U0 : NULL;
+    return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;
 }
 
 /* The stages from U0 to V and the second half of the sources; `bad`: cells after the first half. Only then do the ranks
@@ -128,7 +136,7 @@ static bool try_stages(struct gas *g, const struct state *U0, double t, double d
         U0 = after_stage(g, U0, stage);
     }
     audit_part(g, GAS_FLOW, &g->V);
-    if (g->models.transport && !second_diffusion(g, dt, bad)) bad++;
+    if (g->models.transport && !second_diffusion(g, t, dt, bad)) bad++;
     if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
     if (!speed_share(g, &ending.speed, bad > 0)) {
         g->guarded = GUARDED;
@@ -155,7 +163,7 @@ static bool guard_stages(struct gas *g, const struct state *U0, double t, double
         U0 = after_stage(g, U0, stage);
     }
     audit_part(g, GAS_FLOW, &g->V);
-    if (g->models.transport && !second_diffusion(g, dt, 0)) return false;
+    if (g->models.transport && !second_diffusion(g, t, dt, 0)) return false;
     if (!sources) return true;
     g->share = 1;
     bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));

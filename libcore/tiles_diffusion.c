@@ -174,17 +174,18 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
     const struct forest *f = g->forest;
     const double width = f->width[e->normal], *U = context;
     double *faces = g->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
-    double rho[BATCH], T[BATCH], d[BATCH], heat[BATCH], share[BATCH];
+    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], heat[BATCH], share[BATCH];
     const long face = e->to > e->from ? e->to : e->from;
     if (!wall_conducts(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step;
         rho[i] = U[at];
         T[i] = (g->models.material.gamma - 1) * g->work.eps[at] * (g->ahead ? g->diffuser.warm[tile][at] : 1);
+        push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
         d[i] = width;
         heat[i] = width * width * faces[face + i * e->step];
     }
-    wall_shares(g, e->rules, e->n, rho, T, d, heat, share);
+    wall_shares(g, e->rules, e->n, rho, T, push, d, heat, share);
     for (int i = 0; i < e->n; i++) faces[face + i * e->step] *= share[i];
 }
 

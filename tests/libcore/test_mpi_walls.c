@@ -188,6 +188,49 @@ static void losses_follow_haff(void **state) {
     free(q);
 }
 
+static double pressure(double rho, double T) {
+    const struct eos *eos = eos_find("TorquatoDisks");
+    const struct material m = grains_of(eos, 0.9, 0.1);
+    double p, c2, gruneisen;
+    eos->state(&m, 1, &rho, &T, &p, &c2, &gruneisen);
+    return p;
+}
+
+/* At y = 0 the gas rests under its weight, and conducts what a wall of restitution 0.95 takes. */
+static const double PULL = 3, RESTITUTION = 0.95, HEAVY = 30;
+static double loss(void) {
+    return (1 - RESTITUTION * RESTITUTION) / sqrt(2 * PI) * pressure(HEAVY, 1);
+}
+static void weighing(const double x[3], double *rho, double u[3], double *T) {
+    const double step = 1e-3, rise = loss() / CONDUCTION,
+                 per = (pressure(HEAVY + step, 1) - pressure(HEAVY - step, 1)) / (2 * step);
+    (void)u;
+    *T = 1 + rise * x[1];
+    *rho = HEAVY * exp(-(PULL + pressure(HEAVY, 1) * rise / HEAVY) / per * x[1]);
+}
+
+static double weighing_error(int n) {
+    struct scene s = channel(n, &CONSTANT);
+    const double dt = 1e-8;
+    double before[MAX_VAR], after[MAX_VAR];
+    absorbing(&s, LOW, RESTITUTION);
+    s.models.source.gravity[1] = -PULL;
+    open_channel(&s, weighing);
+    ok(gas_totals(s.gas, before));
+    go(&s, 1, dt);
+    ok(gas_totals(s.gas, after));
+    close_scene(&s);
+    return (before[3] - after[3]) / (dt * ALONG / n * loss()) - 1;
+}
+
+/* Both halves of a step take the pressure on the wall itself. */
+static void weight_counts_at_the_wall(void **state) {
+    (void)state;
+    double coarse = weighing_error(16), fine = weighing_error(32);
+    assert_near(fine, 0, 1e-3);
+    assert_near(log2(coarse / fine), 2, 0.1);
+}
+
 static double *rows_after(int patch, const struct rule *temperature, int whole) {
     struct scene s = channel(24, transport_find("JenkinsRichman"));
     if (temperature) s.rules[patch].temperature = *temperature;
@@ -251,6 +294,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(couette_is_steady),
         cmocka_unit_test(work_is_momentum_times_speed),
         cmocka_unit_test(losses_follow_haff),
+        cmocka_unit_test(weight_counts_at_the_wall),
         cmocka_unit_test(elastic_walls_are_adiabatic),
         cmocka_unit_test(cold_walls_leave_heat),
     };
