@@ -5,8 +5,9 @@
 #include "libcore/polynomial.h"
 #include "libcore/state.h"
 
-/* Of diffusion in one super step. Modes turn by up to 0.015 of the largest rate on usual triangles and tetrahedra,
- * which makes the fastest ones grow from about this number of stages on. */
+/* Of diffusion in one super step. Modes turn by a part of the largest rate, and of the fastest ones some grow from
+ * about 2 (RKL2: 1.6) over that part on in stages: 1600 and more on triangles of gmsh's, 300 on right triangles and 860
+ * on perturbed quads, 115 on perturbed triangles sheared by 45 degrees, but 33 where those are all alike. */
 enum { CELLS_STAGES = 127 };
 
 struct cells { /* lines are [size] of the mosaic, or [faces] */

@@ -36,6 +36,8 @@ static void at_wall(const struct rule *rule, const struct sum_line *l) {
  * weight of what lies between, as gas that stays at a wall has dp/dn = rho push there. The cell conducts
  * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from
  * the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
+ * Without conduction there is no such wall: no heat reaches it but from the cell beside it, which is cold within
+ * d/sqrt(T), so that what is lost vanishes with d.
  */
 static void absorbed_shares(const struct gas *g, double restitution, int n, const double *rho, const double *T,
                             const double *push, const double *d, const double *heat, double *share) {
