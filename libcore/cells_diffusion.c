@@ -72,6 +72,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
     TRY(lines_allocate(&d->friction, 1, size));
+    TRY(lines_allocate(&d->cooled, 1, size));
     TRY(lines_allocate(&d->wall, 1, m->mirror.n));
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
@@ -93,6 +94,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->T);
     free(d->warm);
     free(d->friction);
+    free(d->cooled);
     free(d->wall);
     free(d->mark);
     free(d->inverse);
@@ -197,6 +199,24 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
 /* ---- S and its gradients ------------------------------------------------------------------------------------------
  */
 
+void cells_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int nown = g->cells->mosaic->nown;
+    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH], after[BATCH];
+    if (!from) {
+        memset(d->cooled, 0, (size_t)nown * sizeof *d->cooled);
+        return;
+    }
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        find_temperature(g, n, in[0] + at, before);
+        find_temperature(g, n, out[0] + at, after);
+        for (int i = 0; i < n; i++) d->cooled[at + i] = larger(before[i] - after[i], 0);
+    }
+}
+
 void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int nown = g->cells->mosaic->nown;
@@ -207,7 +227,7 @@ void cells_diffusion_friction(struct gas *g, const struct state *from, const str
         const int n = nown - at < BATCH ? nown - at : BATCH;
         find_temperature(g, n, in[0] + at, before);
         find_temperature(g, n, out[0] + at, d->friction + at);
-        for (int i = 0; i < n; i++) d->friction[at + i] -= before[i];
+        for (int i = 0; i < n; i++) d->friction[at + i] -= before[i] + d->cooled[at + i];
     }
 }
 
@@ -224,7 +244,8 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
                 q[i] = what == VISCOUS ? velocity[v][i]
-                                       : (g->models.material.gamma - 1) * eps[i] - rest * d->friction[at + i];
+                                       : (g->models.material.gamma - 1) * eps[i] - rest * d->friction[at + i] -
+                                             (g->late ? d->cooled[at + i] : 0);
             for (int i = 0; i < n; i++) S[i] = factor * q[i];
         }
     }

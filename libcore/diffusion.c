@@ -8,11 +8,17 @@
  * stress made of T as a source that is constant over the half step: nothing is split between the two. One after the
  * other in turn, thin gas keeps what the stress makes of it for the length of a flow step, and drives itself away.
  *
+ * So is what cooling takes: in the first half of a step, behind it, heat is conducted from the T before it, with what
+ * it took as a constant sink; and in the second half, where it comes last, from T with the same sink, that of the first
+ * half, which is given back. Any sink would do for second order, as the step is the same forwards and backwards; with
+ * this one conduction and cooling that balance each other do so in each half step, also at walls that hold T.
+ *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
- * Not covered by that are the tangential derivatives in the stress, and super steps, which are no means of Euler steps.
+ * Not covered by that are the tangential derivatives in the stress, super steps, which are no means of Euler steps,
+ * and the sink of cooling.
  * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is
- * done again with none of those derivatives on its faces, which is as conservative, then in ever smaller super steps;
- * if all that does not help the time step is halved. */
+ * done again with none of those derivatives on its faces, and no sink, which is as conservative, then in ever smaller
+ * super steps; if all that does not help the time step is halved. */
 #include "libcore/state.h"
 
 enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
@@ -178,6 +184,7 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad) {
     double rate[2], most[3] = {bad > 0, 0, 0};
     g->ahead = g->ahead && second;
+    g->late = second;
     g->engine->diffusion_rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
@@ -192,6 +199,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
         repeats++;
+        if (g->models.source.cooling) g->engine->diffusion_cooled(g, NULL, NULL);
         audit_mark(g, true);
         plain = g->engine->diffusion_flags(g, true);
     }

@@ -89,8 +89,9 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     /* U0 and U of struct stepper's exchange: from start and state to next (start itself, or another) and state. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
     /* With transport, see libcore/diffusion.h. rates: freezes the coefficients of Y0, fills its ghosts; most[2]: the
-     * largest rates of this rank's cells, viscous and of heat. friction: notes by how much T rose, by the stress, from
-     * one state to another. begin: q_0 from Y0, of heat less `rest` of that, and S_1 = factor q_0. stage: the next S,
+     * largest rates of this rank's cells, viscous and of heat. cooled: notes by how much T fell, by cooling, from one
+     * state to another; of NULL: by nothing. friction: notes by how much T rose, by the stress, less that. begin: q_0
+     * from Y0, of heat less `rest` of friction, less cooled if g->late, and S_1 = factor q_0. stage: the next S,
      * by its c[5] with dt in all but the first two, the last one for friction; weight: of S when q is 1. end: to
      * (perhaps Y0 itself) = Y0 moved by S over dt; returns the number of cells that are not admissible, and marks
      * them. flags: makes the marks flags, if they are to be kept, which leave the tangential derivatives out of the
@@ -101,6 +102,7 @@ struct engine {                    /* one kind of mesh: how it holds the state, 
     /* Notes by how much T rose to `to` from the state of the last rates; if g->ahead, rates sees T of Y0 risen by as
      * much. NULL: g->ahead is never set. */
     void (*diffusion_ahead)(struct gas *g, const struct state *to);
+    void (*diffusion_cooled)(struct gas *g, const struct state *from, const struct state *to);
     void (*diffusion_friction)(struct gas *g, const struct state *from, const struct state *to);
     void (*diffusion_begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
     void (*diffusion_stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -162,7 +164,8 @@ void reflect_sums(const struct patch_rules *rules, const struct sum_line *l);
 struct diffuser {      /* of the tiles: [ntiles] of so many lines of [size] */
     double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
     double **start;    /* dim: q_0, the same */
-    double **friction; /* T that the stress of this half step made */
+    double **friction; /* T that the stress of this half step made, less cooled */
+    double **cooled;   /* T that cooling took in the first half; both 0 in ghosts */
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
     double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
     double **light;    /* 1/rho */
@@ -193,6 +196,7 @@ struct gas {
     double slow_dt[2];
     struct gas_counts counts;
     double pull[MAX_DIM]; /* m/s^2, with transport: mean acceleration by the sources in the half step in hand */
+    bool late;            /* diffusion is in the second half of the step, before cooling */
     bool ahead;   /* the coefficients of diffusion are to be those at the end of the half step (libcore/diffusion.c) */
     long faces;   /* limited in the last redo, on this rank */
     long floored; /* cells raised to the round-off floor by this attempt at a step, on this rank */
@@ -237,6 +241,7 @@ status diffuser_make(struct gas *g);
 void diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void tiles_diffusion_ahead(struct gas *g, const struct state *to);
+void tiles_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to);
 void tiles_diffusion_friction(struct gas *g, const struct state *from, const struct state *to);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],

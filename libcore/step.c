@@ -113,6 +113,7 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
             audit_part(g, GAS_FLOORS, before);
         }
         U0 = before;
+        if (g->models.transport && g->models.source.cooling) g->engine->diffusion_cooled(g, &g->U, before);
     }
     if (!g->models.transport) return U0;
     return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;

@@ -25,14 +25,15 @@ status diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
     TRY(blocks_make(g->forest, 1, &d->friction));
+    TRY(blocks_make(g->forest, 1, &d->cooled));
     return blocks_make(g->forest, 1, &d->warm);
 }
 
 void diffuser_free(struct gas *g) {
     struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,
-                         d->light,  d->mark,   d->warm,  d->friction, d->keep};
-    for (int i = 0; i < 10; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start,    d->gradient, d->face,  d->light,
+                         d->mark,   d->warm,   d->friction, d->keep,     d->cooled};
+    for (int i = 0; i < 11; i++) blocks_free(g->forest, blocks[i]);
 }
 
 static int lines_of(const struct gas *g, enum diffusing what) {
@@ -229,7 +230,7 @@ struct beginning { /* what its row visitor needs */
     enum diffusing what;
     const double *U;
     double *start, rest;
-    const double *friction; /* 0 in ghosts */
+    const double *friction, *cooled; /* 0 in ghosts */
 };
 
 /* q_0 of a row: velocity, or T less what friction is yet to make */
@@ -241,14 +242,15 @@ static void begin_visit(void *context, long offset, int n) {
     for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
         memcpy(b->start + v * size + offset, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
-        b->start[offset + i] =
-            (g->models.material.gamma - 1) * g->work.eps[offset + i] - b->rest * b->friction[offset + i];
+        b->start[offset + i] = (g->models.material.gamma - 1) * g->work.eps[offset + i] -
+                               b->rest * b->friction[offset + i] - (g->late ? b->cooled[offset + i] : 0);
 }
 
 struct rising { /* what its row visitor needs */
     const struct gas *g;
     const double *from, *to;
     double *friction;
+    const double *cooled; /* NULL: it is what is asked for */
 };
 
 static void friction_visit(void *context, long offset, int n) {
@@ -256,14 +258,25 @@ static void friction_visit(void *context, long offset, int n) {
     double before[BATCH], after[BATCH];
     temperature_of_row(r->g, r->from, offset, n, before);
     temperature_of_row(r->g, r->to, offset, n, after);
-    for (int i = 0; i < n; i++) r->friction[offset + i] = after[i] - before[i];
+    for (int i = 0; i < n && r->cooled; i++) r->friction[offset + i] = after[i] - before[i] - r->cooled[offset + i];
+    for (int i = 0; i < n && !r->cooled; i++) r->friction[offset + i] = larger(before[i] - after[i], 0);
+}
+
+void tiles_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to) {
+    const struct forest *f = g->forest;
+    for (int t = 0; t < f->ntiles; t++)
+        if (from)
+            rows_visit(f, &f->tile[t], 0, friction_visit,
+                       &(struct rising){g, from->block[t], to->block[t], g->diffuser.cooled[t], NULL});
+        else
+            memset(g->diffuser.cooled[t], 0, (size_t)f->size * sizeof(double));
 }
 
 void tiles_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
     const struct forest *f = g->forest;
     for (int t = 0; t < f->ntiles; t++)
         rows_visit(f, &f->tile[t], 0, friction_visit,
-                   &(struct rising){g, from->block[t], to->block[t], g->diffuser.friction[t]});
+                   &(struct rising){g, from->block[t], to->block[t], g->diffuser.friction[t], g->diffuser.cooled[t]});
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -286,7 +299,7 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     const struct forest *f = g->forest;
     struct diffuser *d = &g->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, d->friction[t]};
+        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, d->friction[t], d->cooled[t]};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t]);
         rows_visit(f, &f->tile[t], beyond, begin_visit, &b);

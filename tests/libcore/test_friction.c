@@ -1,5 +1,5 @@
-/* What viscous stress makes of T while heat is conducted: nothing is split between the two, on either mesh engine,
- * however a half step is cut into parts. */
+/* Heat is conducted with what the stress makes of T and with what cooling takes: nothing is split between these, on
+ * either mesh engine, however a half step is cut into parts. */
 #include "tests/libcore/viscous.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world;
@@ -21,11 +21,15 @@ static bool can(int scheme, bool mosaic) {
     return diffusion_table[scheme].plan || (!mosaic && implicit_available());
 }
 
-/* N x WIDE periodic squares, from 0 to 1 along x. */
-static void open_scene(struct scene *s, const char *diffusion, bool mosaic, initial *at) {
-    const struct cells_recipe boxes = {"boxes", 2, BOXES, {N, WIDE, 1}, {0, 1, 2}, 0, {true, true, true}};
-    *s = (struct scene){.dim = 2, .models = disks_models(&LAW, diffusion)};
+/* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools. */
+static void open_models(struct scene *s, const struct transport *law, const char *diffusion, bool mosaic, initial *at,
+                        bool walls) {
+    const struct cells_recipe boxes = {"boxes", 2, BOXES, {N, WIDE, 1}, {0, 1, 2}, 0, {!walls, true, true}};
+    *s = (struct scene){.dim = 2, .models = disks_models(law, diffusion)};
+    s->models.source.cooling = walls;
     set_walls(s, "slip");
+    for (int p = 0; p < 2 && walls; p++)
+        s->rules[p].temperature = (struct rule){boundary_find("fixedValue"), {1 + p}, NULL};
     if (mosaic) {
         s->mesh = cells_make(&boxes);
         for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * N;
@@ -34,6 +38,10 @@ static void open_scene(struct scene *s, const char *diffusion, bool mosaic, init
         open_box(s, world, 2, boxes.n, (double[3]){1, (double)WIDE / N, 1}, boxes.cyclic, 16);
     }
     start(s, at);
+}
+
+static void open_scene(struct scene *s, const char *diffusion, bool mosaic, initial *at) {
+    open_models(s, &LAW, diffusion, mosaic, at, false);
 }
 
 /* The state after so many half steps, of the same total energy; caller frees. */
@@ -160,6 +168,42 @@ static void thin_cells_stay_cold(void **state) {
         }
 }
 
+/* ---- cooling -------------------------------------------------------------------------------------------------------
+ */
+
+static void between_walls(const double x[3], double *rho, double u[3], double *T) {
+    (void)u;
+    *rho = 25;
+    *T = 1 + x[0];
+}
+
+/* Steady, after so many whole steps. */
+static double *settled(bool mosaic, int steps) {
+    struct scene s;
+    open_models(&s, transport_find("JenkinsRichman"), "RKJ2", mosaic, between_walls, true);
+    go(&s, steps, 4. / steps);
+    double *all = state_of(&s, world);
+    close_scene(&s);
+    return all;
+}
+
+/* Where conduction and cooling balance each other their splitting leaves an error of second order, also beside walls
+ * that hold T: one after the other, of first order there. */
+static void cooling_and_conduction_are_of_second_order(void **state) {
+    (void)state;
+    for (int mosaic = 0; mosaic < 2; mosaic++) {
+        double *all[3], error[2] = {0, 0};
+        for (int i = 0; i < 3; i++) all[i] = settled(mosaic, 400 << i);
+        for (int i = 0; i < 2; i++)
+            for (int k = 0; k < N * WIDE; k++)
+                error[i] =
+                    fmax(error[i], fabs(temperature(all[i], 2, N * WIDE, k) - temperature(all[i + 1], 2, N * WIDE, k)));
+        for (int i = 0; i < 3; i++) free(all[i]);
+        assert_true(log2(error[0] / error[1]) > 1.9);
+        assert_near(error[1], 0, 1e-4);
+    }
+}
+
 /* ---- the budget ----------------------------------------------------------------------------------------------------
  */
 
@@ -209,6 +253,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(fast_conduction_holds_the_heat_of_friction),
         cmocka_unit_test(friction_and_conduction_are_of_second_order),
         cmocka_unit_test(thin_cells_stay_cold),
+        cmocka_unit_test(cooling_and_conduction_are_of_second_order),
         cmocka_unit_test(budget_counts_the_last_attempt),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
