@@ -80,14 +80,19 @@ static status module_load(const struct linear_module **out) {
     *out = library ? dlsym(library, "haff_linear_module") : NULL;
     if (*out) return OK;
     return fail(ERR_INPUT,
-                "diffusion implicit wants the module %s: %s\n"
-                "  it is built where PETSc is installed: on Debian, apt-get install %s, then configure and build again",
-                IMPLICIT_MODULE, dlerror(), IMPLICIT_PACKAGE);
+                "it wants the module %s: %s\n"
+                "  which is built where PETSc is installed: on Debian, apt-get install %s, then configure and build "
+                "again; or choose %s",
+                IMPLICIT_MODULE, dlerror(), IMPLICIT_PACKAGE, diffusion_table[0].name);
+}
+
+status implicit_check(void) {
+    const struct linear_module *module;
+    return module_load(&module);
 }
 
 bool implicit_available(void) {
-    const struct linear_module *module;
-    status s = module_load(&module);
+    status s = implicit_check();
     status_free(s);
     return !s;
 }
@@ -156,7 +161,7 @@ static status solver_make(struct implicit *m, struct problem *p) {
 }
 
 static status make_parts(struct implicit *m, struct gas *g) {
-    TRY(comm_agree(g->comm, module_load(&m->module)));
+    TRY(comm_agree(g->comm, status_note(module_load(&m->module), "diffusion implicit:")));
     TRY(g->engine->implicit_pattern(g, &m->links));
     const long cells = m->links.cells, rows = cells * g->dim;
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));

@@ -11,11 +11,11 @@
  * after which a temperature is a mean of temperatures.
  *
  * PETSc solves the systems by conjugate gradients, that of the stress, which walls and varying viscosities keep from
- * being quite symmetric, by conjugate residuals; both with the part that couples no components, factored incompletely
- * on each rank. So runs agree to the bit only on the same number of ranks, else to the solver's tolerance: 1e-6 of
- * every cell's T, or of the speed of its energy, below the errors of the splitting and of frozen coefficients by far.
- * This is a module of its own, loaded when a run asks for it: PETSc's hundred libraries take 30 ms to load. This header
- * is all that both sides share.
+ * being quite symmetric, and those on meshes whose lines of centres lean on faces, by conjugate residuals; all with the
+ * part of the jumps that couples no components, factored incompletely on each rank. So runs agree to the bit only on
+ * the same number of ranks, else to the solver's tolerance: 1e-6 of every cell's T, or of the speed of its energy,
+ * below the errors of the splitting and of frozen coefficients by far. This is a module of its own, loaded when a run
+ * asks for it: PETSc's hundred libraries take 30 ms to load. This header is all that both sides share.
  */
 #ifndef LIBCORE_IMPLICIT_H
 #define LIBCORE_IMPLICIT_H
@@ -50,7 +50,8 @@ struct linear_module { /* what the module exports as `haff_linear_module`; texts
     void (*free)(struct linear_solver *l);
 };
 
-bool implicit_available(void); /* is the module there? */
+status implicit_check(void); /* is the module there? the text follows a dictionary's "key 'type' is implicit;" */
+bool implicit_available(void);
 
 struct gas;
 struct implicit;

@@ -10,8 +10,8 @@ struct linear_solver {
     Mat A, P;
     Vec b, x;
     KSP ksp;
-    PC inner;     /* the preconditioner; the one that KSP sees looks at the residual first */
-    double error; /* the last that was seen */
+    PC inner;     /* the preconditioner; the one that KSP sees only notes the residual */
+    Vec residual; /* KSP's, at the last preconditioning */
 };
 
 extern const struct linear_module haff_linear_module;
@@ -29,28 +29,31 @@ static PetscErrorCode multiply(Mat A, Vec x, Vec y) {
     return 0;
 }
 
-/* Conjugate gradients and residuals both ask for the preconditioned residual, the latter an iteration later than they
- * might. */
 static PetscErrorCode precondition(PC pc, Vec r, Vec z) {
     struct linear_solver *l;
-    const double *x, *residual;
     PetscCall(PCShellGetContext(pc, (void *)&l));
+    l->residual = r;
+    PetscCall(PCApply(l->inner, r, z));
+    return 0;
+}
+
+/* Conjugate gradients and residuals both keep one residual, which this sees in its newest state: at first it is b. */
+static PetscErrorCode find_error(const struct linear_solver *l, PetscInt iteration, double *error) {
+    const double *x, *residual;
+    const Vec r = iteration > 0 ? l->residual : l->b;
     PetscCall(VecGetArrayRead(l->x, &x));
     PetscCall(VecGetArrayRead(r, &residual));
-    l->error = l->system->error(l->system->caller, x, residual);
+    *error = l->system->error(l->system->caller, x, residual);
     PetscCall(VecRestoreArrayRead(l->x, &x));
     PetscCall(VecRestoreArrayRead(r, &residual));
-    if (l->error <= 1)
-        PetscCall(VecCopy(r, z));
-    else
-        PetscCall(PCApply(l->inner, r, z));
     return 0;
 }
 
 static PetscErrorCode enough(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context) {
-    const struct linear_solver *l = context;
+    double error = PETSC_INFINITY;
     (void)ksp;
-    *reason = l->error <= 1 || norm == 0     ? KSP_CONVERGED_ATOL
+    PetscCall(find_error(context, iteration, &error));
+    *reason = error <= 1                     ? KSP_CONVERGED_ATOL
               : PetscIsInfOrNanReal(norm)    ? KSP_DIVERGED_NANORINF
               : iteration >= MOST_ITERATIONS ? KSP_DIVERGED_ITS
                                              : KSP_CONVERGED_ITERATING;
@@ -113,7 +116,7 @@ static PetscErrorCode make_ksp(struct linear_solver *l, MPI_Comm comm) {
     PetscCall(KSPCreate(comm, &l->ksp));
     PetscCall(KSPSetOperators(l->ksp, l->A, l->P));
     PetscCall(KSPSetType(l->ksp, l->system->symmetric ? KSPCG : KSPGCR));
-    PetscCall(KSPSetNormType(l->ksp, l->system->symmetric ? KSP_NORM_NATURAL : KSP_NORM_UNPRECONDITIONED));
+    PetscCall(KSPSetNormType(l->ksp, KSP_NORM_UNPRECONDITIONED));
     PetscCall(KSPSetConvergenceTest(l->ksp, enough, l, NULL));
     PetscCall(KSPGetPC(l->ksp, &pc));
     PetscCall(PCSetType(pc, PCSHELL));
@@ -121,7 +124,7 @@ static PetscErrorCode make_ksp(struct linear_solver *l, MPI_Comm comm) {
     PetscCall(PCShellSetApply(pc, precondition));
     PetscCall(PCCreate(comm, &l->inner));
     PetscCall(PCSetOperators(l->inner, l->P, l->P));
-    PetscCall(PCSetType(l->inner, PCBJACOBI)); /* of ILU(0), the same as incomplete Cholesky here */
+    PetscCall(PCSetType(l->inner, PCBJACOBI));
     return 0;
 }
 
@@ -137,6 +140,18 @@ static const char *module_make(const struct linear_system *s, struct linear_solv
     return text_of(code);
 }
 
+/* This rank's block by ILU(1), on a symmetric matrix the same as incomplete Cholesky: two thirds of the iterations that
+ * ILU(0) takes. It is factored when it is first applied. */
+static PetscErrorCode factor(PC blocks) {
+    KSP *block;
+    PC pc;
+    PetscCall(PCBJacobiGetSubKSP(blocks, NULL, NULL, &block));
+    PetscCall(KSPGetPC(block[0], &pc));
+    PetscCall(PCSetType(pc, PCILU));
+    PetscCall(PCFactorSetLevels(pc, 1));
+    return 0;
+}
+
 static PetscErrorCode prepare(struct linear_solver *l) {
     PetscMPIInt size;
     MPI_Comm_size(PetscObjectComm((PetscObject)l->P), &size);
@@ -148,7 +163,7 @@ static PetscErrorCode prepare(struct linear_solver *l) {
         PetscCall(MatSeqAIJRestoreArray(l->P, &value));
     }
     PetscCall(PCSetUp(l->inner));
-    return 0;
+    return factor(l->inner);
 }
 
 static const char *module_prepare(struct linear_solver *l) {
@@ -157,7 +172,6 @@ static const char *module_prepare(struct linear_solver *l) {
 
 static PetscErrorCode solve(struct linear_solver *l, const double *b, double *x, int *iterations) {
     KSPConvergedReason reason;
-    l->error = PETSC_INFINITY;
     PetscCall(VecPlaceArray(l->b, b));
     PetscCall(VecPlaceArray(l->x, x));
     PetscCall(KSPSolve(l->ksp, l->b, l->x));

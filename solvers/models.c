@@ -1,5 +1,6 @@
 #include "solvers/models.h"
 
+#include "libcore/implicit.h"
 #include "solvers/fields.h"
 #include "solvers/layers.h"
 #include "solvers/params.h"
@@ -188,6 +189,13 @@ static status read_schemes(struct dict *d, struct case_models *all) {
     return dict_check_used(d);
 }
 
+static status check_module(const struct dict *diffusion) {
+    status missing = implicit_check(), s = OK;
+    if (missing) s = dict_fail(diffusion, "type", "%s", status_text(missing));
+    status_free(missing);
+    return s;
+}
+
 static status read_solution(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
     struct dict *limits, *diffusion, *none = NULL;
@@ -196,6 +204,7 @@ static status read_solution(struct dict *d, struct case_models *m) {
     TRY(dict_sub_optional(d, "diffusion", &diffusion));
     if (diffusion) TABLE_CHOICE(diffusion, "type", diffusion_table, diffusion_count, NULL, &i);
     m->gas.diffusion = &diffusion_table[i];
+    if (m->gas.transport && !m->gas.diffusion->plan) TRY(check_module(diffusion));
     TRY(dict_sub_optional(d, "limits", &limits));
     if (!limits) TRY(dict_from_text("limits", "", &none));
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);

@@ -51,13 +51,20 @@ class Implicit(harness.Folder, unittest.TestCase):
             np.testing.assert_allclose(other.field(field), whole, rtol=0, atol=3e-3 * np.abs(whole).max())
 
     def test_without_module(self):
-        """A program that was built without PETSc names the package."""
+        """A program that was built without PETSc names the entry, the package and what else there is."""
         program = shutil.copy(os.path.join(harness.BIN, "granularGas"), self.folder)
         case = self.box("case", (4, 4, 1), np.full(16, test_disks.density(0.3)), np.zeros((16, 3)), np.ones(16), 0.01,
                         diffusion="implicit")
         done = subprocess.run([program, "-case", case], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 1)
+        path = os.path.join(case, "system", "fvSolution")
+        with open(path) as f:
+            line = 1 + next(i for i, text in enumerate(f) if "implicit" in text)
+        self.assertIn(f"{path}:{line}: ", done.stderr)
         self.assertIn("petsc-dev", done.stderr)
+        self.assertIn("or choose RKJ2", done.stderr)
+        harness.edit(case, "system/fvSolution", type="RKJ2")
+        subprocess.run([program, "-case", case], capture_output=True, check=True, timeout=60)
 
 
 if __name__ == "__main__":
