@@ -59,8 +59,9 @@ def program(case, name, *arguments, log="a"):
 
 
 def copy(template, case):
-    """The template's files, without results."""
-    shutil.copytree(template, case, ignore=shutil.ignore_patterns(*RESULTS))
+    """The template's files, without results and without the folder that `case` lies in, if that is in the template."""
+    results, inside = shutil.ignore_patterns(*RESULTS), os.path.relpath(case, template).split(os.sep)[0]
+    shutil.copytree(template, case, ignore=lambda folder, names: {*results(folder, names), *({inside} & set(names))})
 
 
 def mesh(case, length, height):

@@ -1,16 +1,25 @@
 /* Run time against error of the schemes of viscous stress and heat conduction over a Faraday scene, that of
- * cases/faraday in a box of 38 with one wave: bench_faraday [periods, default 7 [diffusion maxCo]...]; without these
- * every scheme but `explicit`, which takes 3e5 steps a period, at some Courant numbers. CPU time of the process; errors
- * against the first scheme at a small Courant number. Heights are those of the columns' centres of mass. */
+ * cases/faraday in a box of 38 with one wave:
+ *     bench_faraday [periods, default 7 [diffusion timeScheme maxCo]...]
+ * without schemes all but `explicit`, which takes 3e5 steps a period, with SSPRK3, and RKJ2 with SSPRK43, too, all at
+ * some Courant numbers; steps are at most 1.5e-3 maxCo. CPU time of the process; errors against the first scheme at a
+ * small Courant number. Heights are those of the columns' centres of mass. */
 #include "libcore/gas.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
 
 #include <stdio.h>
 
-#define PI   3.14159265358979323846
-#define FINE 0.04 /* Courant number of the reference */
+#define PI      3.14159265358979323846
+#define FINE    0.04   /* Courant number of the reference */
+#define LONGEST 1.5e-3 /* step at Courant number 1 */
 enum { ROWS = 60, COLUMNS = 19, CELLS = ROWS * COLUMNS, TILE = 60, MOST = 20, GROWTH = 2 };
+
+struct scheme {
+    const struct diffusion *diffusion;
+    const struct stepper *stepper;
+    double courant;
+};
 
 struct result {
     double mean[2 * MOST + 1]; /* height at t = n T/2 */
@@ -61,7 +70,7 @@ static status advance(struct gas *g, int periods, double frequency, double coura
         while (t < end) {
             struct gas_speed speed;
             gas_speed(g, &speed);
-            const double steps = ceil((end - t) * speed.rate / courant);
+            const double steps = ceil((end - t) * larger(speed.rate, 1 / LONGEST) / courant);
             double dt = (end - t) / steps;
             const double asked = dt;
             TRY(gas_step(g, t, &dt, courant, 1e-12, 1e-3, &speed));
@@ -73,15 +82,15 @@ static status advance(struct gas *g, int periods, double frequency, double coura
     return OK;
 }
 
-static struct gas_models models_of(const struct diffusion *diffusion) {
+static struct gas_models models_of(const struct scheme *s) {
     struct gas_models m = {.material = {.diameter = 1, .mass = 1, .restitution = 0.75, .threshold = 1, .disks = true},
                            .eos = eos_find("TorquatoDisks"),
                            .flux = flux_find("common"),
                            .reconstruct = reconstruct_find("WPENO5"),
-                           .stepper = stepper_find("SSPRK3"),
+                           .stepper = s->stepper,
                            .transport = transport_find("JenkinsRichman"),
                            .numbers = {1e-4, 1},
-                           .diffusion = diffusion,
+                           .diffusion = s->diffusion,
                            .source = {.cooling = true,
                                       .gravity = {0, -981, 0},
                                       .amplitude = 2.74588290437239,
@@ -93,9 +102,8 @@ static struct gas_models models_of(const struct diffusion *diffusion) {
     return m;
 }
 
-static status run(const struct comm *c, int periods, const struct diffusion *diffusion, double courant,
-                  struct result *r) {
-    const struct gas_models m = models_of(diffusion);
+static status run(const struct comm *c, int periods, const struct scheme *s, struct result *r) {
+    const struct gas_models m = models_of(s);
     struct patch_rules rules[6];
     struct box box;
     struct forest *f;
@@ -110,7 +118,7 @@ static status run(const struct comm *c, int periods, const struct diffusion *dif
     TRY(forest_make(&box.lattice, &box.mesh, c, TILE, &f));
     TRY(gas_make(f, &m, 6, rules, &g));
     TRY(fill(g));
-    TRY(advance(g, periods, m.source.frequency, courant, r));
+    TRY(advance(g, periods, m.source.frequency, s->courant, r));
     r->seconds += cpu_seconds();
     r->counts = gas_counts(g);
     gas_free(g);
@@ -130,36 +138,47 @@ static double worst(const struct result *r, const struct result *exact, int peri
     return error;
 }
 
-static status row(const struct comm *c, int periods, const struct diffusion *d, double courant, struct result *exact) {
+static status row(const struct comm *c, int periods, const struct scheme *s, struct result *exact) {
     struct result r;
-    TRY(run(c, periods, d, courant, &r));
+    TRY(run(c, periods, s, &r));
     if (!exact->steps) *exact = r;
-    const double halves = fmax(1, (double)r.counts.halves);
-    printf("%-9s %6g %8.2f %8ld %7.1f %7.1f %8ld   %8.1e", d->name, courant, r.seconds, r.steps,
-           (double)r.counts.stages[0] / halves, (double)r.counts.stages[1] / halves, r.counts.repeated,
-           worst(&r, exact, periods));
+    const double halves = larger(1, (double)r.counts.halves);
+    printf("%-8s %-8s %5g %8.2f %8ld %7.1f %7.1f %8ld   %8.1e", s->diffusion->name, s->stepper->name, s->courant,
+           r.seconds, r.steps, (double)r.counts.stages[0] / halves, (double)r.counts.stages[1] / halves,
+           r.counts.repeated, worst(&r, exact, periods));
     if (periods > GROWTH)
         printf("  %7.4f %8.1e", growth(&r, periods), growth(&r, periods) / growth(exact, periods) - 1);
     printf("\n");
     return fflush(stdout) ? fail(ERR_SYSTEM, "output") : OK;
 }
 
+static status all_rows(const struct comm *c, int periods, struct result *exact) {
+    static const double courants[] = {0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 1.6};
+    for (int i = -1; i < diffusion_count; i++) {
+        struct scheme s = {&diffusion_table[i < 0 ? 0 : i], stepper_find(i < 0 ? "SSPRK43" : "SSPRK3"), 0};
+        if (!strcmp(s.diffusion->name, "explicit")) continue;
+        for (int k = i < 0 ? 3 : 0; k < (i < 0 ? 7 : 5); k++) {
+            s.courant = courants[k];
+            TRY(row(c, periods, &s, exact));
+        }
+    }
+    return OK;
+}
+
 static status bench(const struct comm *c, int argc, char **argv) {
-    static const double courants[] = {0.1, 0.2, 0.3, 0.5, 0.8};
     const int periods = argc > 1 ? atoi(argv[1]) : 7;
     struct result exact = {.steps = 0};
     if (periods < 1 || periods > MOST) return fail(ERR_INPUT, "periods: 1 .. %d", MOST);
-    printf("diffusion  maxCo    CPU s    steps viscous    heat repeated   error of: heights, growth\n");
-    TRY(row(c, periods, &diffusion_table[0], FINE, &exact));
-    for (int i = 2; i + 1 < argc; i += 2) {
-        const struct diffusion *d = diffusion_find(argv[i]);
-        if (!d) return fail(ERR_INPUT, "no such scheme: %s", argv[i]);
-        TRY(row(c, periods, d, atof(argv[i + 1]), &exact));
+    printf(
+        "diffusion and timeScheme, maxCo, CPU s, steps, stages of stress, of heat, repeated, error of heights, growth, "
+        "its error\n");
+    TRY(row(c, periods, &(struct scheme){&diffusion_table[0], stepper_find("SSPRK3"), FINE}, &exact));
+    if (argc < 3) return all_rows(c, periods, &exact);
+    for (int i = 2; i + 2 < argc; i += 3) {
+        const struct scheme s = {diffusion_find(argv[i]), stepper_find(argv[i + 1]), atof(argv[i + 2])};
+        if (!s.diffusion || !s.stepper) return fail(ERR_INPUT, "no such scheme: %s %s", argv[i], argv[i + 1]);
+        TRY(row(c, periods, &s, &exact));
     }
-    for (int i = 0; argc < 3 && i < diffusion_count; i++)
-        for (int k = 0;
-             strcmp(diffusion_table[i].name, "explicit") != 0 && k < (int)(sizeof courants / sizeof *courants); k++)
-            TRY(row(c, periods, &diffusion_table[i], courants[k], &exact));
     return OK;
 }
 

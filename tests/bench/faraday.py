@@ -10,8 +10,8 @@ import figures  # noqa: E402
 
 def rows(lines):
     """(scheme, Courant number, seconds, error of heights, error of growth), without the reference."""
-    words = [line.split() for line in lines if len(line.split()) == 10]
-    return [(w[0], float(w[1]), float(w[2]), float(w[7]), abs(float(w[9]))) for w in words if float(w[7]) > 0]
+    words = [line.split() for line in lines if len(line.split()) == 11]
+    return [(f"{w[0]}, {w[1]}", float(w[2]), float(w[3]), float(w[8]), abs(float(w[10]))) for w in words if float(w[8]) > 0]
 
 
 def main(path, table):

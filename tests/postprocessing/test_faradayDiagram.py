@@ -75,11 +75,11 @@ class Driver(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def sweep(self):
-        command = [sys.executable, os.path.join(SOURCE, "postprocessing", "faradayDiagram.py"), os.path.join(self.folder, "out"), "-rows", "7",
+        command = [sys.executable, os.path.join(SOURCE, "postprocessing", "faradayDiagram.py"), os.path.join(self.template, "out"), "-rows", "7",
                    "-cycles", "4", "-last", "3", "-jobs", "1", "-keep", "-template", self.template, "-note", "test"]
         done = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        with open(os.path.join(self.folder, "out", "faradayDiagram.csv")) as f:
+        with open(os.path.join(self.template, "out", "faradayDiagram.csv")) as f:
             return done.stdout, list(csv.DictReader(f))
 
     def test_row(self):
@@ -87,8 +87,8 @@ class Driver(unittest.TestCase):
         self.assertIn("1 rows to run, 0 stand", said)
         self.assertEqual(len(first), 1)
         self.assertEqual((first[0]["row"], first[0]["paper"], first[0]["cells"], first[0]["cycles"]), ("7", "21.0", "3750", "4"))
-        self.assertIn("timeScheme SSPRK3 maxCo 0.5 amplitude 1e-2 seed 1 last 3 test", first[0]["options"])
-        out = os.path.join(self.folder, "out")
+        self.assertIn("timeScheme SSPRK43 maxCo 0.8 amplitude 1e-2 seed 1 last 3 test", first[0]["options"])
+        out = os.path.join(self.template, "out")
         self.assertTrue(os.path.getsize(os.path.join(out, "faradayDiagram.png")) > 1000)
         said = self.sweep()[0]
         self.assertIn("0 rows to run, 1 stand", said)
