@@ -1,6 +1,7 @@
 """Allrun and its shell code with stand-ins for the programs: what is made once, what is made again, what it says."""
 import json
 import os
+import re
 import shutil
 import stat
 import subprocess
@@ -122,6 +123,18 @@ class Setup(unittest.TestCase):
                     for entry in part:
                         self.assertGreater(entry["tolerance"], 0)
                         self.assertTrue(entry["source"])
+
+
+class Links(unittest.TestCase):
+    def test_what_is_shown_is_there(self):
+        """In a clone, links of Markdown files to files that only a run makes lead nowhere."""
+        for folder, folders, names in os.walk(SOURCE):
+            folders[:] = [n for n in folders if not n.startswith((".", "build"))]
+            for name in (n for n in names if n.endswith(".md")):
+                with open(os.path.join(folder, name)) as f:
+                    links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", f.read())
+                for link in (n for n in links if "://" not in n):
+                    self.assertTrue(os.path.exists(os.path.join(folder, link)), f"{os.path.join(folder, name)} leads to {link}")
 
 
 if __name__ == "__main__":
