@@ -171,6 +171,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
+/* Both kinds, by way of a third state. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
                          const double rate[2]) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;
