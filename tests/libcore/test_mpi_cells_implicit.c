@@ -80,19 +80,6 @@ static void boxes_are_a_lattice(void **state) {
     }
 }
 
-/* Coefficients that do not change with T or u: what is left in time is the schemes. */
-static void of_density(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
-                       const double *restrict rho, const double *restrict T, double *restrict bulk,
-                       double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) {
-        bulk[i] = 0.4 * rho[i];
-        shear[i] = 0.7 * rho[i] * rho[i];
-        heat[i] = 1.1 / rho[i];
-    }
-}
-static const struct transport LAW = {.coefficients = of_density};
-
 static const struct cells_recipe rough[] = {
     {"triangles", 2, PRISMS, {10, 10, 1}, {0, 1, 2}, 0.2, OPEN},
     {"tetrahedra", 3, TETS, {5, 5, 2}, {0, 1, 2}, 0.1, {false, false, true}},
@@ -109,7 +96,7 @@ static void many_steps_come_to_the_same(void **state) {
         for (int k = 0; k < 3; k++) {
             const int steps = k == 0 ? 400 : 16 << k;
             struct scene s;
-            choose(&s, rough[b].dim, &LAW, false, k ? "implicit" : "explicit");
+            choose(&s, rough[b].dim, &OF_DENSITY, false, k ? "implicit" : "explicit");
             open_cells(&s, world, &rough[b], 0.3);
             start(&s, manufactured_fields);
             spread(&s, steps, 0.02 / steps);

@@ -4,19 +4,6 @@
 static struct comm *world;
 enum { NX = 24, NY = 18, CELLS = NX * NY };
 
-/* Coefficients that do not change with T or u: what is left in time is the schemes. */
-static void of_density(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
-                       const double *restrict rho, const double *restrict T, double *restrict bulk,
-                       double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) {
-        bulk[i] = 0.4 * rho[i];
-        shear[i] = 0.7 * rho[i] * rho[i];
-        heat[i] = 1.1 / rho[i];
-    }
-}
-static const struct transport LAW = {.coefficients = of_density};
-
 static void open_scene(struct scene *s, const char *wall, const struct transport *transport, const char *diffusion) {
     *s = (struct scene){.models = disks_models(transport, diffusion)};
     set_walls(s, wall);
@@ -40,14 +27,14 @@ static void many_steps_come_to_the_same(void **state) {
     for (int wall = 0; wall < 1 + alone; wall++) {
         struct scene s;
         double error[2] = {0, 0};
-        open_scene(&s, walls[wall], &LAW, "explicit");
+        open_scene(&s, walls[wall], &OF_DENSITY, "explicit");
         start(&s, gentle);
         spread(&s, 400, 0.01 / 400);
         double *exact = state_of(&s, world);
         close_scene(&s);
         for (int k = alone ? 0 : 1; k < 2; k++) {
             const int steps = alone ? 32 << k : 8;
-            open_scene(&s, walls[wall], &LAW, "implicit");
+            open_scene(&s, walls[wall], &OF_DENSITY, "implicit");
             start(&s, gentle);
             spread(&s, steps, 0.01 / steps);
             for (int what = 0; what < 2; what++) { /* few, as the preconditioner is nearly the system */
