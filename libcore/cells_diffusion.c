@@ -152,9 +152,9 @@ ALWAYS_INLINE double harmonic(double share, double a, double b) {
     return a * b / (share * b + (1 - share) * a + 1e-300);
 }
 
-KERNEL static void face_coefficients(int n, double trace, const int *restrict left, const int *restrict right,
-                                     const double *restrict area, const double *restrict share, double *const *cell,
-                                     double *const *face) {
+KERNEL static void mix_coefficients(int n, double trace, const int *restrict left, const int *restrict right,
+                                    const double *restrict area, const double *restrict share, double *const *cell,
+                                    double *const *face) {
     const double *restrict bulk = cell[0], *restrict shear = cell[1], *restrict heat = cell[2];
     double *restrict lambda = face[0], *restrict mu = face[1], *restrict kappa = face[2];
     for (int i = 0; i < n; i++) {
@@ -190,8 +190,8 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     double *U[MAX_VAR];
     fill_state(g, Y0, U);
     cell_coefficients(g, U[0]);
-    face_coefficients(m->face.n, g->models.material.disks ? 1 : 2. / 3, m->face.left, m->face.right, m->face.area,
-                      d->share, d->cell, d->face);
+    mix_coefficients(m->face.n, g->models.material.disks ? 1 : 2. / 3, m->face.left, m->face.right, m->face.area,
+                     d->share, d->cell, d->face);
     cells_wall_shares(g, U[0], d->T, d->cell[2], d->wall);
     find_rates(g, U[0], most);
 }
