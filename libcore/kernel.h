@@ -17,8 +17,8 @@ enum {
     MAX_VAR = 5  /* rho, rho u (dim of them), E */
 };
 
-/* One clone per instruction set, chosen when the program starts; sums stay in program order, so the bits agree. Names are
- * unique over all files: clang exports what chooses among the clones. */
+/* One clone per instruction set, chosen when the program starts; sums stay in program order, so the bits agree. Names
+ * are unique over all files: clang exports what chooses among the clones. */
 #if defined(__x86_64__) && !defined(HAFF_NO_CLONES)
 #define KERNEL __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
