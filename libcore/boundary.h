@@ -2,7 +2,7 @@
  * reflecting velocity (a wall) makes every scalar's ghost the mirror image, so that mass is conserved to round-off.
  * With transport every wall is a mirror to the fluxes of the inviscid gas, which then pass on its pressure and nothing
  * else: that a wall drags, or has a temperature, counts for viscous stress and heat conduction only
- * (libcore/diffusion_edges.c). */
+ * (libcore/diffusion_edges.c), and that it drags for the polynomials of the cells at it (libcore/cells_edge.c). */
 #ifndef LIBCORE_BOUNDARY_H
 #define LIBCORE_BOUNDARY_H
 

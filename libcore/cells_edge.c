@@ -57,6 +57,24 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
     }
 }
 
+/* The gas at a wall that drags has the wall's velocity w: with 2 w - u beyond it polynomials keep the slope that
+ * friction makes. (Fluxes through the wall itself see a plain mirror: they pass on pressure alone.) */
+static void drag_run(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
+    const struct mosaic *m = g->cells->mosaic;
+    const double *w = g->rules[m->mirror.patch[from]].velocity.uniform;
+    for (int i = from; i < from + n; i++) {
+        const int cell = m->mirror.cell[i], mirror = m->ncells + i;
+        const double rho = U[0][cell];
+        double work = 0;
+        for (int k = 0; k < g->dim; k++) {
+            work += w[k] * (rho * w[k] - U[k + 1][cell]);
+            U[k + 1][mirror] = 2 * rho * w[k] - U[k + 1][cell];
+        }
+        U[0][mirror] = rho;
+        U[g->dim + 1][mirror] = U[g->dim + 1][cell] + 2 * work;
+    }
+}
+
 /* How many mirrors from `from` on, before `to`, are of one patch: a batch at most. */
 static int patch_run(const struct gas *g, int from, int to) {
     const int *patch = g->cells->mosaic->mirror.patch;
@@ -68,7 +86,10 @@ static int patch_run(const struct gas *g, int from, int to) {
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        mirror_run(g, from, n, U);
+        if (g->models.transport && g->rules[g->cells->mosaic->mirror.patch[from]].velocity.type->drags)
+            drag_run(g, from, n, U);
+        else
+            mirror_run(g, from, n, U);
     }
 }
 

@@ -1,5 +1,7 @@
 /* Viscous stress and heat conduction on mosaics: order on perturbed meshes, what linear fields must do exactly, bits,
  * what must not happen; against the tiles. */
+#include "libcore/cells.h"
+
 #include "tests/libcore/viscous.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world, *alone;
@@ -170,6 +172,43 @@ static void linear_temperature_is_steady(void **state) {
     }
 }
 
+/* Between a wall at rest, x = 0, and one that moves. */
+static void sheared(const double x[3], double *rho, double u[3], double *T) {
+    *rho = 0.7;
+    *T = 2;
+    u[1] = 3 * x[0];
+}
+
+/* What polynomials read beyond walls that drag continues the flow that friction makes there: linear, if it is. */
+static void mirrors_continue_shear(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        double *U[MAX_VAR];
+        int walls = 0;
+        choose(&s, rough[b].dim, "noSlip", &CONSTANT);
+        s.rules[1].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0, 3}};
+        open_cells(&s, world, &rough[b]);
+        start(&s, sheared);
+        const struct mosaic *m = s.gas->cells->mosaic;
+        cells_lines(s.gas, &s.gas->U, U);
+        cells_mirrors(s.gas, 0, m->face.n - m->face.ninternal, U);
+        for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
+            const int mirror = m->ncells + i;
+            double x[3] = {m->centre[0][mirror]}, rho, u[3] = {0, 0, 0}, T;
+            if (m->mirror.patch[i] > 1) continue;
+            sheared(x, &rho, u, &T);
+            const double E = rho * (T / (s.models.material.gamma - 1) + 0.5 * u[1] * u[1]);
+            walls++;
+            assert_true(U[0][mirror] == rho);
+            for (int k = 0; k < s.dim; k++) assert_true(fabs(U[k + 1][mirror] - rho * u[k]) < 1e-13);
+            assert_true(fabs(U[s.dim + 1][mirror] - E) < 1e-13 * E);
+        }
+        assert_true(walls > 0 || comm_size(world) > 1);
+        close_scene(&s);
+    }
+}
+
 /* ---- against the tiles ---------------------------------------------------------------------------------------------
  */
 
@@ -323,6 +362,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(driven_gas_stays_at_second_order),
         cmocka_unit_test(rotation_makes_no_heat),
         cmocka_unit_test(linear_temperature_is_steady),
+        cmocka_unit_test(mirrors_continue_shear),
         cmocka_unit_test(boxes_are_a_lattice),
         cmocka_unit_test(totals_are_conserved),
         cmocka_unit_test(bits_know_no_ranks),
