@@ -42,6 +42,24 @@ static void measure_cells(struct cells *c) {
     }
 }
 
+/* Quadratics have members enough to do without the mirrors of walls that drag or hold T: for rho, whose slope there is
+ * that of T against it, and for what a wall that moves carries along, these would be wrong in first order. */
+static status make_fit(struct gas *g) {
+    struct cells *c = g->cells;
+    const struct mosaic *m = c->mosaic;
+    bool *unknown;
+    if (!g->models.transport || g->models.polynomial->degree < 2)
+        return fit_make(m, g->models.polynomial, NULL, &c->fit);
+    TRY(allocate(&unknown, m->mirror.n, sizeof *unknown, "mirrors"));
+    for (int i = 0; i < m->mirror.n; i++) {
+        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        unknown[i] = r->velocity.type->drags || wall_conducts(r);
+    }
+    const status s = fit_make(m, g->models.polynomial, unknown, &c->fit);
+    free(unknown);
+    return s;
+}
+
 static status cells_make(struct gas *g) {
     struct cells *c;
     TRY(allocate(&c, 1, sizeof *c, "the gas"));
@@ -52,7 +70,7 @@ static status cells_make(struct gas *g) {
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
     TRY(make_lines(g));
     measure_cells(c);
-    TRY(fit_make(c->mosaic, g->models.polynomial, &c->fit));
+    TRY(make_fit(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 

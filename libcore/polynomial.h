@@ -25,8 +25,9 @@ extern const struct polynomial polynomial_table[]; /* firstOrder, linear (limite
 extern const int polynomial_count;
 const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 
-/* The mosaic must outlive the fit. */
-status fit_make(const struct mosaic *m, const struct polynomial *p, struct fit **out);
+/* The mosaic must outlive the fit. unknown: [mirror.n] mirrors that nothing is fitted to; NULL: there are none. They
+ * count for limits all the same. */
+status fit_make(const struct mosaic *m, const struct polynomial *p, const bool *unknown, struct fit **out);
 void fit_free(struct fit *f);
 
 /* Fits cells from <= i < to (< nnear): dim + 2 lines U[v][size]. Cells are fitted in batches: those that share a batch

@@ -112,6 +112,14 @@ static void member_means(const struct mosaic *m, int i, int degree, int n, const
     }
 }
 
+/* w <- 0 of members that nothing is known of. */
+static void leave_out(const struct mosaic *m, const bool *unknown, int i, int n, const int *member, double *w) {
+    for (int j = 0; j < n && unknown; j++) {
+        const int cell = m->stencil[m->stencil_start[i] + member[j]];
+        if (cell >= m->ncells && unknown[cell - m->ncells]) w[j] = 0;
+    }
+}
+
 static int most_members(const struct mosaic *m) {
     int most = 1;
     for (int i = 0; i < m->nnear; i++) {
@@ -122,12 +130,13 @@ static int most_members(const struct mosaic *m) {
 }
 
 /* Weights of the polynomial of the whole stencil. */
-static void member_weights(struct fit *f, int *all, double *A, double *w, double *W) {
+static void member_weights(struct fit *f, const bool *unknown, int *all, double *A, double *w, double *W) {
     const struct mosaic *m = f->mosaic;
     for (int i = 0; i < m->nnear; i++) {
         int n = m->stencil_start[i + 1] - m->stencil_start[i], ncoef = f->member.width;
         for (int j = 0; j < n; j++) all[j] = j;
         member_means(m, i, f->kind->degree, n, all, A, w);
+        leave_out(m, unknown, i, n, all, w);
         least_squares(n, ncoef, A, w, DEPENDENT, W);
         for (int j = 0; j < n; j++) {
             put_cell(&f->member, i, j, m->stencil[m->stencil_start[i] + j]);
@@ -165,12 +174,13 @@ static int find_sector(const struct mosaic *m, int i, int sector, int *member) {
 }
 
 /* Gradients of the sectors, and which of them count. */
-static void sector_weights(struct fit *f, int *member, double *A, double *w, double *W) {
+static void sector_weights(struct fit *f, const bool *unknown, int *member, double *A, double *w, double *W) {
     const struct mosaic *m = f->mosaic;
     for (int i = 0; i < m->nnear; i++) {
         int rows = f->sector_members[i / LANES], counted = 0;
         for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; s++) {
             member_means(m, i, 1, n, member, A, w);
+            leave_out(m, unknown, i, n, member, w);
             if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_SECTOR, W) > 0) continue;
             counted++;
             put(&f->share, i, s, 0, 1);
@@ -262,7 +272,7 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
     return allocate(&f->value, f->nvar * f->nvalues, sizeof *f->value, "values at face points");
 }
 
-static status make_weights(struct fit *f, int *length) {
+static status make_weights(struct fit *f, const bool *unknown, int *length) {
     const struct mosaic *m = f->mosaic;
     int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *member = NULL;
     double *work = NULL;
@@ -274,22 +284,22 @@ static status make_weights(struct fit *f, int *length) {
     if (!s) s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
     if (!s) {
         double *w = work + 2L * ncoef * most, *W = work + (long)ncoef * most;
-        member_weights(f, member, work, w, W);
+        member_weights(f, unknown, member, work, w, W);
         if (f->kind->degree == 2) s = make_sectors(f, length, member);
-        if (f->kind->degree == 2 && !s) sector_weights(f, member, work, w, W);
+        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, member, work, w, W);
     }
     free(member);
     free(work);
     return s;
 }
 
-static status fill(struct fit *f) {
+static status fill(struct fit *f, const bool *unknown) {
     struct point_list l = {0};
     int *length = NULL;
     status s = allocate(&length, f->mosaic->nnear, sizeof *length, "lengths of lists");
     if (!s) s = list_points(f->mosaic, &l);
     if (!s) s = make_points(f, &l, length);
-    if (!s && f->kind->cells) s = make_weights(f, length);
+    if (!s && f->kind->cells) s = make_weights(f, unknown, length);
     free(length);
     free(l.start);
     free(l.entry);
@@ -343,10 +353,10 @@ status fit_gradients(const struct fit *f, struct rows *r) {
     return s;
 }
 
-status fit_make(const struct mosaic *m, const struct polynomial *p, struct fit **out) {
+status fit_make(const struct mosaic *m, const struct polynomial *p, const bool *unknown, struct fit **out) {
     TRY(allocate(out, 1, sizeof **out, "a fit"));
     **out = (struct fit){.mosaic = m, .kind = p, .nvar = m->dim + 2, .nbatches = (m->nnear + LANES - 1) / LANES};
-    status s = fill(*out);
+    status s = fill(*out, unknown);
     if (s) {
         fit_free(*out);
         *out = NULL;

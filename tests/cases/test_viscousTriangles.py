@@ -1,5 +1,5 @@
-"""Viscous stress and heat conduction on gmsh's triangles through the programs: the channel of cases/poiseuilleDisks, against
-the solution of its ordinary differential equations."""
+"""Viscous stress and heat conduction on gmsh's triangles through the programs: the channels of cases/poiseuilleDisks and
+cases/couetteDisks, against the solutions of their ordinary differential equations."""
 import os
 import unittest
 
@@ -14,8 +14,8 @@ FIELDS = [("T", None, 1), ("alpha", None, 1), ("p", None, 1), ("U", 0, 1)]
 
 @unittest.skipUnless(runs.shutil.which("gmsh"), "gmsh is not installed")
 class ViscousTriangles(harness.Folder, unittest.TestCase):
-    def channel(self, cells, **control):
-        case = harness.copy("poiseuilleDisks", self.folder)
+    def channel(self, name, cells, **control):
+        case = harness.copy(name, self.folder)
         with open(os.path.join(case, "mesh.geo")) as f:
             boxes = f.read()
         triangles = boxes.replace("Transfinite Surface {1};\nRecombine Surface {1};\n", "")
@@ -25,28 +25,32 @@ class ViscousTriangles(harness.Folder, unittest.TestCase):
         harness.mesh(case, cells)
         return case, harness.run(case, **control)
 
-    @staticmethod
-    def at_walls(result, flow, side):
-        """Mean error of p in cells nearer to a wall than a side, absolute and with its sign, over p."""
-        y = result.centres[:, 1]
-        error = (result.field("p", result.times[-1]) - flow(y, "p"))[np.minimum(y, flow.height - y) < side] / flow(0, "p")
-        return np.abs(error).mean(), error.mean()
+    def errors(self, name, solution, both, **control):
+        """Of the fields on two meshes; of p in cells nearer to a wall than a side, the same in all of them: no zigzag."""
+        fields, walls = [], []
+        for cells in both:
+            case, result = self.channel(name, cells, **control)
+            flow, y = solution(case), result.centres[:, 1]
+            fields.append([disks.error(result, flow, *field) for field in FIELDS])
+            off = (result.field("p", result.times[-1]) / flow(y, "p") - 1)[np.minimum(y, flow.height - y) < flow.height / cells]
+            walls.append(np.abs(off).mean())
+            self.assertLess(walls[-1], 1.1 * abs(off.mean()), f"{name}: p at walls")
+        return np.array(fields), np.array(walls)
 
     def test_poiseuille(self):
-        errors, walls = [], []
-        for cells in (12, 24):
-            case, result = self.channel(cells)
-            flow = disks.poiseuille(case)
-            errors.append([disks.error(result, flow, *field) for field in FIELDS])
-            walls.append(self.at_walls(result, flow, flow.height / cells))
-        errors = np.array(errors)
+        errors, walls = self.errors("poiseuilleDisks", disks.poiseuille, (12, 24))
         self.assertLess(errors[1].max(), 3e-3, f"errors {errors}")  # on squares of the same side 4e-3
         order = np.log2(errors[0] / errors[1])
         self.assertGreater(order[2:].min(), 1.8, f"orders {order}")
         self.assertGreater(order[1:].min(), 1.5, f"orders {order}")  # T: small and of both signs
-        size, mean = np.array(walls).T
-        self.assertGreater(np.log2(size[0] / size[1]), 1.3, f"p at walls {walls}")
-        self.assertLess(size[1], 1.1 * abs(mean[1]), f"p at walls {walls}")  # the same in all of them, no zigzag
+        self.assertGreater(np.log2(walls[0] / walls[1]), 1.3, f"p at walls {walls}")
+
+    def test_couette(self):
+        """Walls that move carry along what the cells at them make of rho."""
+        errors, walls = self.errors("couetteDisks", disks.couette, (16, 32), maxCo=0.4)
+        order = np.log2(errors[0] / errors[1])
+        self.assertGreater(order.min(), 1.5, f"orders {order}")
+        self.assertGreater(np.log2(walls[0] / walls[1]), 1.8, f"p at walls {walls}")
 
 
 if __name__ == "__main__":

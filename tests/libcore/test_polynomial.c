@@ -63,7 +63,7 @@ static void subject_make(struct subject *s, enum shape shape, int n, double leng
     ok(sample_make(&s->sample, shape, (int[3]){n, n, sample_flat(shape) ? 1 : n}, (double[3]){length, length, length},
                    noise));
     ok(mosaic_make(s->sample.mesh, comm, p->rings, &s->mosaic));
-    ok(fit_make(s->mosaic, p, &s->fit));
+    ok(fit_make(s->mosaic, p, NULL, &s->fit));
     for (int v = 0; v < MAX_VAR; v++) {
         ok(allocate(&s->average[v], s->mosaic->size, sizeof(double), "averages"));
         for (int k = 0; k < 2; k++) ok(allocate(&s->value[k][v], s->mosaic->point.n, sizeof(double), "values"));
