@@ -3,7 +3,8 @@
  * A step of dt is that of the L-stable SDIRK of two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), which is of second
  * order:
  *     rho q_1 = rho q_0 + gamma dt L q_1,  rho q_2 = rho q_0 + dt L ((1 - gamma) q_1 + gamma q_2),
- *     S = dt ((1 - gamma) q_1 + gamma q_2), which the faces take.
+ *     S = dt ((1 - gamma) q_1 + gamma q_2), which the faces take;
+ * of heat rho gamma h and rho h on the right sides, h what friction less cooling makes of T in the step (diffusion.c).
  * Its R(z) = (1 - (1 - 2 gamma) z)/(1 + gamma z)^2 is above that of Crank-Nicolson by gamma^2 z^3/((2 + z)(1 + gamma
  * z)^2), so its work heats (diffusion.h). The solution enters by S alone, so its faces conserve whatever
  * the solver left; from a residual r of the second stage q ends r/rho beside q_2. R is below 0 for z > 2.4, down to
