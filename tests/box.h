@@ -2,7 +2,7 @@
 #ifndef TESTS_BOX_H
 #define TESTS_BOX_H
 
-#include "mesh/forest.h"
+#include "mesh/lattice/forest.h"
 
 #include <stdlib.h>
 

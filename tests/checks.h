@@ -2,7 +2,7 @@
 #ifndef TESTS_CHECKS_H
 #define TESTS_CHECKS_H
 
-#include "mesh/status.h"
+#include "mesh/base/status.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

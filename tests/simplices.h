@@ -3,7 +3,7 @@
 #ifndef TESTS_SIMPLICES_H
 #define TESTS_SIMPLICES_H
 
-#include "mesh/polymesh.h"
+#include "mesh/format/polymesh.h"
 
 #include <math.h>
 #include <stdint.h>

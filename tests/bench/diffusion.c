@@ -1,7 +1,7 @@
 /* Nanoseconds a cell and stage of viscous stress and of heat conduction on tiles, of what a super step of 25 stages has
  * at its ends, and of a whole half step, on one core: bench_diffusion [rounds]. Disks between two walls, periodic
  * along them, disturbed everywhere. CPU time of the process, the best of the rounds. */
-#include "libcore/state.h"
+#include "libcore/gas/state.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
 

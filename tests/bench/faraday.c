@@ -4,7 +4,7 @@
  * without schemes all but `explicit`, which takes 3e5 steps a period, with SSPRK3, and RKJ2 with SSPRK43, too, all at
  * some Courant numbers; steps are at most 1.5e-3 maxCo. CPU time of the process; errors against the first scheme at a
  * small Courant number. Heights are those of the columns' centres of mass. */
-#include "libcore/gas.h"
+#include "libcore/gas/gas.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
 

@@ -1,6 +1,6 @@
 /* The ghost fill against memcpy of as many bytes: bench_ghosts [repeats], also under mpirun -np 2. Periodic boxes of
  * one rank's usual size; wall time, best of the repeats, of the slowest rank. */
-#include "mesh/forest.h"
+#include "mesh/lattice/forest.h"
 #include "tests/box.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|layer|all] [impacts]. Lattices
  * with random velocities; the first tenth of the impacts melts them and is not timed. */
-#include "libcore/grains.h"
+#include "libcore/grains/grains.h"
 #include "tests/bench/clock.h"
 
 #include <math.h>

@@ -4,10 +4,10 @@
  *
  * The gas of bench_throughput: disturbed everywhere, with cooling and gravity, periodic; the fastest of the steps, CPU
  * time of this process. */
-#include "libcore/gas.h"
+#include "libcore/gas/gas.h"
 #include "tests/bench/clock.h"
 
-#include "tests/mesh/cells.h" /* last */
+#include "tests/mesh/polyhedral/cells.h" /* last */
 
 struct scheme {
     const char *name;
@@ -47,7 +47,7 @@ static status subject_make(const struct scheme *k, const struct comm *c, int sid
     if (!k->polynomial) TRY(lattice_recognise(s->mesh, &lattice, why));
     TRY(grid_make(lattice, s->mesh, s->centre, s->volume, c, models.polynomial->rings, &s->grid));
     lattice_free(lattice);
-    if (k->polynomial) return gas_make_mosaic(s->grid, &models, 6, none, &s->gas);
+    if (k->polynomial) return gas_make_polyhedral(s->grid, &models, 6, none, &s->gas);
     return gas_make(s->grid->forest, &models, 6, none, &s->gas);
 }
 

@@ -1,12 +1,12 @@
 /* Million cells per second of fitting polynomials and of their values at the face points on one core, for 4 variables
  * (5 in 3D): bench_polynomial [cells, default 200000] [rounds]. CPU time of the process, median of the rounds. */
-#include "libcore/polynomial.h"
+#include "libcore/schemes/polynomial.h"
 #include "tests/bench/clock.h"
 #include "tests/simplices.h"
 
 #include <stdio.h>
 
-static void points(const struct fit *f, const struct mosaic *m, int nvar, const double *const *U) {
+static void points(const struct fit *f, const struct polyhedra *m, int nvar, const double *const *U) {
     static double room[MAX_VAR][BATCH];
     double *out[MAX_VAR];
     for (int v = 0; v < nvar; v++) out[v] = room[v];
@@ -19,7 +19,7 @@ static void points(const struct fit *f, const struct mosaic *m, int nvar, const 
     }
 }
 
-static status time_fit(const struct mosaic *m, enum shape shape, const struct polynomial *kind, int rounds) {
+static status time_fit(const struct polyhedra *m, enum shape shape, const struct polynomial *kind, int rounds) {
     static const char *const name[] = {"quads", "triangles", "hexes", "tets"};
     struct fit *f;
     double *all, *seconds[2], made = cpu_seconds();
@@ -62,11 +62,11 @@ static status run(const struct comm *c, int cells, int rounds) {
         int n = (int)(power((double)cells / split[shape], sample_flat(shape) ? 0.5 : 1. / 3) + 0.5);
         TRY(sample_make(&s, shape, (int[3]){n, n, sample_flat(shape) ? 1 : n}, (double[3]){1, 1, 1}, 0.2));
         for (int rings = 1; rings <= 2; rings++) {
-            struct mosaic *m;
-            TRY(mosaic_make(s.mesh, c, rings, &m));
+            struct polyhedra *m;
+            TRY(polyhedra_make(s.mesh, c, rings, &m));
             for (int k = 0; k < polynomial_count; k++)
                 if (polynomial_table[k].rings == rings) TRY(time_fit(m, shape, &polynomial_table[k], rounds));
-            mosaic_free(m);
+            polyhedra_free(m);
         }
         sample_free(&s);
     }

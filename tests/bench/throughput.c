@@ -5,7 +5,7 @@
  * disturbed everywhere, subsonic and supersonic, so that no part of the domain is cheaper than another. Times whole
  * steps as granularGas takes them: speed of the waves, sources, ghost cells, stages, checks. CPU time of the process.
  */
-#include "libcore/gas.h"
+#include "libcore/gas/gas.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
 

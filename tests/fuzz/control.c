@@ -1,6 +1,6 @@
 /* system/controlDict and system/meshDict: what a dictionary's numbers and words are used for. */
-#include "solvers/control.h"
-#include "solvers/meshrules.h"
+#include "solvers/case/control.h"
+#include "solvers/programs/meshrules.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-#include "solvers/dict.h"
-#include "mesh/foamfile.h"
+#include "solvers/dict/dict.h"
+#include "mesh/format/foamfile.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>

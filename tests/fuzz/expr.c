@@ -1,4 +1,4 @@
-#include "solvers/expr.h"
+#include "solvers/dict/expr.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "solvers/segregation_models.h"
+#include "solvers/segregation/segregation_models.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>

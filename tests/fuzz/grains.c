@@ -1,7 +1,7 @@
 /* A cloud, lagrangian/grains (positions, U, id, d), and uniform/grains, the exact state, here as a file `state` beside.
  */
-#include "solvers/clouds.h"
-#include "solvers/particle_state.h"
+#include "solvers/grains/grains_state.h"
+#include "solvers/output/clouds.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>
@@ -27,14 +27,14 @@ static void try_cloud(const char *folder) {
 }
 
 static void try_state(const char *path) {
-    struct particle_state s;
-    if (accepted(particle_state_read(path, &s))) {
+    struct grains_state s;
+    if (accepted(grains_state_read(path, &s))) {
         PROMISE(s.n > 0 && s.nsums >= 0, "a state has grains");
         for (int i = 0; i < s.n; i++)
             PROMISE(s.id[i] >= 0 && s.id[i] < s.n && s.event[i].partner < s.n, "grains and partners are there");
         PROMISE(s.mark.taken >= 0 && s.mark.taken <= s.mark.samples, "no more moments than a window has");
     }
-    particle_state_free(&s);
+    grains_state_free(&s);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,4 +1,4 @@
-#include "mesh/lattice.h"
+#include "mesh/lattice/lattice.h"
 #include "tests/fuzz/target.h"
 
 #include <stdio.h>

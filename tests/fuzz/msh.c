@@ -1,4 +1,4 @@
-#include "mesh/gmsh.h"
+#include "mesh/format/gmsh.h"
 #include "tests/fuzz/target.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Numbers are changed as numbers: bytes changed at random seldom leave a mesh a mesh. Half of the time libFuzzer's own.
  */
-#include "mesh/foamfile.h"
+#include "mesh/format/foamfile.h"
 #include "tests/fuzz/target.h"
 
 #include <stdio.h>

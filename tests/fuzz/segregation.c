@@ -1,5 +1,5 @@
 /* constant/segregationProperties with system/fvSchemes, system/fvSolution and constant/g: numbers, laws, choices. */
-#include "solvers/segregation_models.h"
+#include "solvers/segregation/segregation_models.h"
 #include "tests/fuzz/target.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #ifndef TESTS_FUZZ_TARGET_H
 #define TESTS_FUZZ_TARGET_H
 
-#include "mesh/polymesh.h"
+#include "mesh/format/polymesh.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -7,7 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 
-#include "libcore/eos.h"
+#include "libcore/models/eos.h"
 #include <cmocka.h>
 #include <math.h>
 #include <stdio.h>

@@ -2,10 +2,10 @@
 #ifndef TESTS_LIBCORE_SCENE_H
 #define TESTS_LIBCORE_SCENE_H
 
-#include "libcore/gas.h"
+#include "libcore/gas/gas.h"
 #include "tests/box.h"
 
-#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+#include "tests/mesh/polyhedral/cells.h" /* last: cmocka.h defines fail() */
 
 struct scene { /* on a lattice, or on a polyMesh */
     struct box box;
@@ -52,7 +52,7 @@ static inline void open_mesh(struct scene *s, const struct comm *c) {
     polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
     free(face);
     ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
-    ok(gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas));
+    ok(gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas));
 }
 
 static inline void open_polyhedra(struct scene *s, const struct comm *c, const struct cells_recipe *r) {

@@ -2,7 +2,7 @@
 #ifndef TESTS_MESHES_H
 #define TESTS_MESHES_H
 
-#include "mesh/polymesh.h"
+#include "mesh/format/polymesh.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,14 +1,14 @@
 /* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D, and for every
  * polynomial on triangles and tetrahedra; of flows that need the limiter; last of grains and their fields. CTest
  * compares what the program prints when it is built with clones for the machine's vectors, and without them at -O0. */
-#include "libcore/coarse.h"
-#include "libcore/gas.h"
-#include "libcore/packing.h"
+#include "libcore/gas/gas.h"
+#include "libcore/grains/coarse.h"
+#include "libcore/grains/packing.h"
 #include "tests/box.h"
 
 #include <stdio.h>
 
-#include "tests/mesh/cells.h" /* last: cmocka.h defines fail() */
+#include "tests/mesh/polyhedral/cells.h" /* last: cmocka.h defines fail() */
 
 static bool harsh; /* which start */
 
@@ -159,7 +159,7 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
         walls[k].velocity.type = boundary_find(diffusion ? "noSlip" : "slip");
     }
     TRY(grid_make(NULL, mesh, NULL, NULL, c, p->rings, &grid));
-    TRY(gas_make_mosaic(grid, &m, 6, walls, &g));
+    TRY(gas_make_polyhedral(grid, &m, 6, walls, &g));
     TRY(fill(g, mesh->ncells, (int[3]){mesh->ncells, 1, 1}));
     TRY(advance(g));
     TRY(checksum(g, mesh->ncells, &sum));

@@ -2,7 +2,7 @@
 #ifndef STRESS_PROBLEM_H
 #define STRESS_PROBLEM_H
 
-#include "libcore/gas.h"
+#include "libcore/gas/gas.h"
 #include "tests/simplices.h"
 #include "tests/stress/seed.h"
 

@@ -135,7 +135,7 @@ static status make_polyhedra(struct scene *s) {
     free(face);
     TRY(e);
     TRY(grid_make(NULL, m, s->centre, s->volume, s->comm, s->models.polynomial->rings, &s->grid));
-    return gas_make_mosaic(s->grid, &s->models, 6, s->rules, &s->gas);
+    return gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas);
 }
 
 static status make_lattice(struct scene *s) {

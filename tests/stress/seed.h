@@ -2,7 +2,7 @@
 #ifndef STRESS_SEED_H
 #define STRESS_SEED_H
 
-#include "libcore/kernel.h"
+#include "libcore/models/kernel.h"
 
 struct seed {
     uint64_t state;

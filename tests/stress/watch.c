@@ -1,6 +1,6 @@
 #include "tests/stress/watch.h"
 
-#include "libcore/cells.h"
+#include "libcore/polyhedral/cells.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,9 +20,9 @@ void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visi
                     visit(context, cell++, f->volume, U);
                 }
     }
-    for (int i = 0; !f && i < g->cells->mosaic->nown; i++) {
-        for (int v = 0; v < g->nvar; v++) U[v] = s->block[0][v * g->cells->mosaic->size + i];
-        visit(context, cell++, g->cells->mosaic->volume[i], U);
+    for (int i = 0; !f && i < g->cells->polyhedra->nown; i++) {
+        for (int v = 0; v < g->nvar; v++) U[v] = s->block[0][v * g->cells->polyhedra->size + i];
+        visit(context, cell++, g->cells->polyhedra->volume[i], U);
     }
 }
 

@@ -3,7 +3,7 @@
 #ifndef STRESS_WATCH_H
 #define STRESS_WATCH_H
 
-#include "libcore/state.h"
+#include "libcore/gas/state.h"
 
 struct budget { /* sums over the domain of mass, momentum, energy */
     long double now[MAX_VAR], start[MAX_VAR];

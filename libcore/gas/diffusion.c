@@ -1,0 +1,217 @@
+/* Time integration of viscous stress and heat conduction, and their part of a step.
+ *
+ * The coefficients are frozen over a half step: those of the first half of a step at its start, those of the second one
+ * at its end, as far as the first one tells what T will be there. Both errors are of first order and cancel. Both at
+ * the start leave a step of first order, which over a Faraday run costs four times the steps (cases/faraday).
+ *
+ * Stress does not ask for T while the coefficients are frozen, so it goes first, and heat is conducted with what the
+ * stress made of T as a source that is constant over the half step: nothing is split between the two. One after the
+ * other in turn, thin gas keeps what the stress makes of it for the length of a flow step, and drives itself away.
+ *
+ * So is what cooling takes: in the first half of a step, behind it, heat is conducted from the T before it, with what
+ * it took as a constant sink; and in the second half, where it comes last, from T with the same sink, that of the first
+ * half, which is given back. Any sink would do for second order, as the step is the same forwards and backwards; with
+ * this one conduction and cooling that balance each other do so in each half step, also at walls that hold T.
+ *
+ * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
+ * Not covered by that are the tangential derivatives in the stress, super steps, which are no means of Euler steps,
+ * and the sink of cooling.
+ * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is
+ * done again with none of those derivatives on its faces, and no sink, which is as conservative, then in ever smaller
+ * super steps; if all that does not help the time step is halved. */
+#include "libcore/gas/state.h"
+
+enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
+
+/* However many its stages, a super step leaves 1 - b_s, about half, of the stiffest modes: a thin hot cell that loses
+ * mass keeps its heat, and empties. Four super steps leave a sixteenth (cases/faraday). */
+static long plan_rkl2(double ratio, int *stages) {
+    const long parts = ratio > 50 ? 4 : 1;
+    int s = (int)ceil(0.5 * (sqrt(9 + 16 * ratio / (double)parts) - 1)); /* ratio <= (s^2 + s - 2)/4 */
+    *stages = s < 3 ? 3 : s + 1 - s % 2; /* odd: the highest modes are damped, not flipped */
+    return parts;
+}
+
+static double rkl2_b(int j) {
+    return j < 2 ? 1. / 3 : (double)(j * j + j - 2) / (2. * j * (j + 1));
+}
+
+/* Meyer, Balsara & Aslam (2014), (16)-(17) */
+static void stage_rkl2(int stages, int j, double out[4]) {
+    const double s = stages, w = 4 / (s * s + s - 2);
+    out[0] = out[1] = out[3] = 0;
+    out[2] = w / 3;
+    if (j == 1) return;
+    out[0] = (2. * j - 1) / j * rkl2_b(j) / rkl2_b(j - 1);
+    out[1] = -(j - 1.) / j * rkl2_b(j) / rkl2_b(j - 2);
+    out[2] = out[0] * w;
+    out[3] = -(1 - rkl2_b(j - 1)) * out[2];
+}
+
+/* R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the rate of a mode: the Jacobi polynomial P of s - 2 stages for
+ * (4, -1/2), 1 at 1, falls faster than the quadratic factor grows, so that |R| < 0.11 from z = -8 to the end -2/w. Half
+ * of the first order is P's; b makes the second one right. The factor comes first, P damps its round-off. */
+static const double ALPHA = 4, BETA = -0.5;
+
+static long plan_rkj2(double ratio, int *stages) { /* 2 ratio <= 2/w */
+    const double s = ALPHA + BETA + 1;
+    *stages = 2 + (int)ceil(larger(2, 0.5 * (sqrt(s * s + 4 * (ALPHA + 1) * ratio) - s)));
+    return 1;
+}
+
+static void stage_rkj2(int stages, int j, double out[4]) {
+    const double m = stages - 2, s = ALPHA + BETA, w = (ALPHA + 1) / (m * (m + s + 1)); /* P'(1) w = 1/2 */
+    const double b = 0.25 - 0.125 * (ALPHA + 1) / (ALPHA + 2) * (m - 1) * (m + s + 2) / (m * (m + s + 1));
+    const double root = sqrt(b), n = j - 2;
+    out[0] = 1;
+    out[1] = out[3] = 0;
+    out[2] = j < 3 ? root : 0.5 * w * (s + 2) / (ALPHA + 1);
+    if (j == 2) out[0] = 0.5 / root - 1;
+    if (j < 4) return;
+    out[1] = -(n + BETA - 1) * (n - 1) * (2 * n + s) / ((n + ALPHA) * (n + s) * (2 * n + s - 2));
+    out[0] = 1 - out[1];
+    out[2] = 0.5 * w * (2 * n + s - 1) * (2 * n + s) / ((n + s) * (n + ALPHA));
+}
+
+static long plan_explicit(double ratio, int *stages) {
+    *stages = 2;
+    return ratio < 1 ? 1 : (long)ceil(ratio);
+}
+
+static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method, the mean of q_0 and two Euler steps */
+    (void)stages;
+    out[0] = j == 1 ? 0 : 0.5;
+    out[1] = out[3] = 0;
+    out[2] = j == 1 ? 1 : 0.5;
+}
+
+const struct diffusion diffusion_table[] = {
+    {"RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes", plan_rkj2, stage_rkj2},
+    {"RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)", plan_rkl2, stage_rkl2},
+    {"explicit", "as many steps of Heun's method as stability wants", plan_explicit, stage_explicit},
+    {"implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc", NULL, NULL},
+};
+const int diffusion_count = sizeof diffusion_table / sizeof *diffusion_table;
+
+const struct diffusion *diffusion_find(const char *name) {
+    for (int i = 0; i < diffusion_count; i++)
+        if (!strcmp(name, diffusion_table[i].name)) return &diffusion_table[i];
+    return NULL;
+}
+
+/* One super step of one kind from Y0 to `to`, which may be the same; returns this rank's number of inadmissible cells.
+ */
+static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
+                       const struct lapse *l, int stages) {
+    double c[5], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
+    g->models.diffusion->stage(stages, 1, c);
+    weight[0] = c[2] * l->dt;
+    g->engine->diffusion_begin(g, what, Y0, weight[0], l->rest);
+    for (int j = 2; j <= stages; j++) {
+        g->models.diffusion->stage(stages, j, c);
+        if (j == 2) c[1] = 0; /* S_0 = 0 */
+        c[2] *= l->dt;
+        c[3] *= l->dt;
+        c[4] = c[2] * l->part * weight[0] / l->dt;
+        g->engine->diffusion_stage(g, what, Y0, c, weight[0]);
+        const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
+        weight[1] = weight[0];
+        weight[0] = next;
+    }
+    g->counts.stages[what] += stages;
+    return g->engine->diffusion_end(g, what, Y0, to, l->dt, weight[0]);
+}
+
+/* Into how many super steps, of how many stages: no more than the engine can bear. */
+static long plan_steps(const struct gas *g, double ratio, int *stages) {
+    const int most = g->engine->diffusion_stages;
+    for (long parts = 1;; parts *= 2) {
+        const long steps = g->models.diffusion->plan(ratio / (double)parts, stages);
+        if (most == 0 || *stages <= most) return parts * steps;
+    }
+}
+
+/* The i-th of so many equal parts. */
+static struct lapse part_of(const struct lapse *l, long i, long parts) {
+    const double n = (double)parts;
+    return (struct lapse){l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
+}
+
+static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to,
+                  const struct lapse *all, double rate, bool monotone) {
+    int stages;
+    if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, all, monotone);
+    const long steps = plan_steps(g, all->dt * rate, &stages);
+    long bad = 0;
+    for (long i = 0; i < steps; i++) {
+        const struct lapse one = part_of(all, i, steps);
+        bad = super_step(g, what, i ? to : from, to, &one, stages);
+    }
+    return bad;
+}
+
+/* Heat from `from` to `to`, another state, in as many parts as all cells take to be admissible: what is left of a hot
+ * thin gas that lies on a cold dense one is a hundredth, of either sign, as no scheme here is monotone. */
+static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
+    const struct lapse whole = {dt, 1, 1};
+    for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
+        long bad = 0;
+        for (int i = 0; i < parts; i++) {
+            const struct lapse part = part_of(&whole, i, parts);
+            bad = cover(g, HEAT, i ? to : from, to, &part, rate, parts > 1);
+        }
+        double most = (double)bad;
+        comm_max(g->comm, &most, 1);
+        if (most == 0 || 4 * parts > MOST_PARTS) {
+            audit_part(g, GAS_HEAT, to);
+            return bad;
+        }
+        g->counts.repeated++;
+        (void)g->engine->diffusion_flags(g, false);
+    }
+}
+
+/* Both kinds, by way of a third state. */
+static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
+                         const double rate[2]) {
+    const struct state *mid = to == &g->W ? &g->U0 : &g->W;
+    const struct lapse stress = {dt, 0, 0};
+    (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
+    audit_part(g, GAS_FRICTION, mid);
+    g->engine->diffusion_friction(g, from, mid);
+    return conduct(g, mid, to, dt, rate[HEAT]);
+}
+
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad) {
+    double rate[2], most[3] = {bad > 0, 0, 0};
+    g->ahead = g->ahead && second;
+    g->late = second;
+    g->engine->diffusion_rates(g, from, rate);
+    for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
+    comm_max(g->comm, most, 3);
+    if (most[0] > 0 || !isfinite(most[1] + most[2])) return false;
+    const bool first = !second && g->engine->diffusion_ahead;
+    g->ahead = false;
+    long repeats = 0, plain = 0;
+    audit_mark(g, false);
+    for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
+        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1);
+        most[0] = (double)bad;
+        comm_max(g->comm, most, 1);
+        if (most[0] == 0) break;
+        repeats++;
+        if (g->models.source.cooling) g->engine->diffusion_cooled(g, NULL, NULL);
+        audit_mark(g, true);
+        plain = g->engine->diffusion_flags(g, true);
+    }
+    (void)g->engine->diffusion_flags(g, false);
+    if (repeats) g->engine->clear_flags(g);
+    g->counts.halves += most[0] == 0;
+    g->counts.repeated += repeats;
+    g->counts.plain += plain;
+    if (first && most[0] == 0) {
+        g->engine->diffusion_ahead(g, to);
+        g->ahead = true;
+    }
+    return most[0] == 0;
+}

@@ -1,0 +1,286 @@
+/* One time step: sources, diffusion, Runge-Kutta stages, what keeps them admissible, rejection.
+ *
+ * A stage is computed at high order. Where a cell is not admissible then, the stage is done again with the fluxes of
+ * that cell's faces limited (libcore/schemes/limit.h); a cell that becomes bad by that is flagged, too, until there is
+ * no new one: flags only grow, so this ends. Then the flagged cells are admissible by the theorem and the others as
+ * they were checked. Smooth flow costs nothing and keeps its order and its bits. Where the theorem's Courant number was
+ * exceeded and a flagged cell is bad all the same, the step is rejected and halved, or made even shorter. */
+#include "libcore/gas/state.h"
+
+enum {
+    GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
+    SLOW = 50,    /* tiny steps in a row, after as many, in which the step falls by half tell a collapse, */
+    STUCK = 500   /* and so do these: dense gas that hits a wall needs some and goes on */
+};
+static const double LEAST_SHARE = 1. / 16; /* of a rejected step: in shorter ones less is heated */
+
+/* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
+static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
+    double kick[MAX_DIM];
+    source_kick(&g->models.source, t, dt, kick);
+    const long bad = g->engine->sources(g, dt, kick, from, to);
+    audit_sources(g, kick, to);
+    return bad;
+}
+
+/* The largest of one number over the ranks. */
+static long any_rank(const struct gas *g, long mine) {
+    double value = (double)mine;
+    comm_max(g->comm, &value, 1);
+    return (long)value;
+}
+
+/* Of what is added after a stage, the share in the result of the step: the stages are linear in it. */
+static double share_of(const struct stepper *s, int added) {
+    double start = 0, state = 0, next = 0;
+    for (int stage = 0; stage < s->stages; stage++) {
+        state += s->a[stage] * (start - state);
+        if (stage == added) state += 1;
+        if (stage + 1 != s->exchange) continue;
+        stepper_exchange(start, &next, &state);
+        start = next;
+    }
+    return state;
+}
+
+/* Redoes what stage left inadmissible; false: not to be mended. */
+static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                       double a, double dt) {
+    long cells, before = 0;
+    for (; (cells = g->engine->share_flags(g)) > before; before = cells) g->engine->redo(g, U0, from, to, a, dt);
+    long count[2] = {g->faces, g->engine->floor(g, to)};
+    comm_sum_long(g->comm, count, 2);
+    g->counts.cells += cells;
+    g->counts.faces += count[0];
+    g->engine->note_limited(g, g->counts.place);
+    g->engine->clear_flags(g);
+    return count[1] == 0;
+}
+
+static void swap(struct state *a, struct state *b) {
+    struct state c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* What the next stage starts from goes to V; returns its U0. */
+static const struct state *after_stage(struct gas *g, const struct state *U0, int stage) {
+    swap(&g->V, &g->W);
+    if (stage + 1 != g->models.stepper->exchange) return U0;
+    g->engine->exchange(g, U0, &g->U0, &g->V);
+    return &g->U0;
+}
+
+bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
+    double all[] = {is_void, mine->rate, mine->calm, mine->axis[0], mine->axis[1], mine->axis[2]};
+    comm_max(g->comm, all, 6);
+    g->speed = (struct gas_speed){.rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}};
+    g->speed_known = all[0] == 0;
+    return g->speed_known;
+}
+
+/* Half the diffusion, from t on; sources pull the gas onto walls. */
+static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
+                         bool second, long bad) {
+    source_kick(&g->models.source, t, 0.5 * dt, g->pull);
+    for (int k = 0; k < MAX_DIM; k++) g->pull[k] /= 0.5 * dt;
+    return diffuse(g, from, to, 0.5 * dt, second, bad);
+}
+
+/* Of V. false, on all ranks: some state was not admissible, or is not. */
+static bool second_diffusion(struct gas *g, double t, double dt, long bad) {
+    if (!diffuse_half(g, &g->V, &g->W, t + 0.5 * dt, dt, true, bad)) return false;
+    swap(&g->V, &g->W);
+    return true;
+}
+
+/* The first halves of sources and diffusion: what the stages start from, on this rank with `bad` cells that are not
+ * admissible, or NULL, on all ranks: the diffusion of what the sources left was not. `guarded`: mended where the floor
+ * can. */
+static const struct state *first_halves(struct gas *g, double t, double dt, bool sources, bool guarded, long *bad) {
+    const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
+    *bad = 0;
+    if (guarded) {
+        g->floored = g->filled = 0;
+        g->share = 1;
+        memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
+        for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
+    }
+    if (sources) {
+        *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
+        if (guarded) {
+            *bad = g->engine->floor(g, before);
+            audit_part(g, GAS_FLOORS, before);
+        }
+        U0 = before;
+        if (g->models.transport && g->models.source.cooling) g->engine->diffusion_cooled(g, &g->U, before);
+    }
+    if (!g->models.transport) return U0;
+    return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;
+}
+
+/* The stages from U0 to V and the second half of the sources; `bad`: cells after the first half. Only then do the ranks
+ * ask each other whether all cells are admissible, so that none waits for all others at every stage. false: some were
+ * not, V is of no use, and the step is to be done again from its start, by guard_stages. */
+static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
+    const struct stepper *s = g->models.stepper;
+    struct ending ending = {.sources = sources, .dt = 0.5 * dt};
+    const bool at_once = g->engine->last_stage && !g->models.transport && !g->audit;
+    source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
+    for (int stage = 0; stage < s->stages; stage++) {
+        const struct state *from = stage ? &g->V : U0;
+        double a = s->a[stage], b = s->b[stage] * dt;
+        if (at_once && stage + 1 == s->stages)
+            bad += g->engine->last_stage(g, U0, from, &g->W, a, b, &ending);
+        else
+            bad += g->engine->stage(g, U0, from, &g->W, a, b);
+        U0 = after_stage(g, U0, stage);
+    }
+    audit_part(g, GAS_FLOW, &g->V);
+    if (g->models.transport && !second_diffusion(g, t, dt, bad)) bad++;
+    if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
+    if (!speed_share(g, &ending.speed, bad > 0)) {
+        g->guarded = GUARDED;
+        g->engine->clear_flags(g);
+        return false;
+    }
+    g->speed_known = at_once;
+    return true;
+}
+
+/* The same with a look after every stage, whose inadmissible cells are mended at once; the same bits where there are
+ * none. false: some state could not be mended. */
+static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
+    const struct stepper *s = g->models.stepper;
+    if (sources && any_rank(g, bad)) return false;
+    for (int stage = 0; stage < s->stages; stage++) {
+        const struct state *from = stage ? &g->V : U0;
+        double a = s->a[stage], b = s->b[stage] * dt;
+        if (any_rank(g, g->engine->stage(g, U0, from, &g->W, a, b))) {
+            g->guarded = GUARDED;
+            g->share = share_of(s, stage);
+            if (!mend_stage(g, U0, from, &g->W, a, b)) return false;
+        }
+        U0 = after_stage(g, U0, stage);
+    }
+    audit_part(g, GAS_FLOW, &g->V);
+    if (g->models.transport && !second_diffusion(g, t, dt, 0)) return false;
+    if (!sources) return true;
+    g->share = 1;
+    bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
+    if (bad) bad = any_rank(g, g->engine->floor(g, &g->V));
+    audit_part(g, GAS_FLOORS, &g->V);
+    return !bad;
+}
+
+static status count_fill(struct gas *g) {
+    double sum;
+    if (!(g->least > 0)) return OK;
+    comm_sum_long(g->comm, &g->filled, 1);
+    if (!g->filled) return OK;
+    for (int v = 0; v < 2; v++) {
+        TRY(g->engine->sum_raised(g, g->fill[v], &sum));
+        g->counts.fill[v] += sum;
+    }
+    g->counts.filled += g->filled;
+    g->guarded = GUARDED;
+    return OK;
+}
+
+/* What the floors did in a step that stands. */
+static status count_floor(struct gas *g) {
+    double energy;
+    TRY(count_fill(g));
+    comm_sum_long(g->comm, &g->floored, 1);
+    if (!g->floored) return OK;
+    TRY(g->engine->sum_raised(g, g->raised, &energy));
+    g->counts.floored += g->floored;
+    g->counts.energy += energy;
+    g->guarded = GUARDED;
+    return OK;
+}
+
+static bool can_collapse(const struct gas *g) {
+    const struct material *m = &g->models.material;
+    return g->models.source.cooling && m->restitution < 1 && m->diameter > 0;
+}
+
+static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
+    double place[3];
+    const struct gas_counts *c = &g->counts;
+    const bool noisy = c->cells > 1000 && strcmp(g->models.flux->name, "common") != 0;
+    gas_fastest_place(g, speed, place);
+    if (!can_collapse(g))
+        return fail(
+            ERR_STATE,
+            "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g): less than is allowed; the last good state is kept", dt,
+            t, place[0], place[1], place[2]);
+    return fail(
+        ERR_STATE,
+        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
+        "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
+        "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
+        "around\n"
+        "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
+        t, place[0], place[1], place[2], dt, g->models.material.threshold, c->faces, c->cells, c->rejected,
+        noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
+}
+
+/* dt of the next attempt. What the first half of diffusion heats may be faster by orders than the start that dt was
+ * chosen by, and the theorem is about the stages. Asked of a rejected step only: a restart forgets what is guarded. */
+static double shorter(struct gas *g, const struct state *U0, double dt, double maxCo) {
+    struct gas_speed after;
+    if (!g->models.transport || !U0) return 0.5 * dt;
+    swap(&g->U, &g->U0);
+    g->engine->speed(g, &after);
+    swap(&g->U, &g->U0);
+    comm_max(g->comm, &after.rate, 1);
+    const double share = maxCo / (dt * after.rate);
+    return dt * (share < LEAST_SHARE ? LEAST_SHARE : share < 0.5 ? share : 0.5);
+}
+
+status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
+                const struct gas_speed *speed) {
+    const bool sources = source_active(&g->models.source, &g->models.material);
+    const double allowed = maxCo / speed->rate, asked = *dt;
+    const double calm = can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
+    if (allowed < least || (allowed < calm && g->slow < 0)) return collapse(g, t, allowed, speed);
+    if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
+        return collapse(g, t, g->slow_dt[1], speed);
+    for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
+    g->speed_known = false;
+    for (;;) {
+        const bool guarded = g->guarded > 0;
+        long bad;
+        audit_begin(g);
+        const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
+        if (U0 && (guarded ? guard_stages : try_stages)(g, U0, t, *dt, sources, bad)) break;
+        if (!guarded) {
+            g->guarded = GUARDED;
+            continue;
+        }
+        g->counts.rejected++;
+        *dt = shorter(g, U0, *dt, maxCo);
+        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return collapse(g, t, *dt, speed);
+    }
+    bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
+    g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
+    if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
+    g->slow_dt[1] = *dt;
+    if (g->guarded > 0) {
+        TRY(count_floor(g));
+        g->guarded--;
+    }
+    swap(&g->U, &g->V);
+    return audit_keep(g);
+}
+
+struct gas_counts gas_counts(const struct gas *g) {
+    return g->counts;
+}
+
+double gas_computed_share(const struct gas *g) {
+    long count[2] = {g->computed, g->all};
+    comm_sum_long(g->comm, count, 2);
+    return count[1] ? (double)count[0] / (double)count[1] : 1;
+}

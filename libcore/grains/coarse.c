@@ -1,0 +1,281 @@
+#include "libcore/grains/coarse.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Sums of a cell, one behind the other: the shares of grains, what their impacts gave, the sum of shares times
+ * squared deviation from the mean, the mean velocity. Behind those of all cells: the number of samples. */
+enum { SHARE, IMPACTS, DEVIATION, MEAN, MOST_CELLS = 1 << 24, TERMS = 38 };
+
+struct share {
+    long cell;
+    double w;
+};
+struct reach { /* of a kernel along one axis */
+    int n;
+    long *offset;  /* of the cell, mirrored or wrapped, in the grid */
+    double *value; /* Gaussian: share; Heaviside: squared distance of the centre */
+    double *s;     /* Gaussian: place of the upper face in widths */
+};
+struct coarse {
+    struct grain_observer observer; /* first */
+    struct coarse_grid grid;
+    long cells, stride[3]; /* of the axes, in cells */
+    int size;              /* doubles of a cell */
+    double per[3];         /* 1/h */
+    double *sums;
+    double term[TERMS], half; /* bell_integrals; the integral to 3 */
+    struct reach reach[3];
+    struct share *shares; /* of the place at hand */
+};
+
+static void observe(struct grain_observer *self, const struct grain_impact *i);
+static void bell_make(struct coarse *c);
+
+static status make_reach(struct coarse *c) {
+    const struct coarse_grid *g = &c->grid;
+    const double cut = g->kernel == COARSE_GAUSSIAN ? 3 * g->width : g->width;
+    double longest = 0, room = 1;
+    for (int k = 0; k < g->dim; k++) longest = fmax(longest, g->n[k] * g->h[k]);
+    if (!(g->width > 0 && g->width <= longest))
+        return fail(ERR_INPUT, "the width of the kernel is %g m; it must be positive and at most the box (%g m)",
+                    g->width, longest);
+    for (int k = 0; k < 3; k++) {
+        const double most = k < g->dim ? floor(2 * cut / g->h[k]) + 3 : 1;
+        room *= most;
+        if (room > MOST_CELLS)
+            return fail(ERR_INPUT, "a kernel of width %g m covers more than %d cells; make it narrower", g->width,
+                        MOST_CELLS);
+        TRY(allocate(&c->reach[k].offset, (long)most, sizeof(long), "a kernel"));
+        TRY(allocate(&c->reach[k].value, (long)most, sizeof(double), "a kernel"));
+        TRY(allocate(&c->reach[k].s, (long)most, sizeof(double), "a kernel"));
+        c->reach[k].n = 1; /* of axes that are not solved */
+        c->reach[k].value[0] = g->kernel == COARSE_GAUSSIAN;
+    }
+    return allocate(&c->shares, (long)room, sizeof *c->shares, "a kernel");
+}
+
+static status fill(struct coarse *c, const struct coarse_grid *grid) {
+    c->observer.impact = observe;
+    bell_make(c);
+    c->grid = *grid;
+    c->size = MEAN + grid->dim;
+    c->cells = 1;
+    for (int k = 0; k < grid->dim; k++) {
+        if (!(grid->n[k] > 0 && grid->h[k] > 0))
+            return fail(ERR_INPUT, "a grid of %d cells of %g m along an axis", grid->n[k], grid->h[k]);
+        c->stride[k] = c->cells;
+        c->cells *= grid->n[k];
+        c->per[k] = 1 / grid->h[k];
+    }
+    TRY(allocate(&c->sums, coarse_size(c), sizeof(double), "sums of the grains"));
+    return grid->kernel == COARSE_CELL ? allocate(&c->shares, 1, sizeof *c->shares, "a kernel") : make_reach(c);
+}
+
+status coarse_make(const struct coarse_grid *grid, struct coarse **out) {
+    TRY(allocate(out, 1, sizeof **out, "sums of the grains"));
+    status s = fill(*out, grid);
+    if (s) {
+        coarse_free(*out);
+        *out = NULL;
+    }
+    return s;
+}
+
+void coarse_free(struct coarse *c) {
+    if (!c) return;
+    for (int k = 0; k < 3; k++) {
+        free(c->reach[k].offset);
+        free(c->reach[k].value);
+        free(c->reach[k].s);
+    }
+    free(c->shares);
+    free(c->sums);
+    free(c);
+}
+
+struct grain_observer *coarse_observer(struct coarse *c) {
+    return &c->observer;
+}
+long coarse_size(const struct coarse *c) {
+    return c->cells * c->size + 1;
+}
+double *coarse_sums(struct coarse *c) {
+    return c->sums;
+}
+void coarse_clear(struct coarse *c) {
+    memset(c->sums, 0, (size_t)coarse_size(c) * sizeof(double));
+}
+
+/* floor, which is a call where the instruction set has none */
+static inline int below(double v) {
+    const int i = (int)v;
+    return i - (v < i);
+}
+
+/* The cell of the grid that cell i of the endless row beside it is an image of. */
+static inline long fold(const struct coarse *c, int k, int i) {
+    const int n = c->grid.n[k];
+    while (i < 0 || i >= n)
+        if (c->grid.periodic[k])
+            i += i < 0 ? n : -n;
+        else
+            i = i < 0 ? -1 - i : 2 * n - 1 - i;
+    return i * c->stride[k];
+}
+
+static inline long cell_of(const struct coarse *c, const double x[3]) {
+    long cell = 0;
+    for (int k = 0; k < c->grid.dim; k++) cell += fold(c, k, below((x[k] - c->grid.low[k]) * c->per[k]));
+    return cell;
+}
+
+/* out[i]: integral of exp(-t^2/2) from 0 to s[i], |s[i]| <= 3, by its series: the same bits everywhere, which exp does
+ * not give. */
+static void bell_integrals(const struct coarse *c, int n, const double *restrict s, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = 0;
+    for (int k = TERMS - 1; k >= 0; k--)
+        for (int i = 0; i < n; i++) out[i] = out[i] * (s[i] * s[i]) + c->term[k];
+    for (int i = 0; i < n; i++) out[i] *= s[i];
+}
+
+static void bell_make(struct coarse *c) {
+    double power = 1;
+    for (int k = 0; k < TERMS; k++) {
+        c->term[k] = power / (2 * k + 1);
+        power *= -0.5 / (k + 1);
+    }
+    bell_integrals(c, 1, &(const double){3}, &c->half);
+}
+
+static int gaussian(struct coarse *c, const double x[3]) {
+    const struct coarse_grid *g = &c->grid;
+    for (int k = 0; k < g->dim; k++) {
+        struct reach *r = &c->reach[k];
+        const double from = x[k] - g->low[k];
+        const int first = below((from - 3 * g->width) * c->per[k]), last = below((from + 3 * g->width) * c->per[k]);
+        double done = -c->half;
+        r->n = last + 1 - first;
+        for (int i = 0; i < r->n; i++) {
+            const double s = ((first + i + 1) * g->h[k] - from) / g->width;
+            r->s[i] = s > 3 || i == r->n - 1 ? 3 : s < -3 ? -3 : s;
+            r->offset[i] = fold(c, k, first + i);
+        }
+        bell_integrals(c, r->n, r->s, r->value);
+        for (int i = 0; i < r->n; i++) {
+            const double to = r->value[i];
+            r->value[i] = (to - done) / (2 * c->half);
+            done = to;
+        }
+    }
+    int n = 0;
+    for (int l = 0; l < c->reach[2].n; l++)
+        for (int j = 0; j < c->reach[1].n; j++)
+            for (int i = 0; i < c->reach[0].n; i++)
+                c->shares[n++] = (struct share){c->reach[0].offset[i] + c->reach[1].offset[j] + c->reach[2].offset[l],
+                                                c->reach[0].value[i] * c->reach[1].value[j] * c->reach[2].value[l]};
+    return n;
+}
+
+static int heaviside(struct coarse *c, const double x[3]) {
+    const struct coarse_grid *g = &c->grid;
+    for (int k = 0; k < g->dim; k++) {
+        struct reach *r = &c->reach[k];
+        const int first = below((x[k] - g->width - g->low[k]) * c->per[k]),
+                  last = below((x[k] + g->width - g->low[k]) * c->per[k]);
+        r->n = 0;
+        for (int i = first; i <= last; i++) {
+            const double away = g->low[k] + (i + 0.5) * g->h[k] - x[k];
+            r->offset[r->n] = fold(c, k, i);
+            r->value[r->n++] = away * away;
+        }
+    }
+    int n = 0;
+    for (int l = 0; l < c->reach[2].n; l++)
+        for (int j = 0; j < c->reach[1].n; j++)
+            for (int i = 0; i < c->reach[0].n; i++)
+                if (c->reach[0].value[i] + c->reach[1].value[j] + c->reach[2].value[l] < g->width * g->width)
+                    c->shares[n++].cell = c->reach[0].offset[i] + c->reach[1].offset[j] + c->reach[2].offset[l];
+    if (!n) c->shares[n++].cell = cell_of(c, x);
+    for (int i = 0; i < n; i++) c->shares[i].w = 1.0 / n;
+    return n;
+}
+
+/* c->shares of a place, a cell more than once where images meet; how many. */
+static inline int spread(struct coarse *c, const double x[3]) {
+    if (c->grid.kernel == COARSE_GAUSSIAN) return gaussian(c, x);
+    if (c->grid.kernel == COARSE_HEAVISIDE) return heaviside(c, x);
+    *c->shares = (struct share){cell_of(c, x), 1};
+    return 1;
+}
+
+static inline void add(double *sum, int dim, double w, const double u[3]) {
+    if (w == 0) return;
+    const double part = w / (sum[SHARE] += w);
+    for (int k = 0; k < dim; k++) {
+        const double away = u[k] - sum[MEAN + k];
+        sum[MEAN + k] = part == 1 ? u[k] : sum[MEAN + k] + part * away;
+        sum[DEVIATION] += w * away * (u[k] - sum[MEAN + k]);
+    }
+}
+
+void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]) {
+    for (int i = 0; i < n; i++) {
+        const int m = spread(c, x[i]);
+        for (int j = 0; j < m; j++) add(c->sums + c->size * c->shares[j].cell, c->grid.dim, c->shares[j].w, u[i]);
+    }
+    c->sums[c->cells * c->size] += 1;
+}
+
+/* Where both ends lie in one cell, so does the middle. */
+static void observe_in_cells(struct coarse *c, const struct grain_impact *i, double branch) {
+    long cell[3] = {0};
+    for (int k = 0; k < c->grid.dim; k++) {
+        const double from = (i->x[0][k] - c->grid.low[k]) * c->per[k], by = branch * i->normal[k] * c->per[k];
+        for (int point = 0; point < 3; point++) cell[point] += fold(c, k, below(from + 0.5 * point * by));
+    }
+    const double sixth = i->impulse * branch / 6;
+    if (cell[0] == cell[2]) {
+        c->sums[c->size * cell[0] + IMPACTS] += 6 * sixth;
+        return;
+    }
+    c->sums[c->size * cell[0] + IMPACTS] += sixth;
+    c->sums[c->size * cell[1] + IMPACTS] += 4 * sixth;
+    c->sums[c->size * cell[2] + IMPACTS] += sixth;
+}
+
+static void observe(struct grain_observer *self, const struct grain_impact *i) {
+    struct coarse *c = (struct coarse *)self;
+    const double branch = i->b < 0 ? 0.5 * c->grid.diameter : c->grid.diameter, amount = i->impulse * branch;
+    if (c->grid.kernel == COARSE_CELL) {
+        observe_in_cells(c, i, branch);
+        return;
+    }
+    for (int point = 0; point < 3; point++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = i->x[0][k] + 0.5 * point * branch * i->normal[k];
+        const int m = spread(c, x);
+        for (int j = 0; j < m; j++)
+            c->sums[c->size * c->shares[j].cell + IMPACTS] += amount * (point == 1 ? 4 : 1) / 6 * c->shares[j].w;
+    }
+}
+
+void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]) {
+    const struct coarse_grid *g = &c->grid;
+    const double samples = c->sums[c->cells * c->size], d = g->diameter;
+    const double grain_volume = acos(-1) * (g->dim == 2 ? d * d / 4 : d * d * d / 6);
+    double volume = 1;
+    for (int k = 0; k < g->dim; k++) volume *= g->h[k];
+    for (long i = 0; i < c->cells; i++) {
+        const double *sum = c->sums + c->size * i;
+        const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0;
+        const double T = sum[SHARE] > 0 ? sum[DEVIATION] / (g->dim * sum[SHARE]) : 0;
+        const double collisional = tau > 0 ? sum[IMPACTS] / (g->dim * tau * volume) : 0;
+        if (f == COARSE_RHO) out[0][i] = number * g->mass;
+        if (f == COARSE_ALPHA) out[0][i] = number * grain_volume;
+        if (f == COARSE_T) out[0][i] = T;
+        if (f == COARSE_P) out[0][i] = number * g->mass * T + collisional;
+        for (int k = 0; f == COARSE_U && k < g->dim; k++) out[k][i] = sum[MEAN + k];
+    }
+}

@@ -1,0 +1,366 @@
+#include "libcore/grains/grains_private.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void grains_free(struct grains *g) {
+    if (!g) return;
+    free(g->grain);
+    free(g->event);
+    free(g->id);
+    free(g->order);
+    free(g->list);
+    for (int k = 0; k < 3; k++) free(g->cells.row[k]);
+    free(g->cells.slot);
+    free(g->cells.next);
+    calendar_free(g->queue);
+    free(g);
+}
+
+static status check_box(const struct grain_box *box, const struct grain_law *law) {
+    const double d = law->diameter;
+    if (box->dim != 2 && box->dim != 3) return fail(ERR_INPUT, "grains move in 2 or 3 dimensions, not in %d", box->dim);
+    if (!(d > 0 && d < HUGE_VAL)) return fail(ERR_INPUT, "a diameter of %g m; it must be above 0", d);
+    if (!(law->mass > 0 && law->mass < HUGE_VAL))
+        return fail(ERR_INPUT, "a mass of %g kg; it must be above 0", law->mass);
+    if (!(law->restitution >= 0 && law->restitution <= 1))
+        return fail(ERR_INPUT, "a restitution of %g; it must lie in 0 to 1", law->restitution);
+    if (!(law->threshold >= 0))
+        return fail(ERR_INPUT, "a threshold of %g m/s; it must not be negative", law->threshold);
+    for (int k = 0; k < box->dim; k++) {
+        double length = box->high[k] - box->low[k];
+        if (!(length < HUGE_VAL && isfinite(box->low[k])))
+            return fail(ERR_INPUT, "the box is not finite along axis %d", k);
+        if (box->periodic[k] && !(length >= 3 * d * (1 + 1e-9)))
+            return fail(ERR_INPUT,
+                        "the box is %g m long along axis %d, which is periodic; grains of %g m need at least %g m",
+                        length, k, d, 3 * d);
+        if (!box->periodic[k] && !(length >= d))
+            return fail(ERR_INPUT, "the walls of axis %d are %g m apart; a grain takes %g m", k, length, d);
+        for (int side = 0; side < 2 && !box->periodic[k]; side++)
+            if (!(box->restitution[k][side] >= 0 && box->restitution[k][side] <= 1))
+                return fail(ERR_INPUT, "a wall's restitution of %g; it must lie in 0 to 1", box->restitution[k][side]);
+        if (!(isfinite(law->gravity[k]) && isfinite(box->shake[k]) && isfinite(box->omega) && isfinite(box->phase)))
+            return fail(ERR_INPUT, "gravity or the shaking along axis %d is not finite", k);
+        if (law->growth != 0 && (law->gravity[k] != 0 || is_shaken(box, k)))
+            return fail(ERR_INPUT, "grains can grow only in a box at rest without gravity");
+    }
+    return OK;
+}
+
+static status check_number(const struct grain_box *box, const struct grain_law *law, int n) {
+    const double pi = 3.14159265358979323846, d = law->diameter;
+    double volume = 1, grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
+           most = box->dim == 2 ? 0.9069 : 0.7405;
+    for (int k = 0; k < box->dim; k++) volume *= box->high[k] - box->low[k];
+    if (n < 1) return fail(ERR_INPUT, "there are no grains; at least one is needed");
+    if (n * grain > most * volume)
+        return fail(ERR_INPUT,
+                    "%d grains would fill %.4f of the box; %.4f is the densest of all packings (at most %.0f grains)",
+                    n, n * grain / volume, most, floor(most * volume / grain));
+    return OK;
+}
+
+static void set_scales(struct grains *g) {
+    double all = 0, omega = g->box.omega;
+    for (int k = 0; k < 3; k++) {
+        bool periodic = k < g->dim && g->box.periodic[k];
+        g->period[k] = periodic ? g->box.high[k] - g->box.low[k] : 0;
+        g->half[k] = periodic ? 0.5 * g->period[k] : HUGE_VAL;
+        g->pull[k] = k < g->dim ? fabs(g->law.gravity[k]) + fabs(g->box.shake[k]) * omega * omega : 0;
+        all += g->pull[k];
+    }
+    for (int k = 0; k < g->dim; k++) g->falls = g->falls || g->law.gravity[k] != 0;
+    g->gentle = 1e-7 * sqrt(all * g->law.diameter);
+}
+
+static status make_empty(const struct grain_box *box, const struct grain_law *law, int n, double t,
+                         struct grains **out) {
+    struct grains *g;
+    TRY(check_box(box, law));
+    TRY(check_number(box, law, n));
+    TRY(allocate(&g, 1, sizeof *g, "grains"));
+    *out = g;
+    *g = (struct grains){.box = *box, .law = *law, .n = n, .dim = box->dim, .start = t, .time = t};
+    for (int k = g->dim; k < 3; k++) {
+        g->law.gravity[k] = g->box.shake[k] = 0;
+        g->box.periodic[k] = false;
+    }
+    set_scales(g);
+    TRY(allocate(&g->grain, n, sizeof *g->grain, "grains"));
+    TRY(allocate(&g->event, n, sizeof *g->event, "events"));
+    TRY(allocate(&g->id, n, sizeof *g->id, "grains"));
+    TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
+    TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
+    TRY(calendar_make(n, &g->queue));
+    return grains_cells_make(g);
+}
+
+double grains_wrap(const struct grain_box *box, int k, double x) {
+    double length = box->high[k] - box->low[k];
+    x -= length * floor((x - box->low[k]) / length);
+    return x < box->low[k] || x >= box->high[k] ? box->low[k] : x;
+}
+
+static status place(struct grains *g, int i, const double x[3], const double u[3]) {
+    struct grain *p = &g->grain[i];
+    double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
+    p->t = g->time;
+    g->id[i] = i;
+    for (int k = 0; k < g->dim; k++) {
+        bool periodic = g->box.periodic[k];
+        double room = periodic ? 0 : radius;
+        if (!(x[k] >= g->box.low[k] + room - slack && x[k] <= g->box.high[k] - room + slack))
+            return fail(ERR_INPUT,
+                        "grain %d is outside: its centre is at (%.9g %.9g %.9g), axis %d allows %.9g to %.9g", i, x[0],
+                        x[1], g->dim > 2 ? x[2] : 0, k, g->box.low[k] + room, g->box.high[k] - room);
+        if (!isfinite(u[k])) return fail(ERR_INPUT, "grain %d has no finite velocity", i);
+        struct swing w = grains_swing(&g->box, k, g->time);
+        p->x[k] = periodic ? grains_wrap(&g->box, k, x[k] + w.s) : x[k] + w.s;
+        p->u[k] = u[k] + w.v;
+    }
+    g->event[i].cell = grains_cell_of(g, p->x);
+    grains_cell_enter(g, i);
+    return OK;
+}
+
+static status overlap(const struct grains *g, int a, int b, double distance) {
+    const double *x = g->grain[a].x, *y = g->grain[b].x;
+    if (a > b) return overlap(g, b, a, distance);
+    return fail(ERR_INPUT,
+                "grains %d at (%.9g %.9g %.9g) and %d at (%.9g %.9g %.9g) overlap: they are %.9g m apart, their "
+                "diameter is %.9g m",
+                a, x[0], x[1], x[2], b, y[0], y[1], y[2], distance, g->law.diameter);
+}
+
+static status check_overlap(const struct grains *g, int i) {
+    struct grain_block b;
+    double least = g->law.diameter * (1 - 1e-9);
+    grains_block(&g->cells, g->event[i].cell, STAYS, &b);
+    for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
+        double square = 0;
+        int j = (int)g->list[q];
+        for (int k = 0; k < 3; k++) {
+            double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
+            square += r * r;
+        }
+        if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
+    }
+    return OK;
+}
+
+status grains_make(const struct grain_box *box, const struct grain_law *law, int n, const double (*x)[3],
+                   const double (*u)[3], double t, struct grains **out) {
+    struct grains *g = NULL;
+    status s = make_empty(box, law, n, t, &g);
+    for (int i = 0; i < n && !s; i++) s = place(g, i, x[i], u[i]);
+    for (int i = 0; i < n && !s; i++) s = check_overlap(g, i);
+    if (s) {
+        grains_free(g);
+        return s;
+    }
+    grains_sort(g);
+    grains_predict_all(g);
+    *out = g;
+    return OK;
+}
+
+/* A saved grain can be gone on with: nothing in it leads outside the arrays. */
+static status check_saved(const struct grains *g, int i) {
+    const struct grain *p = &g->grain[i];
+    const struct grain_event *e = &g->event[i];
+    bool good = isfinite(p->t) && p->t <= g->time && e->cell >= 0 && !isnan(p->impact) && p->impact >= p->t &&
+                e->partner < g->n;
+    for (int k = 0; k < 3 && good; k++) {
+        int number = cell_number(&g->cells, e->cell, k);
+        double slack = 1e-6 * g->cells.width[k];
+        good = number < g->cells.n[k] && isfinite(p->u[k]) &&
+               p->x[k] >= grains_cell_edge(&g->cells, k, number) - slack &&
+               p->x[k] <= grains_cell_edge(&g->cells, k, number + 1) + slack;
+    }
+    int b = e->partner;
+    good = good &&
+           (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN || (b < 0 && b >= -2 * g->dim));
+    if (!good) return fail(ERR_INPUT, "saved grain %d does not belong to this box, or its file is damaged", i);
+    return OK;
+}
+
+static status check_ids(const struct grains *g) {
+    char *seen;
+    status s = OK;
+    TRY(allocate(&seen, g->n, 1, "grains"));
+    for (int i = 0; i < g->n && !s; i++) {
+        int id = g->id[i];
+        if (id < 0 || id >= g->n || seen[id]++)
+            s = fail(ERR_INPUT, "the number %d of saved grain %d is twice there or too large", id, i);
+    }
+    free(seen);
+    return s;
+}
+
+/* The queue from the grains and their events */
+static void schedule_all(struct grains *g) {
+    for (int i = 0; i < g->n; i++) calendar_set(g->queue, i, grains_schedule(g, i));
+    calendar_start(g->queue, g->time);
+}
+
+static status resume(struct grains *g, const struct grain *grain, const struct grain_event *event, const int32_t *id) {
+    if (g->law.growth != 0) return fail(ERR_INPUT, "grains that grow cannot be resumed");
+    memcpy(g->grain, grain, (size_t)g->n * sizeof *grain);
+    memcpy(g->event, event, (size_t)g->n * sizeof *event);
+    memcpy(g->id, id, (size_t)g->n * sizeof *id);
+    TRY(check_ids(g));
+    for (int i = 0; i < g->n; i++) TRY(check_saved(g, i));
+    grains_cells_fill(g);
+    schedule_all(g);
+    return OK;
+}
+
+status grains_resume(const struct grain_box *box, const struct grain_law *law, int n, const struct grain *grain,
+                     const struct grain_event *event, const int32_t *id, const struct grain_counts *counts, double t,
+                     struct grains **out) {
+    struct grains *g = NULL;
+    status s = make_empty(box, law, n, t, &g);
+    if (!s) s = resume(g, grain, event, id);
+    if (s) {
+        grains_free(g);
+        return s;
+    }
+    g->counts = *counts;
+    grains_set_sorting(g);
+    *out = g;
+    return OK;
+}
+
+/* Asks for what coming events will touch, while this one is worked on: first the grain, later what it names. */
+static void fetch(const struct grains *g) {
+    const struct grain_cells *c = &g->cells;
+    struct grain_block b;
+    int next = calendar_next(g->queue, 2), later = calendar_next(g->queue, 4);
+    if (later >= 0) {
+        __builtin_prefetch(&g->grain[later], 1);
+        __builtin_prefetch(&g->event[later], 1);
+    }
+    if (next < 0) return;
+    int partner = g->event[next].partner;
+    if (partner >= 0) {
+        __builtin_prefetch(&g->grain[partner], 1);
+        __builtin_prefetch(&g->event[partner], 1);
+    }
+    grains_block(c, g->event[next].cell, STAYS, &b);
+    for (int z = 0; z < b.to[2]; z++)
+        for (int corner = 0; corner < 4; corner++) { /* two by two cells are in a line of the cache */
+            long q = b.around[0][corner & 2] + b.around[1][2 * (corner & 1)] + b.around[2][z];
+            __builtin_prefetch(c->slot + q * SLOTS);
+        }
+}
+
+/* Takes the first event. */
+static void take(struct grains *g, int i, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[i];
+    const struct grain_event e = g->event[i];
+    if (g->n > CACHED) fetch(g);
+    int exit = t < p->impact ? grains_exit(g, i) : STAYS;
+    bring(g, p, t);
+    if (exit != STAYS) {
+        grains_cell_cross(g, i, exit);
+        grains_predict_beyond(g, i, t, exit);
+    } else if (e.partner >= 0 && g->event[e.partner].changes == e.known) {
+        bring(g, &g->grain[e.partner], t);
+        grains_collide(g, i, e.partner, t, observer);
+        grains_predict(g, i, t);
+        grains_predict(g, e.partner, t);
+        if (g->counts.pairs != g->sort_at) return;
+        grains_sort(g);
+        schedule_all(g);
+    } else {
+        if (e.partner < 0 && e.partner >= -6) grains_rebound(g, i, e.partner, t, observer);
+        grains_predict(g, i, t);
+    }
+}
+
+/* Cells for grains that have grown to the width of the old ones */
+static bool regrow(struct grains *g) {
+    g->time = g->outgrown;
+    for (int i = 0; i < g->n; i++) bring(g, &g->grain[i], g->time);
+    if (!grains_cells_widen(g)) return false;
+    grains_predict_all(g);
+    return true;
+}
+
+double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer) {
+    for (int64_t taken = 0; taken < most; taken++) {
+        int i = calendar_first(g->queue);
+        double t = calendar_time(g->queue, i);
+        if (g->outgrown < HUGE_VAL && g->outgrown <= fmin(t, until)) {
+            if (!regrow(g)) return g->time;
+            continue;
+        }
+        if (!(t <= until) || t == HUGE_VAL) { /* never: nothing will happen, time stays where it is */
+            if (until < HUGE_VAL) g->time = fmax(until, g->time);
+            return g->time;
+        }
+        g->counts.events++;
+        g->time = t;
+        take(g, i, t, observer);
+    }
+    return g->time;
+}
+
+void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3]) {
+    struct swing w[3];
+    for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, t);
+    for (int i = 0; i < g->n; i++) {
+        double *to = x[g->id[i]], *speed = u[g->id[i]];
+        fly(g, &g->grain[i], t, to, speed);
+        for (int k = 0; k < 3; k++) {
+            to[k] -= w[k].s;
+            speed[k] -= w[k].v;
+            if (g->box.periodic[k]) to[k] = grains_wrap(&g->box, k, to[k]);
+        }
+    }
+}
+
+void grains_energy(const struct grains *g, double *kinetic, double *potential, double momentum[3]) {
+    struct swing w[3];
+    double speeds = 0, height = 0, sum[3] = {0};
+    for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, g->time);
+    for (int i = 0; i < g->n; i++) {
+        double x[3], u[3];
+        fly(g, &g->grain[i], g->time, x, u);
+        for (int k = 0; k < 3; k++) {
+            u[k] -= w[k].v;
+            speeds += u[k] * u[k];
+            height -= g->law.gravity[k] * (x[k] - w[k].s);
+            sum[k] += u[k];
+        }
+    }
+    *kinetic = 0.5 * g->law.mass * speeds;
+    *potential = g->law.mass * height;
+    for (int k = 0; k < 3; k++) momentum[k] = g->law.mass * sum[k];
+}
+
+int grains_number(const struct grains *g) {
+    return g->n;
+}
+const struct grain *grains_all(const struct grains *g) {
+    return g->grain;
+}
+const struct grain_event *grains_events(const struct grains *g) {
+    return g->event;
+}
+const int32_t *grains_ids(const struct grains *g) {
+    return g->id;
+}
+const struct grain_counts *grains_counted(const struct grains *g) {
+    return &g->counts;
+}
+double grains_time(const struct grains *g) {
+    return g->time;
+}
+double grains_bytes(int n, int dim) {
+    double cells = dim == 2 ? 1.3 : 2; /* a grain, at packing 0.6 and 0.26 */
+    double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(uint64_t) + 3 * sizeof(int32_t);
+    return n * (grain + cells * SLOTS * sizeof(uint32_t)) + calendar_bytes(n);
+}

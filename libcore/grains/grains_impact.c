@@ -1,0 +1,76 @@
+/* Impacts.
+ *
+ * What leaves an impact does so with at least a normal speed of v0 = 1e-13 (|u_a| + |u_b|) + 1e-7 sqrt(G d), which is
+ * far below any approach speed except where without a threshold infinitely many impacts would fall into a finite time
+ * (inelastic collapse; a grain at rest on the floor). There it is what bounds their number: a grain that hops on a
+ * floor stays 2 v0/G > 0 in the air, and grains that touch within round-off move apart by more than round-off. */
+#include "libcore/grains/grains_private.h"
+
+static double speed(const double u[3]) {
+    return sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+}
+
+/* What comes back of an approach: `ratio` times its speed, but no less than `least`; counted if elastic. */
+struct rebound {
+    double ratio, speed;
+};
+static struct rebound rebound(struct grains *g, double approach, double e, double least) {
+    bool soft = approach < g->law.threshold || e * approach < least;
+    if (e < 1 && soft) g->counts.elastic++;
+    double ratio = soft ? 1 : e;
+    return (struct rebound){ratio, fmax(ratio * approach, least)};
+}
+
+static void tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
+                 double distance, double impulse) {
+    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b};
+    const struct grain *p = &g->grain[a];
+    for (int k = 0; k < g->dim; k++) {
+        i.x[0][k] = p->x[k] - grains_swing(&g->box, k, t).s;
+        if (g->box.periodic[k]) i.x[0][k] = grains_wrap(&g->box, k, i.x[0][k]);
+        i.x[1][k] = i.x[0][k] + (b < 0 ? 0 : r[k]);
+        i.normal[k] = r[k] / distance;
+    }
+    observer->impact(observer, &i);
+}
+
+void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[a], *q = &g->grain[b];
+    double r[3], square = 0, rv = 0, least = g->gentle + 1e-13 * (speed(p->u) + speed(q->u));
+    for (int k = 0; k < 3; k++) {
+        r[k] = nearest(g, k, q->x[k] - p->x[k]);
+        square += r[k] * r[k];
+        rv += r[k] * (q->u[k] - p->u[k]);
+    }
+    double distance = sqrt(square), normal = rv / distance, growth = g->law.growth, approach = fmax(growth - normal, 0);
+    struct rebound back = rebound(g, approach, g->law.restitution, least);
+    double after = back.speed + growth, factor = 0.5 * (after - normal) / distance;
+    /* The same without the root, whose rounding has a bias: all distances are nearly one diameter. */
+    if (growth == 0 && back.speed == back.ratio * approach) factor = -0.5 * (1 + back.ratio) * rv / square;
+    for (int k = 0; k < 3; k++) {
+        double du = factor * r[k];
+        p->u[k] -= du;
+        q->u[k] += du;
+    }
+    g->event[a].changes++;
+    g->event[b].changes++;
+    g->counts.pairs++;
+    g->counts.lost += 0.25 * g->law.mass * (normal - after) * (normal + after);
+    if (observer) tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
+}
+
+void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[a];
+    int k = (-1 - wall) / 2, side = (-1 - wall) & 1;
+    double out = side ? 1 : -1, e = g->box.restitution[k][side], least = g->gentle + 1e-13 * speed(p->u);
+    double growth = 0.5 * g->law.growth, outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
+    double approach = fmax(outward + growth, 0), after = rebound(g, approach, e, least).speed + growth;
+    double gain = outward + after, r[3] = {0};
+    p->u[k] -= out * gain;
+    g->event[a].changes++;
+    g->counts.walls++;
+    g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
+    g->counts.wall_impulse[k][side] += g->law.mass * gain;
+    r[k] = out;
+    if (observer) tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
+}

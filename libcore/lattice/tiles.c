@@ -1,0 +1,390 @@
+/* The gas on a forest of tiles: making and filling its state, and what the outside may ask of it. */
+#include "libcore/gas/state.h"
+
+#include <stdlib.h>
+
+status blocks_make(const struct forest *f, int nvar, double ***out) {
+    TRY(allocate(out, f->ntiles, sizeof(double *), "tiles"));
+    for (int t = 0; t < f->ntiles; t++) {
+        TRY(allocate(&(*out)[t], nvar * f->size + SLACK, sizeof(double), "the state of a tile"));
+        for (long i = 0; i < f->size; i++) (*out)[t][i] = (*out)[t][(nvar - 1) * f->size + i] = nvar > 1;
+    }
+    return OK;
+}
+
+void blocks_free(const struct forest *f, double **blocks) {
+    for (int t = 0; blocks && t < f->ntiles; t++) free(blocks[t]);
+    free(blocks);
+}
+
+static status make_work(struct gas *g) {
+    struct work *w = &g->work;
+    double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
+    for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
+    for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
+    for (int v = 0; v < g->nvar; v++) {
+        TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
+        TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
+    }
+    return OK;
+}
+
+static status make_activity(struct gas *g) {
+    struct activity *a = &g->activity;
+    int rows[2] = {0, 0};
+    for (int t = 0; t < g->forest->ntiles; t++)
+        for (int k = 0; k < 2; k++)
+            if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
+    a->rows = rows[0] + 2 * GHOSTS;
+    a->nspans = a->rows * (rows[1] + 2 * GHOSTS);
+    struct span **spans[] = {&a->differ, &a->active, &a->needed};
+    for (int i = 0; i < 3; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));
+    return allocate(&a->quiet, 6L * g->forest->ntiles, sizeof(bool), "tiles");
+}
+
+static status make_state(const struct gas *g, struct state *s) {
+    const struct forest *f = g->forest;
+    TRY(blocks_make(f, g->nvar, &s->block));
+    TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
+    for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], g->activity.nspans, sizeof(struct span), "spans"));
+    activity_reset(g, s);
+    return OK;
+}
+
+static void free_state(const struct forest *f, struct state *s) {
+    blocks_free(f, s->block);
+    for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
+    free(s->varied);
+}
+
+static status tiles_make(struct gas *g) {
+    for (int i = 0; i < g->forest->ntiles; i++)
+        if (g->forest->tile[i].n[0] >= BATCH)
+            return fail(ERR_SYSTEM, "a tile has rows of %d cells; at most %d fit a batch: choose smaller tiles",
+                        g->forest->tile[i].n[0], BATCH - 1);
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    TRY(make_activity(g));
+    for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
+    TRY(blocks_make(g->forest, 1, &g->flag));
+    TRY(blocks_make(g->forest, 1, &g->limited));
+    g->nraised = g->forest->ntiles;
+    TRY(floors_make(g));
+    TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
+    TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
+    TRY(make_work(g));
+    return g->models.transport ? diffuser_make(g) : OK;
+}
+
+static void tiles_free(struct gas *g) {
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
+    diffuser_free(g);
+    blocks_free(g->forest, g->flag);
+    blocks_free(g->forest, g->limited);
+    floors_free(g);
+    free(g->flagged);
+    free(g->sums);
+    free(g->activity.differ);
+    free(g->activity.active);
+    free(g->activity.needed);
+    free(g->activity.quiet);
+    double *single[] = {g->work.eps, g->work.p, g->work.c, g->work.gruneisen};
+    for (int i = 0; i < 4; i++) free(single[i]);
+    for (int k = 0; k < MAX_DIM; k++) free(g->work.velocity[k]);
+    for (int v = 0; v < MAX_VAR; v++) {
+        free(g->work.flux[v]);
+        free(g->work.residual[v]);
+    }
+}
+
+static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+    for (int v = 0; v < g->nvar; v++) forest_scatter(g->forest, U[v], v, g->U.block);
+    activity_reset(g, &g->U);
+}
+
+static status tiles_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
+    for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
+    for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, v, U[v]));
+    return OK;
+}
+
+struct reading { /* of one field, row by row */
+    const struct gas *g;
+    double *U, *out[3];
+    enum gas_field field;
+    long at;
+    const struct tile *tile;
+};
+
+static void scale_row(int n, double factor, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = factor * q[i];
+}
+
+/* Only what the field needs: the equation of state costs most. */
+static void field_visit(void *context, long offset, int n) {
+    struct reading *r = context;
+    const struct gas *g = r->g;
+    const struct work *w = &g->work;
+    const struct material *m = &g->models.material;
+    double *out = r->out[0] + r->at;
+    if (r->field >= GAS_P)
+        primitives_of_row(g, r->U, offset, n);
+    else if (r->field >= GAS_U)
+        velocities_of_row(g, r->U, offset, n);
+    switch (r->field) {
+    case GAS_RHO:
+        scale_row(n, 1, r->U + offset, out);
+        break;
+    case GAS_ALPHA:
+        scale_row(n, packing_per_density(m), r->U + offset, out);
+        break;
+    case GAS_T:
+        scale_row(n, m->gamma - 1, w->eps + offset, out);
+        break;
+    case GAS_P:
+        scale_row(n, 1, w->p + offset, out);
+        break;
+    case GAS_C:
+        scale_row(n, 1, w->c + offset, out);
+        break;
+    case GAS_U:
+        for (int k = 0; k < g->dim; k++) scale_row(n, 1, w->velocity[k] + offset, r->out[k] + r->at);
+        break;
+    case GAS_MACH:
+        for (int i = 0; i < n; i++) {
+            double square = 0;
+            for (int k = 0; k < g->dim; k++) square += w->velocity[k][offset + i] * w->velocity[k][offset + i];
+            out[i] = sqrt(square) / w->c[offset + i];
+        }
+        break;
+    case GAS_LIMITED:
+    case GAS_FIELDS:
+        break;
+    }
+    r->at += n;
+}
+
+struct placing { /* consecutive values from or to a tile's block */
+    double *values, *block;
+};
+static void take_visit(void *context, long offset, int n) {
+    struct placing *p = context;
+    memcpy(p->values, p->block + offset, (size_t)n * sizeof(double));
+    p->values += n;
+}
+static void place_visit(void *context, long offset, int n) {
+    struct placing *p = context;
+    memcpy(p->block + offset, p->values, (size_t)n * sizeof(double));
+    p->values += n;
+}
+
+static void tiles_block_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
+    int components = field == GAS_U ? g->dim : 1;
+    const int *n = g->forest->tile[tile].n;
+    double background[3];
+    if (field == GAS_LIMITED) {
+        struct placing from = {.values = out[0], .block = g->limited[tile]};
+        rows_visit(g->forest, &g->forest->tile[tile], 0, take_visit, &from);
+        return;
+    }
+    struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
+    for (int c = 0; c < components; c++) {
+        r.out[c] = out[c];
+        one.out[c] = &background[c];
+    }
+    field_visit(&one, 0, 1);
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            struct span varied = *activity_row(&g->activity, g->U.varied[tile], j, k);
+            long row = n[0] * (j + (long)n[1] * k);
+            for (int c = 0; c < components; c++)
+                for (int i = 0; i < n[0]; i++) out[c][row + i] = background[c];
+            r.at = row + varied.low;
+            row_visit(g, g->U.varied[tile], j, k, field_visit, &r);
+        }
+}
+
+static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
+    const struct forest *f = g->forest;
+    int components = field == GAS_U ? g->dim : 1;
+    double *values;
+    TRY(allocate(&values, f->size * components, sizeof(double), "a field"));
+    for (int t = 0; t < f->ntiles; t++) { /* W is free between steps: it carries the values to the gather */
+        double *lines[3] = {values, values + f->size, values + 2 * f->size};
+        tiles_block_field(g, t, field, lines);
+        for (int c = 0; c < components; c++) {
+            struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
+            rows_visit(f, &f->tile[t], 0, place_visit, &p);
+        }
+    }
+    free(values);
+    for (int c = 0; c < components; c++)
+        TRY(forest_gather(f, (const double *const *)g->W.block, c, comm_root(f->comm) ? out[c] : NULL));
+    return OK;
+}
+
+void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]) {
+    const struct forest *f = g->forest;
+    long rest = offset - f->first, at[3] = {0, 0, 0};
+    for (int k = 2; k >= 0; k--) {
+        if (t->n[k] == 1 && k >= g->dim) continue;
+        at[k] = rest / f->stride[k];
+        rest -= at[k] * f->stride[k];
+    }
+    for (int k = 0; k < 3; k++) place[k] = 0;
+    for (int k = 0; k < g->dim; k++)
+        place[f->axis[k]] = f->origin[k] + f->width[k] * ((double)(t->low[k] + at[k]) + 0.5);
+}
+
+struct checking {
+    const struct gas *g;
+    double *U;
+    long bad; /* offset of the first bad cell, or -1 */
+};
+
+static void check_visit(void *context, long offset, int n) {
+    struct checking *c = context;
+    if (c->bad >= 0 || !row_inadmissible(c->g, c->U, offset, n, NULL)) return;
+    for (int i = 0; i < n && c->bad < 0; i++)
+        if (row_inadmissible(c->g, c->U, offset + i, 1, NULL)) c->bad = offset + i;
+}
+
+static status tiles_check(const struct gas *g) {
+    status s = OK;
+    for (int t = 0; t < g->forest->ntiles && !s; t++) {
+        struct checking c = {.g = g, .U = g->U.block[t], .bad = -1};
+        activity_store_all(g, t, &g->U);
+        rows_visit(g->forest, &g->forest->tile[t], 0, check_visit, &c);
+        if (c.bad < 0) continue;
+        double place[3];
+        cell_place(g, &g->forest->tile[t], c.bad, place);
+        primitives_of_row(g, c.U, c.bad, 1);
+        s = fail(ERR_STATE,
+                 "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
+                 place[0], place[1], place[2], c.U[c.bad], g->least, g->limit,
+                 (g->models.material.gamma - 1) * g->work.eps[c.bad], density_hint(g));
+    }
+    return comm_agree(g->forest->comm, s);
+}
+
+KERNEL static void rate_row(int n, double inverse, const double *restrict u, const double *restrict c,
+                            double *restrict rate) {
+    for (int i = 0; i < n; i++) rate[i] += (fabs(u[i]) + c[i]) * inverse;
+}
+
+/* The maximum, eight lanes at a time; a maximum does not depend on the order. */
+KERNEL static double largest(int n, const double *restrict a) {
+    double lane[8] = {0}, most = 0;
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (int j = 0; j < 8; j++) lane[j] = a[i + j] > lane[j] ? a[i + j] : lane[j];
+    for (; i < n; i++) most = a[i] > most ? a[i] : most;
+    for (int j = 0; j < 8; j++) most = lane[j] > most ? lane[j] : most;
+    return most;
+}
+
+KERNEL static void fast_row(int n, const double *restrict u, const double *restrict c, double *restrict fast) {
+    for (int i = 0; i < n; i++) fast[i] = fabs(u[i]) + c[i];
+}
+
+KERNEL static void calm_row(int n, double limit, const double *restrict rho, double *restrict rate) {
+    for (int i = 0; i < n; i++) rate[i] = rho[i] < limit ? rate[i] : 0;
+}
+
+void speed_visit(void *context, long offset, int n) {
+    struct speeds *s = context;
+    struct gas *g = s->g;
+    const struct work *w = &g->work;
+    double rate[BATCH] = {0}, fast[BATCH];
+    primitives_of_row(g, s->U, offset, n);
+    for (int k = 0; k < g->dim; k++) {
+        rate_row(n, 1 / g->forest->width[k], w->velocity[k] + offset, w->c + offset, rate);
+        fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
+        s->most.axis[k] = larger(s->most.axis[k], largest(n, fast));
+    }
+    for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
+        if (rate[i] == s->wanted) s->found = offset + i;
+    s->most.rate = larger(s->most.rate, largest(n, rate));
+    calm_row(n, PACKED * g->limit, s->U + offset, rate);
+    s->most.calm = larger(s->most.calm, largest(n, rate));
+}
+
+static void tiles_speed(struct gas *g, struct gas_speed *speed) {
+    struct speeds s = {.g = g, .found = -1};
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        s.U = g->U.block[t];
+        if (activity_find(g, t, &g->U)) speed_visit(&s, 0, 1); /* the background */
+        spans_visit(g, t, g->U.varied[t], 0, speed_visit, &s);
+    }
+    *speed = s.most;
+}
+
+static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
+    struct first_place first = {.order = HUGE_VAL};
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
+        activity_store_all(g, t, &g->U);
+        rows_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
+        if (s.found < 0) continue;
+        double here[3];
+        cell_place(g, &g->forest->tile[t], s.found, here);
+        first_place_offer(&first, here);
+    }
+    first_place_share(g, &first, place);
+}
+
+struct summing {
+    const double *q;
+    double sum;
+};
+
+static void sum_visit(void *context, long offset, int n) {
+    struct summing *s = context;
+    for (int i = 0; i < n; i++) s->sum += s->q[offset + i];
+}
+
+static status tiles_totals(const struct gas *g, const struct state *state, double totals[MAX_VAR]) {
+    for (int v = 0; v < g->nvar; v++) {
+        for (int t = 0; t < g->forest->ntiles; t++) {
+            struct summing s = {.q = state->block[t] + v * g->forest->size};
+            activity_store_all(g, t, state);
+            rows_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
+            g->sums[t] = s.sum;
+        }
+        TRY(forest_sum(g->forest, g->sums, &totals[v]));
+        totals[v] *= g->forest->volume;
+    }
+    return OK;
+}
+
+const struct engine engine_lattice = {.make = tiles_make,
+                                      .free = tiles_free,
+                                      .set_conserved = tiles_set_conserved,
+                                      .get_conserved = tiles_get_conserved,
+                                      .block_field = tiles_block_field,
+                                      .field = tiles_field,
+                                      .check = tiles_check,
+                                      .speed = tiles_speed,
+                                      .fastest_place = tiles_fastest_place,
+                                      .totals = tiles_totals,
+                                      .sources = tiles_sources,
+                                      .stage = tiles_stage,
+                                      .last_stage = tiles_last_stage,
+                                      .share_flags = tiles_share_flags,
+                                      .redo = tiles_redo,
+                                      .floor = tiles_floor,
+                                      .sum_raised = tiles_sum_raised,
+                                      .note_limited = tiles_note_limited,
+                                      .clear_flags = tiles_clear_flags,
+                                      .exchange = tiles_exchange,
+                                      .diffusion_rates = tiles_diffusion_rates,
+                                      .diffusion_ahead = tiles_diffusion_ahead,
+                                      .diffusion_cooled = tiles_diffusion_cooled,
+                                      .diffusion_friction = tiles_diffusion_friction,
+                                      .diffusion_begin = tiles_diffusion_begin,
+                                      .diffusion_stage = tiles_diffusion_stage,
+                                      .diffusion_end = tiles_diffusion_end,
+                                      .diffusion_flags = tiles_diffusion_flags,
+                                      .implicit_pattern = tiles_implicit_pattern,
+                                      .implicit_matrix = tiles_implicit_matrix,
+                                      .implicit_move = tiles_implicit_move};

@@ -1,0 +1,300 @@
+/* What is neither computed nor stored. Where a cell and its stencil hold the same bits, the fluxes on its two sides are
+ * the same bits and -div F is exactly zero: such cells are left out, and the result has the same bits as without
+ * leaving out. A tile's background is first found as a corner cell that equals its inward neighbours; from then on it
+ * is moved as one cell, and what differs from it can only lie in what was computed. Each row keeps one span. */
+#include "libcore/gas/state.h"
+
+enum { BLOCK = 8 }; /* spans start and end on whole vectors */
+
+static struct span widen(struct span s, int by) {
+    return span_empty(s) ? s : (struct span){s.low - by, s.high + by};
+}
+
+static struct span overlap(struct span a, struct span b) {
+    struct span s = {a.low > b.low ? a.low : b.low, a.high < b.high ? a.high : b.high};
+    return span_empty(s) ? SPAN_EMPTY : s;
+}
+
+struct span *activity_row(const struct activity *a, struct span *spans, int j, int k) {
+    return &spans[(j + GHOSTS) + a->rows * (k + GHOSTS)];
+}
+
+static long row_offset(const struct forest *f, int j, int k) {
+    return f->first + j * f->stride[1] + k * f->stride[2];
+}
+
+void activity_reset(const struct gas *g, const struct state *s) {
+    for (int t = 0; t < g->forest->ntiles; t++)
+        for (int i = 0; i < g->activity.nspans; i++) s->varied[t][i] = (struct span){0, g->forest->tile[t].n[0]};
+}
+
+static bool has_background(const struct gas *g, const struct tile *t, struct span *varied) {
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span s = *activity_row(&g->activity, varied, j, k);
+            if (s.low > 0 || s.high < t->n[0]) return true;
+        }
+    return false;
+}
+
+static bool same_cell(const struct gas *g, const double *U, long a, long b) {
+    for (int v = 0; v < g->nvar; v++)
+        if (bits_of(U[v * g->forest->size + a]) != bits_of(U[v * g->forest->size + b])) return false;
+    return true;
+}
+
+/* A corner cell that equals its neighbour inwards along every axis, or -1. */
+static long find_reference(const struct gas *g, const struct tile *t, const double *U) {
+    const struct forest *f = g->forest;
+    for (int corner = 0; corner < 1 << g->dim; corner++) {
+        long at = f->first;
+        bool calm = true;
+        for (int k = 0; k < g->dim; k++)
+            if (corner >> k & 1) at += (t->n[k] - 1) * f->stride[k];
+        for (int k = 0; k < g->dim && calm; k++)
+            calm = t->n[k] > 1 && same_cell(g, U, at, at + (corner >> k & 1 ? -1 : 1) * f->stride[k]);
+        if (calm) return at;
+    }
+    return -1;
+}
+
+/* Does any of 8 cells from `offset` on differ from the background? */
+KERNEL static bool block_differs(int nvar, long size, const double *restrict U, long offset) {
+    uint64_t any = 0;
+    for (int v = 0; v < nvar; v++) {
+        uint64_t bits = bits_of(U[v * size]);
+        for (int i = 0; i < BLOCK; i++) any |= bits_of(U[v * size + offset + i]) ^ bits;
+    }
+    return any != 0;
+}
+
+static bool cells_differ(const struct gas *g, const double *U, long offset, int n) {
+    if (n == BLOCK) return block_differs(g->nvar, g->forest->size, U, offset);
+    for (int i = 0; i < n; i++)
+        if (!same_cell(g, U, offset + i, 0)) return true;
+    return false;
+}
+
+/* Narrows a span of a row by the blocks at its ends that equal the background. */
+static struct span differing(const struct gas *g, const double *U, long row, struct span s) {
+    while (!span_empty(s)) {
+        int n = s.high - s.low < BLOCK ? s.high - s.low : BLOCK;
+        if (cells_differ(g, U, row + s.low, n)) break;
+        s.low += n;
+    }
+    while (!span_empty(s)) {
+        int n = s.high % BLOCK ? s.high % BLOCK : BLOCK;
+        if (n > s.high - s.low) n = s.high - s.low;
+        if (cells_differ(g, U, row + s.high - n, n)) break;
+        s.high -= n;
+    }
+    return span_empty(s) ? SPAN_EMPTY : s;
+}
+
+bool activity_find(const struct gas *g, int tile, const struct state *s) {
+    const struct tile *t = &g->forest->tile[tile];
+    double *U = s->block[tile];
+    if (!g->models.skip_uniform) return false;
+    if (!has_background(g, t, s->varied[tile])) {
+        long reference = find_reference(g, t, U);
+        if (reference < 0) return false;
+        for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
+    }
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span *row = activity_row(&g->activity, s->varied[tile], j, k);
+            *row = differing(g, U, row_offset(g->forest, j, k), *row);
+        }
+    return has_background(g, t, s->varied[tile]);
+}
+
+/* Writes the background to columns low <= i < high of a row. */
+static void write_row(const struct gas *g, double *U, long row, int low, int high) {
+    for (int v = 0; v < g->nvar && low < high; v++) {
+        double *q = U + v * g->forest->size;
+        for (int i = low; i < high; i++) q[row + i] = q[0];
+    }
+}
+
+/* The same, where the row's own cells are not in memory. */
+static void write_outside(const struct gas *g, double *U, long row, struct span wanted, struct span varied) {
+    if (span_empty(varied)) varied = (struct span){wanted.high, wanted.high};
+    write_row(g, U, row, wanted.low, wanted.high < varied.low ? wanted.high : varied.low);
+    write_row(g, U, row, wanted.low > varied.high ? wanted.low : varied.high, wanted.high);
+}
+
+/* The cells of a tile, or the layers of them inside one side. */
+struct layers {
+    int low[3], high[3];
+};
+static struct layers layers_inside(const struct tile *t, int side) {
+    struct layers l = {.high = {t->n[0], t->n[1], t->n[2]}};
+    int k = side / 2, thick = t->n[k] < GHOSTS ? t->n[k] : GHOSTS;
+    if (side % 2)
+        l.low[k] = t->n[k] - thick;
+    else
+        l.high[k] = thick;
+    return l;
+}
+
+static bool layers_calm(const struct gas *g, struct span *varied, struct layers l) {
+    for (int k = l.low[2]; k < l.high[2]; k++)
+        for (int j = l.low[1]; j < l.high[1]; j++) {
+            struct span s = *activity_row(&g->activity, varied, j, k);
+            if (!span_empty(overlap(s, (struct span){l.low[0], l.high[0]}))) return false;
+        }
+    return true;
+}
+
+static void store_layers(const struct gas *g, int tile, const struct state *s, struct layers l) {
+    for (int k = l.low[2]; k < l.high[2]; k++)
+        for (int j = l.low[1]; j < l.high[1]; j++)
+            write_outside(g, s->block[tile], row_offset(g->forest, j, k), (struct span){l.low[0], l.high[0]},
+                          *activity_row(&g->activity, s->varied[tile], j, k));
+}
+
+void activity_store_all(const struct gas *g, int tile, const struct state *s) {
+    const int *n = g->forest->tile[tile].n;
+    store_layers(g, tile, s, (struct layers){.high = {n[0], n[1], n[2]}});
+}
+
+void activity_unfold(const struct gas *g, int tile, const struct state *s) {
+    activity_store_all(g, tile, s);
+    for (int i = 0; i < g->activity.nspans; i++) s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
+}
+
+static bool is_quiet(const struct gas *g, const struct state *s, int tile, int side) {
+    int other = g->forest->tile[tile].side[side].neighbour;
+    if (other < 0) return false;
+    for (int v = 0; v < g->nvar; v++)
+        if (bits_of(s->block[tile][v * g->forest->size]) != bits_of(s->block[other][v * g->forest->size])) return false;
+    return layers_calm(g, s->varied[other], layers_inside(&g->forest->tile[other], side ^ 1));
+}
+
+void activity_prepare(struct gas *g, const struct state *s) {
+    const struct forest *f = g->forest;
+    bool *quiet = g->activity.quiet;
+    for (int t = 0; t < f->ntiles; t++) (void)activity_find(g, t, s);
+    for (int t = 0; t < f->ntiles; t++)
+        for (int side = 0; side < 2 * f->dim; side++) quiet[6 * t + side] = is_quiet(g, s, t, side);
+    for (int t = 0; t < f->ntiles; t++)
+        for (int side = 0; side < 2 * f->dim; side++) {
+            int other = f->tile[t].side[side].neighbour;
+            if (other < 0 || !quiet[6 * other + (side ^ 1)]) store_layers(g, t, s, layers_inside(&f->tile[t], side));
+        }
+}
+
+/* The side of a tile that a row of ghosts lies beyond. */
+static int side_of_row(const struct tile *t, int j, int k) {
+    return k < 0 ? 4 : k >= t->n[2] ? 5 : j < 0 ? 2 : 3;
+}
+
+/* What differs in a row of the tile or beyond one of its sides. */
+static struct span differ_with_ghosts(const struct gas *g, int tile, const struct state *s, int j, int k) {
+    const struct tile *t = &g->forest->tile[tile];
+    const double *U = s->block[tile];
+    const bool *quiet = g->activity.quiet + 6 * tile;
+    bool out_j = j < 0 || j >= t->n[1], out_k = k < 0 || k >= t->n[2];
+    long row = row_offset(g->forest, j, k);
+    if (out_j && out_k) return SPAN_EMPTY;
+    if (out_j || out_k)
+        return quiet[side_of_row(t, j, k)] ? SPAN_EMPTY : differing(g, U, row, (struct span){0, t->n[0]});
+    struct span differ = *activity_row(&g->activity, s->varied[tile], j, k);
+    for (int m = 0; m < GHOSTS; m++)
+        for (int high = 0; high < 2; high++) {
+            int i = high ? t->n[0] + m : -1 - m;
+            if (!quiet[high] && !same_cell(g, U, row + i, 0)) differ = span_join(differ, (struct span){i, i + 1});
+        }
+    return differ;
+}
+
+static void find_differ(struct gas *g, int tile, const struct state *s) {
+    const struct tile *t = &g->forest->tile[tile];
+    int reach1 = g->dim > 1 ? GHOSTS : 0, reach2 = g->dim > 2 ? GHOSTS : 0;
+    for (int k = -reach2; k < t->n[2] + reach2; k++)
+        for (int j = -reach1; j < t->n[1] + reach1; j++)
+            *activity_row(&g->activity, g->activity.differ, j, k) = differ_with_ghosts(g, tile, s, j, k);
+}
+
+static bool within(int i, int n, int margin) {
+    return i >= -margin && i < n + margin;
+}
+
+/* The spans within GHOSTS rows of row (j, k) along the axes above 0, joined; rows up to `margin` outside the tile
+ * count. */
+static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
+    const struct activity *a = &g->activity;
+    struct span s = SPAN_EMPTY;
+    for (int m = -GHOSTS; m <= GHOSTS; m++) {
+        if (g->dim > 1 && within(j + m, t->n[1], margin) && within(k, t->n[2], 0))
+            s = span_join(s, *activity_row(a, from, j + m, k));
+        if (g->dim > 2 && within(k + m, t->n[2], margin) && within(j, t->n[1], 0))
+            s = span_join(s, *activity_row(a, from, j, k + m));
+    }
+    return s;
+}
+
+/* The active span of a row: all of it where the tile has no background or is being redone. */
+static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
+    const struct activity *a = &g->activity;
+    struct span s = span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));
+    s = overlap(span_join(s, *activity_row(a, start, j, k)), (struct span){0, t->n[0]});
+    if (span_empty(s)) return s;
+    s = (struct span){s.low / BLOCK * BLOCK, (s.high + BLOCK - 1) / BLOCK * BLOCK};
+    return overlap(s, (struct span){0, t->n[0]});
+}
+
+bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from) {
+    const struct tile *t = &g->forest->tile[tile];
+    struct activity *a = &g->activity;
+    bool any = false, all = g->flagged[tile] || !has_background(g, t, from->varied[tile]);
+    if (!all) find_differ(g, tile, from);
+    for (int k = 0; k < t->n[2]; k++)
+        for (int j = 0; j < t->n[1]; j++) {
+            struct span s = all ? (struct span){0, t->n[0]} : spread_row(g, t, U0->varied[tile], j, k);
+            any |= !span_empty(s);
+            *activity_row(a, a->active, j, k) = s;
+        }
+    int reach1 = g->dim > 1 ? GHOSTS : 0, reach2 = g->dim > 2 ? GHOSTS : 0;
+    for (int k = -reach2; any && k < t->n[2] + reach2; k++)
+        for (int j = -reach1; j < t->n[1] + reach1; j++) {
+            struct span s = gather(g, t, a->active, j, k, 0);
+            if (within(j, t->n[1], 0) && within(k, t->n[2], 0))
+                s = span_join(s, widen(*activity_row(a, a->active, j, k), GHOSTS));
+            *activity_row(a, a->needed, j, k) = s;
+        }
+    return any;
+}
+
+void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context) {
+    struct span s = *activity_row(&g->activity, spans, j, k);
+    long row = row_offset(g->forest, j, k);
+    for (int i = s.low; i < s.high; i += BATCH) visit(context, row + i, s.high - i < BATCH ? s.high - i : BATCH);
+}
+
+void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context) {
+    const struct tile *t = &g->forest->tile[tile];
+    int reach1 = g->dim > 1 ? margin : 0, reach2 = g->dim > 2 ? margin : 0;
+    for (int k = -reach2; k < t->n[2] + reach2; k++)
+        for (int j = -reach1; j < t->n[1] + reach1; j++) row_visit(g, spans, j, k, visit, context);
+}
+
+void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin) {
+    const struct tile *t = &g->forest->tile[tile];
+    const bool *quiet = g->activity.quiet + 6 * tile;
+    double *U = s->block[tile];
+    int n = t->n[0], reach1 = g->dim > 1 ? margin : 0, reach2 = g->dim > 2 ? margin : 0;
+    for (int k = -reach2; k < t->n[2] + reach2; k++)
+        for (int j = -reach1; j < t->n[1] + reach1; j++) {
+            struct span wanted = *activity_row(&g->activity, spans, j, k);
+            long row = row_offset(g->forest, j, k);
+            if (!within(j, t->n[1], 0) || !within(k, t->n[2], 0)) {
+                if (quiet[side_of_row(t, j, k)]) write_row(g, U, row, wanted.low, wanted.high);
+                continue;
+            }
+            write_outside(g, U, row, overlap(wanted, (struct span){0, n}),
+                          *activity_row(&g->activity, s->varied[tile], j, k));
+            if (quiet[0]) write_row(g, U, row, wanted.low, 0);
+            if (quiet[1]) write_row(g, U, row, n, wanted.high);
+        }
+}

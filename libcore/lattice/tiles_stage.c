@@ -1,0 +1,343 @@
+/* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. In 2D
+ * row by row. */
+#include "libcore/gas/state.h"
+
+void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context) {
+    int reach[MAX_DIM] = {0};
+    for (int k = 0; k < f->dim; k++) reach[k] = margin;
+    for (int k = -reach[2]; k < tile->n[2] + reach[2]; k++)
+        for (int j = -reach[1]; j < tile->n[1] + reach[1]; j++) {
+            bool out_j = j < 0 || j >= tile->n[1], out_k = k < 0 || k >= tile->n[2];
+            if (out_j && out_k) continue;
+            int low = out_j || out_k ? 0 : -reach[0], high = tile->n[0] + (out_j || out_k ? 0 : reach[0]);
+            long row = f->first + j * f->stride[1] + k * f->stride[2];
+            for (int i = low; i < high; i += BATCH) visit(context, row + i, high - i < BATCH ? high - i : BATCH);
+        }
+}
+
+/* The squares are summed from the last axis so that two of three commute under a swap of axes. */
+KERNEL static void find_velocity(int n, int dim, long size, const double *restrict U, double *const *velocity,
+                                 double *restrict eps) {
+    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
+    double inverse[BATCH], square[BATCH];
+    for (int i = 0; i < n; i++) {
+        inverse[i] = 1 / rho[i];
+        square[i] = 0;
+    }
+    for (int k = dim - 1; k >= 0; k--) {
+        const double *restrict mom = U + (k + 1) * size;
+        double *restrict u = velocity[k];
+        for (int i = 0; i < n; i++) {
+            double uk = mom[i] * inverse[i];
+            u[i] = uk;
+            square[i] += uk * uk;
+        }
+    }
+    for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
+}
+
+KERNEL static void take_roots(int n, double *restrict c) {
+    for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
+}
+
+/* What other files call has no clones of its own: clang leaves such names undefined. */
+void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
+    find_velocity(n, dim, size, U, velocity, eps);
+}
+void root_row(int n, double *restrict c) {
+    take_roots(n, c);
+}
+
+void velocities_of_row(const struct gas *g, const double *U, long offset, int n) {
+    double *velocity[MAX_DIM];
+    for (int k = 0; k < g->dim; k++) velocity[k] = g->work.velocity[k] + offset;
+    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, g->work.eps + offset);
+}
+
+void primitives_of_row(const struct gas *g, const double *U, long offset, int n) {
+    const struct work *w = &g->work;
+    velocities_of_row(g, U, offset, n);
+    g->models.eos->state(&g->models.material, n, U + offset, w->eps + offset, w->p + offset, w->c + offset,
+                         w->gruneisen + offset);
+    root_row(n, w->c + offset);
+}
+
+struct pass { /* what a row visitor of this file needs */
+    struct gas *g;
+    const double *U;
+    int axis;
+};
+
+static void primitive_visit(void *context, long offset, int n) {
+    const struct pass *p = context;
+    primitives_of_row(p->g, p->U, offset, n);
+}
+
+/* F = u_k U + p (0, e_k, u_k) */
+KERNEL static void nodal_row(int n, int dim, int axis, long size, const double *restrict U, const double *restrict u,
+                             const double *restrict p, double *const *flux) {
+    for (int v = 0; v < dim + 2; v++) {
+        const double *restrict q = U + v * size;
+        double *restrict F = flux[v];
+        if (v == 0)
+            for (int i = 0; i < n; i++) F[i] = U[(axis + 1) * size + i];
+        else if (v == dim + 1)
+            for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
+        else if (v == axis + 1)
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
+        else
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i];
+    }
+}
+
+static void nodal_visit(void *context, long offset, int n) {
+    const struct pass *pass = context;
+    const struct gas *g = pass->g;
+    double *flux[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) flux[v] = g->work.flux[v] + offset;
+    nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->work.velocity[pass->axis] + offset,
+              g->work.p + offset, flux);
+}
+
+/* A line is computed in whole vectors of 8; what lies behind its end reads the padding of the rows and is thrown away.
+ */
+static int whole_vectors(int n) {
+    return (n + 7) / 8 * 8;
+}
+
+/* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order, filled
+ * from `column` on. */
+static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
+                             int column) {
+    const struct work *w = &g->work;
+    struct faces f = {.n = whole_vectors(n),
+                      .dim = g->dim,
+                      .stride = g->forest->stride[axis],
+                      .eps = w->eps + offset,
+                      .c = w->c + offset,
+                      .gruneisen = w->gruneisen + offset,
+                      .fastest = g->fastest[axis]};
+    for (int v = 0; v < g->nvar; v++) {
+        int from = v; /* normal component first, the others in their order */
+        if (v >= 1 && v <= g->dim) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
+        f.state[v] = U + from * g->forest->size + offset;
+        f.flux[v] = w->flux[from] + offset;
+        f.out[v] = out[from] + column;
+        if (v >= 1 && v <= g->dim) f.velocity[v - 1] = w->velocity[from - 1] + offset;
+    }
+    return f;
+}
+
+/* A line of faces along an axis, whose left cells start at `offset`. */
+struct strip {
+    int tile, axis, n;
+    long offset;
+    int from; /* place of the first left cell along the axis: -1 below the tile */
+};
+
+/* A face between tiles is counted where its left cell is. */
+static bool is_counted(const struct gas *g, const struct strip *s, int i) {
+    return s->from + (s->axis == 0 ? i : 0) >= 0 || g->forest->tile[s->tile].side[2 * s->axis].patch >= 0;
+}
+
+/* Limits the fluxes `out` through faces of flagged cells. */
+static void limit_flagged(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
+    double limited[MAX_VAR][BATCH], theta[BATCH];
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, limited, 0);
+    const double *flag = g->flag[s->tile] + s->offset;
+    bool any = false;
+    for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
+    if (!any) return;
+    f.n = s->n;
+    for (int v = 0; v < g->nvar; v++) memcpy(limited[v], out[v] + column, (size_t)s->n * sizeof(double));
+    limit_faces(&f, g->least, g->limit, theta);
+    for (int i = 0; i < s->n; i++) {
+        if (flag[i] + flag[i + f.stride] == 0) continue;
+        for (int v = 0; v < g->nvar; v++) out[v][column + i] = limited[v][i];
+        g->faces += theta[i] < 1 && is_counted(g, s, i);
+    }
+}
+
+/* Faces of packed cells at first order, in a gas whose slow impacts are elastic. There T is a millionth of u^2, an
+ * undershoot of E by as little would leave the cell without pressure, and its neighbours would press it to packing: the
+ * collapse that the threshold keeps away. */
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
+                           int column) {
+    double lower[MAX_VAR][BATCH];
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, lower, 0);
+    const double *rho = f.state[0];
+    bool packed[BATCH], any = false;
+    for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
+    if (!any) return;
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < s->n; i++)
+            if (packed[i]) out[v][column + i] = lower[v][i];
+}
+
+static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
+    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
+    if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
+    if (g->flagged[s->tile]) limit_flagged(g, U, s, out, column);
+}
+
+KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
+                                  bool add, double *restrict residual) {
+    if (add)
+        for (int i = 0; i < n; i++) residual[i] += (low[i] - high[i]) * inverse;
+    else
+        for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
+}
+
+KERNEL static void update_line(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                               const double *restrict residual, double *restrict to) {
+    for (int i = 0; i < n; i++) {
+        double moved = from[i] + dt * residual[i];
+        to[i] = moved + a * (U0[i] - moved);
+    }
+}
+
+void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                const double *restrict residual, double *restrict to) {
+    update_line(n, a, dt, U0, from, residual, to);
+}
+
+int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
+    double bad[BATCH];
+    int count = 0;
+    if (!find_bad(n, g->dim, g->forest->size, g->least, g->limit, U + offset, bad)) return 0;
+    for (int i = 0; i < n; i++) {
+        count += bad[i] > 0;
+        if (marks) marks[offset + i] += bad[i];
+    }
+    return count;
+}
+
+struct update {
+    struct gas *g;
+    const double *U0, *from;
+    double *to, *flag;
+    double a, dt;
+    int bad;
+};
+
+static void update_visit(void *context, long offset, int n) {
+    struct update *u = context;
+    const struct gas *g = u->g;
+    long size = g->forest->size;
+    for (int v = 0; v < g->nvar; v++)
+        update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset, g->work.residual[v] + offset,
+                   u->to + v * size + offset);
+    u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
+    u->g->computed += n;
+}
+
+/* The update of a cell whose residual is exactly zero, with the bits of update_row. */
+static void settle_background(const struct update *u) {
+    for (int v = 0; v < u->g->nvar; v++) {
+        long at = v * u->g->forest->size;
+        u->to[at] = u->from[at] + u->a * (u->U0[at] - u->from[at]);
+    }
+}
+
+/* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
+static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
+    const struct forest *f = g->forest;
+    double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
+    struct span s = *activity_row(&g->activity, g->activity.active, j, k);
+    if (span_empty(s)) return;
+    long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
+    const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
+    face_fluxes(g, U, &strip, faces, 0);
+    for (int v = 0; v < g->nvar; v++)
+        difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
+}
+
+struct column { /* of rows along another axis, at place `outer` of the third one */
+    int axis, outer;
+    double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
+};
+
+static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
+    const struct activity *a = &g->activity;
+    if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
+    return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
+}
+
+/* residual += the same for row j of a column, j from -1 on: the faces between rows j and j + 1 cover both rows' active
+ * spans; those of the row before were kept. */
+static void sweep_column(struct gas *g, int tile, const double *U, struct column *c, int j) {
+    const struct forest *f = g->forest;
+    double inverse = 1 / f->width[c->axis];
+    struct span mine = active_span(g, tile, c, j), s = span_join(mine, active_span(g, tile, c, j + 1));
+    double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
+    long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
+    const struct strip strip = {.tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j};
+    if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
+    for (int v = 0; v < g->nvar && !span_empty(mine); v++)
+        difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
+                       g->work.residual[v] + row + mine.low);
+}
+
+/* All rows, axis by axis. */
+static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
+    const int *n = g->forest->tile[tile].n;
+    spans_visit(g, tile, g->activity.needed, GHOSTS, primitive_visit, pass);
+    for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
+        spans_visit(g, tile, g->activity.needed, GHOSTS, nodal_visit, pass);
+        int outer = pass->axis == 2 ? 1 : 2, along = 3 - outer;
+        struct column column = {.axis = along};
+        for (column.outer = 0; column.outer < n[outer]; column.outer++)
+            for (int j = pass->axis > 0 ? -1 : 0; j < n[along]; j++)
+                if (pass->axis == 0)
+                    sweep_row(g, tile, pass->U, j, column.outer);
+                else
+                    sweep_column(g, tile, pass->U, &column, j);
+    }
+    spans_visit(g, tile, g->activity.active, 0, update_visit, update);
+}
+
+/* The same for two axes, row by row while a row is in L1: what it needs for both axes, its faces along axis 0, then the
+ * faces along axis 1 whose stencil it completes, and the update of the row below them. */
+static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update *update) {
+    struct activity *a = &g->activity;
+    struct column column = {.axis = 1};
+    int n = g->forest->tile[tile].n[1];
+    for (int top = -GHOSTS; top < n + GHOSTS; top++) {
+        int j = top - GHOSTS;
+        row_visit(g, a->needed, top, 0, primitive_visit, pass);
+        if (top >= 0 && top < n) {
+            pass->axis = 0;
+            row_visit(g, a->needed, top, 0, nodal_visit, pass);
+            sweep_row(g, tile, pass->U, top, 0);
+        }
+        pass->axis = 1;
+        row_visit(g, a->needed, top, 0, nodal_visit, pass);
+        if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
+        if (j >= 0) row_visit(g, a->active, j, 0, update_visit, update);
+    }
+}
+
+int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
+                  double a, double dt) {
+    struct pass pass = {.g = g, .U = from->block[tile]};
+    struct update update = {.g = g,
+                            .U0 = U0->block[tile],
+                            .from = from->block[tile],
+                            .to = to->block[tile],
+                            .flag = g->flag[tile],
+                            .a = a,
+                            .dt = dt};
+    struct activity *active = &g->activity;
+    if (activity_spread(g, tile, U0, from)) {
+        activity_store(g, tile, from, active->needed, GHOSTS);
+        activity_store(g, tile, U0, active->active, 0);
+        (g->dim == 2 ? sweep_rows : sweep_axes)(g, tile, &pass, &update);
+    }
+    settle_background(&update);
+    memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));
+    const int *n = g->forest->tile[tile].n;
+    g->all += (long)n[0] * n[1] * n[2];
+    return update.bad;
+}

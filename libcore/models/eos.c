@@ -1,0 +1,302 @@
+#include "libcore/models/eos.h"
+#include "libcore/models/kernel.h"
+
+#define PI 3.14159265358979323846
+
+const struct param grain_param[] = {
+    {"diameter", PARAM_NUMBER, offsetof(struct material, diameter), NAN, 0, 1e30, false, {0, 1, 0}, "grain diameter"},
+    {"mass",
+     PARAM_NUMBER,
+     offsetof(struct material, mass),
+     1,
+     0,
+     1e30,
+     true,
+     {1, 0, 0},
+     "grain mass; 1: rho counts grains"},
+    {"restitution",
+     PARAM_NUMBER,
+     offsetof(struct material, restitution),
+     1,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "normal restitution of a collision; 1: elastic"},
+    {"thresholdSpeed",
+     PARAM_NUMBER,
+     offsetof(struct material, threshold),
+     0,
+     0,
+     1e30,
+     false,
+     {0, 1, -1},
+     "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"},
+};
+const int grain_nparam = sizeof grain_param / sizeof *grain_param;
+
+double packing_per_density(const struct material *m) {
+    if (m->disks) return PI / 4 * m->diameter * m->diameter / m->mass;
+    return PI / 6 * m->diameter * m->diameter * m->diameter / m->mass;
+}
+
+double cooling_factor(const struct material *m) {
+    return (m->disks ? 4 : 12) / sqrt(PI);
+}
+
+double density_limit(const struct eos *eos, const struct material *m) {
+    double k = packing_per_density(m);
+    return eos->bounded && k > 0 ? m->alpha_max / k : HUGE_VAL;
+}
+
+/* Goldshtein & Shapiro (1995), Serna & Marquina (1)-(8):
+ *   x = (nu/nu_max)^(4 nu_max/3), G = nu/(1 - x), A = 1 + 2(1+e) G, p = rho T A
+ *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
+ * Their printed A' lacks the factor 2 (physics S1); `printed_sound` reproduces it in c alone. */
+static inline double gs_x(double nu, double inverse_max, double a) {
+    return power(nu * inverse_max + 1e-200, a); /* nu = 0 is allowed: x is then too small to matter */
+}
+
+KERNEL static void gs_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
+                            double *restrict p, double *restrict c2, double *restrict gruneisen) {
+    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
+    const double pairs = 2 * (1 + m->restitution), slope = m->printed_sound ? 0.5 : 1, g1 = m->gamma - 1;
+    for (int i = 0; i < n; i++) {
+        double nu = k * rho[i], x = gs_x(nu, inverse_max, a), inverse = 1 / (1 - x);
+        double G = nu * inverse, dense = pairs * G, A = 1 + dense, T = g1 * eps[i];
+        double rho_dA = slope * dense * fma(a * x, inverse, 1);
+        p[i] = rho[i] * T * A;
+        c2[i] = T * fma(g1 * A, A, A + rho_dA);
+        gruneisen[i] = g1 * A;
+    }
+}
+
+KERNEL static void gs_contact(const struct material *m, int n, const double *restrict rho, double *restrict contact) {
+    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
+    for (int i = 0; i < n; i++) {
+        double nu = k * rho[i];
+        contact[i] = nu / (1 - gs_x(nu, inverse_max, a));
+    }
+}
+
+/* The dilute limit: p = rho T, c^2 = gamma T, G = nu. */
+KERNEL static void perfect_state(const struct material *m, int n, const double *restrict rho,
+                                 const double *restrict eps, double *restrict p, double *restrict c2,
+                                 double *restrict gruneisen) {
+    const double g1 = m->gamma - 1;
+    for (int i = 0; i < n; i++) {
+        double T = g1 * eps[i];
+        p[i] = rho[i] * T;
+        c2[i] = m->gamma * T;
+        gruneisen[i] = g1;
+    }
+}
+
+KERNEL static void perfect_contact(const struct material *m, int n, const double *restrict rho,
+                                   double *restrict contact) {
+    const double k = packing_per_density(m);
+    for (int i = 0; i < n; i++) contact[i] = k * rho[i];
+}
+
+/* Torquato's contact value chi of disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G (physics 2.1):
+ *   chi = (1 - a nu)/(1 - nu)^d below freezing, a = 0.436 (disks), 1/2;  chi_f (nu_c - nu_f)/(nu_c - nu) above.
+ * chi' jumps at nu_f, and with it the speed of sound; on nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
+ * 1/2 takes over value, slope and curvature of both branches. Above EOS_PACKING of nu_c G goes on as its tangent: no
+ * density is forbidden, and the gas resists a density beyond it. */
+struct contact {
+    double freezing, packed, dense; /* nu_f; chi (nu_c - nu) of the dense branch */
+    double last;                    /* nu where the tangent begins */
+    double smoothing, inverse;      /* 1/(2 smoothing) */
+    double c[6];                    /* of the quintic */
+};
+
+ALWAYS_INLINE double fluid_value(int d, double nu, double *slope) {
+    const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu), rest = 1 - a * nu;
+    double power = d == 2 ? inverse * inverse : inverse * inverse * inverse;
+    *slope = (d * rest * inverse - a) * power;
+    return rest * power;
+}
+ALWAYS_INLINE double fluid_curvature(int d, double nu) {
+    const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu);
+    double power = d == 2 ? inverse * inverse : inverse * inverse * inverse;
+    return d * ((d + 1) * (1 - a * nu) * inverse - 2 * a) * inverse * power;
+}
+
+ALWAYS_INLINE struct contact contact_make(int d, const struct material *m) {
+    double slope, value = fluid_value(d, m->freezing, &slope), h = 2 * m->smoothing;
+    struct contact t = {.freezing = m->freezing,
+                        .packed = m->alpha_max,
+                        .last = EOS_PACKING * m->alpha_max,
+                        .dense = value * (m->alpha_max - m->freezing),
+                        .smoothing = m->smoothing};
+    if (h == 0) return t;
+    double rest = t.packed - (t.freezing + m->smoothing), high = t.dense / rest;
+    t.inverse = 1 / h;
+    t.c[0] = fluid_value(d, m->freezing - m->smoothing, &slope);
+    t.c[1] = h * slope;
+    t.c[2] = 0.5 * h * h * fluid_curvature(d, m->freezing - m->smoothing);
+    double D0 = high - t.c[0] - t.c[1] - t.c[2], D1 = h * (high / rest) - t.c[1] - 2 * t.c[2];
+    double D2 = h * h * (2 * high / (rest * rest)) - 2 * t.c[2];
+    t.c[3] = 10 * D0 - 4 * D1 + 0.5 * D2;
+    t.c[4] = -15 * D0 + 7 * D1 - D2;
+    t.c[5] = 6 * D0 - 3 * D1 + 0.5 * D2;
+    return t;
+}
+
+/* G; *steep = nu G' */
+ALWAYS_INLINE double contact_value(int d, const struct contact *t, double nu, double *steep) {
+    double at = smaller(nu, t->last), slope[3], value = fluid_value(d, at, &slope[0]);
+    double inverse = 1 / (t->packed - at), high = t->dense * inverse;
+    double s = (at - t->freezing) * t->inverse + 0.5;
+    const double *c = t->c;
+    double joint = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))));
+    slope[1] = high * inverse;
+    slope[2] = (c[1] + s * (2 * c[2] + s * (3 * c[3] + s * (4 * c[4] + s * (5 * c[5]))))) * t->inverse;
+    const bool dense = at >= t->freezing, between = fabs(at - t->freezing) < t->smoothing;
+    double chi = dense ? high : value, dchi = dense ? slope[1] : slope[0];
+    chi = between ? joint : chi;
+    dchi = between ? slope[2] : dchi;
+    double gradient = chi + at * dchi;
+    *steep = nu * gradient;
+    return at * chi + gradient * (nu - at);
+}
+
+ALWAYS_INLINE void torquato_state(int d, const struct material *m, int n, const double *restrict rho,
+                                  const double *restrict eps, double *restrict p, double *restrict c2,
+                                  double *restrict gruneisen) {
+    const struct contact t = contact_make(d, m);
+    const double k = packing_per_density(m), pairs = (d - 1) * (1 + m->restitution), g1 = m->gamma - 1;
+    for (int i = 0; i < n; i++) {
+        double steep, G = contact_value(d, &t, k * rho[i], &steep), A = 1 + pairs * G, T = g1 * eps[i];
+        p[i] = rho[i] * T * A;
+        c2[i] = T * fma(g1 * A, A, A + pairs * steep);
+        gruneisen[i] = g1 * A;
+    }
+}
+
+ALWAYS_INLINE void torquato_contact(int d, const struct material *m, int n, const double *restrict rho,
+                                    double *restrict contact) {
+    const struct contact t = contact_make(d, m);
+    const double k = packing_per_density(m);
+    for (int i = 0; i < n; i++) {
+        double steep;
+        contact[i] = contact_value(d, &t, k * rho[i], &steep);
+    }
+}
+
+KERNEL static void disks_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
+                               double *restrict p, double *restrict c2, double *restrict gruneisen) {
+    torquato_state(2, m, n, rho, eps, p, c2, gruneisen);
+}
+KERNEL static void disks_contact(const struct material *m, int n, const double *restrict rho,
+                                 double *restrict contact) {
+    torquato_contact(2, m, n, rho, contact);
+}
+KERNEL static void spheres_state(const struct material *m, int n, const double *restrict rho,
+                                 const double *restrict eps, double *restrict p, double *restrict c2,
+                                 double *restrict gruneisen) {
+    torquato_state(3, m, n, rho, eps, p, c2, gruneisen);
+}
+KERNEL static void spheres_contact(const struct material *m, int n, const double *restrict rho,
+                                   double *restrict contact) {
+    torquato_contact(3, m, n, rho, contact);
+}
+
+static const struct param gs_param[] = {
+    {"gamma",
+     PARAM_NUMBER,
+     offsetof(struct material, gamma),
+     5. / 3,
+     1,
+     3,
+     true,
+     {0, 0, 0},
+     "ratio of specific heats of the dilute elastic gas"},
+    {"alphaMax",
+     PARAM_NUMBER,
+     offsetof(struct material, alpha_max),
+     0.65,
+     0,
+     1,
+     true,
+     {0, 0, 0},
+     "packing fraction at which the pressure diverges"},
+    {"printedSoundSpeed",
+     PARAM_SWITCH,
+     offsetof(struct material, printed_sound),
+     0,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "sound speed with the misprinted A' of Serna & Marquina"},
+};
+static const struct param perfect_param[] = {
+    {"gamma", PARAM_NUMBER, offsetof(struct material, gamma), 5. / 3, 1, 3, true, {0, 0, 0}, "ratio of specific heats"},
+};
+
+#define TORQUATO_PARAM(disks)                                                                                          \
+    {"gamma",                                                                                                          \
+     PARAM_NUMBER,                                                                                                     \
+     offsetof(struct material, gamma),                                                                                 \
+     disks ? 2 : 5. / 3,                                                                                               \
+     1,                                                                                                                \
+     3,                                                                                                                \
+     true,                                                                                                             \
+     {0, 0, 0},                                                                                                        \
+     "ratio of specific heats of the dilute elastic gas"},                                                             \
+        {"alphaMax",                                                                                                   \
+         PARAM_NUMBER,                                                                                                 \
+         offsetof(struct material, alpha_max),                                                                         \
+         disks ? 0.82 : 0.64,                                                                                          \
+         0,                                                                                                            \
+         1,                                                                                                            \
+         true,                                                                                                         \
+         {0, 0, 0},                                                                                                    \
+         "where the pressure would diverge; from 0.9999 of it on G is continued linearly"},                            \
+        {"alphaFreezing",                                                                                              \
+         PARAM_NUMBER,                                                                                                 \
+         offsetof(struct material, freezing),                                                                          \
+         disks ? 0.69 : 0.49,                                                                                          \
+         0,                                                                                                            \
+         1,                                                                                                            \
+         true,                                                                                                         \
+         {0, 0, 0},                                                                                                    \
+         "packing fraction where the two branches of the contact value meet"},                                         \
+    {                                                                                                                  \
+        "smoothing", PARAM_NUMBER, offsetof(struct material, smoothing), 0.01, 0, 0.5, false, {0, 0, 0},               \
+            "the branches are joined smoothly within so much of alphaFreezing; 0: a kink"                              \
+    }
+static const struct param disks_param[] = {TORQUATO_PARAM(true)}, spheres_param[] = {TORQUATO_PARAM(false)};
+
+const char *eos_objection(const struct eos *eos, const struct material *m) {
+    if (eos->param != disks_param && eos->param != spheres_param) return NULL;
+    if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= EOS_PACKING * m->alpha_max)
+        return "0 < alphaFreezing - smoothing and alphaFreezing + smoothing < 0.9999 alphaMax are needed";
+    return NULL;
+}
+
+#define ROWS(table) table, sizeof table / sizeof *table
+const struct eos eos_table[] = {
+    {"GoldshteinShapiro", "dense spheres up to close packing (Goldshtein & Shapiro 1995)", ROWS(gs_param), true, false,
+     gs_state, gs_contact},
+    {"perfectGas", "the dilute limit, p = rho T", ROWS(perfect_param), false, false, perfect_state, perfect_contact},
+    {"TorquatoDisks", "dense disks, Torquato's contact value (Carrillo, Poeschel & Saluena 2008)", ROWS(disks_param),
+     false, true, disks_state, disks_contact},
+    {"TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", ROWS(spheres_param), false, false,
+     spheres_state, spheres_contact},
+};
+const int eos_count = sizeof eos_table / sizeof *eos_table;
+
+const struct eos *eos_find(const char *name) {
+    for (int i = 0; i < eos_count; i++)
+        if (!strcmp(name, eos_table[i].name)) return &eos_table[i];
+    return NULL;
+}
+
+void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out) {
+    double eps[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < BATCH; i++) eps[i] = 1 / (m->gamma - 1); /* T = 1 */
+    for (int i = 0; i < n; i += BATCH)
+        eos->state(m, n - i < BATCH ? n - i : BATCH, rho + i, eps, out + i, c2, gruneisen);
+}

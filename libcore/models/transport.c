@@ -1,0 +1,57 @@
+#include "libcore/models/transport.h"
+
+#include "libcore/models/kernel.h"
+
+#define PI 3.14159265358979323846
+
+/* Jenkins & Richman (1985) as in Carrillo, Poeschel & Saluena (2.12)-(2.14):
+ *   bulk = 2/sqrt pi rho sigma sqrt T G,  shear = sqrt pi/8 rho sigma sqrt T [1/G + 2 + (1 + 8/pi) G],
+ *   heat = sqrt pi/2 rho sigma sqrt T [1/G + 3 + (9/4 + 4/pi) G].
+ * Where G vanishes rho/G has a limit, but diffusivities, coefficients per rho, have none: there G is that of alpha_min.
+ * Near packing it ends where the equation of state begins its tangent. rho itself is never clipped. */
+KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, const double *restrict rho,
+                                    const double *restrict T, const double *restrict contact, double *restrict bulk,
+                                    double *restrict shear, double *restrict heat) {
+    const double root_pi = sqrt(PI), b = 2 / root_pi * bulk_factor;
+    for (int i = 0; i < n; i++) {
+        double G = contact[i], inverse = 1 / G, factor = rho[i] * sigma * sqrt(T[i]);
+        bulk[i] = b * factor * G;
+        shear[i] = root_pi / 8 * factor * (inverse + 2 + (1 + 8 / PI) * G);
+        heat[i] = root_pi / 2 * factor * (inverse + 3 + (9. / 4 + 4 / PI) * G);
+    }
+}
+
+static void jenkins_richman(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                            const double *restrict rho, const double *restrict T, double *restrict bulk,
+                            double *restrict shear, double *restrict heat) {
+    const double per = packing_per_density(m), low = t->alpha_min / per, high = EOS_PACKING * m->alpha_max / per;
+    double clipped[BATCH], contact[BATCH];
+    for (int i = 0; i < n; i++) clipped[i] = smaller(larger(rho[i], low), high);
+    eos->contact(m, n, clipped, contact);
+    disks_of_contact(n, m->diameter, t->bulk_factor, rho, T, contact, bulk, shear, heat);
+}
+
+static const struct param disks_param[] = {
+    {"alphaMin",
+     PARAM_NUMBER,
+     offsetof(struct transport_numbers, alpha_min),
+     1e-4,
+     0,
+     1,
+     true,
+     {0, 0, 0},
+     "packing fraction below which viscosity and conductivity fall with the density"},
+};
+
+#define ROWS(table) table, sizeof table / sizeof *table
+const struct transport transport_table[] = {
+    {"JenkinsRichman", "viscosities and heat conductivity of dense disks (Jenkins & Richman 1985)", ROWS(disks_param),
+     true, jenkins_richman},
+};
+const int transport_count = sizeof transport_table / sizeof *transport_table;
+
+const struct transport *transport_find(const char *name) {
+    for (int i = 0; i < transport_count; i++)
+        if (!strcmp(name, transport_table[i].name)) return &transport_table[i];
+    return NULL;
+}

@@ -1,0 +1,381 @@
+/* The gas on polyhedra: making and filling its state, sources, and what the outside may ask of it. */
+#include "libcore/polyhedral/cells.h"
+
+#include <stdlib.h>
+
+void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]) {
+    for (int v = 0; v < g->nvar; v++) line[v] = s->block[0] + (long)v * g->cells->polyhedra->size;
+}
+
+static status make_lines(struct gas *g) {
+    struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) {
+        TRY(allocate(&states[i]->block, 1, sizeof(double *), "the state"));
+        TRY(allocate(&states[i]->block[0], (long)g->nvar * m->size + SLACK, sizeof(double), "the state"));
+    }
+    for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
+    for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
+    g->nraised = m->nown;
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited};
+    for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    TRY(floors_make(g));
+    TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
+    TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
+    TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
+    for (int b = 0; b < m->nblocks; b++) c->by_block[b] = c->line + m->block_start[b];
+    return OK;
+}
+
+static void measure_cells(struct cells *c) {
+    const struct polyhedra *m = c->polyhedra;
+    for (int i = 0; i < m->nown; i++) {
+        c->inverse_volume[i] = 1 / m->volume[i];
+        double half = 0.5 * c->inverse_volume[i];
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+            int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+            c->total_girth[i] += half * m->face.area[face];
+            for (int k = 0; k < m->dim; k++)
+                c->girth[k][i] += half * m->face.area[face] * fabs(m->face.normal[k][face]);
+        }
+    }
+}
+
+/* Quadratics have members enough to do without the mirrors of walls that drag or hold T: for rho, whose slope there is
+ * that of T against it, and for what a wall that moves carries along, these would be wrong in first order. */
+static status make_fit(struct gas *g) {
+    struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    bool *unknown;
+    if (!g->models.transport || g->models.polynomial->degree < 2)
+        return fit_make(m, g->models.polynomial, NULL, &c->fit);
+    TRY(allocate(&unknown, m->mirror.n, sizeof *unknown, "mirrors"));
+    for (int i = 0; i < m->mirror.n; i++) {
+        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        unknown[i] = r->velocity.type->drags || wall_conducts(r);
+    }
+    const status s = fit_make(m, g->models.polynomial, unknown, &c->fit);
+    free(unknown);
+    return s;
+}
+
+static status cells_make(struct gas *g) {
+    struct cells *c;
+    TRY(allocate(&c, 1, sizeof *c, "the gas"));
+    g->cells = c;
+    c->polyhedra = g->grid->polyhedra;
+    for (int f = 0; f < c->polyhedra->face.n; f++)
+        if (c->polyhedra->face.point_start[f + 1] - c->polyhedra->face.point_start[f] > BATCH)
+            return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
+    TRY(make_lines(g));
+    measure_cells(c);
+    TRY(make_fit(g));
+    return g->models.transport ? cells_diffuser_make(g) : OK;
+}
+
+static void cells_free(struct gas *g) {
+    struct cells *c = g->cells;
+    struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    for (int i = 0; i < 4; i++) {
+        if (states[i]->block) free(states[i]->block[0]);
+        free(states[i]->block);
+    }
+    floors_free(g);
+    if (!c) return;
+    fit_free(c->fit);
+    cells_diffuser_free(c->diffuser);
+    for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
+    for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
+    free(c->inverse_volume);
+    free(c->total_girth);
+    free(c->line);
+    free(c->flag);
+    free(c->limited);
+    free(c->sums);
+    free(c->by_block);
+    free(c);
+}
+
+static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
+}
+
+/* Root's all <- a value per cell of mine. */
+static status gather(const struct gas *g, const double *value, double *all) {
+    const struct cells *c = g->cells;
+    for (int i = 0; i < c->polyhedra->nown; i++) c->line[i] = value[c->polyhedra->block_cell[i]];
+    return grid_gather(g->grid, (const double *const *)c->by_block, all);
+}
+
+static status cells_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++) TRY(gather(g, line[v], comm_root(g->comm) ? U[v] : NULL));
+    return OK;
+}
+
+struct primitives { /* of a batch */
+    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
+};
+
+static void find_primitives(const struct gas *g, int n, long size, const double *U, bool thermal,
+                            struct primitives *q) {
+    double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
+    velocity_row(n, g->dim, size, U, velocity, q->eps);
+    if (!thermal) return;
+    g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
+    root_row(n, q->c);
+}
+
+static void field_of_batch(const struct gas *g, enum gas_field field, int n, const double *rho,
+                           const struct primitives *q, double *const out[3]) {
+    const struct material *m = &g->models.material;
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < g->dim; k++) {
+            square += q->velocity[k][i] * q->velocity[k][i];
+            if (field == GAS_U) out[k][i] = q->velocity[k][i];
+        }
+        if (field == GAS_RHO) out[0][i] = rho[i];
+        if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * rho[i];
+        if (field == GAS_T) out[0][i] = (m->gamma - 1) * q->eps[i];
+        if (field == GAS_P) out[0][i] = q->p[i];
+        if (field == GAS_C) out[0][i] = q->c[i];
+        if (field == GAS_MACH) out[0][i] = sqrt(square) / q->c[i];
+    }
+}
+
+static void cells_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *line[MAX_VAR], U[MAX_VAR][BATCH] = {{0}};
+    cells_lines(g, &g->U, line);
+    int start = m->block_start[block], end = m->block_start[block + 1];
+    for (int i = start; field == GAS_LIMITED && i < end; i++) out[0][i - start] = g->cells->limited[m->block_cell[i]];
+    if (field == GAS_LIMITED) return;
+    for (int from = start; from < end; from += BATCH) {
+        struct primitives q;
+        int n = end - from < BATCH ? end - from : BATCH;
+        for (int v = 0; v < g->nvar; v++)
+            for (int i = 0; i < n; i++) U[v][i] = line[v][m->block_cell[from + i]];
+        find_primitives(g, n, BATCH, U[0], field >= GAS_P, &q);
+        double *at[3] = {out[0] + (from - start), NULL, NULL};
+        for (int k = 1; k < 3 && field == GAS_U && k < g->dim; k++) at[k] = out[k] + (from - start);
+        field_of_batch(g, field, n, U[0], &q, at);
+    }
+}
+
+static status cells_field(const struct gas *g, enum gas_field field, double *const out[3]) {
+    const struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    int components = field == GAS_U ? g->dim : 1;
+    double *values[3] = {NULL, NULL, NULL};
+    status s = OK;
+    for (int k = 0; k < components && !s; k++) s = allocate(&values[k], m->nown, sizeof(double), "a field");
+    s = comm_agree(g->comm, s);
+    for (int b = 0; b < m->nblocks && !s; b++) {
+        double *at[3] = {NULL, NULL, NULL};
+        for (int k = 0; k < components; k++) at[k] = values[k] + m->block_start[b];
+        cells_block_field(g, b, field, at);
+    }
+    for (int k = 0; k < components && !s; k++) {
+        memcpy(c->line, values[k], (size_t)m->nown * sizeof(double));
+        s = grid_gather(g->grid, (const double *const *)c->by_block, comm_root(g->comm) ? out[k] : NULL);
+    }
+    for (int k = 0; k < 3; k++) free(values[k]);
+    return s;
+}
+
+static status cells_check(const struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double bad[BATCH];
+    status s = OK;
+    for (int from = 0; from < m->nown && !s; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        const double *U = g->U.block[0] + from;
+        if (!find_bad(n, g->dim, m->size, g->least, g->limit, U, bad)) continue;
+        for (int i = 0; i < n && !s; i++) {
+            struct primitives q;
+            if (bad[i] == 0) continue;
+            const double *at = g->grid->centre + 3L * m->cell[from + i];
+            find_primitives(g, 1, m->size, U + i, false, &q);
+            s = fail(
+                ERR_STATE,
+                "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
+                at[0], at[1], at[2], U[i], g->least, g->limit, (g->models.material.gamma - 1) * q.eps[0],
+                density_hint(g));
+        }
+    }
+    return comm_agree(g->comm, s);
+}
+
+/* sum_k |u_k| girth_k + c total_girth: not below sum over faces of (|u_n| + c) A / (2 V); on boxes the tiles' rate. */
+KERNEL static void rate_line(int n, int dim, const struct primitives *q, double *const girth[MAX_DIM],
+                             const double *restrict total, double *restrict rate, double *restrict fast) {
+    for (int i = 0; i < n; i++) {
+        rate[i] = q->c[i] * total[i];
+        fast[i] = 0;
+    }
+    for (int k = 0; k < dim; k++) {
+        const double *restrict u = q->velocity[k], *restrict w = girth[k];
+        for (int i = 0; i < n; i++) {
+            rate[i] = fma(fabs(u[i]), w[i], rate[i]);
+            fast[i] = fma(u[i], u[i], fast[i]);
+        }
+    }
+    for (int i = 0; i < n; i++) fast[i] = sqrt(fast[i]) + q->c[i];
+}
+
+static void rate_batch(const struct gas *g, int from, int n, double *rate, double *fast) {
+    const struct cells *c = g->cells;
+    struct primitives q;
+    double *girth[MAX_DIM];
+    for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
+    find_primitives(g, n, c->polyhedra->size, g->U.block[0] + from, true, &q);
+    rate_line(n, g->dim, &q, girth, c->total_girth + from, rate, fast);
+}
+
+static void cells_speed(struct gas *g, struct gas_speed *speed) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double most[3] = {0, 0, 0}, rate[BATCH], fast[BATCH]; /* rate, calm, speed */
+    for (int from = 0; from < m->nown; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        const double *rho = g->U.block[0] + from;
+        rate_batch(g, from, n, rate, fast);
+        for (int i = 0; i < n; i++) {
+            most[0] = larger(most[0], rate[i]);
+            most[1] = larger(most[1], rho[i] < PACKED * g->limit ? rate[i] : 0);
+            most[2] = larger(most[2], fast[i]);
+        }
+    }
+    *speed = (struct gas_speed){.rate = most[0], .calm = most[1], .axis = {most[2], most[2], most[2]}};
+}
+
+static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double rate[BATCH], fast[BATCH], cell = HUGE_VAL;
+    for (int from = 0; from < m->nown; from += BATCH) {
+        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
+        rate_batch(g, from, n, rate, fast);
+        for (int i = 0; i < n; i++)
+            if (rate[i] == speed->rate) cell = smaller(cell, m->cell[from + i]);
+    }
+    comm_min(g->comm, &cell, 1);
+    for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
+}
+
+/* The integral of a line over the domain. */
+static status integrate(const struct gas *g, const double *line, double *total) {
+    const struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    for (int b = 0; b < m->nblocks; b++) {
+        c->sums[b] = 0;
+        for (int i = m->block_start[b]; i < m->block_start[b + 1]; i++)
+            c->sums[b] += m->volume[m->block_cell[i]] * line[m->block_cell[i]];
+    }
+    TRY(grid_sum(g->grid, c->sums, total));
+    *total *= m->thickness;
+    return OK;
+}
+
+static status cells_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]) {
+    double *line[MAX_VAR];
+    cells_lines(g, s, line);
+    for (int v = 0; v < g->nvar; v++) TRY(integrate(g, line[v], &totals[v]));
+    return OK;
+}
+
+static long cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+                          const struct state *to) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *in[MAX_VAR], *out[MAX_VAR], bad[BATCH];
+    long count = 0;
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        for (int v = 0; v < g->nvar; v++) {
+            if (in[v] != out[v]) memcpy(out[v] + at, in[v] + at, (size_t)n * sizeof(double));
+        }
+        double *U[MAX_VAR];
+        for (int v = 0; v < g->nvar; v++) U[v] = out[v] + at;
+        source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, dt, kick, U);
+        count += find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad);
+    }
+    return count;
+}
+
+static long cells_floor(struct gas *g, const struct state *s) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *U[MAX_VAR];
+    long count = 0;
+    cells_lines(g, s, U);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        count += floors_apply(g, n, m->size, U[0] + at, at, 1);
+    }
+    return count;
+}
+
+static status cells_sum_raised(const struct gas *g, double *raised, double *sum) {
+    return integrate(g, raised, sum);
+}
+
+static void cells_note_limited(struct gas *g, double place[3]) {
+    const struct cells *c = g->cells;
+    struct first_place first = {.order = HUGE_VAL};
+    for (int i = 0; i < c->polyhedra->nown; i++) {
+        if (c->flag[i] == 0) continue;
+        c->limited[i] += 1;
+        double here[3] = {0, 0, 0};
+        for (int k = 0; k < g->dim; k++) here[c->polyhedra->axis[k]] = c->polyhedra->centre[k][i];
+        first_place_offer(&first, here);
+    }
+    first_place_share(g, &first, place);
+}
+
+static void cells_exchange(struct gas *g, const struct state *start, const struct state *next,
+                           const struct state *state) {
+    double *a[MAX_VAR], *b[MAX_VAR], *c[MAX_VAR];
+    cells_lines(g, start, a);
+    cells_lines(g, next, b);
+    cells_lines(g, state, c);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < g->cells->polyhedra->nown; i++) stepper_exchange(a[v][i], &b[v][i], &c[v][i]);
+}
+
+const struct engine engine_polyhedral = {.make = cells_make,
+                                         .free = cells_free,
+                                         .set_conserved = cells_set_conserved,
+                                         .get_conserved = cells_get_conserved,
+                                         .block_field = cells_block_field,
+                                         .field = cells_field,
+                                         .check = cells_check,
+                                         .speed = cells_speed,
+                                         .fastest_place = cells_fastest_place,
+                                         .totals = cells_totals,
+                                         .sources = cells_sources,
+                                         .stage = cells_stage,
+                                         .share_flags = cells_share_flags,
+                                         .redo = cells_redo,
+                                         .floor = cells_floor,
+                                         .sum_raised = cells_sum_raised,
+                                         .note_limited = cells_note_limited,
+                                         .clear_flags = cells_clear_flags,
+                                         .exchange = cells_exchange,
+                                         .diffusion_stages = CELLS_STAGES,
+                                         .diffusion_rates = cells_diffusion_rates,
+                                         .diffusion_ahead = cells_diffusion_ahead,
+                                         .diffusion_cooled = cells_diffusion_cooled,
+                                         .diffusion_friction = cells_diffusion_friction,
+                                         .diffusion_begin = cells_diffusion_begin,
+                                         .diffusion_stage = cells_diffusion_stage,
+                                         .diffusion_end = cells_diffusion_end,
+                                         .diffusion_flags = cells_diffusion_flags,
+                                         .implicit_pattern = cells_implicit_pattern,
+                                         .implicit_matrix = cells_implicit_matrix,
+                                         .implicit_move = cells_implicit_move};

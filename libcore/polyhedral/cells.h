@@ -1,0 +1,75 @@
+/* Inside of the gas on polyhedra: what cells*.c share. */
+#ifndef LIBCORE_CELLS_H
+#define LIBCORE_CELLS_H
+
+#include "libcore/gas/state.h"
+#include "libcore/schemes/polynomial.h"
+
+/* Of diffusion in one super step. Modes turn by a part of the largest rate, and of the fastest ones some grow from
+ * about 2 (RKL2: 1.6) over that part on in stages: 1600 and more on triangles of gmsh's, 300 on right triangles and 860
+ * on perturbed quads, 115 on perturbed triangles sheared by 45 degrees, but 33 where those are all alike. */
+enum { CELLS_STAGES = 127 };
+
+struct cells { /* lines are [size] of the polyhedra, or [faces] */
+    struct polyhedra *polyhedra;
+    const struct grid *grid;
+    struct fit *fit;
+    double *inverse_volume; /* [nown] 1/m^dim */
+    double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
+    double *total_girth;    /* [nown] the same of A */
+    double *flux[MAX_VAR];  /* [faces] through the whole face, from left to right, in the axes of the polyhedra */
+    double *flag;           /* [size] > 0 where faces are to be limited */
+    double *limited;        /* [nown] how often that was so */
+    bool flagged;           /* is any flag up that this rank sees? */
+    double *sums;           /* [nblocks] */
+    double *line;           /* [nown] */
+    double **by_block;      /* [nblocks] into `line` */
+    struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
+};
+
+/* Lines of a state's variables. */
+void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]);
+
+/* Writes the mirrors from <= i < to of the polyhedra into U. */
+void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]);
+/* States beyond n points of a patch's faces: q -> ghost, conserved variables in the frames of the faces (normal first);
+ * face, place: of each point. */
+void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
+                  double (*ghost)[BATCH]);
+
+/* Of all mirrors that conduct heat the share of wall_shares, else 0; rho, T, heat: [size] */
+void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share);
+/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k dim + c, likewise. Beyond walls that conduct
+ * S is such that the jump to it times the coefficient is the heat that enters. */
+void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
+                       const double *const *start, double *const *S);
+void cells_mirror_gradients(const struct gas *g, int from, int to, double *const *gradient);
+
+/* -(sum of the fluxes out of the cell)/V of n cells, in the order of their faces. */
+void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual);
+
+long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt);
+long cells_share_flags(struct gas *g);
+void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                double dt);
+void cells_clear_flags(struct gas *g);
+
+status cells_diffuser_make(struct gas *g);
+void cells_diffuser_free(struct cells_diffuser *d);
+void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void cells_diffusion_ahead(struct gas *g, const struct state *to);
+void cells_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to);
+void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to);
+void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
+                           double weight);
+long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                         double weight);
+long cells_diffusion_flags(struct gas *g, bool keep);
+status cells_implicit_pattern(struct gas *g, struct links *out);
+void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
+                           double *E, double *weight);
+void cells_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
+
+#endif

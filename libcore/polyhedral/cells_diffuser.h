@@ -1,0 +1,28 @@
+/* Inside of diffusion on polyhedra: what libcore/polyhedral/cells_diffusion.c holds. */
+#ifndef LIBCORE_CELLS_DIFFUSER_H
+#define LIBCORE_CELLS_DIFFUSER_H
+
+#include "libcore/polyhedral/cells_gradient.h"
+
+struct cells_diffuser {                  /* lines of [size], a batch longer, or of [faces] */
+    double *sum[2][MAX_DIM];             /* S of the last stage, and of the one before */
+    double *start[MAX_DIM];              /* q_0 */
+    double *friction;                    /* T that the stress of this half step made, less cooled */
+    double *cooled;                      /* T that cooling took in the first half; both 0 in ghosts and mirrors */
+    double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
+    double *cell[3];                     /* bulk, shear, heat */
+    double *T;                           /* of the coefficients */
+    double *warm;                        /* T of the first half step, or what it rose by */
+    double *wall;                        /* [mirrors] of those that conduct heat the share of wall_shares, else 0 */
+    double *mark;                        /* 1: cells that were not admissible */
+    double *face[3];                     /* lambda, shear, heat times the area */
+    double *inverse;                     /* 1/(n.e) */
+    double *share;         /* of the way from the left centre to the right one that lies before the face */
+    double *rest[MAX_DIM]; /* r */
+    bool skewed;           /* is any r not 0? */
+    bool marked;           /* any mark? */
+    int last;              /* sum of the last stage */
+    struct rows weights;   /* of the gradients */
+};
+
+#endif

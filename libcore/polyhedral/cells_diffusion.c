@@ -1,0 +1,471 @@
+/* Viscous stress and heat conduction on polyhedra, second order. The gradient on a face is the mean of those of its two
+ * cells (libcore/polyhedral/cells_gradient.c), changed along the normal until it agrees with the jump along
+ * the line of centres e:
+ *     n.grad q = (q_R - q_L)/(n.e) + r.mean,  r = n - e/(n.e).
+ * Where the centres lie across the face r is 0, so on boxes the fluxes are those of the tiles; linear fields are exact
+ * on any mesh, and so a rigid rotation has no stress. */
+#include <stdlib.h>
+
+#include "libcore/polyhedral/cells_diffuser.h"
+
+static const double STEEP = 0.2;    /* n.e is taken as no less than this part of |e| */
+static const double MOST_RISE = 4;  /* of T ahead; a front that passes tells nothing of what follows */
+static const double CLOSEST = 0.05; /* a cell's centre to the face, as a part of both centres' distances */
+
+static int lines_of(const struct gas *g, enum diffusing what) {
+    return what == VISCOUS ? g->dim : 1;
+}
+
+static status lines_allocate(double **line, int count, long n) {
+    for (int i = 0; i < count; i++) TRY(allocate(&line[i], n, sizeof(double), "diffusion"));
+    return OK;
+}
+
+static void lines_drop(double **line, int count) {
+    for (int i = 0; i < count; i++) free(line[i]);
+}
+
+/* From the left centre to the right one; `before`: of it across the face. */
+static void measure_face(const struct polyhedra *m, int face, double e[MAX_DIM], double *across, double *before) {
+    double length = 0;
+    *across = *before = 0;
+    for (int k = 0; k < m->dim; k++) {
+        double arm[2] = {0, 0};
+        for (int p = m->face.point_start[face]; p < m->face.point_start[face + 1]; p++)
+            for (int side = 0; side < 2; side++) arm[side] += m->point.weight[p] * m->point.arm[side][k][p];
+        e[k] = arm[0] - arm[1];
+        length += e[k] * e[k];
+        *across += e[k] * m->face.normal[k][face];
+        *before += arm[0] * m->face.normal[k][face];
+    }
+    *across = larger(*across, STEEP * sqrt(length));
+}
+
+static void measure_faces(const struct polyhedra *m, struct cells_diffuser *d) {
+    const double round_off = 1e-12;
+    for (int i = 0; i < m->face.n; i++) {
+        double e[MAX_DIM], across, before, most = 0;
+        measure_face(m, i, e, &across, &before);
+        d->inverse[i] = 1 / across;
+        d->share[i] = smaller(larger(before / across, CLOSEST), 1 - CLOSEST);
+        if (i >= m->face.ninternal || fabs(d->share[i] - 0.5) < round_off) d->share[i] = 0.5;
+        for (int k = 0; k < m->dim; k++) {
+            d->rest[k][i] = m->face.normal[k][i] - e[k] / across;
+            most = larger(most, fabs(d->rest[k][i]));
+        }
+        const bool straight = i >= m->face.ninternal || most < round_off;
+        for (int k = 0; k < m->dim && straight; k++) d->rest[k][i] = 0;
+        d->skewed = d->skewed || !straight;
+    }
+}
+
+status cells_diffuser_make(struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const long size = m->size + LANES, faces = m->face.n + SLACK;
+    struct cells_diffuser *d;
+    TRY(allocate(&d, 1, sizeof *d, "diffusion"));
+    g->cells->diffuser = d;
+    for (int i = 0; i < 2; i++) TRY(lines_allocate(d->sum[i], g->dim, size));
+    TRY(lines_allocate(d->start, g->dim, size));
+    TRY(lines_allocate(d->gradient, g->dim * g->dim, size));
+    TRY(lines_allocate(d->cell, 3, size));
+    TRY(lines_allocate(&d->T, 1, size));
+    TRY(lines_allocate(&d->warm, 1, size));
+    TRY(lines_allocate(&d->friction, 1, size));
+    TRY(lines_allocate(&d->cooled, 1, size));
+    TRY(lines_allocate(&d->wall, 1, m->mirror.n));
+    TRY(lines_allocate(&d->mark, 1, size));
+    TRY(lines_allocate(d->face, 3, faces));
+    TRY(lines_allocate(d->rest, g->dim, faces));
+    TRY(lines_allocate(&d->inverse, 1, faces));
+    TRY(lines_allocate(&d->share, 1, faces));
+    measure_faces(m, d);
+    return cells_gradient_weights(g, &d->weights);
+}
+
+void cells_diffuser_free(struct cells_diffuser *d) {
+    if (!d) return;
+    for (int i = 0; i < 2; i++) lines_drop(d->sum[i], MAX_DIM);
+    lines_drop(d->start, MAX_DIM);
+    lines_drop(d->gradient, MAX_DIM * MAX_DIM);
+    lines_drop(d->cell, 3);
+    lines_drop(d->face, 3);
+    lines_drop(d->rest, MAX_DIM);
+    free(d->T);
+    free(d->warm);
+    free(d->friction);
+    free(d->cooled);
+    free(d->wall);
+    free(d->mark);
+    free(d->inverse);
+    free(d->share);
+    rows_free(&d->weights);
+    free(d);
+}
+
+/* ---- coefficients and rates ---------------------------------------------------------------------------------------
+ */
+
+static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR]) {
+    struct polyhedra *m = g->cells->polyhedra;
+    cells_lines(g, s, U);
+    polyhedra_fill_start(m, g->nvar, U);
+    polyhedra_fill_finish(m);
+    cells_mirrors(g, 0, m->mirror.n, U);
+}
+
+/* T of n cells whose variables start at rho. */
+static void find_temperature(const struct gas *g, int n, const double *rho, double *T) {
+    double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    velocity_row(n, g->dim, g->cells->polyhedra->size, rho, u, T);
+    for (int i = 0; i < n; i++) T[i] *= g->models.material.gamma - 1;
+}
+
+static void cell_coefficients(struct gas *g, const double *rho) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int size = g->cells->polyhedra->size;
+    for (int at = 0; at < size; at += BATCH) {
+        const int n = size - at < BATCH ? size - at : BATCH;
+        double *T = d->T + at;
+        find_temperature(g, n, rho + at, T);
+        for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
+        for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
+        g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, rho + at, T,
+                                          d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
+    }
+}
+
+void cells_diffusion_ahead(struct gas *g, const struct state *to) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int size = g->cells->polyhedra->size;
+    double *U[MAX_VAR], T[BATCH];
+    fill_state(g, to, U);
+    for (int at = 0; at < size; at += BATCH) {
+        const int n = size - at < BATCH ? size - at : BATCH;
+        find_temperature(g, n, U[0] + at, T);
+        for (int i = 0; i < n; i++) d->warm[at + i] = smaller(larger(T[i] / d->warm[at + i], 1 / MOST_RISE), MOST_RISE);
+    }
+}
+
+/* Of both ways from the centres to the face, one behind the other; 0 of zeros. */
+ALWAYS_INLINE double harmonic(double share, double a, double b) {
+    return a * b / (share * b + (1 - share) * a + 1e-300);
+}
+
+KERNEL static void mix_coefficients(int n, double trace, const int *restrict left, const int *restrict right,
+                                    const double *restrict area, const double *restrict share, double *const *cell,
+                                    double *const *face) {
+    const double *restrict bulk = cell[0], *restrict shear = cell[1], *restrict heat = cell[2];
+    double *restrict lambda = face[0], *restrict mu = face[1], *restrict kappa = face[2];
+    for (int i = 0; i < n; i++) {
+        const double s = harmonic(share[i], shear[left[i]], shear[right[i]]);
+        lambda[i] = area[i] * (harmonic(share[i], bulk[left[i]], bulk[right[i]]) - trace * s);
+        mu[i] = area[i] * s;
+        kappa[i] = area[i] * harmonic(share[i], heat[left[i]], heat[right[i]]);
+    }
+}
+
+static void find_rates(const struct gas *g, const double *rho, double most[2]) {
+    const struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    const struct cells_diffuser *d = c->diffuser;
+    most[0] = most[1] = 0;
+    for (int i = 0; i < m->nown; i++) {
+        double sum[2] = {0, 0};
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+            const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+            sum[0] += (d->face[0][face] + 2 * d->face[1][face]) * d->inverse[face];
+            const double wall = face < m->face.ninternal ? 0 : d->wall[face - m->face.ninternal];
+            sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
+        }
+        const double per = c->inverse_volume[i] / rho[i];
+        most[0] = larger(per * sum[0], most[0]);
+        most[1] = larger((g->models.material.gamma - 1) * per * sum[1], most[1]);
+    }
+}
+
+void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    struct cells_diffuser *d = g->cells->diffuser;
+    double *U[MAX_VAR];
+    fill_state(g, Y0, U);
+    cell_coefficients(g, U[0]);
+    mix_coefficients(m->face.n, g->models.material.disks ? 1 : 2. / 3, m->face.left, m->face.right, m->face.area,
+                     d->share, d->cell, d->face);
+    cells_wall_shares(g, U[0], d->T, d->cell[2], d->wall);
+    find_rates(g, U[0], most);
+}
+
+/* ---- S and its gradients ------------------------------------------------------------------------------------------
+ */
+
+void cells_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int nown = g->cells->polyhedra->nown;
+    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH], after[BATCH];
+    if (!from) {
+        memset(d->cooled, 0, (size_t)nown * sizeof *d->cooled);
+        return;
+    }
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        find_temperature(g, n, in[0] + at, before);
+        find_temperature(g, n, out[0] + at, after);
+        for (int i = 0; i < n; i++) d->cooled[at + i] = larger(before[i] - after[i], 0);
+    }
+}
+
+void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int nown = g->cells->polyhedra->nown;
+    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH];
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        find_temperature(g, n, in[0] + at, before);
+        find_temperature(g, n, out[0] + at, d->friction + at);
+        for (int i = 0; i < n; i++) d->friction[at + i] -= before[i] + d->cooled[at + i];
+    }
+}
+
+/* In ghosts and mirrors, too: rules may take q_0 from beyond, and the mirrors of ghosts from these. */
+void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int size = g->cells->polyhedra->size;
+    double *U[MAX_VAR], velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    fill_state(g, Y0, U);
+    for (int at = 0; at < size; at += BATCH) {
+        const int n = size - at < BATCH ? size - at : BATCH;
+        velocity_row(n, g->dim, size, U[0] + at, u, eps);
+        for (int v = 0; v < lines_of(g, what); v++) {
+            double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
+            for (int i = 0; i < n; i++)
+                q[i] = what == VISCOUS ? velocity[v][i]
+                                       : (g->models.material.gamma - 1) * eps[i] - rest * d->friction[at + i] -
+                                             (g->late ? d->cooled[at + i] : 0);
+            for (int i = 0; i < n; i++) S[i] = factor * q[i];
+        }
+    }
+}
+
+static void find_gradients(struct gas *g, enum diffusing what, int from, int to) {
+    const struct cells_diffuser *d = g->cells->diffuser;
+    if (g->dim == 1 || from >= to || (what == HEAT && !d->skewed)) return;
+    cells_gradients(g->dim, &d->weights, lines_of(g, what), from, to, d->sum[d->last], d->gradient);
+}
+
+/* ---- fluxes and what they move ------------------------------------------------------------------------------------
+ */
+
+struct sides { /* of a batch of faces */
+    int n;
+    const int *left, *right;
+    const double *share, *inverse, *keep; /* keep: 0 where the gradients do not count, else 1; NULL: they all do */
+    const double *normal[MAX_DIM], *rest[MAX_DIM];
+    const double *face[3];
+};
+
+ALWAYS_INLINE void take_jumps(const struct sides *f, const double *restrict q, double *restrict jump,
+                              double *restrict mean) {
+    const int *restrict left = f->left, *restrict right = f->right;
+    for (int i = 0; i < f->n; i++) {
+        const double a = q[left[i]], b = q[right[i]];
+        jump[i] = b - a;
+        mean[i] = a + f->share[i] * (b - a);
+    }
+}
+
+ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, double *restrict mean) {
+    const int *restrict left = f->left, *restrict right = f->right;
+    for (int i = 0; i < f->n; i++) {
+        const double a = q[left[i]], b = q[right[i]];
+        mean[i] = 0.5 * (a + b);
+    }
+    for (int i = 0; f->keep && i < f->n; i++) mean[i] *= f->keep[i];
+}
+
+/* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
+ * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. */
+ALWAYS_INLINE void viscous_faces(int dim, const struct sides *f, double *const *S, double *const *gradient,
+                                 double *const *out) {
+    double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
+    double stretch[BATCH] = {0}, trace[BATCH] = {0};
+    const struct sides g = *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
+    for (int c = 0; c < dim; c++) take_jumps(f, S[c], a[c], at[c]);
+    for (int i = 0; i < dim * dim && dim > 1; i++) take_mean(f, gradient[i], M[i]);
+    for (int c = 0; c < dim; c++) /* short loops, or compilers do not unroll the inner ones */
+        for (int i = 0; i < g.n; i++) {
+            double along = 0;
+            a[c][i] *= g.inverse[i];
+            for (int k = 0; k < dim && dim > 1; k++) {
+                a[c][i] += g.rest[k][i] * M[k * dim + c][i];
+                along += g.normal[k][i] * M[k * dim + c][i];
+            }
+            stretch[i] += g.normal[c][i] * (a[c][i] - along);
+            if (dim > 1) trace[i] += M[c * dim + c][i];
+        }
+    for (int i = 0; i < g.n; i++) found[dim][i] = 0;
+    for (int k = 0; k < dim; k++)
+        for (int i = 0; i < g.n; i++) {
+            double across = g.normal[k][i] * stretch[i];
+            for (int c = 0; c < dim && dim > 1; c++) across += g.normal[c][i] * M[k * dim + c][i];
+            const double spread = (trace[i] + stretch[i]) * g.normal[k][i];
+            found[k][i] = -(g.face[0][i] * spread + g.face[1][i] * (a[k][i] + across));
+            found[dim][i] += found[k][i] * at[k][i];
+        }
+    for (int k = 0; k <= dim; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
+}
+
+ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, double *const *gradient,
+                              double *restrict out) {
+    double jump[BATCH], at[BATCH], M[MAX_DIM][BATCH];
+    take_jumps(f, S, jump, at);
+    for (int i = 0; i < f->n; i++) out[i] = jump[i] * f->inverse[i];
+    for (int k = 0; k < dim && gradient; k++) {
+        take_mean(f, gradient[k], M[k]);
+        for (int i = 0; i < f->n; i++) out[i] += f->rest[k][i] * M[k][i];
+    }
+    for (int i = 0; i < f->n; i++) out[i] *= -f->face[2][i];
+}
+
+#define FACES(dim)                                                                                                     \
+    KERNEL static void faces_##dim(enum diffusing what, const struct sides *f, double *const *S,                       \
+                                   double *const *gradient, double *const *out) {                                      \
+        if (what == VISCOUS)                                                                                           \
+            viscous_faces(dim, f, S, gradient, out);                                                                   \
+        else                                                                                                           \
+            heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
+    }
+FACES(1)
+FACES(2)
+FACES(3)
+
+/* Through faces first <= i < last, into the lines of fluxes from 0 on; the work is behind the momentum. */
+static void find_fluxes(struct gas *g, enum diffusing what, int first, int last) {
+    struct cells *c = g->cells;
+    const struct cells_diffuser *d = c->diffuser;
+    const struct polyhedra_faces *m = &c->polyhedra->face;
+    double keep[BATCH];
+    for (int at = first; at < last; at += BATCH) {
+        struct sides f = {.n = last - at < BATCH ? last - at : BATCH,
+                          .left = m->left + at,
+                          .right = m->right + at,
+                          .share = d->share + at,
+                          .inverse = d->inverse + at};
+        double *out[MAX_VAR] = {0};
+        for (int k = 0; k < g->dim; k++) {
+            f.normal[k] = m->normal[k] + at;
+            f.rest[k] = d->rest[k] + at;
+        }
+        for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
+        for (int v = 0; v <= g->dim; v++) out[v] = c->flux[v] + at;
+        for (int i = 0; i < f.n && c->flagged; i++) keep[i] = c->flag[f.left[i]] + c->flag[f.right[i]] > 0 ? 0 : 1;
+        if (c->flagged) f.keep = keep;
+        (g->dim == 1   ? faces_1
+         : g->dim == 2 ? faces_2
+                       : faces_3)(what, &f, d->sum[d->last],
+                                  what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
+    }
+}
+
+/* All fluxes of S; what needs no ghosts while these are under way. */
+static void flow(struct gas *g, enum diffusing what, double weight) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    struct polyhedra *m = g->cells->polyhedra;
+    const int own_mirrors = m->face.n - m->face.ninternal;
+    double *const *S = d->sum[d->last];
+    const double *const *start = (const double *const *)d->start;
+    polyhedra_fill_start(m, lines_of(g, what), S);
+    cells_mirror_sums(g, what, weight, 0, own_mirrors, d->wall, start, S);
+    find_gradients(g, what, 0, m->ninner);
+    find_fluxes(g, what, 0, m->face.nlocal);
+    polyhedra_fill_finish(m);
+    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, d->wall, start, S);
+    find_gradients(g, what, m->ninner, m->nnear);
+    if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->gradient);
+    find_fluxes(g, what, m->face.nlocal, m->face.n);
+}
+
+/* q = q_0 + per M/rho, then S of the next stage in place of the one before the last. */
+KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
+                           const double *restrict rho, const double *restrict start, const double *restrict last,
+                           double *restrict next) {
+    if (c[1] == 0)
+        for (int i = 0; i < n; i++) next[i] = 0; /* it may hold anything */
+    for (int i = 0; i < n; i++) {
+        const double q = start[i] + per * M[i] / rho[i];
+        next[i] = (c[0] * last[i] + c[1] * next[i]) + (c[2] * q + c[3] * start[i]);
+    }
+}
+
+void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
+                           double weight) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const int nown = g->cells->polyhedra->nown;
+    const double per = what == VISCOUS ? 1 : g->models.material.gamma - 1, *rho = Y0->block[0];
+    double M[BATCH];
+    flow(g, what, weight);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        for (int v = 0; v < lines_of(g, what); v++) {
+            cells_residuals(g->cells, at, n, g->cells->flux[v], M);
+            double *next = d->sum[1 - d->last][v] + at;
+            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
+            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * d->friction[at + i];
+        }
+    }
+    d->last = 1 - d->last;
+}
+
+/* to = Y_0 + div of the flux of S in the cells from `at` on; the work of the stress of S on S/dt makes the energy. */
+static void end_batch(struct gas *g, enum diffusing what, double *const *from, double *const *to, double dt, int at,
+                      int n) {
+    const int energy = g->dim + 1;
+    double M[BATCH];
+    for (int v = 0; v < g->nvar; v++) {
+        const bool line = what == VISCOUS && v > 0 && v < energy;
+        if (!line && v != energy) {
+            if (to[v] != from[v]) memcpy(to[v] + at, from[v] + at, (size_t)n * sizeof(double));
+            continue;
+        }
+        const double factor = v == energy && what == VISCOUS ? 1 / dt : 1;
+        cells_residuals(g->cells, at, n, g->cells->flux[line ? v - 1 : what == VISCOUS ? g->dim : 0], M);
+        for (int i = 0; i < n; i++) to[v][at + i] = from[v][at + i] + factor * M[i];
+    }
+}
+
+long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                         double weight) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *in[MAX_VAR], *out[MAX_VAR], bad[BATCH];
+    long count = 0;
+    cells_lines(g, Y0, in);
+    cells_lines(g, to, out);
+    flow(g, what, weight);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        end_batch(g, what, in, out, dt, at, n);
+        if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
+        for (int i = 0; i < n; i++) {
+            d->mark[at + i] += bad[i];
+            count += bad[i] > 0;
+        }
+    }
+    d->marked |= count > 0;
+    return count;
+}
+
+long cells_diffusion_flags(struct gas *g, bool keep) {
+    struct cells *c = g->cells;
+    struct cells_diffuser *d = c->diffuser;
+    for (int i = 0; i < c->polyhedra->nown && d->marked; i++) {
+        if (keep) c->flag[i] += d->mark[i];
+        d->mark[i] = 0;
+    }
+    d->marked = false;
+    return keep ? cells_share_flags(g) : 0;
+}

@@ -1,0 +1,153 @@
+/* Gauss's theorem with the mean of both cells on a face, G_0 = 1/V sum A n (q_j - q_i)/2, is the transpose of the sum
+ * over faces by which a cell gains from the mean of both cells' fluxes. So in a flux that holds gradients the operator
+ * of diffusion is symmetric, its modes decay without turning, and no number of stages makes them grow. But G_0 finds
+ * the gradient c of a linear field only where the line of centres passes the middle of each face; else it finds C c
+ * with a matrix C of the cell. The gradient is C^-1 G_0: exact for linear fields, and nearly symmetric where meshes are
+ * nearly regular. (Least squares, also exact, are not symmetric on regular triangles either.) */
+#include "libcore/polyhedral/cells_gradient.h"
+
+#include <stdlib.h>
+
+static const double TWISTED = 0.2; /* determinant of C below which least squares are taken */
+
+/* The member of cell i's stencil across entry j of its list of faces. */
+static int member_across(const struct polyhedra *m, int i, int j, double out[MAX_DIM]) {
+    const bool right = m->face_of_cell[j] < 0;
+    const int face = right ? ~m->face_of_cell[j] : m->face_of_cell[j];
+    const int cell = right ? m->face.left[face] : m->face.right[face], p = m->face.point_start[face];
+    int found = -1;
+    double least = HUGE_VAL;
+    for (int at = m->stencil_start[i]; at < m->stencil_start[i + 1] && m->ring[at] == 1; at++) {
+        double square = 0;
+        if (m->stencil[at] != cell) continue;
+        for (int k = 0; k < m->dim; k++) { /* in a short periodic domain a cell may be a member twice */
+            const double e = m->point.arm[0][k][p] - m->point.arm[1][k][p];
+            const double off = m->offset[k][at] - (right ? -e : e);
+            square += off * off;
+        }
+        if (square < least) found = at - m->stencil_start[i];
+        least = smaller(least, square);
+    }
+    for (int k = 0; k < m->dim; k++)
+        out[k] = (right ? -0.5 : 0.5) * m->face.area[face] * m->face.normal[k][face] / m->volume[i];
+    return found;
+}
+
+/* W <- C^-1 W by Gauss and Jordan's elimination; false: C is too far from 1, W is spoilt. */
+static bool divide(int dim, int n, double (*C)[MAX_DIM], double *W) {
+    double determinant = 1;
+    for (int k = 0; k < dim; k++) {
+        const double pivot = C[k][k];
+        determinant *= pivot;
+        if (!(pivot > 0)) return false;
+        for (int a = 0; a < dim; a++) C[k][a] /= pivot;
+        for (int j = 0; j < n; j++) W[k * n + j] /= pivot;
+        for (int row = 0; row < dim; row++) {
+            const double factor = C[row][k];
+            if (row == k) continue;
+            for (int a = 0; a < dim; a++) C[row][a] -= factor * C[k][a];
+            for (int j = 0; j < n; j++) W[row * n + j] -= factor * W[k * n + j];
+        }
+    }
+    return determinant > TWISTED;
+}
+
+/* W[k][n], n the first members of own cell i; false: to be left to least squares. */
+static bool gauss_weights(const struct polyhedra *m, int i, int n, double *W) {
+    double C[MAX_DIM][MAX_DIM] = {{0}};
+    memset(W, 0, (size_t)(m->dim * n) * sizeof *W);
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        double w[MAX_DIM];
+        const int member = member_across(m, i, j, w);
+        if (member < 0 || member >= n) return false;
+        for (int k = 0; k < m->dim; k++) {
+            W[k * n + member] += w[k];
+            for (int a = 0; a < m->dim; a++) C[k][a] += w[k] * m->offset[a][m->stencil_start[i] + member];
+        }
+    }
+    return divide(m->dim, n, C, W);
+}
+
+static double *place_of(const struct rows *r, int cell, int entry, int k) {
+    return r->data + ((r->start[cell / LANES] + (long)entry) * r->width + k) * LANES + cell % LANES;
+}
+
+static int entries_of(const struct rows *r, int cell) {
+    return r->start[cell / LANES + 1] - r->start[cell / LANES];
+}
+
+/* The weights of near ghosts, whose faces this rank does not know, from their own ranks: entry by entry. */
+static status share_weights(const struct gas *g, struct rows *r) {
+    struct polyhedra *m = g->cells->polyhedra;
+    double *line[MAX_DIM] = {NULL}, most = 0;
+    status s = OK;
+    for (int b = 0; b < g->cells->fit->nbatches; b++) most = larger(most, r->start[b + 1] - r->start[b]);
+    comm_max(g->comm, &most, 1);
+    for (int k = 0; k < m->dim && !s; k++) s = allocate(&line[k], m->size, sizeof(double), "gradients");
+    s = comm_agree(g->comm, s);
+    for (int j = 0; j < (int)most && !s; j++) {
+        for (int k = 0; k < m->dim; k++)
+            for (int i = 0; i < m->nown; i++) line[k][i] = j < entries_of(r, i) ? *place_of(r, i, j, k) : 0;
+        polyhedra_fill_start(m, m->dim, line);
+        polyhedra_fill_finish(m);
+        for (int k = 0; k < m->dim; k++)
+            for (int i = m->nown; i < m->nnear; i++)
+                if (j < entries_of(r, i)) *place_of(r, i, j, k) = line[k][i];
+    }
+    for (int k = 0; k < MAX_DIM; k++) free(line[k]);
+    return s;
+}
+
+status cells_gradient_weights(const struct gas *g, struct rows *r) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *W;
+    int most = 1;
+    TRY(fit_gradients(g->cells->fit, r));
+    for (int i = 0; i < m->nown; i++) most = entries_of(r, i) > most ? entries_of(r, i) : most;
+    TRY(allocate(&W, (long)m->dim * most, sizeof *W, "gradients"));
+    for (int i = 0; i < m->nown; i++) {
+        int n = 0;
+        while (m->stencil_start[i] + n < m->stencil_start[i + 1] && m->ring[m->stencil_start[i] + n] == 1) n++;
+        if (n > entries_of(r, i) || !gauss_weights(m, i, n, W)) continue;
+        for (int j = 0; j < entries_of(r, i); j++)
+            for (int k = 0; k < m->dim; k++) *place_of(r, i, j, k) = j < n ? W[k * n + j] : 0;
+    }
+    free(W);
+    return share_weights(g, r);
+}
+
+ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct rows *r, int batch, double *const *q,
+                                   double *const *gradient) {
+    const long first = (long)batch * LANES;
+    for (int c = 0; c < lines; c++) {
+        const double *restrict from = q[c];
+        double own[LANES], sum[MAX_DIM][LANES] = {{0}};
+        memcpy(own, from + first, sizeof own);
+        for (int j = r->start[batch]; j < r->start[batch + 1]; j++) {
+            const int *restrict cell = r->cell + (long)j * LANES;
+            const double *restrict w = r->data + (long)j * dim * LANES;
+            double change[LANES];
+            for (int l = 0; l < LANES; l++) change[l] = from[cell[l]] - own[l];
+            for (int k = 0; k < dim; k++)
+                for (int l = 0; l < LANES; l++) sum[k][l] = fma(w[k * LANES + l], change[l], sum[k][l]);
+        }
+        for (int k = 0; k < dim; k++) memcpy(gradient[k * lines + c] + first, sum[k], sizeof own);
+    }
+}
+
+#define GRADIENTS(dim)                                                                                                 \
+    KERNEL static void gradients_##dim(int lines, const struct rows *r, int from, int to, double *const *q,            \
+                                       double *const *gradient) {                                                      \
+        for (int b = from; b < to; b++) batch_gradients(dim, lines, r, b, q, gradient);                                \
+    }
+GRADIENTS(1)
+GRADIENTS(2)
+GRADIENTS(3)
+
+void cells_gradients(int dim, const struct rows *r, int lines, int from, int to, double *const *q,
+                     double *const *gradient) {
+    if (from < to)
+        (dim == 1   ? gradients_1
+         : dim == 2 ? gradients_2
+                    : gradients_3)(lines, r, from / LANES, (to - 1) / LANES + 1, q, gradient);
+}

@@ -1,0 +1,16 @@
+/* Gradients of the cells of polyhedra from their neighbours across faces, exact for linear fields. */
+#ifndef LIBCORE_CELLS_GRADIENT_H
+#define LIBCORE_CELLS_GRADIENT_H
+
+#include "libcore/polyhedral/cells.h"
+#include "libcore/schemes/polynomial_fit.h"
+
+/* Of cells < nnear, 1/m. Collective; rows_free when done. */
+status cells_gradient_weights(const struct gas *g, struct rows *r);
+
+/* gradient[k lines + c] <- d/dx_k of the lines q[c] (a batch of lanes longer than the polyhedra's size), in cells
+ * from <= i < to (< nnear) and in those that share a batch of lanes with them: these have their own turn later. */
+void cells_gradients(int dim, const struct rows *r, int lines, int from, int to, double *const *q,
+                     double *const *gradient);
+
+#endif

@@ -1,0 +1,323 @@
+/* One Runge-Kutta stage on polyhedra: mirrors, polynomials, fluxes through the points of faces in their frames, update,
+ * admissibility. The fluxes are those of the tiles: the two states of a point are the two cells of a first-order
+ * stencil. */
+#include "libcore/polyhedral/cells.h"
+
+enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
+
+struct points { /* a batch of points, or of states on both sides of faces; normal component first */
+    int n;
+    int face[BATCH];
+    double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
+    double velocity[MAX_DIM][STENCIL][BATCH];
+    double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
+    double out[MAX_VAR][BATCH];
+};
+
+struct turn { /* rows of the matrices that turn vectors into the frames of faces, or back: axis[row][column][face] */
+    const double *axis[MAX_DIM][MAX_DIM];
+};
+static struct turn turn_of(const struct polyhedra_faces *f, int dim, bool back) {
+    struct turn t = {{{0}}};
+    for (int row = 0; row < dim; row++)
+        for (int k = 0; k < dim; k++) {
+            const double *entry = row ? f->tangent[row - 1][k] : f->normal[k];
+            t.axis[back ? k : row][back ? row : k] = entry;
+        }
+    return t;
+}
+
+/* The momentum of q, turned. */
+KERNEL static void turn_momentum(int n, int dim, const struct turn *t, const int *restrict face,
+                                 double (*restrict q)[BATCH]) {
+    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
+    const double *restrict xx = t->axis[0][0], *restrict xy = t->axis[0][1], *restrict xz = t->axis[0][2];
+    const double *restrict yx = t->axis[1][0], *restrict yy = t->axis[1][1], *restrict yz = t->axis[1][2];
+    const double *restrict zx = t->axis[2][0], *restrict zy = t->axis[2][1], *restrict zz = t->axis[2][2];
+    if (dim == 1)
+        for (int i = 0; i < n; i++) m0[i] *= xx[face[i]];
+    if (dim == 2)
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i];
+            m0[i] = a * xx[face[i]] + b * xy[face[i]];
+            m1[i] = a * yx[face[i]] + b * yy[face[i]];
+        }
+    if (dim == 3)
+        for (int i = 0; i < n; i++) {
+            double a = m0[i], b = m1[i], c = m2[i];
+            m0[i] = a * xx[face[i]] + b * xy[face[i]] + c * xz[face[i]];
+            m1[i] = a * yx[face[i]] + b * yy[face[i]] + c * yz[face[i]];
+            m2[i] = a * zx[face[i]] + b * zy[face[i]] + c * zz[face[i]];
+        }
+}
+static void into_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
+    const struct turn t = turn_of(&g->cells->polyhedra->face, g->dim, false);
+    turn_momentum(p->n, g->dim, &t, p->face, q);
+}
+static void out_of_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
+    const struct turn t = turn_of(&g->cells->polyhedra->face, g->dim, true);
+    turn_momentum(p->n, g->dim, &t, p->face, q);
+}
+
+/* F_n = u_n U + p (0, 1, u_n) */
+KERNEL static void nodal_line(int n, int dim, long size, const double *restrict U, const double *restrict u,
+                              const double *restrict p, double *restrict flux) {
+    for (int v = 0; v < dim + 2; v++) {
+        const double *restrict q = U + v * size;
+        double *restrict F = flux + v * size;
+        if (v == 0)
+            for (int i = 0; i < n; i++) F[i] = U[size + i];
+        else if (v == dim + 1)
+            for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
+        else if (v == 1)
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
+        else
+            for (int i = 0; i < n; i++) F[i] = q[i] * u[i];
+    }
+}
+
+KERNEL static void gather_line(int n, const int *restrict index, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = q[index[i]];
+}
+
+/* The averages of the cells on one side of the n faces of p, in their frames. */
+static void side_averages(const struct gas *g, int side, const double *const *U, struct points *p) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const int *of_face = side ? f->right : f->left;
+    double at[MAX_VAR][BATCH];
+    int cell[BATCH];
+    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], at[v]);
+    into_frames(g, p, at);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
+}
+
+/* At the faces of packed cells the averages stand in for the polynomials, as in the tiles
+ * (libcore/lattice/tiles_stage.c). */
+static void flatten_packed(const struct gas *g, const struct points *p, const double *rho,
+                           const double (*average)[BATCH], double (*at)[BATCH]) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    for (int i = 0; i < p->n; i++)
+        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limit)
+            for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
+}
+
+/* The states of the polynomials on one side of points from <= i < from + n. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+    const struct cells *c = g->cells;
+    const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
+    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
+    int cell[BATCH];
+    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    for (int v = 0; v < g->nvar; v++) {
+        out[v] = at[v];
+        gather_line(p->n, cell, U[v], average[v]);
+    }
+    fit_points(c->fit, side, from, p->n, U, out);
+    limit_towards(p->n, g->dim, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
+    if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
+    into_frames(g, p, at);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
+}
+
+/* The states that the rules of a patch make of those inside: at a reflecting wall of the own ones of the points,
+ * elsewhere of the averages, as what flows in must not come from what the cell extrapolates to. */
+static void states_beyond(const struct gas *g, const double *const *U, struct points *p) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const int patch = f->patch[p->face[0] - f->ninternal];
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH];
+    int place[BATCH], cell[BATCH];
+    for (int i = 0; i < p->n; i++) {
+        place[i] = f->place[p->face[i] - f->ninternal];
+        cell[i] = f->left[p->face[i]];
+    }
+    for (int v = 0; v < g->nvar; v++)
+        if (g->rules[patch].velocity.type->reflects)
+            memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
+        else
+            gather_line(p->n, cell, U[v], inner[v]);
+    if (!g->rules[patch].velocity.type->reflects) into_frames(g, p, inner);
+    cells_beyond(g, patch, p->n, p->face, place, inner, ghost);
+    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
+}
+
+/* What follows from the states on both sides, the fluxes of each of them, too: a batch of faces. */
+static struct faces point_primitives(const struct gas *g, struct points *p) {
+    const struct gas_models *m = &g->models;
+    const long size = STENCIL * BATCH;
+    const int n = (p->n + 7) / 8 * 8; /* whole vectors: the last state again */
+    struct faces f = {.n = n, .dim = g->dim, .stride = BATCH, .fastest = g->fastest[0]};
+    for (int v = 0; v < g->nvar; v++)
+        for (int side = LEFT; side <= RIGHT; side++)
+            for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
+    for (int side = LEFT; side <= RIGHT; side++) {
+        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
+        velocity_row(n, g->dim, size, p->state[0][side], velocity, p->eps[side]);
+        m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
+        root_row(n, p->c[side]);
+        nodal_line(n, g->dim, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
+    }
+    for (int v = 0; v < g->nvar; v++) {
+        f.state[v] = p->state[v][LEFT];
+        f.flux[v] = p->flux[v][LEFT];
+        f.out[v] = p->out[v];
+    }
+    for (int k = 0; k < g->dim; k++) f.velocity[k] = p->velocity[k][LEFT];
+    f.eps = p->eps[LEFT];
+    f.c = p->c[LEFT];
+    f.gruneisen = p->gruneisen[LEFT];
+    return f;
+}
+
+/* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
+static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
+    struct cells *c = g->cells;
+    const struct polyhedra_faces *f = &c->polyhedra->face;
+    const int from = f->point_start[first];
+    p->n = f->point_start[last] - from;
+    for (int i = 0; i < p->n; i++) p->face[i] = c->polyhedra->point.face[from + i];
+    side_states(g, 0, from, U, p);
+    if (first < f->ninternal)
+        side_states(g, 1, from, U, p);
+    else
+        states_beyond(g, U, p);
+    const struct faces faces = point_primitives(g, p);
+    g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
+    out_of_frames(g, p, p->out);
+    for (int face = first; face < last; face++)
+        for (int v = 0; v < g->nvar; v++) {
+            double sum = 0;
+            for (int i = f->point_start[face]; i < f->point_start[face + 1]; i++)
+                sum += c->polyhedra->point.weight[i] * p->out[v][i - from];
+            c->flux[v][face] = f->area[face] * sum;
+        }
+}
+
+/* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */
+static void limit_batch(struct gas *g, const double *const *U, struct points *p) {
+    struct cells *c = g->cells;
+    const struct polyhedra_faces *f = &c->polyhedra->face;
+    double theta[BATCH];
+    side_averages(g, 0, U, p);
+    if (p->face[0] < f->ninternal)
+        side_averages(g, 1, U, p);
+    else
+        states_beyond(g, U, p);
+    struct faces faces = point_primitives(g, p);
+    faces.n = p->n;
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < p->n; i++) p->out[v][i] = c->flux[v][p->face[i]] / f->area[p->face[i]];
+    into_frames(g, p, p->out);
+    limit_faces(&faces, g->least, g->limit, theta);
+    out_of_frames(g, p, p->out);
+    for (int i = 0; i < p->n; i++) {
+        const int face = p->face[i];
+        if (theta[i] == 1) continue;
+        g->faces += f->left[face] < c->polyhedra->nown;
+        for (int v = 0; v < g->nvar; v++) c->flux[v][face] = f->area[face] * p->out[v][i];
+    }
+}
+
+/* Faces first <= i < last, in batches; those of flagged cells limited. */
+static void face_fluxes(struct gas *g, int first, int last, const double *const *U) {
+    const struct cells *c = g->cells;
+    const struct polyhedra_faces *f = &c->polyhedra->face;
+    struct points p;
+    for (int end; first < last; first = end) {
+        const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
+        for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
+            if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+        batch_fluxes(g, first, end, U, &p);
+        if (!c->flagged) continue;
+        p.n = 0;
+        for (int face = first; face < end; face++)
+            if (c->flag[f->left[face]] + c->flag[f->right[face]] > 0) p.face[p.n++] = face;
+        if (p.n) limit_batch(g, U, &p);
+    }
+}
+
+/* Eight cells at a time have no common number of faces, so this is a loop over cells. */
+void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
+    const struct polyhedra *m = c->polyhedra;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = m->face_start[from + i]; j < m->face_start[from + i + 1]; j++) {
+            int face = m->face_of_cell[j];
+            sum += face < 0 ? flux[~face] : -flux[face];
+        }
+        residual[i] = sum * c->inverse_volume[from + i];
+    }
+}
+
+static long update_cells(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                         double a, double dt) {
+    struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    double residual[BATCH], bad[BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
+    long count = 0;
+    cells_lines(g, U0, start);
+    cells_lines(g, from, in);
+    cells_lines(g, to, out);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        for (int v = 0; v < g->nvar; v++) {
+            cells_residuals(c, at, n, c->flux[v], residual);
+            update_row(n, a, dt, start[v] + at, in[v] + at, residual, out[v] + at);
+        }
+        if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
+        for (int i = 0; i < n; i++) {
+            c->flag[at + i] += bad[i];
+            count += bad[i] > 0;
+        }
+    }
+    g->computed += m->nown;
+    g->all += m->nown;
+    return count;
+}
+
+long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt) {
+    struct cells *c = g->cells;
+    struct polyhedra *m = c->polyhedra;
+    const int own_mirrors = m->face.n - m->face.ninternal;
+    double *line[MAX_VAR];
+    cells_lines(g, from, line);
+    const double *const *U = (const double *const *)line;
+    polyhedra_fill_start(m, g->nvar, line);
+    cells_mirrors(g, 0, own_mirrors, line);
+    fit_cells(c->fit, 0, m->ninner, U);
+    face_fluxes(g, 0, m->face.nlocal, U);
+    polyhedra_fill_finish(m);
+    cells_mirrors(g, own_mirrors, m->mirror.n, line);
+    fit_cells(c->fit, m->ninner, m->nnear, U);
+    face_fluxes(g, m->face.nlocal, m->face.ninternal, U);
+    face_fluxes(g, m->face.ninternal, m->face.n, U);
+    return update_cells(g, U0, from, to, a, dt);
+}
+
+void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                double dt) {
+    double *line[MAX_VAR];
+    cells_lines(g, from, line);
+    g->faces = 0;
+    face_fluxes(g, 0, g->cells->polyhedra->face.ninternal, (const double *const *)line);
+    face_fluxes(g, g->cells->polyhedra->face.ninternal, g->cells->polyhedra->face.n, (const double *const *)line);
+    (void)update_cells(g, U0, from, to, a, dt);
+}
+
+long cells_share_flags(struct gas *g) {
+    struct cells *c = g->cells;
+    double *line[1] = {c->flag};
+    long count = 0;
+    for (int i = 0; i < c->polyhedra->nown; i++) count += c->flag[i] > 0;
+    comm_sum_long(g->comm, &count, 1);
+    polyhedra_fill_start(c->polyhedra, 1, line);
+    polyhedra_fill_finish(c->polyhedra);
+    c->flagged = count > 0;
+    return count;
+}
+
+void cells_clear_flags(struct gas *g) {
+    memset(g->cells->flag, 0, (size_t)g->cells->polyhedra->size * sizeof(double));
+    g->cells->flagged = false;
+}

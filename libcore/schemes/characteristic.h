@@ -1,0 +1,156 @@
+/* Projection on eigenbases of faces, and the reconstruction of what was projected in one go: flux.c makes the bases,
+ * reconstruct.c instantiates the loops below for each of its rows. */
+#ifndef LIBCORE_CHARACTERISTIC_H
+#define LIBCORE_CHARACTERISTIC_H
+
+#include "libcore/schemes/flux.h"
+
+enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* u - c; entropy and shears; u + c */
+#define UPWIND_LEFT  (-1.)
+#define UPWIND_RIGHT (-2.)
+
+struct bases { /* eigenbases of faces, as lines; b1 and b2 (physics 1.1) are halved */
+    double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
+    double inverse_b1[BATCH];
+};
+struct winds { /* per family: UPWIND_LEFT, UPWIND_RIGHT, or the speed alpha >= 0 of a Lax-Friedrichs split */
+    double speed[FAMILIES][BATCH];
+};
+
+/* The face value of one field at one face: right-face value of c, whose neighbours are b and d. */
+typedef double face_value(double a, double b, double c, double d, double e);
+
+struct fields { /* of one cell: u - c, entropy, shears, u + c */
+    double minus, entropy, shear[2], plus;
+};
+struct rows { /* left eigenvectors of one face */
+    double u[MAX_DIM], half_b1, half_b2, half_inverse_c;
+};
+
+ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b, int i) {
+    struct rows l = {{b->u[0][i], 0, 0}, b->half_b1[i], b->half_b2[i], b->half_inverse_c[i]};
+    if (dim > 1) l.u[1] = b->u[1][i];
+    if (dim > 2) l.u[2] = b->u[2][i];
+    return l;
+}
+
+/* With s = (b2 q0 - b1 (u.q - q_E))/2 and d = (q_n - u_n q0)/(2c), the rows of L (physics 1.1) are
+ *   l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+ q = s + d. */
+ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i) {
+    double q0 = q[0][i], qn = q[1][i], work = fma(l.u[0], qn, -q[dim + 1][i]);
+    struct fields w = {0};
+    if (dim == 2) work += l.u[1] * q[2][i];
+    if (dim == 3) work += l.u[1] * q[2][i] + l.u[2] * q[3][i];
+    double s = fma(l.half_b2, q0, -(l.half_b1 * work)), d = fma(-l.u[0], q0, qn);
+    w.minus = fma(-d, l.half_inverse_c, s);
+    w.entropy = fma(-2, s, q0);
+    if (dim > 1) w.shear[0] = fma(-l.u[1], q0, q[2][i]);
+    if (dim > 2) w.shear[1] = fma(-l.u[2], q0, q[3][i]);
+    w.plus = fma(d, l.half_inverse_c, s);
+    return w;
+}
+
+/* Fields of the six cells of a stencil; cells that a reconstruction does not use cost nothing. */
+#define PROJECT_STENCIL(dim, l, q, i, stride)                                                                          \
+    {                                                                                                                  \
+        project(dim, l, q, (i)-2 * (stride)), project(dim, l, q, (i) - (stride)), project(dim, l, q, i),               \
+            project(dim, l, q, (i) + (stride)), project(dim, l, q, (i) + 2 * (stride)),                                \
+            project(dim, l, q, (i) + 3 * (stride))                                                                     \
+    }
+#define LEFT_OF(w, field)  w[0].field, w[1].field, w[2].field, w[3].field, w[4].field
+#define RIGHT_OF(w, field) w[5].field, w[4].field, w[3].field, w[2].field, w[1].field
+#define ALL_OF(w, field)   LEFT_OF(w, field), w[5].field
+
+struct lines { /* what the loops read, as local pointers */
+    const double *flux[MAX_VAR], *state[MAX_VAR];
+};
+ALWAYS_INLINE struct lines lines_of(const struct faces *f, const int dim, long offset) {
+    struct lines l = {{0}, {0}};
+    for (int v = 0; v < dim + 2; v++) {
+        l.flux[v] = f->flux[v] + offset;
+        l.state[v] = f->state[v] + offset;
+    }
+    return l;
+}
+
+/* A field's value from its own side; 0 where that is `drop` (UPWIND_LEFT, UPWIND_RIGHT or 0 for neither). */
+ALWAYS_INLINE double upwind_value(face_value *value, double speed, double drop, double a, double b, double c, double d,
+                                  double e, double f) {
+    bool right = speed == UPWIND_RIGHT;
+    double v = value(right ? f : a, right ? e : b, right ? d : c, right ? c : d, right ? b : e);
+    return speed == drop ? 0 : v;
+}
+
+/* Amplitudes of faces that split no field. */
+ALWAYS_INLINE void upwind(const int dim, face_value *value, int from, int to, const struct faces *f,
+                          const struct bases *restrict b, const struct winds *restrict w, double drop,
+                          double (*restrict a)[BATCH]) {
+    const struct lines q = lines_of(f, dim, 0);
+    const long stride = f->stride;
+    for (int i = from; i < to; i++) {
+        const struct rows l = rows_at(dim, b, i);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
+        double entropy = w->speed[ENTROPY][i];
+        a[0][i] = upwind_value(value, w->speed[MINUS][i], drop, ALL_OF(phi, minus));
+        a[1][i] = upwind_value(value, entropy, drop, ALL_OF(phi, entropy));
+        if (dim > 1) a[2][i] = upwind_value(value, entropy, drop, ALL_OF(phi, shear[0]));
+        if (dim > 2) a[3][i] = upwind_value(value, entropy, drop, ALL_OF(phi, shear[1]));
+        a[dim + 1][i] = upwind_value(value, w->speed[PLUS][i], drop, ALL_OF(phi, plus));
+    }
+}
+
+/* What a field brings from one side (alpha signed: + from the left): (phi + alpha w)/2 where the face splits it, phi or
+ * 0 elsewhere. */
+ALWAYS_INLINE double side_value(face_value *value, double speed, double side, double a, double b, double c, double d,
+                                double e, double wa, double wb, double wc, double wd, double we) {
+    bool split = speed >= 0;
+    double part = split ? 0.5 : 1, alpha = split ? side * (0.5 * speed) : 0;
+    double v = value(fma(alpha, wa, part * a), fma(alpha, wb, part * b), fma(alpha, wc, part * c),
+                     fma(alpha, wd, part * d), fma(alpha, we, part * e));
+    return speed == (side > 0 ? UPWIND_RIGHT : UPWIND_LEFT) ? 0 : v;
+}
+
+/* Amplitudes of faces that split fields on one basis: both sides. */
+ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, const struct faces *f,
+                         const struct bases *restrict b, const struct winds *restrict w, double (*restrict a)[BATCH]) {
+    const struct lines q = lines_of(f, dim, 0);
+    const long stride = f->stride;
+#define BOTH(speed, field)                                                                                             \
+    (side_value(value, speed, 1, LEFT_OF(phi, field), LEFT_OF(state, field)) +                                         \
+     side_value(value, speed, -1, RIGHT_OF(phi, field), RIGHT_OF(state, field)))
+    for (int i = from; i < to; i++) {
+        const struct rows l = rows_at(dim, b, i);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
+        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride);
+        double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
+        a[0][i] = BOTH(minus, minus);
+        a[1][i] = BOTH(entropy, entropy);
+        if (dim > 1) a[2][i] = BOTH(entropy, shear[0]);
+        if (dim > 2) a[3][i] = BOTH(entropy, shear[1]);
+        a[dim + 1][i] = BOTH(plus, plus);
+    }
+#undef BOTH
+}
+
+/* Amplitudes of what comes from one side (+1: from the left, -1: from the right). */
+ALWAYS_INLINE void sided(const int dim, face_value *value, int from, int to, const struct faces *f,
+                         const struct bases *restrict b, const struct winds *restrict w, double side,
+                         double (*restrict a)[BATCH]) {
+    const struct lines q = lines_of(f, dim, side > 0 ? 0 : f->stride);
+    const long stride = side > 0 ? f->stride : -f->stride;
+#define ONE(speed, field) side_value(value, speed, side, LEFT_OF(phi, field), LEFT_OF(state, field))
+    for (int i = from; i < to; i++) {
+        const struct rows l = rows_at(dim, b, i);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
+        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride);
+        double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
+        a[0][i] = ONE(minus, minus);
+        a[1][i] = ONE(entropy, entropy);
+        if (dim > 1) a[2][i] = ONE(entropy, shear[0]);
+        if (dim > 2) a[3][i] = ONE(entropy, shear[1]);
+        a[dim + 1][i] = ONE(plus, plus);
+    }
+#undef ONE
+}
+
+#endif

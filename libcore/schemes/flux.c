@@ -1,0 +1,453 @@
+#include "libcore/schemes/characteristic.h"
+
+/* Characteristic fluxes in the form of Shu & Osher: project the nodal fluxes (and, where a field is split, the states)
+ * of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The fluxes
+ * below differ in the basis and in which fields are split. A batch is cut into runs of faces that need the same work;
+ * what a face gets does not depend on its run. */
+
+enum { GROUP = 8 }; /* faces of one kind: a vector */
+
+/* Marquina's rule (19)-(23): a field whose speed has one sign on both sides is upwinded, others are split with the
+ * larger speed; a zero product splits. `always`: split all; `least`: smallest alpha of a split. */
+KERNEL static void find_winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
+                              const double *restrict cr, bool always, double least, struct winds *restrict w) {
+    for (int k = 0; k < FAMILIES; k++) {
+        double sign = k - 1;
+        double *restrict speed = w->speed[k];
+        for (int i = 0; i < n; i++) {
+            double l = fma(sign, cl[i], ul[i]), r = fma(sign, cr[i], ur[i]);
+            double alpha = larger(larger(fabs(l), fabs(r)), least);
+            double upwind_speed = l > 0 && r > 0 ? UPWIND_LEFT : l < 0 && r < 0 ? UPWIND_RIGHT : alpha;
+            speed[i] = always ? alpha : upwind_speed;
+        }
+    }
+}
+
+/* Does any of n faces split a field? Speeds of fields that are not split are negative: their sign bits stand. */
+ALWAYS_INLINE bool any_split(int n, const struct winds *restrict w, int from) {
+    uint64_t signs = ~(uint64_t)0;
+    for (int i = from; i < from + n; i++)
+        signs &= bits_of(w->speed[MINUS][i]) & bits_of(w->speed[ENTROPY][i]) & bits_of(w->speed[PLUS][i]);
+    return signs >> 63 == 0;
+}
+
+static bool group_splits(int n, const struct winds *w, int from) {
+    return n - from >= GROUP ? any_split(GROUP, w, from) : any_split(n - from, w, from);
+}
+
+/* The end of the run of groups of one kind that starts at face `from`. */
+KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) {
+    int end = from + GROUP;
+    *splits = group_splits(n, w, from);
+    while (end < n && group_splits(n, w, end) == *splits) end += GROUP;
+    return end < n ? end : n;
+}
+
+/* The eigenbasis of physics 1.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho: total enthalpy h,
+ * b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
+ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, double c, double g,
+                               struct bases *restrict b, int i) {
+    double inverse = 1 / (c * g), inverse_c = g * inverse, b1 = g * inverse_c * inverse_c, t = 0;
+    if (dim == 2) t = u[1] * u[1];
+    if (dim == 3) t = u[1] * u[1] + u[2] * u[2];
+    double square = u[0] * u[0] + t, h = fma(0.5, square, enthalpy);
+    b->u[0][i] = u[0];
+    if (dim > 1) b->u[1][i] = u[1];
+    if (dim > 2) b->u[2][i] = u[2];
+    b->c[i] = c;
+    b->h[i] = h;
+    b->half_b1[i] = 0.5 * b1;
+    b->half_b2[i] = 0.5 * fma(b1, square - h, 1);
+    b->inverse_b1[i] = c * c * (c * inverse);
+    b->half_inverse_c[i] = 0.5 * inverse_c;
+}
+
+/* eps + p/rho, as every equation of state here is linear in T (eos.h): p = rho eps g. */
+ALWAYS_INLINE double static_enthalpy(double eps, double g) {
+    return fma(g, eps, eps);
+}
+
+struct face_states { /* of n faces */
+    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared */, gruneisen[BATCH];
+    double good[BATCH];
+};
+
+ALWAYS_INLINE void state_bases_dim(const int dim, int n, const struct face_states *restrict s,
+                                   struct bases *restrict b) {
+    for (int i = 0; i < n; i++) {
+        double u[MAX_DIM] = {s->u[0][i], dim > 1 ? s->u[1][i] : 0, dim > 2 ? s->u[2][i] : 0};
+        close_basis(dim, u, static_enthalpy(s->eps[i], s->gruneisen[i]), sqrt(s->c[i]), s->gruneisen[i], b, i);
+    }
+}
+
+KERNEL static void state_bases(int dim, int n, const struct face_states *restrict s, struct bases *restrict b) {
+    if (dim == 1) state_bases_dim(1, n, s, b);
+    if (dim == 2) state_bases_dim(2, n, s, b);
+    if (dim == 3) state_bases_dim(3, n, s, b);
+}
+
+ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const struct winds *restrict w,
+                                    struct bases *restrict b) {
+    const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
+    const double *eps = f->eps, *c = f->c, *g = f->gruneisen, *u0 = f->velocity[0];
+    const double *u1 = dim > 1 ? f->velocity[1] : u0, *u2 = dim > 2 ? f->velocity[2] : u0;
+    const long stride = f->stride;
+    for (int i = 0; i < f->n; i++) {
+        bool left = minus[i] == UPWIND_LEFT, right = plus[i] == UPWIND_RIGHT;
+#define L(q) (right ? q[i + stride] : q[i])
+#define R(q) (left ? q[i] : q[i + stride])
+        double el = L(eps), er = R(eps), cl = L(c), cr = R(c), gl = L(g), gr = R(g);
+        double u[MAX_DIM] = {0.5 * (L(u0) + R(u0)), 0.5 * (L(u1) + R(u1)), 0.5 * (L(u2) + R(u2))};
+#undef L
+#undef R
+        close_basis(dim, u, 0.5 * (static_enthalpy(el, gl) + static_enthalpy(er, gr)), sqrt(0.5 * (cl * cl + cr * cr)),
+                    0.5 * (gl + gr), b, i);
+    }
+}
+
+/* One basis a face: of the means of the two cells' u, static enthalpy, c^2 and g. That is the basis of the mean (u, T)
+ * for the perfect gas, whose contacts are kept exactly, and as accurate as that of the mean state for other equations
+ * of state, which need not be evaluated. Where all speeds have one sign both states are the upwind cell's, so that
+ * nothing downwind of a supersonic face touches its flux, not even by round-off. */
+KERNEL static void common_bases(const struct faces *f, const struct winds *restrict w, struct bases *restrict b) {
+    if (f->dim == 1) common_bases_dim(1, f, w, b);
+    if (f->dim == 2) common_bases_dim(2, f, w, b);
+    if (f->dim == 3) common_bases_dim(3, f, w, b);
+}
+
+/* The columns of R: F = sum over fields of amplitude times r, added to what is there. */
+ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *restrict b, double (*restrict a)[BATCH],
+                        const bool add, double *const out[MAX_VAR]) {
+    double *restrict f0 = out[0], *restrict fn = out[1], *restrict fe = out[dim + 1];
+    double *restrict f2 = dim > 1 ? out[2] : f0, *restrict f3 = dim > 2 ? out[3] : f0;
+    for (int i = from; i < to; i++) {
+        double sum = a[0][i] + a[dim + 1][i] + a[1][i], swing = b->c[i] * (a[dim + 1][i] - a[0][i]), t = 0;
+        double u0 = b->u[0][i], u1 = dim > 1 ? b->u[1][i] : 0, u2 = dim > 2 ? b->u[2][i] : 0;
+        if (dim == 2) t = u1 * a[2][i];
+        if (dim == 3) t = u1 * a[2][i] + u2 * a[3][i];
+        double re = fma(b->h[i], sum, -(b->inverse_b1[i] * a[1][i])) + fma(u0, swing, t);
+        double rn = fma(u0, sum, swing), r2 = dim > 1 ? fma(u1, sum, a[2][i]) : 0;
+        double r3 = dim > 2 ? fma(u2, sum, a[3][i]) : 0;
+        f0[i] = add ? f0[i] + sum : sum;
+        fn[i] = add ? fn[i] + rn : rn;
+        if (dim > 1) f2[i] = add ? f2[i] + r2 : r2;
+        if (dim > 2) f3[i] = add ? f3[i] + r3 : r3;
+        fe[i] = add ? fe[i] + re : re;
+    }
+}
+
+KERNEL static void project_back(int dim, int from, int to, const struct bases *restrict b, double (*restrict a)[BATCH],
+                                bool add, double *const out[MAX_VAR]) {
+    if (dim == 1 && !add) back(1, from, to, b, a, false, out);
+    if (dim == 2 && !add) back(2, from, to, b, a, false, out);
+    if (dim == 3 && !add) back(3, from, to, b, a, false, out);
+    if (dim == 1 && add) back(1, from, to, b, a, true, out);
+    if (dim == 2 && add) back(2, from, to, b, a, true, out);
+    if (dim == 3 && add) back(3, from, to, b, a, true, out);
+}
+
+static void one_basis(const struct faces *f, const struct reconstruct *r, bool always, double least) {
+    struct winds w;
+    struct bases b;
+    double a[MAX_VAR][BATCH];
+    long d = f->stride;
+    find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, &w);
+    common_bases(f, &w, &b);
+    for (int from = 0, to; from < f->n; from = to) {
+        bool splits;
+        to = run_end(f->n, &w, from, &splits);
+        if (splits)
+            r->split(from, to, f, &b, &w, a);
+        else
+            r->upwind(from, to, f, &b, &w, 0, a);
+    }
+    project_back(f->dim, 0, f->n, &b, a, false, f->out);
+}
+
+static void common(const struct faces *f, const struct eos *eos, const struct material *m,
+                   const struct reconstruct *r) {
+    (void)eos, (void)m;
+    one_basis(f, r, false, 0);
+}
+static void local_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
+                                 const struct reconstruct *r) {
+    (void)eos, (void)m;
+    one_basis(f, r, true, 0);
+}
+static void global_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
+                                  const struct reconstruct *r) {
+    (void)eos, (void)m;
+    one_basis(f, r, true, f->fastest);
+}
+
+/* Falls back to the cell's state where the reconstructed one is not admissible. */
+KERNEL static void admit(int n, int dim, double limit, const double *restrict rho, const double *const u[MAX_DIM],
+                         const double *restrict eps, struct face_states *restrict s) {
+    for (int i = 0; i < n; i++) {
+        bool good = s->rho[i] > 0 && s->rho[i] < limit && s->eps[i] > 0;
+        s->rho[i] = good ? s->rho[i] : rho[i];
+        s->eps[i] = good ? s->eps[i] : eps[i];
+        s->good[i] = good ? 1 : 0;
+    }
+    for (int k = 0; k < dim; k++) {
+        const double *restrict uk = u[k];
+        for (int i = 0; i < n; i++) s->u[k][i] = s->good[i] > 0 ? s->u[k][i] : uk[i];
+    }
+}
+
+static void reconstruct_line(const struct faces *f, const double *q, int side, const struct reconstruct *r,
+                             double *out) {
+    const double *line[5];
+    for (int m = 0; m < 5; m++) line[m] = q + (side > 0 ? m - 2 : 3 - m) * f->stride;
+    r->face(f->n, line, out);
+}
+
+/* The states reconstructed to the faces from one side, (rho, u, T) by the same operator. */
+static void sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
+                         const struct reconstruct *r, struct face_states *s) {
+    int n = f->n, dim = f->dim;
+    long cell = side > 0 ? 0 : f->stride;
+    const double *u[MAX_DIM] = {0};
+    reconstruct_line(f, f->state[0], side, r, s->rho);
+    reconstruct_line(f, f->eps, side, r, s->eps);
+    for (int k = 0; k < dim; k++) {
+        reconstruct_line(f, f->velocity[k], side, r, s->u[k]);
+        u[k] = f->velocity[k] + cell;
+    }
+    admit(n, dim, density_limit(eos, m), f->state[0] + cell, u, f->eps + cell, s);
+    eos->state(m, n, s->rho, s->eps, s->p, s->c, s->gruneisen);
+}
+
+/* Does any face of the run take something from the side whose opposite is `other`? */
+static bool side_needed(const struct winds *w, int from, int to, double other) {
+    for (int k = 0; k < FAMILIES; k++)
+        for (int i = from; i < to; i++)
+            if (w->speed[k][i] != other) return true;
+    return false;
+}
+
+struct two_bases { /* of faces: what stands to the left and to the right of each */
+    struct face_states s[2];
+    struct bases b[2];
+    struct winds w;
+};
+
+static void two_bases_flux(const struct faces *f, const struct eos *eos, const struct material *m,
+                           const struct reconstruct *r, struct two_bases *t) {
+    const struct winds *w = &t->w;
+    const struct bases *b = t->b;
+    double a[MAX_VAR][BATCH];
+    for (int s = 0; s < 2; s++) {
+        sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
+        state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
+    }
+    find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
+    for (int from = 0, to; from < f->n; from = to) {
+        bool add = false, splits;
+        to = run_end(f->n, w, from, &splits);
+        for (int s = 0; s < 2; s++) {
+            double other = s == 0 ? UPWIND_RIGHT : UPWIND_LEFT;
+            if (!side_needed(w, from, to, other)) continue;
+            if (splits)
+                r->sided(from, to, f, &b[s], w, s == 0 ? 1 : -1, a);
+            else
+                r->upwind(from, to, f, &b[s], w, other, a);
+            project_back(f->dim, from, to, &b[s], a, add, f->out);
+            add = true;
+        }
+    }
+}
+
+/* Marquina's flux, Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_- (erratum S6), bases at the
+ * reconstructed face states: with the cells' states it is first order only (physics 1.2). */
+static void marquina(const struct faces *f, const struct eos *eos, const struct material *m,
+                     const struct reconstruct *r) {
+    struct two_bases t;
+    two_bases_flux(f, eos, m, r, &t);
+}
+
+/* Marquina's flux of two states l, r is that of an upwind scheme with the fluxes measured from f* = (f_l + f_r)/2 (and
+ * states from their mean), plus D = (Q_l + Q_r - 1) f*, where Q f sums what the fields take from a side. D is of the
+ * order of the jump: Marquina's own. It damps shocks along the grid and the heating of walls, but makes entropy in
+ * dense gas, at rest above alpha 0.45, and the noise grows there (postprocessing/reports/marquinaStability.md). */
+struct excess {
+    double f[MAX_VAR][BATCH], u[MAX_VAR][BATCH]; /* means of the two sides */
+    double jump[MAX_VAR][BATCH], D[MAX_VAR][BATCH];
+};
+
+ALWAYS_INLINE void means_dim(const int dim, int n, const struct face_states s[2], struct excess *restrict e) {
+    for (int i = 0; i < n; i++) {
+        double U[2][MAX_VAR], F[2][MAX_VAR];
+        for (int k = 0; k < 2; k++) {
+            double rho = s[k].rho[i], u0 = s[k].u[0][i], u1 = dim > 1 ? s[k].u[1][i] : 0,
+                   u2 = dim > 2 ? s[k].u[2][i] : 0;
+            double t = dim == 2 ? u1 * u1 : dim == 3 ? u1 * u1 + u2 * u2 : 0, p = s[k].p[i];
+            U[k][0] = rho;
+            U[k][1] = rho * u0;
+            if (dim > 1) U[k][2] = rho * u1;
+            if (dim > 2) U[k][3] = rho * u2;
+            U[k][dim + 1] = rho * (s[k].eps[i] + 0.5 * (u0 * u0 + t));
+            for (int v = 0; v < dim + 2; v++) F[k][v] = U[k][v] * u0;
+            F[k][1] += p;
+            F[k][dim + 1] += p * u0;
+        }
+        for (int v = 0; v < dim + 2; v++) {
+            e->f[v][i] = 0.5 * (F[0][v] + F[1][v]);
+            e->u[v][i] = 0.5 * (U[0][v] + U[1][v]);
+            e->jump[v][i] = U[1][v] - U[0][v];
+        }
+    }
+}
+
+KERNEL static void means(int dim, int n, const struct face_states s[2], struct excess *restrict e) {
+    if (dim == 1) means_dim(1, n, s, e);
+    if (dim == 2) means_dim(2, n, s, e);
+    if (dim == 3) means_dim(3, n, s, e);
+}
+
+/* D: what first order upwinding on the two bases makes of the means, less their flux. */
+static void excess_of(const struct faces *f, const struct two_bases *t, struct excess *e) {
+    struct faces mean = {.n = f->n, .dim = f->dim};
+    double a[MAX_VAR][BATCH], *D[MAX_VAR];
+    for (int v = 0; v < f->dim + 2; v++) {
+        mean.flux[v] = e->f[v];
+        mean.state[v] = e->u[v];
+        D[v] = e->D[v];
+    }
+    for (int s = 0; s < 2; s++) {
+        reconstruct_find("firstOrder")->sided(0, f->n, &mean, &t->b[s], &t->w, s == 0 ? 1 : -1, a);
+        project_back(f->dim, 0, f->n, &t->b[s], a, s == 1, D);
+    }
+}
+
+/* dp/c^2, rho du_n/c, rho du_t, and drho at constant p of a change of state: in them |A| is symmetric. */
+struct change {
+    double p, normal, tangent[2], entropy;
+};
+ALWAYS_INLINE struct change change_of(const int dim, const struct rows l, const double *const q[MAX_VAR], int i) {
+    const struct fields w = project(dim, l, q, i);
+    return (struct change){w.plus + w.minus, w.plus - w.minus, {w.shear[0], w.shear[1]}, w.entropy};
+}
+/* The second derivative of the entropy, times -rho T: entropy weighs (c^2/(g^2 eps) - 1). */
+ALWAYS_INLINE double product(double c2, double weight, const struct change a, const struct change b) {
+    double t = a.tangent[0] * b.tangent[0] + a.tangent[1] * b.tangent[1];
+    return c2 * (a.p * b.p + a.normal * b.normal + weight * (a.entropy * b.entropy)) + t;
+}
+ALWAYS_INLINE double entropy_weight(const struct face_states *s, int i) {
+    return s->c[i] / (s->gruneisen[i] * s->gruneisen[i] * s->eps[i]) - 1;
+}
+
+/* Takes from the flux what of D makes entropy, D.dv > 0 with the jump dv of the entropy's derivatives: just as much of
+ * dU that D.dv = 0. What is left is held to half of what upwinding may dissipate, |D| <= s |dU|/4, s = max(|u| + c) +
+ * du^2/c (the last for shocks, where dU says little about D), as it grows without bound towards close packing and the
+ * steps would have to be shorter than the speed of sound asks for. Elsewhere the flux keeps its bits. */
+ALWAYS_INLINE void tame_dim(const int dim, int n, const struct two_bases *restrict x, const struct bases *restrict mean,
+                            struct excess *restrict e, double *const out[MAX_VAR]) {
+    const double *restrict minus = x->w.speed[MINUS], *restrict plus = x->w.speed[PLUS];
+    const double *D[MAX_VAR], *dU[MAX_VAR];
+    for (int v = 0; v < dim + 2; v++) {
+        for (int i = 0; i < n; i++) e->D[v][i] -= e->f[v][i];
+        D[v] = e->D[v];
+        dU[v] = e->jump[v];
+    }
+    for (int i = 0; i < n; i++) {
+        const struct rows l = rows_at(dim, mean, i);
+        const struct change a = change_of(dim, l, D, i), b = change_of(dim, l, dU, i);
+        double c = mean->c[i], weight = 0.5 * (entropy_weight(&x->s[0], i) + entropy_weight(&x->s[1], i));
+        double ab = product(c * c, weight, a, b), bb = product(c * c, weight, b, b);
+        bool active = bb > 0 && minus[i] != UPWIND_LEFT && plus[i] != UPWIND_RIGHT;
+        double made = active && ab > 0 ? ab / bb : 0, du = x->s[1].u[0][i] - x->s[0].u[0][i];
+        double fast = larger(fabs(x->s[0].u[0][i]) + x->b[0].c[i], fabs(x->s[1].u[0][i]) + x->b[1].c[i]);
+        double most = 0.25 * (fast + du * du / c), left = product(c * c, weight, a, a) - made * ab;
+        double keep = active && left > most * most * bb ? sqrt(most * most * bb / left) : 1;
+        double drop = 1 - keep, shift = keep * made;
+        for (int v = 0; v < dim + 2; v++) out[v][i] -= drop * D[v][i] + shift * dU[v][i];
+    }
+}
+
+KERNEL static void tame(int dim, int n, const struct two_bases *restrict x, const struct bases *restrict mean,
+                        struct excess *restrict e, double *const out[MAX_VAR]) {
+    if (dim == 1) tame_dim(1, n, x, mean, e, out);
+    if (dim == 2) tame_dim(2, n, x, mean, e, out);
+    if (dim == 3) tame_dim(3, n, x, mean, e, out);
+}
+
+static bool all_one_way(int n, const struct winds *w) {
+    for (int i = 0; i < n; i++)
+        if (w->speed[MINUS][i] != UPWIND_LEFT && w->speed[PLUS][i] != UPWIND_RIGHT) return false;
+    return true;
+}
+
+static void marquina_stable(const struct faces *f, const struct eos *eos, const struct material *m,
+                            const struct reconstruct *r) {
+    struct two_bases t;
+    struct excess e;
+    struct bases mean;
+    two_bases_flux(f, eos, m, r, &t);
+    if (all_one_way(f->n, &t.w)) return;
+    means(f->dim, f->n, t.s, &e);
+    excess_of(f, &t, &e);
+    common_bases(f, &t.w, &mean);
+    tame(f->dim, f->n, &t, &mean, &e, f->out);
+}
+
+/* F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r): Rusanov (1961). */
+KERNEL static void rusanov_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
+                                const double *restrict ul, const double *restrict ur, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);
+}
+
+KERNEL static void rusanov_speed(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
+                                 const double *restrict cr, double *restrict s) {
+    for (int i = 0; i < n; i++) s[i] = larger(fabs(ul[i]) + cl[i], fabs(ur[i]) + cr[i]);
+}
+
+void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r) {
+    (void)eos, (void)m, (void)r;
+    double s[BATCH];
+    rusanov_speed(f->n, f->velocity[0], f->c, f->velocity[0] + f->stride, f->c + f->stride, s);
+    for (int v = 0; v < f->dim + 2; v++)
+        rusanov_line(f->n, s, f->flux[v], f->flux[v] + f->stride, f->state[v], f->state[v] + f->stride, f->out[v]);
+}
+
+const struct flux flux_table[] = {
+    {"common", "characteristic upwind on one eigenbasis a face", common},
+    {"Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas", marquina},
+    {"MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too", marquina_stable},
+    {"LaxFriedrichs", "characteristic, every field split with the face's speed", local_lax_friedrichs},
+    {"globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed", global_lax_friedrichs},
+    {"Rusanov", "first order, the most robust (ignores reconstruct)", flux_rusanov},
+};
+const int flux_count = sizeof flux_table / sizeof *flux_table;
+
+const struct flux *flux_find(const char *name) {
+    for (int i = 0; i < flux_count; i++)
+        if (!strcmp(name, flux_table[i].name)) return &flux_table[i];
+    return NULL;
+}
+
+void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][MAX_VAR],
+                       double right[MAX_VAR][MAX_VAR]) {
+    struct bases b;
+    double kinetic = 0;
+    for (int k = 0; k < dim; k++) kinetic += 0.5 * given->u[k] * given->u[k];
+    close_basis(dim, given->u, given->h - kinetic, given->c, given->b1 * given->c * given->c, &b, 0);
+    for (int v = 0; v < dim + 2; v++) {
+        double unit[MAX_VAR] = {0}, a[MAX_VAR][BATCH] = {{0}}, column[MAX_VAR];
+        unit[v] = 1;
+        a[v][0] = 1;
+        const double *q[MAX_VAR];
+        double *out[MAX_VAR];
+        for (int k = 0; k < dim + 2; k++) {
+            q[k] = &unit[k];
+            out[k] = &column[k];
+        }
+        struct fields w = project(dim, rows_at(dim, &b, 0), q, 0);
+        project_back(dim, 0, 1, &b, a, false, out);
+        left[0][v] = w.minus;
+        left[1][v] = w.entropy;
+        for (int k = 2; k <= dim; k++) left[k][v] = w.shear[k - 2];
+        left[dim + 1][v] = w.plus;
+        for (int k = 0; k < dim + 2; k++) right[k][v] = column[k];
+    }
+}

@@ -1,0 +1,43 @@
+/* Numerical fluxes through a batch of faces: a table. A flux sees the stencil of its faces as line pointers, so rows of
+ * tiles and gathered faces of any mesh serve alike. */
+#ifndef LIBCORE_FLUX_H
+#define LIBCORE_FLUX_H
+
+#include "libcore/models/eos.h"
+#include "libcore/models/kernel.h"
+#include "libcore/schemes/reconstruct.h"
+
+/* n faces between the cells "left" and "right". A pointer stands at the left cell of face 0; cell m of a face's stencil
+ * (m = -2 .. 3; left is 0, right is 1) is `stride` further per m. Components of vectors: normal first. */
+struct faces {
+    int n, dim;
+    long stride;
+    const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
+    const double *flux[MAX_VAR];  /* of the cells, along the normal */
+    const double *velocity[MAX_DIM];
+    const double *eps, *c, *gruneisen; /* eos of the cells; c sound speed */
+    double fastest;                    /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
+    double *out[MAX_VAR];              /* [n] face fluxes */
+};
+
+struct flux {
+    const char *name, *about;
+    void (*through)(const struct faces *f, const struct eos *eos, const struct material *m,
+                    const struct reconstruct *r);
+};
+
+extern const struct flux flux_table[];
+extern const int flux_count;
+const struct flux *flux_find(const char *name); /* NULL: none */
+
+/* First order with a wave-speed bound. */
+void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);
+
+/* Left (rows) and right (columns) eigenvectors of the Jacobian along the normal for one state, normal component first,
+ * order u - c, entropy, shears, u + c (physics 1.1): what the fluxes use line by line, for tests. */
+struct basis { /* of one face: what the eigenvectors are made of */
+    double u[MAX_DIM], c, h /* total enthalpy */, b1 /* p_eps / (rho c^2) */;
+};
+void flux_eigenvectors(int dim, const struct basis *b, double left[MAX_VAR][MAX_VAR], double right[MAX_VAR][MAX_VAR]);
+
+#endif

@@ -1,0 +1,341 @@
+#include "libcore/schemes/polynomial_fit.h"
+
+#define EACH_LANE for (int l = 0; l < LANES; l++)
+static const double SMALL = 1e-6;   /* squared ratio of variation to scale below which nothing is limited */
+static const double EPSILON = 1e-4; /* of the weights of CWENO3: what varies by 1 % of its scale a cell is smooth */
+static const double OVER = 0.2;     /* what CWENO3 may leave the range of its stencil by, as a part of that range */
+static const double TINY = 1e-100;  /* keeps 0/0 away */
+
+ALWAYS_INLINE void own_values(const struct fit *f, int batch, const double *restrict q, double *restrict own) {
+    int first = batch * LANES, n = f->polyhedra->nnear - first < LANES ? f->polyhedra->nnear - first : LANES;
+    memcpy(own, q + first, (size_t)n * sizeof *own);
+    for (int l = n; l < LANES; l++) own[l] = q[first];
+}
+ALWAYS_INLINE void differences(const int *restrict cell, const double *restrict q, const double *restrict own,
+                               double *restrict d) {
+    EACH_LANE d[l] = q[cell[l]] - own[l];
+}
+
+/* Limiters and weights act in the frame that moves with the cell: m' = m - u rho, E' = E - u.m + |u|^2/2 rho with the
+ * cell's own u. This map is linear, so it takes polynomials to polynomials of the same degree, and cell averages to
+ * averages; what is done in this frame cannot depend on the observer's speed, and at high Mach numbers it sees the
+ * internal energy, which in E is no more than the noise. There E' = rho eps, and the variables have scales. */
+struct frame {
+    double velocity[MAX_DIM][LANES], half_square[LANES];
+    double square[MAX_VAR][LANES]; /* of the scales: rho, rho sqrt(2 eps), rho eps */
+};
+ALWAYS_INLINE void find_frame(int dim, double (*restrict own)[LANES], struct frame *restrict f) {
+    EACH_LANE {
+        double rho = own[0][l], sum = 0;
+        for (int k = 0; k < dim; k++) {
+            f->velocity[k][l] = own[k + 1][l] / rho;
+            sum += f->velocity[k][l] * f->velocity[k][l];
+        }
+        double energy = own[dim + 1][l] - 0.5 * rho * sum;
+        f->half_square[l] = 0.5 * sum;
+        f->square[0][l] = rho * rho;
+        for (int k = 0; k < dim; k++) f->square[k + 1][l] = fabs(2 * rho * energy);
+        f->square[dim + 1][l] = energy * energy;
+    }
+}
+/* Lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
+ALWAYS_INLINE void boost(int dim, double sign, const struct frame *restrict f, double *const *line) {
+    double *restrict rho = line[0], *restrict E = line[dim + 1], dot[LANES] = {0};
+    for (int k = 0; k < dim; k++) {
+        double *restrict m = line[k + 1];
+        EACH_LANE {
+            dot[l] += f->velocity[k][l] * m[l];
+            m[l] = fma(sign * f->velocity[k][l], rho[l], m[l]);
+        }
+    }
+    EACH_LANE E[l] = fma(f->half_square[l], rho[l], E[l] + sign * dot[l]);
+}
+
+struct bounds {
+    double low[LANES], high[LANES]; /* less the cell's value */
+};
+ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
+    EACH_LANE {
+        b->low[l] = smaller(d[l], b->low[l]);
+        b->high[l] = larger(d[l], b->high[l]);
+    }
+}
+
+/* Gradient by least squares, weights 1/distance^2, times the limiter of Barth & Jespersen (AIAA 89-0366, 1989): values
+ * halfway to first-ring members stay within the values of the stencil, and face values are cut to these bounds one by
+ * one, too. On a linear field the bounds are twice as far away as the values halfway, whatever the mesh: the more room
+ * there is, the less is cut. Where the stencil varies by less than 1e-3 of the scale nothing acts, and it fades in to
+ * sqrt(2) times that: smooth extrema keep their order (the switch of Michalak & Ollivier-Gooch, J. Comput. Phys. 228,
+ * 2009, made independent of units). */
+ALWAYS_INLINE void limit(int dim, const struct rows *halfway, int batch, const double *restrict square,
+                         struct bounds *restrict b, double (*restrict a)[LANES]) {
+    double least[LANES] = {0}, most[LANES] = {0};
+    for (int j = halfway->start[batch]; j < halfway->start[batch + 1]; j++) {
+        const double *x = halfway->data + (long)j * dim * LANES;
+        EACH_LANE {
+            double change = 0;
+            for (int k = 0; k < dim; k++) change += x[k * LANES + l] * a[k][l];
+            least[l] = smaller(change, least[l]);
+            most[l] = larger(change, most[l]);
+        }
+    }
+    EACH_LANE {
+        double low = b->low[l], high = b->high[l], range = high - low, small = SMALL * square[l];
+        double above = 2 * most[l] > high ? high / most[l] : 2, below = 2 * least[l] < low ? low / least[l] : 2;
+        double room = smaller(above, below), limiter = smaller(room, 1);
+        double y = larger(smaller((range * range - small) / (small + TINY), 1), 0);
+        double off = fma(y * y, fma(2, y, -3), 1), wider = larger(off, room - 1) * range;
+        limiter = fma(off, 1 - limiter, limiter);
+        b->low[l] = low - wider;
+        b->high[l] = high + wider;
+        for (int k = 0; k < dim; k++) a[k][l] *= limiter;
+    }
+}
+
+struct batch {
+    double own[MAX_VAR][LANES]; /* averages of the cells */
+    struct frame frame;
+    struct bounds bounds[MAX_VAR]; /* in their frames */
+};
+/* a += the coefficients of the polynomials of the whole stencils, in the frames of the cells. */
+ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batch, const double *const *U,
+                               struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    double d[MAX_VAR][LANES], *line[MAX_VAR];
+    for (int v = 0; v < dim + 2; v++) {
+        own_values(f, batch, U[v], c->own[v]);
+        line[v] = d[v];
+    }
+    find_frame(dim, c->own, &c->frame);
+    for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
+        const double *w = f->member.data + (long)j * ncoef * LANES;
+        for (int v = 0; v < dim + 2; v++) differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
+        boost(dim, -1, &c->frame, line);
+        for (int v = 0; v < dim + 2; v++) {
+            extend(&c->bounds[v], d[v]);
+            for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = fma(w[k * LANES + l], d[v][l], a[v][k][l]);
+        }
+    }
+}
+
+/* From changes in the frame of the cell to values. */
+ALWAYS_INLINE void finish_points(int dim, const struct fit *f, int batch, double (*restrict own)[LANES],
+                                 const struct frame *restrict frame) {
+    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
+        double *line[MAX_VAR];
+        for (int v = 0; v < dim + 2; v++) line[v] = f->value + v * f->nvalues + (long)j * LANES;
+        boost(dim, 1, frame, line);
+        for (int v = 0; v < dim + 2; v++) EACH_LANE line[v][l] += own[v][l];
+    }
+}
+
+ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, const struct bounds *restrict b,
+                                  double (*restrict a)[LANES], double *restrict value) {
+    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
+        const double *restrict x = f->point.data + (long)j * dim * LANES;
+        double *restrict out = value + (long)j * LANES;
+        EACH_LANE {
+            double change = 0;
+            for (int k = 0; k < dim; k++) change += x[k * LANES + l] * a[k][l];
+            out[l] = larger(smaller(change, b->high[l]), b->low[l]);
+        }
+    }
+}
+
+ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double *const *U) {
+    double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
+    struct batch c = {.bounds = {{{0}, {0}}}};
+    add_members(dim, dim, f, batch, U, &c, a);
+    for (int v = 0; v < dim + 2; v++) {
+        limit(dim, &f->halfway, batch, c.frame.square[v], &c.bounds[v], a[v]);
+        linear_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
+    }
+    finish_points(dim, f, batch, c.own, &c.frame);
+}
+
+/* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000) with the quadratic of the whole stencil as the optimal
+ * polynomial P_opt and linear ones, one per sector, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci. Comput. 39,
+ * 2017):
+ *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
+ * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019): I = sum over the derivatives of
+ * the mean over the cell (taken as a cube) of their square, in units of the squared scales of the frame, and over the
+ * variables: one set of weights for all of them makes less noise behind shocks than one for each, as their profiles
+ * keep together. epsilon = 1e-4: a smooth wave keeps the quadratic alone from 30 cells a length on. tau = mean
+ * |I_s - I_opt|, which is large wherever one sector is smooth and another is not, while a difference of means cancels
+ * at some jumps. The bounds count where no sector is smooth: in wedges at a wall. */
+ALWAYS_INLINE int quadratics(int dim) {
+    return dim * (dim + 1) / 2;
+}
+ALWAYS_INLINE int product(int dim, int i, int j) { /* of coordinates i <= j, among the coefficients */
+    return dim + i * dim - i * (i - 1) / 2 + j - i;
+}
+
+/* Gradients of the sectors in the frame of the cell: g[v][s][k]. */
+ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int sectors, const double *const *U,
+                                    double (*restrict own)[LANES], const struct frame *restrict frame,
+                                    double (*restrict g)[LANES]) {
+    const int each = sectors * dim;
+    double d[LANES], *line[MAX_VAR];
+    for (int v = 0; v < dim + 2; v++) {
+        int j = f->sector.start[batch];
+        for (int s = 0; s < sectors; s++) {
+            double(*restrict at)[LANES] = g + v * each + s * dim;
+            for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
+            for (int m = 0; m < f->sector_members[batch]; m++, j++) {
+                const double *w = f->sector.data + (long)j * dim * LANES;
+                differences(f->sector.cell + (long)j * LANES, U[v], own[v], d);
+                for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = fma(w[k * LANES + l], d[l], at[k][l]);
+            }
+        }
+    }
+    for (int i = 0; i < each; i++) {
+        for (int v = 0; v < dim + 2; v++) line[v] = g[v * each + i];
+        boost(dim, -1, frame, line);
+    }
+}
+
+/* I += the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared scale. */
+ALWAYS_INLINE void add_smoothness(int dim, double (*restrict a)[LANES], const double *restrict inverse,
+                                  double *restrict I) {
+    EACH_LANE {
+        double first = 0, second = 0;
+        for (int k = 0; k < dim; k++) first += a[k][l] * a[k][l];
+        for (int i = 0; i < dim; i++) /* from 0, or compilers do not unroll these loops, which would cost vectors */
+            for (int j = 0; j < dim; j++)
+                if (j >= i) second += (i == j ? 4. : 2.) * (a[product(dim, i, j)][l] * a[product(dim, i, j)][l]);
+        I[l] = fma(fma(13. / 12, second, first), inverse[l], I[l]);
+    }
+}
+
+/* Nonlinear weights, from the smoothness I of the quadratic and w of the sectors: w_0/d_0 in `central`, w_s - d_s
+ * w_0/d_0 in w. */
+ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double *restrict I,
+                         double (*restrict w)[LANES], double *restrict central) {
+    double tau[LANES] = {0}, shares[LANES] = {0}, sum[LANES];
+    for (int s = 0; s < sectors; s++) EACH_LANE {
+            tau[l] = fma(share[s * LANES + l], fabs(w[s][l] - I[l]), tau[l]);
+            shares[l] += share[s * LANES + l];
+        }
+    EACH_LANE {
+        tau[l] /= larger(shares[l], TINY);
+        double ratio = tau[l] / (I[l] + EPSILON);
+        central[l] = fma(ratio, ratio, 1);
+        sum[l] = (1 - shares[l]) * central[l];
+    }
+    for (int s = 0; s < sectors; s++) EACH_LANE {
+            double ratio = tau[l] / (w[s][l] + EPSILON);
+            w[s][l] = share[s * LANES + l] * fma(ratio, ratio, 1);
+            sum[l] += w[s][l];
+        }
+    EACH_LANE {
+        sum[l] = 1 / sum[l];
+        central[l] *= sum[l];
+    }
+    for (int s = 0; s < sectors; s++) EACH_LANE w[s][l] = fma(w[s][l], sum[l], -central[l] * share[s * LANES + l]);
+}
+
+/* a <- the coefficients of P, from those of P_opt and the gradients g of the sectors; w: room for their weights. */
+ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, const struct frame *restrict frame,
+                           double (*restrict g)[LANES], double (*restrict w)[LANES],
+                           double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    const int each = sectors * dim;
+    double I[LANES] = {0}, central[LANES], inverse[MAX_VAR][LANES];
+    for (int v = 0; v < dim + 2; v++) {
+        EACH_LANE inverse[v][l] = 1 / larger(frame->square[v][l], TINY);
+        add_smoothness(dim, a[v], inverse[v], I);
+    }
+    for (int s = 0; s < sectors; s++) {
+        EACH_LANE w[s][l] = 0;
+        for (int v = 0; v < dim + 2; v++) {
+            double(*restrict at)[LANES] = g + v * each + s * dim;
+            EACH_LANE {
+                double sum = 0;
+                for (int k = 0; k < dim; k++) sum += at[k][l] * at[k][l];
+                w[s][l] = fma(sum, inverse[v][l], w[s][l]);
+            }
+        }
+    }
+    weigh(share, sectors, I, w, central);
+    for (int v = 0; v < dim + 2; v++) {
+        for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[v][k][l] *= central[l];
+        for (int s = 0; s < sectors; s++)
+            for (int k = 0; k < dim; k++) EACH_LANE a[v][k][l] = fma(w[s][l], g[v * each + s * dim + k][l], a[v][k][l]);
+    }
+}
+
+ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, const struct bounds *restrict b,
+                                     double (*restrict a)[LANES], double *restrict value) {
+    const double *moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
+    double base[LANES], low[LANES], high[LANES];
+    EACH_LANE {
+        double mean = 0;
+        for (int m = 0; m < quadratics(dim); m++) mean = fma(a[dim + m][l], moment[m * LANES + l], mean);
+        base[l] = -mean;
+        low[l] = fma(OVER, b->low[l] - b->high[l], b->low[l]);
+        high[l] = fma(OVER, b->high[l] - b->low[l], b->high[l]);
+    }
+    for (int p = f->point.start[batch]; p < f->point.start[batch + 1]; p++) {
+        const double *restrict x = f->point.data + (long)p * dim * LANES;
+        double *restrict out = value + (long)p * LANES;
+        EACH_LANE {
+            double sum = base[l];
+            for (int i = 0; i < dim; i++) {
+                double slope = a[i][l];
+                for (int j = 0; j < dim; j++)
+                    if (j >= i) slope = fma(a[product(dim, i, j)][l], x[j * LANES + l], slope);
+                sum = fma(slope, x[i * LANES + l], sum);
+            }
+            out[l] = larger(smaller(sum, high[l]), low[l]);
+        }
+    }
+}
+
+ALWAYS_INLINE void cweno3(int dim, const struct fit *f, int batch, const double *const *U) {
+    const int sectors = f->share.start[batch + 1] - f->share.start[batch];
+    double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
+    double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
+    struct batch c = {.bounds = {{{0}, {0}}}};
+    add_members(dim, dim + quadratics(dim), f, batch, U, &c, a);
+    sector_gradients(dim, f, batch, sectors, U, c.own, &c.frame, gradient);
+    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
+    for (int v = 0; v < dim + 2; v++) quadratic_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
+    finish_points(dim, f, batch, c.own, &c.frame);
+}
+
+/* One function for every dimension: loops over coefficients unroll. */
+#define CELLS(kind)                                                                                                    \
+    KERNEL static void kind##_cells(struct fit *f, int batch, const double *const *U) {                                \
+        if (f->polyhedra->dim == 1) kind(1, f, batch, U);                                                              \
+        if (f->polyhedra->dim == 2) kind(2, f, batch, U);                                                              \
+        if (f->polyhedra->dim == 3) kind(3, f, batch, U);                                                              \
+    }
+CELLS(linear)
+CELLS(cweno3)
+
+const struct polynomial polynomial_table[] = {
+    {"firstOrder", "the cell's value", 1, 0, NULL},
+    {"linear", "second order: least-squares gradients, limited (Barth & Jespersen 1989)", 1, 1, linear_cells},
+    {"CWENO3",
+     "third order on smooth flow: a quadratic, near shocks linear polynomials of sectors "
+     "(Levy, Puppo & Russo 2000; Dumbser et al. 2017)",
+     2, 2, cweno3_cells},
+};
+const int polynomial_count = sizeof polynomial_table / sizeof *polynomial_table;
+
+const struct polynomial *polynomial_find(const char *name) {
+    for (int i = 0; i < polynomial_count; i++)
+        if (!strcmp(name, polynomial_table[i].name)) return &polynomial_table[i];
+    return NULL;
+}
+
+void fit_cells(struct fit *f, int from, int to, const double *const *U) {
+    if (f->kind->cells && from < to)
+        for (int b = from / LANES; b <= (to - 1) / LANES; b++) f->kind->cells(f, b, U);
+}
+
+KERNEL static void gather(int n, const int *restrict place, const double *restrict from, double *restrict to) {
+    for (int i = 0; i < n; i++) to[i] = from[place[i]];
+}
+void fit_points(const struct fit *f, int side, int from, int n, const double *const *U, double *const *out) {
+    for (int v = 0; v < f->nvar; v++)
+        gather(n, f->place[side] + from, f->kind->cells ? f->value + v * f->nvalues : U[v], out[v]);
+}

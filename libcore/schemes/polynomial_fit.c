@@ -1,0 +1,378 @@
+#include "libcore/schemes/polynomial_fit.h"
+
+#include <stdlib.h>
+
+/* A column of a least-squares problem that depends on the ones before it up to this fraction gets no coefficient. */
+static const double DEPENDENT = 1e-2;
+static const double FLAT_SECTOR = 0.1; /* the same for the members of a sector, which is then left out */
+static const double CONE = 0.55;       /* cosine of the angle that a sector beyond a face takes in to each side */
+static const double CENTRAL = 1e3;     /* linear weight of the quadratic against that of one sector */
+
+struct point_list { /* face points of the cells */
+    int *start;     /* [nnear + 1] */
+    int *entry;     /* 2 point + side */
+};
+
+static double unit(const struct polyhedra *m, int i) { /* h = volume^(1/dim), the same bits everywhere */
+    double volume = m->volume[i];
+    return m->dim == 1 ? volume : m->dim == 2 ? sqrt(volume) : power(volume, 1. / 3);
+}
+static int smallest(int a, int b) {
+    return a < b ? a : b;
+}
+
+/* Rows for lists with the given numbers of entries per cell, all of them empty: the cell itself, weight 0. */
+static status rows_make(const struct fit *f, const int *length, int width, bool cells, struct rows *r) {
+    int n = f->polyhedra->nnear;
+    r->width = width;
+    TRY(allocate(&r->start, f->nbatches + 1, sizeof *r->start, "rows of a fit"));
+    for (int b = 0; b < f->nbatches; b++) {
+        int most = 0;
+        for (int i = b * LANES; i < smallest(n, (b + 1) * LANES); i++) most = length[i] > most ? length[i] : most;
+        r->start[b + 1] = r->start[b] + most;
+    }
+    long rows = r->start[f->nbatches];
+    TRY(allocate(&r->data, rows * width * LANES, sizeof *r->data, "weights of a fit"));
+    if (!cells) return OK;
+    TRY(allocate(&r->cell, rows * LANES, sizeof *r->cell, "members of a fit"));
+    for (int b = 0; b < f->nbatches; b++)
+        for (long j = (long)r->start[b] * LANES; j < (long)r->start[b + 1] * LANES; j++)
+            r->cell[j] = b * LANES + (b * LANES + (int)(j % LANES) < n ? (int)(j % LANES) : 0);
+    return OK;
+}
+void rows_free(struct rows *r) {
+    free(r->start);
+    free(r->cell);
+    free(r->data);
+}
+static long row_of(const struct rows *r, int cell, int entry) {
+    return r->start[cell / LANES] + entry;
+}
+static void put(struct rows *r, int cell, int entry, int k, double x) {
+    r->data[(row_of(r, cell, entry) * r->width + k) * LANES + cell % LANES] = x;
+}
+static void put_cell(struct rows *r, int cell, int entry, int member) {
+    r->cell[row_of(r, cell, entry) * LANES + cell % LANES] = member;
+}
+
+/* Solution operator W[k][n] of the least-squares problem w_j (sum_k A[k][j] a_k - d_j) -> 0, a = W d, by Gram-Schmidt,
+ * twice is enough (A is overwritten). Returns how many coefficients are 0 because their columns depend on others. */
+static int least_squares(int n, int ncoef, double *A, const double *w, double dependent, double *W) {
+    double R[MAX_COEFFICIENT][MAX_COEFFICIENT] = {{0}}, longest = 0;
+    int dropped = 0;
+    for (int k = 0; k < ncoef; k++) {
+        double *q = A + (long)k * n, square = 0;
+        for (int j = 0; j < n; j++) {
+            q[j] *= w[j];
+            square += q[j] * q[j];
+        }
+        longest = larger(longest, square); /* one may be nothing but round-off: members in a plane */
+    }
+    for (int k = 0; k < ncoef; k++) {
+        double *q = A + (long)k * n, after = 0;
+        for (int i = 0; i < 2 * k; i++) {
+            const double *p = A + (long)(i % k) * n;
+            double dot = 0;
+            for (int j = 0; j < n; j++) dot += p[j] * q[j];
+            for (int j = 0; j < n; j++) q[j] -= dot * p[j];
+            R[i % k][k] += dot;
+        }
+        for (int j = 0; j < n; j++) after += q[j] * q[j];
+        bool kept = sqrt(after) > dependent * sqrt(longest);
+        R[k][k] = kept ? sqrt(after) : 0;
+        dropped += !kept;
+        for (int j = 0; j < n; j++) q[j] = kept ? q[j] / R[k][k] : 0;
+    }
+    for (int k = ncoef - 1; k >= 0; k--)
+        for (int j = 0; j < n; j++) {
+            double a = A[(long)k * n + j];
+            for (int i = k + 1; i < ncoef; i++) a -= R[k][i] * W[(long)i * n + j];
+            W[(long)k * n + j] = R[k][k] > 0 ? a / R[k][k] : 0;
+        }
+    for (long j = 0; j < (long)ncoef * n; j++) W[j] *= w[j % n];
+    return dropped;
+}
+
+/* Means of the basis functions of cell i over n members: A[k][n]; and weights 1/distance. */
+static void member_means(const struct polyhedra *m, int i, int degree, int n, const int *member, double *A, double *w) {
+    double h = unit(m, i);
+    for (int j = 0; j < n; j++) {
+        int at = m->stencil_start[i] + member[j], k = m->dim;
+        double x[MAX_DIM], square = 0;
+        for (int a = 0; a < m->dim; a++) {
+            A[(long)a * n + j] = x[a] = m->offset[a][at] / h;
+            square += x[a] * x[a];
+        }
+        for (int a = 0; degree > 1 && a < m->dim; a++)
+            for (int b = a; b < m->dim; b++, k++) {
+                const double *moment = m->moment[k - m->dim];
+                A[(long)k * n + j] = x[a] * x[b] + (moment[m->stencil[at]] - moment[i]) / (h * h);
+            }
+        w[j] = 1 / sqrt(square);
+    }
+}
+
+/* w <- 0 of members that nothing is known of. */
+static void leave_out(const struct polyhedra *m, const bool *unknown, int i, int n, const int *member, double *w) {
+    for (int j = 0; j < n && unknown; j++) {
+        const int cell = m->stencil[m->stencil_start[i] + member[j]];
+        if (cell >= m->ncells && unknown[cell - m->ncells]) w[j] = 0;
+    }
+}
+
+static int most_members(const struct polyhedra *m) {
+    int most = 1;
+    for (int i = 0; i < m->nnear; i++) {
+        int n = m->stencil_start[i + 1] - m->stencil_start[i];
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+/* Weights of the polynomial of the whole stencil. */
+static void member_weights(struct fit *f, const bool *unknown, int *all, double *A, double *w, double *W) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int i = 0; i < m->nnear; i++) {
+        int n = m->stencil_start[i + 1] - m->stencil_start[i], ncoef = f->member.width;
+        for (int j = 0; j < n; j++) all[j] = j;
+        member_means(m, i, f->kind->degree, n, all, A, w);
+        leave_out(m, unknown, i, n, all, w);
+        least_squares(n, ncoef, A, w, DEPENDENT, W);
+        for (int j = 0; j < n; j++) {
+            put_cell(&f->member, i, j, m->stencil[m->stencil_start[i] + j]);
+            for (int k = 0; k < ncoef; k++) put(&f->member, i, j, k, W[(long)k * n + j]);
+        }
+    }
+}
+
+/* Sectors of a cell: sets of members for linear polynomials, of which one lies on its side of a shock wherever that
+ * passes. Those at a corner; and of a cell with dim + 1 neighbours, where a shock may cut two members of every corner,
+ * those of the first two rings beyond a face. */
+static bool beyond(const struct polyhedra *m, int i, int face, int member) {
+    double dot = 0, aa = 0, bb = 0;
+    for (int k = 0; k < m->dim; k++) {
+        double a = m->offset[k][m->stencil_start[i] + face], b = m->offset[k][m->stencil_start[i] + member];
+        dot += a * b;
+        aa += a * a;
+        bb += b * b;
+    }
+    return dot > 0 && dot * dot > CONE * CONE * aa * bb;
+}
+static int find_sector(const struct polyhedra *m, int i, int sector, int *member) { /* returns its length, -1: none */
+    int ncorners = m->corner_start[i + 1] - m->corner_start[i], first = m->stencil_start[i], n = 0, faces = 0;
+    int members = m->stencil_start[i + 1] - first;
+    if (sector < ncorners) {
+        const int *at = m->corner_first + m->corner_start[i] + sector;
+        for (int j = at[0]; j < at[1]; j++) member[n++] = m->corner_member[j];
+        return n;
+    }
+    while (faces < members && m->ring[first + faces] == 1) faces++;
+    if (faces > m->dim + 1 || sector - ncorners >= faces) return -1;
+    for (int j = 0; j < members; j++)
+        if (m->ring[first + j] <= 2 && beyond(m, i, sector - ncorners, j)) member[n++] = j;
+    return n;
+}
+
+/* Gradients of the sectors, and which of them count. */
+static void sector_weights(struct fit *f, const bool *unknown, int *member, double *A, double *w, double *W) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int i = 0; i < m->nnear; i++) {
+        int rows = f->sector_members[i / LANES], counted = 0;
+        for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; s++) {
+            member_means(m, i, 1, n, member, A, w);
+            leave_out(m, unknown, i, n, member, w);
+            if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_SECTOR, W) > 0) continue;
+            counted++;
+            put(&f->share, i, s, 0, 1);
+            for (int j = 0; j < n; j++) {
+                put_cell(&f->sector, i, s * rows + j, m->stencil[m->stencil_start[i] + member[j]]);
+                for (int k = 0; k < m->dim; k++) put(&f->sector, i, s * rows + j, k, W[(long)k * n + j]);
+            }
+        }
+        for (int j = f->share.start[i / LANES]; j < f->share.start[i / LANES + 1]; j++)
+            f->share.data[(long)j * LANES + i % LANES] /= CENTRAL + counted;
+    }
+}
+
+static status make_sectors(struct fit *f, int *length, int *member) {
+    const struct polyhedra *m = f->polyhedra;
+    int most = 1;
+    TRY(allocate(&f->sector_members, f->nbatches, sizeof *f->sector_members, "sectors of a fit"));
+    for (int i = 0; i < m->nnear; i++) {
+        int *members = &f->sector_members[i / LANES];
+        length[i] = 0;
+        for (int n; (n = find_sector(m, i, length[i], member)) >= 0; length[i]++)
+            *members = n > *members ? n : *members;
+    }
+    TRY(rows_make(f, length, 1, false, &f->share));
+    for (int i = 0; i < m->nnear; i++) {
+        int b = i / LANES, sectors = f->share.start[b + 1] - f->share.start[b];
+        length[i] = sectors * f->sector_members[b];
+        most = sectors > most ? sectors : most;
+    }
+    TRY(rows_make(f, length, m->dim, true, &f->sector));
+    TRY(allocate(&f->gradient, (long)f->nvar * most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
+    return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
+}
+
+static status make_moments(struct fit *f, int *length) {
+    const struct polyhedra *m = f->polyhedra;
+    int nmoments = m->dim * (m->dim + 1) / 2;
+    for (int i = 0; i < m->nnear; i++) length[i] = 1;
+    TRY(rows_make(f, length, nmoments, false, &f->moment));
+    for (int i = 0; i < m->nnear; i++)
+        for (int k = 0; k < nmoments; k++) put(&f->moment, i, 0, k, m->moment[k][i] / (unit(m, i) * unit(m, i)));
+    return OK;
+}
+
+/* Half the offsets to the members of the first ring. */
+static status make_halfway(struct fit *f, int *length) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int i = 0; i < m->nnear; i++) {
+        length[i] = 0;
+        for (int j = m->stencil_start[i]; j < m->stencil_start[i + 1]; j++) length[i] += m->ring[j] == 1;
+    }
+    TRY(rows_make(f, length, m->dim, false, &f->halfway));
+    for (int i = 0; i < m->nnear; i++)
+        for (int j = 0; j < length[i]; j++)
+            for (int k = 0; k < m->dim; k++)
+                put(&f->halfway, i, j, k, 0.5 * m->offset[k][m->stencil_start[i] + j] / unit(m, i));
+    return OK;
+}
+
+static status list_points(const struct polyhedra *m, struct point_list *l) {
+    TRY(allocate(&l->start, m->nnear + 2, sizeof *l->start, "face points of the cells"));
+    TRY(allocate(&l->entry, 2L * m->point.n, sizeof *l->entry, "face points of the cells"));
+    for (int pass = 0; pass < 2; pass++) { /* counts, two places on; then puts in and moves the starts back */
+        for (int e = 0; e < 2 * m->point.n; e++) {
+            int face = m->point.face[e / 2], cell = e % 2 ? m->face.right[face] : m->face.left[face];
+            if (cell >= m->nnear) continue;
+            if (pass == 0) l->start[cell + 2]++;
+            if (pass == 1) l->entry[l->start[cell + 1]++] = e;
+        }
+        for (int i = 0; pass == 0 && i < m->nnear; i++) l->start[i + 2] += l->start[i + 1];
+    }
+    return OK;
+}
+
+static status make_points(struct fit *f, const struct point_list *l, int *length) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int side = 0; side < 2; side++)
+        TRY(allocate(&f->place[side], m->point.n, sizeof *f->place[side], "face points of a fit"));
+    for (int i = 0; i < m->nnear; i++) length[i] = l->start[i + 1] - l->start[i];
+    TRY(rows_make(f, length, m->dim, false, &f->point));
+    for (int i = 0; i < m->nnear; i++)
+        for (int j = 0; j < length[i]; j++) {
+            int point = l->entry[l->start[i] + j] / 2, side = l->entry[l->start[i] + j] % 2;
+            bool whole = f->kind->cells == NULL;
+            f->place[side][point] = whole ? i : (int)row_of(&f->point, i, j) * LANES + i % LANES;
+            for (int k = 0; k < m->dim; k++) put(&f->point, i, j, k, m->point.arm[side][k][point] / unit(m, i));
+        }
+    f->nvalues = f->kind->cells ? (long)f->point.start[f->nbatches] * LANES : 0;
+    return allocate(&f->value, f->nvar * f->nvalues, sizeof *f->value, "values at face points");
+}
+
+static status make_weights(struct fit *f, const bool *unknown, int *length) {
+    const struct polyhedra *m = f->polyhedra;
+    int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *member = NULL;
+    double *work = NULL;
+    for (int i = 0; i < m->nnear; i++) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
+    TRY(rows_make(f, length, ncoef, true, &f->member));
+    if (f->kind->degree == 1) TRY(make_halfway(f, length));
+    if (f->kind->degree == 2) TRY(make_moments(f, length));
+    status s = allocate(&member, most, sizeof *member, "a stencil");
+    if (!s) s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
+    if (!s) {
+        double *w = work + 2L * ncoef * most, *W = work + (long)ncoef * most;
+        member_weights(f, unknown, member, work, w, W);
+        if (f->kind->degree == 2) s = make_sectors(f, length, member);
+        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, member, work, w, W);
+    }
+    free(member);
+    free(work);
+    return s;
+}
+
+static status fill(struct fit *f, const bool *unknown) {
+    struct point_list l = {0};
+    int *length = NULL;
+    status s = allocate(&length, f->polyhedra->nnear, sizeof *length, "lengths of lists");
+    if (!s) s = list_points(f->polyhedra, &l);
+    if (!s) s = make_points(f, &l, length);
+    if (!s && f->kind->cells) s = make_weights(f, unknown, length);
+    free(length);
+    free(l.start);
+    free(l.entry);
+    return s;
+}
+
+static int nearest_members(const struct polyhedra *m, int i) {
+    int n = 0, first = m->stencil_start[i];
+    while (first + n < m->stencil_start[i + 1] && m->ring[first + n] == 1) n++;
+    return n;
+}
+
+/* Weights of the gradient of cell i from its first n members; returns whether they span the axes. */
+static bool gradient_weights(const struct polyhedra *m, int i, int n, const int *all, double *work, double *W) {
+    double *w = work + (long)m->dim * n;
+    member_means(m, i, 1, n, all, work, w);
+    return n >= m->dim && least_squares(n, m->dim, work, w, DEPENDENT, W) == 0;
+}
+
+static status put_gradients(const struct polyhedra *m, int *length, int *all, double *work, double *W,
+                            const struct fit *f, struct rows *r) {
+    const int most = most_members(m);
+    for (int j = 0; j < most; j++) all[j] = j;
+    for (int i = 0; i < m->nnear; i++) {
+        length[i] = nearest_members(m, i);
+        if (!gradient_weights(m, i, length[i], all, work, W)) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
+    }
+    TRY(rows_make(f, length, m->dim, true, r));
+    for (int i = 0; i < m->nnear; i++) {
+        (void)gradient_weights(m, i, length[i], all, work, W);
+        for (int j = 0; j < length[i]; j++) {
+            put_cell(r, i, j, m->stencil[m->stencil_start[i] + j]);
+            for (int k = 0; k < m->dim; k++) put(r, i, j, k, W[(long)k * length[i] + j] / unit(m, i));
+        }
+    }
+    return OK;
+}
+
+status fit_gradients(const struct fit *f, struct rows *r) {
+    const struct polyhedra *m = f->polyhedra;
+    const int most = most_members(m);
+    int *list;
+    double *work;
+    TRY(allocate(&list, m->nnear + most, sizeof *list, "the members of gradients"));
+    status s = allocate(&work, (2L * m->dim + 1) * most, sizeof *work, "a least-squares problem");
+    if (!s) {
+        s = put_gradients(m, list, list + m->nnear, work, work + (m->dim + 1L) * most, f, r);
+        free(work);
+    }
+    free(list);
+    return s;
+}
+
+status fit_make(const struct polyhedra *m, const struct polynomial *p, const bool *unknown, struct fit **out) {
+    TRY(allocate(out, 1, sizeof **out, "a fit"));
+    **out = (struct fit){.polyhedra = m, .kind = p, .nvar = m->dim + 2, .nbatches = (m->nnear + LANES - 1) / LANES};
+    status s = fill(*out, unknown);
+    if (s) {
+        fit_free(*out);
+        *out = NULL;
+    }
+    return s;
+}
+
+void fit_free(struct fit *f) {
+    if (!f) return;
+    struct rows *rows[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) rows_free(rows[i]);
+    free(f->sector_members);
+    free(f->gradient);
+    free(f->weight);
+    free(f->value);
+    free(f->place[0]);
+    free(f->place[1]);
+    free(f);
+}

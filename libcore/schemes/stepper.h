@@ -1,0 +1,23 @@
+/* Strong-stability-preserving Runge-Kutta schemes: a table of coefficients. */
+#ifndef LIBCORE_STEPPER_H
+#define LIBCORE_STEPPER_H
+
+struct stepper { /* stage s: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) */
+    const char *name, *about;
+    int stages;
+    int exchange;   /* after so many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
+    double courant; /* largest maxCo allowed (the Euler step: 1) */
+    double a[10], b[10];
+};
+extern const struct stepper stepper_table[];
+extern const int stepper_count;
+const struct stepper *stepper_find(const char *name); /* NULL: none */
+
+/* What struct stepper's exchange does with one number. */
+static inline void stepper_exchange(double start, double *next, double *state) {
+    double s = *state;
+    *next = start + 0.9 * (s - start);
+    *state = start + 0.4 * (s - start);
+}
+
+#endif

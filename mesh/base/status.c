@@ -1,0 +1,85 @@
+#include "mesh/base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TRAIL = 16, TEXT = 2048 };
+
+struct error {
+    enum status_kind kind;
+    char text[TEXT];
+    int depth;
+    struct {
+        const char *file;
+        int line;
+    } way[TRAIL];
+};
+
+/* What a file holds must not steer the terminal. */
+static void make_printable(char *text) {
+    for (char *c = text; *c; c++)
+        if (((unsigned char)*c < ' ' && *c != '\n') || *c == 127) *c = ' ';
+}
+
+status fail(enum status_kind kind, const char *format, ...) {
+    static struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
+    struct error *e = calloc(1, sizeof *e);
+    if (!e) return &no_memory;
+    e->kind = kind;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(e->text, sizeof e->text, format, args);
+    va_end(args);
+    make_printable(e->text);
+    return e;
+}
+
+status status_note(status s, const char *format, ...) {
+    if (!s) return s;
+    char text[TEXT], note[TEXT / 2];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(note, sizeof note, format, args);
+    va_end(args);
+    snprintf(text, sizeof text, "%s\n  %.*s", note, TEXT / 2 - 8, s->text);
+    make_printable(text);
+    memcpy(s->text, text, sizeof text);
+    return s;
+}
+
+status status_up(status s, const char *file, int line) {
+    if (s && s->depth < TRAIL) {
+        s->way[s->depth].file = file;
+        s->way[s->depth++].line = line;
+    }
+    return s;
+}
+
+enum status_kind status_kind(status s) {
+    return s->kind;
+}
+const char *status_text(status s) {
+    return s->text;
+}
+
+int status_print(status s, bool trail) {
+    if (!s) return 0;
+    fprintf(stderr, "error: %s\n", s->text);
+    for (int i = 0; trail && i < s->depth; i++) fprintf(stderr, "    at %s:%d\n", s->way[i].file, s->way[i].line);
+    return (int)s->kind;
+}
+
+void status_free(status s) {
+    if (s && strcmp(s->text, "out of memory") != 0) free(s);
+}
+
+status allocate(void *out, long count, long size, const char *what) {
+    size_t bytes = ((size_t)count * (size_t)size + 63) / 64 * 64;
+    void *p = count < 0 ? NULL : aligned_alloc(64, bytes ? bytes : 64);
+    if (!p) return fail(ERR_SYSTEM, "no memory for %s: %ld x %ld bytes", what, count, size);
+    memset(p, 0, bytes);
+    memcpy(out, &p, sizeof p);
+    return OK;
+}

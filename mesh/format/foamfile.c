@@ -1,0 +1,378 @@
+#include "mesh/format/foamfile.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <zlib.h>
+
+/* ---- source ---- */
+
+void source_free(struct source *s) {
+    if (!s) return;
+    free(s->path);
+    free(s->text);
+    free(s);
+}
+
+/* What a file may unzip to is bounded: as sound data it is seldom a hundred times larger, and never by accident. */
+static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
+
+/* gzread passes files through that are not gzipped. */
+static status read_all(struct source *s, size_t guess) {
+    gzFile f = gzopen(s->path, "rb");
+    if (!f) return fail(ERR_INPUT, "%s: cannot open: %s", s->path, strerror(errno));
+    size_t room = guess + 1;
+    int got = 0;
+    do {
+        if (s->size + 1 >= room) room = 2 * room + 4096;
+        char *text = realloc(s->text, room);
+        if (!text) {
+            gzclose(f);
+            return fail(ERR_SYSTEM, "%s: no memory to read %zu bytes", s->path, room);
+        }
+        s->text = text;
+        size_t want = room - s->size - 1;
+        got = gzread(f, s->text + s->size, want > 1 << 30 ? 1 << 30 : (unsigned)want);
+        if (got > 0) s->size += (size_t)got;
+        if (s->size > UNZIPPED && s->size / RATIO > guess) {
+            gzclose(f);
+            return fail(ERR_INPUT, "%s: unzips to more than %zu times its size; if that is meant, gunzip it", s->path,
+                        RATIO);
+        }
+    } while (got > 0);
+    int code = 0;
+    char why[160];
+    snprintf(why, sizeof why, "%s", gzerror(f, &code));
+    if (code == Z_ERRNO) snprintf(why, sizeof why, "%s", strerror(errno));
+    int closed = gzclose(f);
+    if (got < 0) return fail(ERR_INPUT, "%s: cannot read: %s", s->path, why);
+    if (closed == Z_BUF_ERROR) return fail(ERR_INPUT, "%s: the gzip file ends too early", s->path);
+    s->text[s->size] = 0;
+    return OK;
+}
+
+static status source_make(const char *path, const char *ending, struct source **out) {
+    struct source *s = calloc(1, sizeof *s);
+    size_t length = strlen(path) + strlen(ending) + 1;
+    if (s) s->path = malloc(length);
+    if (!s || !s->path) {
+        free(s);
+        return fail(ERR_SYSTEM, "no memory for %s", path);
+    }
+    snprintf(s->path, length, "%s%s", path, ending);
+    *out = s;
+    return OK;
+}
+
+status source_open(const char *path, struct source **out) {
+    *out = NULL;
+    struct stat info;
+    struct source *s = NULL;
+    TRY(source_make(path, "", &s));
+    if (stat(s->path, &info)) {
+        int why = errno;
+        source_free(s);
+        TRY(source_make(path, ".gz", &s));
+        if (stat(s->path, &info)) {
+            source_free(s);
+            return fail(ERR_INPUT, "%s: cannot open (nor %s.gz): %s", path, path, strerror(why));
+        }
+    }
+    status e = S_ISREG(info.st_mode) ? read_all(s, (size_t)info.st_size) : fail(ERR_INPUT, "%s: is no file", s->path);
+    if (e) {
+        source_free(s);
+        return e;
+    }
+    *out = s;
+    return OK;
+}
+
+status source_from_text(const char *name, const char *text, struct source **out) {
+    *out = NULL;
+    struct source *s = NULL;
+    TRY(source_make(name, "", &s));
+    s->size = strlen(text);
+    s->text = malloc(s->size + 1);
+    if (!s->text) {
+        source_free(s);
+        return fail(ERR_SYSTEM, "no memory for %s", name);
+    }
+    memcpy(s->text, text, s->size + 1);
+    *out = s;
+    return OK;
+}
+
+/* ---- numbers ---- */
+
+static bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+static bool ends_token(const char *p) {
+    unsigned char c = (unsigned char)*p;
+    return c <= ' ' || strchr("()[]{};,\"'", c) || (c == '/' && (p[1] == '/' || p[1] == '*'));
+}
+
+/* strtod needs the decimal point of the locale, which a library may have set. */
+static double slow_number(const char *text, size_t length) {
+    char copy[128];
+    memcpy(copy, text, length);
+    copy[length] = 0;
+    char *point = strchr(copy, '.');
+    if (point) *point = localeconv()->decimal_point[0];
+    return strtod(copy, NULL);
+}
+
+/* Up to 2^53 and 10^22 mantissa and power are exact, so that one division or product rounds correctly (Clinger 1990);
+ * the rest is strtod's. */
+const char *foam_number(const char *text, double *out) {
+    static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                   1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    const char *p = text;
+    bool minus = *p == '-';
+    if (*p == '-' || *p == '+') p++;
+    uint64_t mantissa = 0;
+    int digits = 0, scale = 0, exponent = 0;
+    for (; is_digit(*p); p++, digits++)
+        if (mantissa < UINT64_C(1) << 59) mantissa = 10 * mantissa + (uint64_t)(*p - '0');
+    if (*p == '.') {
+        for (p++; is_digit(*p); p++, digits++, scale--)
+            if (mantissa < UINT64_C(1) << 59) mantissa = 10 * mantissa + (uint64_t)(*p - '0');
+    }
+    if (!digits) return NULL;
+    if (*p == 'e' || *p == 'E') {
+        bool negative = *++p == '-';
+        if (*p == '-' || *p == '+') p++;
+        if (!is_digit(*p)) return NULL;
+        for (; is_digit(*p); p++)
+            if (exponent < 100000) exponent = 10 * exponent + (*p - '0');
+        if (negative) exponent = -exponent;
+    }
+    if (!ends_token(p) || p - text >= 128) return NULL;
+    exponent += scale;
+    if (mantissa <= UINT64_C(1) << 53 && exponent >= -22 && exponent <= 22) {
+        double v = (double)mantissa;
+        v = exponent < 0 ? v / power[-exponent] : v * power[exponent];
+        *out = minus ? -v : v;
+    } else {
+        *out = slow_number(text, (size_t)(p - text));
+    }
+    return p;
+}
+
+/* ---- tokens ---- */
+
+struct lexer lexer_start(const struct source *s) {
+    bool mark = s->size >= 3 && !memcmp(s->text, "\xEF\xBB\xBF", 3);
+    return (struct lexer){.source = s, .position = mark ? 3 : 0, .line = 1};
+}
+
+bool token_is(const struct token *t, const char *text) {
+    return t->kind != TOKEN_END && strlen(text) == (size_t)t->length && !memcmp(t->text, text, (size_t)t->length);
+}
+
+status lexer_fail(const struct lexer *l, const struct token *found, const char *format, ...) {
+    char text[1024], name[48];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    int shown = found->length < 40 ? found->length : 40;
+    snprintf(name, sizeof name, "%.*s%s", shown, found->text ? found->text : "", shown < found->length ? "..." : "");
+    for (char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ') *c = ' ';
+    if (found->kind == TOKEN_END)
+        return fail(ERR_INPUT, "%s:%d: the file ends; %s", l->source->path, found->line, text);
+    return fail(ERR_INPUT, "%s:%d: found '%s'; %s", l->source->path, found->line, name, text);
+}
+
+static status skip_blanks(struct lexer *l) {
+    const char *text = l->source->text, *p = text + l->position;
+    for (;;) {
+        if (*p == '\n') {
+            l->line++;
+            p++;
+        } else if (*p == ' ' || *p == '\t' || *p == '\r' || *p == '\f' || *p == '\v') {
+            p++;
+        } else if (p[0] == '/' && p[1] == '/') {
+            while (*p && *p != '\n') p++;
+        } else if (p[0] == '/' && p[1] == '*') {
+            int start = l->line;
+            for (p += 2; *p && !(p[0] == '*' && p[1] == '/'); p++) l->line += *p == '\n';
+            if (!*p) return fail(ERR_INPUT, "%s:%d: the comment /* is not closed", l->source->path, start);
+            p += 2;
+        } else {
+            break;
+        }
+    }
+    l->position = (size_t)(p - text);
+    return OK;
+}
+
+static status read_string(struct lexer *l, const char *p, struct token *t) {
+    t->kind = TOKEN_STRING;
+    t->text = ++p;
+    for (; *p != '"'; p++) {
+        if (*p == '\\' && p[1])
+            p++;
+        else if (*p == '\n' || !*p)
+            return fail(ERR_INPUT, "%s:%d: the string \"%.*s is not closed on its line", l->source->path, t->line,
+                        (int)strcspn(t->text, "\r\n"), t->text);
+        if ((unsigned char)*p < ' ' && !strchr("\t\r\n", *p))
+            return fail(ERR_INPUT, "%s:%d: found byte 0x%02x in a string", l->source->path, l->line, (unsigned char)*p);
+        l->line += *p == '\n';
+    }
+    t->length = (int)(p - t->text);
+    l->position = (size_t)(p + 1 - l->source->text);
+    return OK;
+}
+
+static status read_verbatim(struct lexer *l, const char *p, struct token *t) {
+    t->kind = TOKEN_VERBATIM;
+    t->text = p + 2;
+    for (p += 2; *p && !(p[0] == '#' && p[1] == '}'); p++) l->line += *p == '\n';
+    if (!*p) return fail(ERR_INPUT, "%s:%d: '#{' is not closed by '#}'", l->source->path, t->line);
+    t->length = (int)(p - t->text);
+    l->position = (size_t)(p + 2 - l->source->text);
+    return OK;
+}
+
+static status read_word(struct lexer *l, const char *p, struct token *t) {
+    int depth = 0;
+    t->kind = TOKEN_WORD;
+    t->text = p;
+    if (p[0] == '$' && p[1] == '{') {
+        int braces = 0;
+        do {
+            braces += (*p == '{') - (*p == '}');
+            if (!*p || *p == '\n') return fail(ERR_INPUT, "%s:%d: '${' is not closed by '}'", l->source->path, t->line);
+        } while (*++p && (braces > 0 || p == t->text + 1));
+    }
+    for (;; p++) {
+        if (*p == '(')
+            depth++;
+        else if (*p == ')' && depth-- == 0)
+            break;
+        else if (*p != '(' && *p != ')' && !(*p == ',' && depth) && ends_token(p))
+            break;
+    }
+    if (depth > 0)
+        return fail(ERR_INPUT, "%s:%d: word '%.*s' has an open '('; close it, or set a blank before the list it starts",
+                    l->source->path, t->line, (int)(p - t->text), t->text);
+    t->length = (int)(p - t->text);
+    l->position = (size_t)(p - l->source->text);
+    return OK;
+}
+
+status lexer_next(struct lexer *l, struct token *t) {
+    TRY(skip_blanks(l));
+    const char *p = l->source->text + l->position;
+    *t = (struct token){.text = p, .line = l->line, .first_on_line = l->line != l->last_line};
+    const char *end = foam_number(p, &t->number);
+    if (l->position >= l->source->size) {
+        t->kind = TOKEN_END;
+    } else if (end) {
+        t->kind = TOKEN_NUMBER;
+        t->length = (int)(end - p);
+        l->position += (size_t)t->length;
+        if (!isfinite(t->number)) return lexer_fail(l, t, "the number is out of range");
+    } else if (*p == '"') {
+        TRY(read_string(l, p, t));
+    } else if (p[0] == '#' && p[1] == '{') {
+        TRY(read_verbatim(l, p, t));
+    } else if (*p && strchr("()[]{};,'", *p)) {
+        t->kind = TOKEN_PUNCTUATION;
+        t->length = 1;
+        l->position++;
+    } else if ((unsigned char)*p < ' ') {
+        return fail(ERR_INPUT, "%s:%d: found byte 0x%02x in text; is 'format' of the header wrong?", l->source->path,
+                    l->line, (unsigned char)*p);
+    } else {
+        TRY(read_word(l, p, t));
+    }
+    l->last_line = l->line;
+    return OK;
+}
+
+status lexer_peek(const struct lexer *l, struct token *t) {
+    struct lexer copy = *l;
+    return lexer_next(&copy, t);
+}
+
+status lexer_expect(struct lexer *l, char punctuation) {
+    struct token t;
+    TRY(lexer_next(l, &t));
+    if (t.kind != TOKEN_PUNCTUATION || t.text[0] != punctuation) return lexer_fail(l, &t, "expected '%c'", punctuation);
+    return OK;
+}
+
+/* ---- header ---- */
+
+static status copy_text(const struct lexer *l, const struct token *t, char *to, size_t room, const char *key) {
+    if ((size_t)t->length >= room) return lexer_fail(l, t, "'%s' of the header is too long", key);
+    memcpy(to, t->text, (size_t)t->length);
+    to[t->length] = 0;
+    return OK;
+}
+
+/* arch "LSB;label=32;scalar=64" */
+static status read_arch(const struct lexer *l, const struct token *t, struct foam_header *h) {
+    char arch[128];
+    TRY(copy_text(l, t, arch, sizeof arch, "arch"));
+    if (strstr(arch, "MSB")) return lexer_fail(l, t, "only little-endian (LSB) files can be read");
+    const char *label = strstr(arch, "label="), *scalar = strstr(arch, "scalar=");
+    int label_bits = label ? atoi(label + 6) : 32, scalar_bits = scalar ? atoi(scalar + 7) : 64;
+    if ((label_bits != 32 && label_bits != 64) || (scalar_bits != 32 && scalar_bits != 64))
+        return lexer_fail(l, t, "label and scalar have 32 or 64 bits");
+    h->label_bytes = label_bits / 8;
+    h->scalar_bytes = scalar_bits / 8;
+    return OK;
+}
+
+static status read_header_entry(struct lexer *l, const struct token *key, struct foam_header *h) {
+    struct token value;
+    TRY(lexer_next(l, &value));
+    if (value.kind == TOKEN_END || value.kind == TOKEN_PUNCTUATION)
+        return lexer_fail(l, &value, "expected a value for '%.*s' in FoamFile", key->length, key->text);
+    if (token_is(key, "format")) {
+        h->binary = token_is(&value, "binary");
+        if (!h->binary && !token_is(&value, "ascii")) return lexer_fail(l, &value, "'format' is ascii or binary");
+    } else if (token_is(key, "arch")) {
+        TRY(read_arch(l, &value, h));
+    } else if (token_is(key, "class")) {
+        TRY(copy_text(l, &value, h->class_name, sizeof h->class_name, "class"));
+    } else if (token_is(key, "object")) {
+        TRY(copy_text(l, &value, h->object, sizeof h->object, "object"));
+    } else if (token_is(key, "location")) {
+        TRY(copy_text(l, &value, h->location, sizeof h->location, "location"));
+    } else if (token_is(key, "note")) {
+        TRY(copy_text(l, &value, h->note, sizeof h->note, "note"));
+    }
+    struct token end;
+    TRY(lexer_next(l, &end));
+    if (token_is(&end, ";")) return OK;
+    return lexer_fail(l, &value, "expected ';' behind this value of '%.*s', not '%.*s'", key->length, key->text,
+                      end.length, end.text);
+}
+
+status foam_header_read(struct lexer *l, struct foam_header *h) {
+    *h = (struct foam_header){.label_bytes = 4, .scalar_bytes = 8};
+    struct token t;
+    TRY(lexer_peek(l, &t));
+    if (t.kind != TOKEN_WORD || !token_is(&t, "FoamFile")) return OK;
+    h->present = true;
+    TRY(lexer_next(l, &t));
+    TRY(lexer_expect(l, '{'));
+    for (;;) {
+        TRY(lexer_next(l, &t));
+        if (token_is(&t, "}")) return OK;
+        if (t.kind != TOKEN_WORD) return lexer_fail(l, &t, "expected a keyword or '}' of FoamFile");
+        TRY(read_header_entry(l, &t, h));
+    }
+}

@@ -1,0 +1,366 @@
+#include "mesh/format/foamfile.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EQUAL = 8 }; /* faces with equal corners are in no mesh, so that they need not be read in numbers */
+
+/* Where a list is being read to; grows, because `( ... )` may come without a count. */
+struct growing {
+    void *data;
+    long count, room;
+    size_t size; /* of one item */
+};
+
+static status grow(struct growing *g, long more) {
+    if (g->count + more <= g->room) return OK;
+    long room = g->count + more > 2 * g->room ? g->count + more : 2 * g->room;
+    void *data = realloc(g->data, (size_t)room * g->size);
+    if (!data) return fail(ERR_SYSTEM, "no memory for a list of %ld values", room);
+    g->data = data;
+    g->room = room;
+    return OK;
+}
+
+/* An owner always gets something to free, also of an empty list. */
+static status take(struct growing *g, status e, void *out) {
+    if (!e && !g->data) e = grow(g, 1);
+    if (e) {
+        free(g->data);
+        g->data = NULL;
+    }
+    memcpy(out, &g->data, sizeof g->data);
+    return e;
+}
+
+static status whole_number(const struct lexer *l, const struct token *t, const char *what, int *out) {
+    if (t->kind != TOKEN_NUMBER || t->number != floor(t->number)) return lexer_fail(l, t, "expected %s", what);
+    if (fabs(t->number) > INT_MAX) return lexer_fail(l, t, "%s is at most %d", what, INT_MAX);
+    *out = (int)t->number;
+    return OK;
+}
+
+/* How a list starts. count: -1 if not given. most: of equal entries, `count { value }`. */
+struct opening {
+    long count;
+    int line;
+    bool binary, uniform, empty;
+};
+
+static status open_list(struct lexer *l, const struct foam_header *h, long most, struct opening *o) {
+    struct token t;
+    *o = (struct opening){.count = -1};
+    TRY(lexer_next(l, &t));
+    o->line = t.line;
+    if (t.kind == TOKEN_NUMBER) {
+        int n = 0;
+        TRY(whole_number(l, &t, "the count of a list", &n));
+        if (n < 0) return lexer_fail(l, &t, "the count of a list is not negative");
+        o->count = n;
+        struct lexer before = *l;
+        TRY(lexer_next(l, &t));
+        /* OpenFOAM writes an empty binary list as `0` alone. */
+        if (n == 0 && h->binary && !token_is(&t, "(")) {
+            *l = before;
+            o->empty = true;
+            return OK;
+        }
+    }
+    o->uniform = o->count >= 0 && t.kind == TOKEN_PUNCTUATION && t.text[0] == '{';
+    if (o->uniform && o->count > most)
+        return lexer_fail(l, &t, "%ld equal entries; at most %ld can stand here", o->count, most);
+    if (!o->uniform && !(t.kind == TOKEN_PUNCTUATION && t.text[0] == '('))
+        return lexer_fail(l, &t,
+                          o->count < 0 ? "expected a list: a count and '(', or '('" : "expected '(' of the list");
+    o->binary = h->binary && !o->uniform && o->count > 0;
+    return OK;
+}
+
+/* The raw bytes of a binary list and its ')'. */
+static status raw_bytes(struct lexer *l, const struct opening *o, int bytes, const char **raw) {
+    size_t left = l->source->size - l->position, need = (size_t)o->count * (size_t)bytes;
+    if (need >= left || l->source->text[l->position + need] != ')')
+        return fail(ERR_INPUT,
+                    "%s:%d: the binary list of %ld entries of %d bytes does not end with ')': the count or the 'arch' "
+                    "of the header is wrong, or the file was cut",
+                    l->source->path, o->line, o->count, bytes);
+    *raw = l->source->text + l->position;
+    l->position += need + 1;
+    l->last_line = l->line;
+    return OK;
+}
+
+static status wrong_count(const struct lexer *l, const struct opening *o, long found) {
+    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has %ld", l->source->path,
+                l->line, o->line, o->count, found);
+}
+
+/* Past the blanks and line ends that writers put between entries; comments are left to lexer_next. */
+static struct lexer past_blanks(const struct lexer *l) {
+    struct lexer next = *l;
+    for (const char *p = l->source->text + l->position; *p == ' ' || *p == '\n'; p++) {
+        next.line += *p == '\n';
+        next.position++;
+    }
+    return next;
+}
+
+static status too_many(const struct lexer *l, const struct opening *o) {
+    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has more", l->source->path,
+                past_blanks(l).line, o->line, o->count);
+}
+
+/* Past the closing bracket if it is next. */
+static status closes(struct lexer *l, const struct opening *o, bool *closed) {
+    struct token t;
+    struct lexer next = past_blanks(l);
+    char c = l->source->text[next.position];
+    *closed = false;
+    if ((c >= '0' && c <= '9') || c == '-' || c == '(') return OK;
+    TRY(lexer_next(&next, &t));
+    if (t.kind == TOKEN_END) return lexer_fail(l, &t, "the list that starts at line %d is not closed", o->line);
+    *closed = t.kind == TOKEN_PUNCTUATION && t.text[0] == ')';
+    if (*closed) *l = next;
+    return OK;
+}
+
+/* ---- numbers ---- */
+
+static status read_value(struct lexer *l, double *v) {
+    struct lexer next = past_blanks(l);
+    const char *text = l->source->text, *end = foam_number(text + next.position, v);
+    if (end && isfinite(*v)) { /* the common case without a token */
+        *l = next;
+        l->last_line = l->line;
+        l->position = (size_t)(end - text);
+        return OK;
+    }
+    struct token t;
+    TRY(lexer_next(l, &t));
+    if (t.kind != TOKEN_NUMBER) return lexer_fail(l, &t, "expected a number");
+    *v = t.number;
+    return OK;
+}
+
+static status read_entry(struct lexer *l, int components, double *v) {
+    if (components == 1) return read_value(l, v);
+    TRY(lexer_expect(l, '('));
+    for (int c = 0; c < components; c++) TRY(read_value(l, &v[c]));
+    return lexer_expect(l, ')');
+}
+
+static status ascii_doubles(struct lexer *l, const struct opening *o, int components, struct growing *g) {
+    /* A false count must not ask for memory that the file cannot fill. */
+    long most = (long)(l->source->size - l->position) / 2;
+    if (o->count > 0 && o->count * components <= most) TRY(grow(g, o->count * components));
+    for (long n = 0;; n++) {
+        bool closed;
+        TRY(closes(l, o, &closed));
+        if (closed) return o->count >= 0 && n != o->count ? wrong_count(l, o, n) : OK;
+        if (n == o->count) return too_many(l, o);
+        TRY(grow(g, components));
+        TRY(read_entry(l, components, (double *)g->data + g->count));
+        g->count += components;
+    }
+}
+
+static status uniform_doubles(struct lexer *l, const struct opening *o, int components, struct growing *g) {
+    double v[16];
+    TRY(read_entry(l, components, v));
+    TRY(lexer_expect(l, '}'));
+    TRY(grow(g, o->count * components));
+    for (long i = 0; i < o->count * components; i++) ((double *)g->data)[i] = v[i % components];
+    g->count = o->count * components;
+    return OK;
+}
+
+static status binary_doubles(struct lexer *l, const struct foam_header *h, const struct opening *o, int components,
+                             struct growing *g) {
+    const char *raw = NULL;
+    long n = o->count * components;
+    TRY(raw_bytes(l, o, h->scalar_bytes * components, &raw));
+    TRY(grow(g, n));
+    double *v = g->data;
+    if (h->scalar_bytes == 8) memcpy(v, raw, (size_t)n * 8);
+    for (long i = 0; i < n; i++) {
+        float f;
+        if (h->scalar_bytes == 4) memcpy(&f, raw + 4 * i, 4), v[i] = f;
+        if (!isfinite(v[i]))
+            return fail(ERR_INPUT, "%s:%d: entry %ld of the binary list is %g; numbers must be finite", l->source->path,
+                        o->line, i / components, v[i]);
+    }
+    g->count = n;
+    return OK;
+}
+
+status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
+                              double **out) {
+    struct growing g = {.size = sizeof(double)};
+    struct opening o;
+    *out = NULL;
+    *n = 0;
+    if (components < 1 || components > 16) return fail(ERR_SYSTEM, "a list has 1 to 16 components, not %d", components);
+    TRY(open_list(l, h, most, &o));
+    status e = OK;
+    if (o.uniform)
+        e = uniform_doubles(l, &o, components, &g);
+    else if (o.binary)
+        e = binary_doubles(l, h, &o, components, &g);
+    else if (!o.empty)
+        e = ascii_doubles(l, &o, components, &g);
+    TRY(take(&g, e, out));
+    *n = g.count / components;
+    return OK;
+}
+
+/* ---- labels and faces ---- */
+
+static status read_label(struct lexer *l, int *out) {
+    double v;
+    struct lexer before = *l;
+    struct token t;
+    TRY(read_value(l, &v));
+    if (v == floor(v) && fabs(v) <= INT_MAX) {
+        *out = (int)v;
+        return OK;
+    }
+    TRY(lexer_next(&before, &t));
+    return whole_number(l, &t, "a whole number", out);
+}
+
+static status binary_labels(struct lexer *l, const struct foam_header *h, const struct opening *o, struct growing *g) {
+    const char *raw = NULL;
+    TRY(raw_bytes(l, o, h->label_bytes, &raw));
+    TRY(grow(g, o->count));
+    int *v = (int *)g->data + g->count;
+    if (h->label_bytes == 4) memcpy(v, raw, (size_t)o->count * 4);
+    for (long i = 0; i < o->count && h->label_bytes == 8; i++) {
+        int64_t wide;
+        memcpy(&wide, raw + 8 * i, 8);
+        if (wide > INT_MAX || wide < INT_MIN)
+            return fail(ERR_INPUT, "%s:%d: entry %ld of the binary list is %lld; labels are at most %d",
+                        l->source->path, o->line, i, (long long)wide, INT_MAX);
+        v[i] = (int)wide;
+    }
+    g->count += o->count;
+    return OK;
+}
+
+/* Appends one list. */
+static status labels(struct lexer *l, const struct foam_header *h, long most, struct growing *g) {
+    struct opening o;
+    TRY(open_list(l, h, most, &o));
+    if (o.empty) return OK;
+    if (o.binary) return binary_labels(l, h, &o, g);
+    if (o.uniform) {
+        int v;
+        TRY(read_label(l, &v));
+        TRY(lexer_expect(l, '}'));
+        TRY(grow(g, o.count));
+        for (long i = 0; i < o.count; i++) ((int *)g->data)[g->count++] = v;
+        return OK;
+    }
+    for (long n = 0;; n++) {
+        bool closed;
+        TRY(closes(l, &o, &closed));
+        if (closed) return o.count >= 0 && n != o.count ? wrong_count(l, &o, n) : OK;
+        if (n == o.count) return too_many(l, &o);
+        TRY(grow(g, 1));
+        TRY(read_label(l, (int *)g->data + g->count));
+        g->count++;
+    }
+}
+
+status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long most, long *n, int **out) {
+    struct growing g = {.size = sizeof(int)};
+    *n = 0;
+    TRY(take(&g, labels(l, h, most, &g), out));
+    *n = g.count;
+    return OK;
+}
+
+static status append(struct growing *g, int v) {
+    TRY(grow(g, 1));
+    ((int *)g->data)[g->count++] = v;
+    return OK;
+}
+
+/* faceCompactList: n + 1 offsets, then the points of all faces. */
+static status compact_faces(struct lexer *l, const struct foam_header *h, struct growing *start,
+                            struct growing *points) {
+    int line = l->line;
+    TRY(labels(l, h, EQUAL, start));
+    TRY(labels(l, h, EQUAL, points));
+    if (!start->count) TRY(append(start, 0));
+    const int *s = start->data;
+    bool good = s[0] == 0 && s[start->count - 1] == points->count;
+    for (long i = 1; i < start->count; i++) good = good && s[i] >= s[i - 1];
+    if (!good)
+        return fail(ERR_INPUT, "%s:%d: the offsets of the faceCompactList do not rise from 0 to its %ld points",
+                    l->source->path, line, points->count);
+    return OK;
+}
+
+static status listed_faces(struct lexer *l, const struct foam_header *h, struct growing *start,
+                           struct growing *points) {
+    struct opening o;
+    TRY(open_list(l, h, 0, &o));
+    TRY(append(start, 0));
+    if (o.empty) return OK;
+    for (long n = 0;; n++) {
+        bool closed;
+        TRY(closes(l, &o, &closed));
+        if (closed) return o.count >= 0 && n != o.count ? wrong_count(l, &o, n) : OK;
+        if (n == o.count) return too_many(l, &o);
+        TRY(labels(l, h, EQUAL, points));
+        if (points->count > INT_MAX)
+            return fail(ERR_INPUT, "%s:%d: faces have more than %d points in all", l->source->path, l->line, INT_MAX);
+        TRY(append(start, (int)points->count));
+    }
+}
+
+status foam_list_read_faces(struct lexer *l, const struct foam_header *h, long *n, int **start, int **points) {
+    struct growing s = {.size = sizeof(int)}, p = {.size = sizeof(int)};
+    bool compact = !strcmp(h->class_name, "faceCompactList");
+    *n = 0;
+    status e = compact ? compact_faces(l, h, &s, &p) : listed_faces(l, h, &s, &p);
+    e = take(&s, e, start);
+    e = take(&p, e, points);
+    if (e) {
+        free(*start);
+        *start = NULL;
+        return e;
+    }
+    *n = s.count - 1;
+    return OK;
+}
+
+status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_bytes) {
+    struct opening o;
+    const char *raw = NULL;
+    TRY(open_list(l, h, LONG_MAX, &o));
+    if (o.empty) return OK;
+    if (o.binary) return raw_bytes(l, &o, item_bytes, &raw);
+    const char *text = l->source->text, *p = text + l->position;
+    int depth = 1, line = l->line;
+    for (; *p && depth; p++) {
+        depth += (*p == '(' || *p == '{') - (*p == ')' || *p == '}');
+        line += *p == '\n';
+        if (p[0] == '/' && p[1] == '/') {
+            while (p[1] && p[1] != '\n') p++;
+        } else if (p[0] == '/' && p[1] == '*') {
+            const char *end = strstr(p + 2, "*/");
+            if (!end) break;
+            for (; p <= end; p++) line += *p == '\n';
+        }
+    }
+    if (depth)
+        return fail(ERR_INPUT, "%s:%d: the list is not closed: the file was cut, or 'format' of its header is wrong",
+                    l->source->path, o.line);
+    l->position = (size_t)(p - text);
+    l->line = l->last_line = line;
+    return OK;
+}

@@ -1,0 +1,187 @@
+#include "mesh/format/polymesh.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+void polymesh_free(struct polymesh *m) {
+    if (!m) return;
+    for (int i = 0; i < m->npatches && m->patch; i++) {
+        free(m->patch[i].name);
+        free(m->patch[i].type);
+        free(m->patch[i].neighbour);
+    }
+    free(m->patch);
+    free(m->points);
+    free(m->face_start);
+    free(m->face_points);
+    free(m->owner);
+    free(m->neighbour);
+    free(m);
+}
+
+int polymesh_find_patch(const struct polymesh *m, const char *name) {
+    for (int i = 0; i < m->npatches; i++)
+        if (strcmp(m->patch[i].name, name) == 0) return i;
+    return -1;
+}
+
+unsigned long polymesh_checksum(const struct polymesh *m) {
+    struct {
+        const void *data;
+        size_t bytes;
+    } part[] = {{m->points, (size_t)m->npoints * 3 * sizeof *m->points},
+                {m->face_start, ((size_t)m->nfaces + 1) * sizeof *m->face_start},
+                {m->face_points, (size_t)m->face_start[m->nfaces] * sizeof *m->face_points},
+                {m->owner, (size_t)m->nfaces * sizeof *m->owner},
+                {m->neighbour, (size_t)m->ninternal * sizeof *m->neighbour}};
+    unsigned long sum = crc32_z(0, NULL, 0);
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc32_z(sum, part[i].data, part[i].bytes);
+    for (int i = 0; i < m->npatches; i++) {
+        const struct patch *p = &m->patch[i];
+        sum = crc32_z(sum, (const void *)p->name, strlen(p->name) + 1);
+        sum = crc32_z(sum, (const void *)p->type, strlen(p->type) + 1);
+        sum = crc32_z(sum, (const void *)&p->nfaces, sizeof p->nfaces);
+    }
+    return sum;
+}
+
+status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
+    *start = *face = NULL;
+    TRY(allocate(start, m->ncells + 2L, sizeof(int), "faces of cells"));
+    TRY(allocate(face, m->nfaces + (long)m->ninternal, sizeof(int), "faces of cells"));
+    int *next = *start + 1; /* shifted by one, it ends as the start of each cell */
+    for (int f = 0; f < m->nfaces; f++) {
+        next[m->owner[f] + 1]++;
+        if (f < m->ninternal) next[m->neighbour[f] + 1]++;
+    }
+    for (int c = 0; c < m->ncells; c++) next[c + 1] += next[c];
+    for (int f = 0; f < m->nfaces; f++) {
+        (*face)[next[m->owner[f]]++] = f;
+        if (f < m->ninternal) (*face)[next[m->neighbour[f]]++] = f;
+    }
+    return OK;
+}
+
+status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]) {
+    static const char *const names[] = {"tetrahedra", "pyramids", "prisms", "hexahedra", "polyhedra"};
+    int(*count)[2], total[5] = {0}, length = 0; /* of faces with three corners, with four */
+    text[0] = 0;
+    TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
+    for (int f = 0; f < m->nfaces; f++)
+        for (int side = 0; side < (f < m->ninternal ? 2 : 1); side++)
+            count[side ? m->neighbour[f] : m->owner[f]][m->face_start[f + 1] - m->face_start[f] == 4]++;
+    for (int c = 0; c < m->ncells; c++) {
+        int t = count[c][0], q = count[c][1];
+        total[t == 4 && q == 0 ? 0 : t == 4 && q == 1 ? 1 : t == 2 && q == 3 ? 2 : t == 0 && q == 6 ? 3 : 4]++;
+    }
+    free(count);
+    for (int i = 0; i < 5; i++)
+        if (total[i])
+            length += snprintf(text + length, (size_t)(POLYMESH_SHAPES - length), "%s%d %s", length ? ", " : "",
+                               total[i], names[i]);
+    return OK;
+}
+
+/* ---- geometry ---------------------------------------------------------------------------------------------------- */
+
+static void triangle_normal(const double *a, const double *b, const double *c, double n[3]) {
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
+    n[0] = u[1] * v[2] - u[2] * v[1];
+    n[1] = u[2] * v[0] - u[0] * v[2];
+    n[2] = u[0] * v[1] - u[1] * v[0];
+}
+
+static void face_geometry(const double *points, const int *p, int n, double *centre, double *area) {
+    double mean[3] = {0}, sum_n[3] = {0}, sum_a = 0, sum_ac[3] = {0};
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) mean[k] += points[3L * p[i] + k];
+    for (int k = 0; k < 3; k++) mean[k] /= n;
+    if (n == 3) {
+        triangle_normal(points + 3L * p[0], points + 3L * p[1], points + 3L * p[2], sum_n);
+    } else {
+        for (int i = 0; i < n; i++) {
+            const double *a = points + 3L * p[i], *b = points + 3L * p[(i + 1) % n];
+            double t[3];
+            triangle_normal(a, b, mean, t);
+            double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+            sum_a += size;
+            for (int k = 0; k < 3; k++) sum_n[k] += t[k], sum_ac[k] += size * (a[k] + b[k] + mean[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        area[k] = 0.5 * sum_n[k];
+        centre[k] = n > 3 && sum_a > 0 ? sum_ac[k] / sum_a / 3 : mean[k];
+    }
+}
+
+void polymesh_face_geometry(const struct polymesh *m, double *centre, double *area) {
+    for (int f = 0; f < m->nfaces; f++)
+        face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f],
+                      centre + 3L * f, area + 3L * f);
+}
+
+int polymesh_axes(const struct polymesh *m, int axis[3]) {
+    bool closed[3] = {false};
+    for (int p = 0; p < m->npatches; p++)
+        for (int f = m->patch[p].start;
+             !strcmp(m->patch[p].type, "empty") && f < m->patch[p].start + m->patch[p].nfaces; f++) {
+            double centre[3], a[3];
+            face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f], centre,
+                          a);
+            int k = fabs(a[1]) > fabs(a[0]) ? 1 : 0;
+            closed[fabs(a[2]) > fabs(a[k]) ? 2 : k] = true;
+        }
+    int dim = 0;
+    for (int x = 0; x < 3; x++)
+        if (!closed[x]) axis[dim++] = x;
+    return dim;
+}
+
+static void add_pyramid(const double *mean, const double *fc, const double *fa, double sign, double *centre,
+                        double *v) {
+    double volume = 0;
+    for (int k = 0; k < 3; k++) volume += sign * fa[k] * (fc[k] - mean[k]);
+    for (int k = 0; k < 3; k++) centre[k] += volume * (0.75 * fc[k] + 0.25 * mean[k]);
+    *v += volume;
+}
+
+/* The mean of the centres of the faces of every cell; `volume` is used for their number. */
+static void cell_means(const struct polymesh *m, const double *face_centre, double *mean, double *volume) {
+    memset(mean, 0, (size_t)m->ncells * 3 * sizeof *mean);
+    memset(volume, 0, (size_t)m->ncells * sizeof *volume);
+    for (int f = 0; f < m->nfaces; f++)
+        for (int side = 0; side < 2 - (f >= m->ninternal); side++) {
+            long c = side ? m->neighbour[f] : m->owner[f];
+            for (int k = 0; k < 3; k++) mean[3 * c + k] += face_centre[3L * f + k];
+            volume[c] += 1;
+        }
+    for (long c = 0; c < m->ncells; c++)
+        for (int k = 0; k < 3; k++) mean[3 * c + k] /= volume[c];
+}
+
+void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
+                            double *centre, double *volume) {
+    double *mean = malloc((size_t)m->ncells * 3 * sizeof *mean + 1);
+    if (!mean) abort();
+    cell_means(m, face_centre, mean, volume);
+    memset(centre, 0, (size_t)m->ncells * 3 * sizeof *centre);
+    memset(volume, 0, (size_t)m->ncells * sizeof *volume);
+    for (long f = 0; f < m->nfaces; f++) {
+        const double *fc = face_centre + 3 * f, *fa = face_area + 3 * f;
+        long c = m->owner[f];
+        add_pyramid(mean + 3 * c, fc, fa, 1, centre + 3 * c, volume + c);
+        if (f >= m->ninternal) continue;
+        c = m->neighbour[f];
+        add_pyramid(mean + 3 * c, fc, fa, -1, centre + 3 * c, volume + c);
+    }
+    for (long c = 0; c < m->ncells; c++) {
+        for (int k = 0; k < 3; k++)
+            centre[3 * c + k] = fabs(volume[c]) > 1e-300 ? centre[3 * c + k] / volume[c] : mean[3 * c + k];
+        volume[c] /= 3;
+    }
+    free(mean);
+}

@@ -1,0 +1,184 @@
+#include "mesh/grid/grid.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/grid/search.h"
+
+struct grid_private {
+    int *order;       /* root: [ncells_all] polyMesh cells, block by block, rank by rank */
+    int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
+
+    int *cell;             /* of polyhedra: what the blocks' lists point into */
+    int *place;            /* [ncells_all] where a cell stands in `cell`, -1: on another rank */
+    struct search *search; /* in the whole mesh: every rank finds the same cell */
+};
+
+static status take_forest(struct grid *g, const struct lattice *l) {
+    /* a row of a tile and one face more fit a batch of the core */
+    static const int tile_size[4] = {0, 60, 60, 24};
+    TRY(forest_make(l, g->mesh, g->comm, tile_size[l->dim], &g->forest));
+    const struct forest *f = g->forest;
+    g->dim = f->dim;
+    memcpy(g->axis, f->axis, sizeof g->axis);
+    g->nblocks_all = f->ntiles_all;
+    g->nblocks = f->ntiles;
+    status s = allocate(&g->block, f->ntiles, sizeof *g->block, "the blocks of the grid");
+    for (int t = 0; !s && t < f->ntiles; t++) {
+        const struct tile *tile = &f->tile[t];
+        g->block[t] = (struct grid_block){tile->id, tile->n[0] * tile->n[1] * tile->n[2], tile->cell};
+    }
+    return comm_agree(g->comm, s);
+}
+
+static status list_blocks(struct grid *g) {
+    const struct polyhedra *m = g->polyhedra;
+    struct grid_private *h = g->hidden;
+    TRY(allocate(&g->block, m->nblocks, sizeof *g->block, "the blocks of the grid"));
+    TRY(allocate(&h->cell, m->nown, sizeof *h->cell, "the cells of the blocks"));
+    TRY(allocate(&h->place, g->ncells_all, sizeof *h->place, "the cells of the blocks"));
+    for (int c = 0; c < g->ncells_all; c++) h->place[c] = -1;
+    for (int i = 0; i < m->nown; i++) {
+        h->cell[i] = m->cell[m->block_cell[i]];
+        h->place[h->cell[i]] = i;
+    }
+    for (int b = 0; b < m->nblocks; b++)
+        g->block[b] =
+            (struct grid_block){m->block_id[b], m->block_start[b + 1] - m->block_start[b], h->cell + m->block_start[b]};
+    return search_make(g->mesh, g->centre, g->dim, g->axis, &h->search);
+}
+
+static status take_polyhedra(struct grid *g, int rings) {
+    TRY(polyhedra_make(g->mesh, g->comm, rings, &g->polyhedra));
+    const struct polyhedra *m = g->polyhedra;
+    g->dim = m->dim;
+    memcpy(g->axis, m->axis, sizeof g->axis);
+    g->nblocks_all = m->nblocks_all;
+    g->nblocks = m->nblocks;
+    return comm_agree(g->comm, list_blocks(g));
+}
+
+/* What the root must know to put what it gathers in its places. */
+static status find_order(struct grid *g) {
+    int *cells = NULL, *ids = NULL, ncells = 0;
+    long total;
+    for (int b = 0; b < g->nblocks; b++) ncells += g->block[b].ncells;
+    status s = allocate(&cells, ncells, sizeof *cells, "the cells of the grid");
+    if (!s) s = allocate(&ids, g->nblocks, sizeof *ids, "the blocks of the grid");
+    s = comm_agree(g->comm, s);
+    for (int b = 0, n = 0; !s && b < g->nblocks; n += g->block[b++].ncells) {
+        memcpy(cells + n, g->block[b].cell, (size_t)g->block[b].ncells * sizeof *cells);
+        ids[b] = g->block[b].id;
+    }
+    if (!s) s = comm_gather_int(g->comm, cells, ncells, &g->hidden->order, &total);
+    if (!s) s = comm_gather_int(g->comm, ids, g->nblocks, &g->hidden->block_order, &total);
+    free(cells);
+    free(ids);
+    return s;
+}
+
+static status build(struct grid *g, const struct lattice *l, int rings) {
+    if (l)
+        TRY(take_forest(g, l));
+    else
+        TRY(take_polyhedra(g, rings));
+    return find_order(g);
+}
+
+status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
+                 const struct comm *c, int rings, struct grid **out) {
+    struct grid *g = NULL;
+    *out = NULL;
+    status s = allocate(&g, 1, sizeof *g, "the grid");
+    if (!s) s = allocate(&g->hidden, 1, sizeof *g->hidden, "the grid");
+    s = comm_agree(c, s);
+    if (!s) {
+        g->mesh = m;
+        g->centre = centre;
+        g->volume = volume;
+        g->comm = c;
+        g->ncells_all = m->ncells;
+        s = build(g, l, rings);
+    }
+    if (s) {
+        grid_free(g);
+        return status_up(s, __FILE__, __LINE__);
+    }
+    *out = g;
+    return OK;
+}
+
+void grid_free(struct grid *g) {
+    if (!g) return;
+    if (g->hidden) {
+        free(g->hidden->order);
+        free(g->hidden->block_order);
+        free(g->hidden->cell);
+        free(g->hidden->place);
+        search_free(g->hidden->search);
+        free(g->hidden);
+    }
+    forest_free(g->forest);
+    polyhedra_free(g->polyhedra);
+    free(g->block);
+    free(g);
+}
+
+status grid_gather(const struct grid *g, const double *const *values, double *all) {
+    double *mine = NULL, *gathered = NULL;
+    long n = 0;
+    for (int b = 0; b < g->nblocks; b++) n += g->block[b].ncells;
+    TRY(comm_agree(g->comm, allocate(&mine, n, sizeof *mine, "the cells of this rank")));
+    n = 0;
+    for (int b = 0; b < g->nblocks; n += g->block[b++].ncells)
+        memcpy(mine + n, values[b], (size_t)g->block[b].ncells * sizeof *mine);
+    status s = comm_gather(g->comm, mine, n, &gathered, NULL);
+    free(mine);
+    TRY(s);
+    for (int i = 0; comm_root(g->comm) && i < g->ncells_all; i++) all[g->hidden->order[i]] = gathered[i];
+    free(gathered);
+    return OK;
+}
+
+status grid_sum(const struct grid *g, const double *per_block, double *sum) {
+    double *gathered = NULL, *ordered = NULL;
+    *sum = 0;
+    TRY(comm_gather(g->comm, per_block, g->nblocks, &gathered, NULL));
+    status s = gathered ? allocate(&ordered, g->nblocks_all, sizeof *ordered, "sums of the blocks") : OK;
+    for (int b = 0; !s && ordered && b < g->nblocks_all; b++) ordered[g->hidden->block_order[b]] = gathered[b];
+    for (int b = 0; !s && ordered && b < g->nblocks_all; b++) *sum += ordered[b];
+    free(gathered);
+    free(ordered);
+    TRY(comm_agree(g->comm, s));
+    comm_broadcast(g->comm, sum, sizeof *sum);
+    return OK;
+}
+
+static int cell_of_offset(const struct forest *f, int tile, long offset) {
+    const int *n = f->tile[tile].n;
+    long at = offset - f->first, place[3] = {0, 0, 0};
+    for (int k = f->dim - 1; k >= 0; k--) {
+        place[k] = at / f->stride[k];
+        at -= place[k] * f->stride[k];
+    }
+    return (int)(place[0] + n[0] * (place[1] + n[1] * place[2]));
+}
+
+static void locate_in_polyhedra(const struct grid *g, const double point[3], int *block, int *cell) {
+    int found = search_cell(g->hidden->search, point), place = found < 0 ? -1 : g->hidden->place[found];
+    *block = *cell = -1;
+    if (place < 0) return;
+    const int *start = g->polyhedra->block_start;
+    for (*block = 0; start[*block + 1] <= place;) ++*block;
+    *cell = place - start[*block];
+}
+
+void grid_locate(const struct grid *g, const double point[3], int *block, int *cell) {
+    long offset;
+    if (g->polyhedra) {
+        locate_in_polyhedra(g, point, block, cell);
+        return;
+    }
+    forest_locate(g->forest, point, block, &offset);
+    *cell = *block < 0 ? -1 : cell_of_offset(g->forest, *block, offset);
+}

@@ -1,0 +1,167 @@
+#include "mesh/lattice/forest.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/lattice/forest_private.h"
+
+static long round_up(long n, long to) {
+    return (n + to - 1) / to * to;
+}
+
+/* The blocks hold the longest tile along each axis. A row's high ghosts and the next row's low ghosts share the
+ * padding, so the cells of every row start on a multiple of 8. */
+static void lay_out(struct forest *f) {
+    int most[3] = {1, 1, 1}, ghosts[3] = {0};
+    for (int k = 0; k < 3; k++) {
+        ghosts[k] = k < f->dim ? GHOSTS : 0;
+        for (int t = 0; t < f->ntiles_all; t++)
+            if (f->hidden->all[t].n[k] > most[k]) most[k] = f->hidden->all[t].n[k];
+    }
+    f->stride[0] = 1;
+    f->stride[1] = round_up(most[0] + 2 * ghosts[0], 8);
+    f->stride[2] = f->stride[1] * (most[1] + 2 * ghosts[1]);
+    f->first = 8 + ghosts[1] * f->stride[1] + ghosts[2] * f->stride[2];
+    f->size = 8 + f->stride[2] * (most[2] + 2 * ghosts[2]);
+}
+
+/* Patch of every boundary face, -1 for cyclic ones: those have cells on both sides. */
+static status find_patches(const struct polymesh *m, int **patch_of) {
+    TRY(allocate(patch_of, m->nfaces - m->ninternal, sizeof **patch_of, "the patches of the faces"));
+    for (int f = 0; f < m->nfaces - m->ninternal; f++) (*patch_of)[f] = -1;
+    for (int p = 0; p < m->npatches; p++)
+        for (int f = 0; f < m->patch[p].nfaces; f++)
+            if (strcmp(m->patch[p].type, "cyclic") != 0) (*patch_of)[m->patch[p].start - m->ninternal + f] = p;
+    return OK;
+}
+
+static long lattice_index(const struct lattice *l, const int i[3]) {
+    return i[0] + l->n[0] * (i[1] + (long)l->n[1] * i[2]);
+}
+
+static int *list_cells(const struct lattice *l, const int low[3], const int n[3], int *next) {
+    for (int i[3] = {low[0], low[1], low[2]}; i[2] < low[2] + n[2]; i[2]++)
+        for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++)
+            for (i[0] = low[0]; i[0] < low[0] + n[0]; i[0]++) *next++ = l->cell[lattice_index(l, i)];
+    return next;
+}
+
+/* The faces along one side of a tile, counted within their patch. */
+static int *list_faces(const struct lattice *l, const struct polymesh *m, const struct tile *t, int side, int *next) {
+    int k = side / 2, low[3], n[3];
+    for (int a = 0; a < 3; a++) {
+        low[a] = t->low[a] + (a == k && side % 2 ? t->n[a] - 1 : 0);
+        n[a] = a == k ? 1 : t->n[a];
+    }
+    int *end = list_cells(l, low, n, next);
+    for (; next < end; next++) *next = l->face[6 * (long)*next + side] - m->patch[t->side[side].patch].start;
+    return end;
+}
+
+static void describe_sides(struct tile *t, const struct trees_tile *all, const struct trees *trees,
+                           const struct lattice *l, const struct polymesh *m, const int *patch_of, int **face) {
+    for (int side = 0; side < 6; side++) {
+        int neighbour = side < 2 * l->dim ? all->neighbour[side] - trees->first : -1;
+        t->side[side].neighbour = neighbour >= 0 && neighbour < trees->count ? neighbour : -1;
+        t->side[side].patch = -1;
+        if (side >= 2 * l->dim || all->neighbour[side] >= 0) continue;
+        int a = side / 2, step[3] = {1, t->n[0], t->n[0] * t->n[1]};
+        int corner = side % 2 ? (t->n[a] - 1) * step[a] : 0;
+        t->side[side].patch = patch_of[l->face[6 * (long)t->cell[corner] + side] - m->ninternal];
+        t->side[side].face = *face;
+        *face = list_faces(l, m, t, side, *face);
+    }
+}
+
+static status make_tiles(struct forest *f, const struct lattice *l, const struct polymesh *m, const int *patch_of) {
+    struct forest_private *h = f->hidden;
+    const struct trees_tile *all = h->all + h->trees->first;
+    long ncells = 0, nfaces = 0;
+    f->ntiles = h->trees->count;
+    for (int t = 0; t < f->ntiles; t++) {
+        const int *n = all[t].n;
+        ncells += (long)n[0] * n[1] * n[2];
+        nfaces += 2L * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
+    }
+    TRY(allocate(&f->tile, f->ntiles, sizeof *f->tile, "the tiles"));
+    TRY(allocate(&h->cell, ncells, sizeof *h->cell, "the cells of the tiles"));
+    TRY(allocate(&h->face, nfaces, sizeof *h->face, "the faces of the tiles"));
+    int *cell = h->cell, *face = h->face;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct tile *tile = &f->tile[t];
+        tile->id = h->trees->first + t;
+        memcpy(tile->low, all[t].low, sizeof tile->low);
+        memcpy(tile->n, all[t].n, sizeof tile->n);
+        tile->cell = cell;
+        cell = list_cells(l, tile->low, tile->n, cell);
+        describe_sides(tile, &all[t], h->trees, l, m, patch_of, &face);
+    }
+    if (!comm_root(f->comm)) return OK;
+    TRY(allocate(&h->order, f->ncells_all, sizeof *h->order, "the order of the cells"));
+    int *next = h->order;
+    for (int t = 0; t < h->nall; t++) next = list_cells(l, h->all[t].low, h->all[t].n, next);
+    return OK;
+}
+
+static void describe_lattice(struct forest *f, const struct lattice *l, const struct polymesh *m) {
+    f->dim = l->dim;
+    f->volume = 1;
+    for (int k = 0; k < 3; k++) {
+        f->axis[k] = l->axis[k];
+        f->width[k] = l->width[k];
+        f->origin[k] = l->origin[k];
+        f->volume *= l->width[k];
+    }
+    f->ncells_all = m->ncells;
+}
+
+static status build(struct forest *f, const struct lattice *l, const struct polymesh *m, const int *patch_of,
+                    int tile_size) {
+    struct forest_private *h = f->hidden;
+    TRY(comm_agree(f->comm, cut_make(h, l, m, patch_of, tile_size)));
+    f->ntiles_all = h->nall;
+    lay_out(f);
+    TRY(trees_make(f->comm, l->dim, h->all, h->nall, &h->trees));
+    status s = make_tiles(f, l, m, patch_of);
+    if (!s) s = fill_make(f);
+    return comm_agree(f->comm, s);
+}
+
+status forest_make(const struct lattice *l, const struct polymesh *m, const struct comm *c, int tile_size,
+                   struct forest **out) {
+    struct forest *f = NULL;
+    int *patch_of = NULL;
+    *out = NULL;
+    status s = allocate(&f, 1, sizeof *f, "the forest");
+    if (!s) s = allocate(&f->hidden, 1, sizeof *f->hidden, "the forest");
+    if (!s) s = find_patches(m, &patch_of);
+    s = comm_agree(c, s);
+    if (!s) {
+        f->comm = c;
+        describe_lattice(f, l, m);
+        s = build(f, l, m, patch_of, tile_size);
+    }
+    free(patch_of);
+    if (s) {
+        forest_free(f);
+        return status_up(s, __FILE__, __LINE__);
+    }
+    *out = f;
+    return OK;
+}
+
+void forest_free(struct forest *f) {
+    if (!f) return;
+    struct forest_private *h = f->hidden;
+    if (h) {
+        fill_free(h);
+        trees_free(h->trees);
+        cut_free(h);
+        free(h->cell);
+        free(h->face);
+        free(h->order);
+        free(h);
+    }
+    free(f->tile);
+    free(f);
+}

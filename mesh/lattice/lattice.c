@@ -1,0 +1,309 @@
+#include "mesh/lattice/lattice.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WHY = 256, HOLES = 64 }; /* at most this many places per cell, so that memory stays in proportion */
+static const double TOLERANCE = 1e-6;
+
+struct search {
+    const struct polymesh *m;
+    double *box;  /* [ncells][6]: low x y z, high x y z */
+    int *side;    /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), -1 */
+    int *at;      /* [ncells][3] position along the physical axes */
+    bool gone[3]; /* axes that empty patches remove */
+    double low[3], extent[3], width[3];
+    int n[3];
+    int *cell; /* [n0*n1*n2] by physical axes */
+    bool periodic[3];
+    char *why;
+};
+
+static bool no(struct search *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static bool no(struct search *s, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(s->why, WHY, format, args);
+    va_end(args);
+    return false;
+}
+
+static void find_boxes(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (long c = 0; c < m->ncells; c++)
+        for (int k = 0; k < 6; k++) s->box[6 * c + k] = k < 3 ? INFINITY : -INFINITY;
+    for (int f = 0; f < m->nfaces; f++)
+        for (int half = 0; half < (f < m->ninternal ? 2 : 1); half++) {
+            double *box = s->box + 6L * (half ? m->neighbour[f] : m->owner[f]);
+            for (int i = m->face_start[f]; i < m->face_start[f + 1]; i++)
+                for (int k = 0; k < 3; k++) {
+                    double x = m->points[3L * m->face_points[i] + k];
+                    box[k] = x < box[k] ? x : box[k];
+                    box[3 + k] = x > box[3 + k] ? x : box[3 + k];
+                }
+        }
+}
+
+/* The grid that the boxes would lie on: widths from their mean, then from the whole extent. */
+static bool find_grid(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (int k = 0; k < 3; k++) {
+        double low = INFINITY, high = -INFINITY, sum = 0;
+        for (long c = 0; c < m->ncells; c++) {
+            low = fmin(low, s->box[6 * c + k]);
+            high = fmax(high, s->box[6 * c + 3 + k]);
+            sum += s->box[6 * c + 3 + k] - s->box[6 * c + k];
+        }
+        double cells = (high - low) / (sum / m->ncells);
+        if (!(cells < INT_MAX / 2)) return no(s, "cells have no extent along %c", "xyz"[k]);
+        s->low[k] = low;
+        s->extent[k] = high - low;
+        s->n[k] = (int)(cells + 0.5) > 1 ? (int)(cells + 0.5) : 1;
+        s->width[k] = s->extent[k] / s->n[k];
+    }
+    return true;
+}
+
+static bool place_cells(struct search *s) {
+    double places = (double)s->n[0] * s->n[1] * s->n[2];
+    if (places > INT_MAX || places > HOLES * (double)s->m->ncells + 1e6)
+        return no(s, "%d cells would be scattered over a grid of %d x %d x %d", s->m->ncells, s->n[0], s->n[1],
+                  s->n[2]);
+    for (int c = 0; c < s->m->ncells; c++)
+        for (int k = 0; k < 3; k++) {
+            const double *box = s->box + 6L * c;
+            double x = (box[k] - s->low[k]) / s->width[k], size = (box[3 + k] - box[k]) / s->width[k];
+            double i = floor(x + 0.5);
+            s->at[3L * c + k] = (int)i;
+            if (fabs(size - 1) > TOLERANCE)
+                return no(s, "cell %d at (%g, %g, %g) is %g long along %c, the mean cell is %g", c,
+                          0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]),
+                          box[3 + k] - box[k], "xyz"[k], s -> width[k]);
+            if (fabs(x - i) > TOLERANCE)
+                return no(s, "cell %d at (%g, %g, %g) is off the grid along %c by %g of a cell", c,
+                          0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]), "xyz"[k], x - i);
+        }
+    return true;
+}
+
+/* The side (2*axis + 0/1) of the cell's box that face f fills, or -1. */
+static int find_side(const struct search *s, int c, int f) {
+    const struct polymesh *m = s->m;
+    const double *box = s->box + 6L * c;
+    int first = m->face_start[f], n = m->face_start[f + 1] - first, corners = 0, all = 7, any = 0;
+    if (n != 4) return -1;
+    for (int i = 0; i < 4; i++) {
+        int corner = 0;
+        for (int k = 0; k < 3; k++) {
+            double x = m->points[3L * m->face_points[first + i] + k], tolerance = TOLERANCE * s->width[k];
+            if (x - box[k] <= tolerance) continue;
+            if (box[3 + k] - x > tolerance) return -1;
+            corner |= 1 << k;
+        }
+        corners |= 1 << corner;
+        all &= corner;
+        any |= corner;
+    }
+    if (__builtin_popcount((unsigned)corners) != 4) return -1;
+    for (int k = 0; k < 3; k++)
+        if (((all ^ any) & 1 << k) == 0 && ((all ^ any) | 1 << k) == 7) return 2 * k + (all >> k & 1);
+    return -1;
+}
+
+static bool find_sides(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (long i = 0; i < 6L * m->ncells; i++) s->side[i] = -1;
+    for (int f = 0; f < m->nfaces; f++)
+        for (int half = 0; half < (f < m->ninternal ? 2 : 1); half++) {
+            int c = half ? m->neighbour[f] : m->owner[f], side = find_side(s, c, f);
+            const double *b = s->box + 6L * c;
+            if (side < 0 || s->side[6L * c + side] >= 0)
+                return no(s, "cell %d at (%g, %g, %g) is no box with faces normal to x, y, z", c, 0.5 * (b[0] + b[3]),
+                          0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]));
+            s->side[6L * c + side] = f;
+        }
+    for (long i = 0; i < 6L * m->ncells; i++)
+        if (s->side[i] < 0) {
+            const double *b = s->box + i / 6 * 6;
+            return no(s, "cell %ld at (%g, %g, %g) is no box: side %ld has no face", i / 6, 0.5 * (b[0] + b[3]),
+                      0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]), i % 6);
+        }
+    return true;
+}
+
+static long place_of(const struct search *s, const int *at) {
+    return at[0] + s->n[0] * (at[1] + (long)s->n[1] * at[2]);
+}
+
+/* One cell per place; neighbours on the grid share a face, else a wall without thickness stands between them. */
+static bool fill_places(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (int c = 0; c < m->ncells; c++) {
+        int *slot = &s->cell[place_of(s, s->at + 3L * c)];
+        const double *b = s->box + 6L * c;
+        if (*slot >= 0) return no(s, "cells %d and %d lie on each other at (%g, %g, %g)", *slot, c, b[0], b[1], b[2]);
+        *slot = c;
+    }
+    for (int c = 0; c < m->ncells; c++)
+        for (int k = 0; k < 3; k++) {
+            int at[3] = {s->at[3L * c], s->at[3L * c + 1], s->at[3L * c + 2]}, f = s->side[6L * c + 2 * k + 1];
+            const double *b = s->box + 6L * c;
+            int next = ++at[k] < s->n[k] ? s->cell[place_of(s, at)] : -1;
+            if (next >= 0 && f != s->side[6L * next + 2 * k])
+                return no(s, "cells %d and %d meet at (%g, %g, %g) but share no face: a wall without thickness", c,
+                          next, b[3], b[4], b[5]);
+        }
+    return true;
+}
+
+/* ---- empty and cyclic patches ------------------------------------------------------------------------------------ */
+
+static int side_of(const struct search *s, int face) {
+    for (int i = 0; i < 6; i++)
+        if (s->side[6L * s->m->owner[face] + i] == face) return i;
+    return -1;
+}
+
+static bool check_empty(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (int i = 0; i < m->npatches; i++) {
+        const struct patch *p = &m->patch[i];
+        for (int f = p->start; f < p->start + p->nfaces && strcmp(p->type, "empty") == 0; f++)
+            s->gone[side_of(s, f) / 2] = true;
+    }
+    for (int k = 0; k < 3; k++)
+        if (s->gone[k] && s->n[k] != 1)
+            return no(s, "empty patches close the %c axis, but the mesh is %d cells thick there", "xyz"[k], s -> n[k]);
+    return true;
+}
+
+/* Both halves fill opposite ends of the whole grid: face i at (0, j, k) belongs to face i at (n - 1, j, k). */
+static bool check_cyclic(struct search *s, const struct patch *p, const struct patch *q) {
+    int axis = -1;
+    for (int i = 0; i < p->nfaces; i++) {
+        int a = s->m->owner[p->start + i], b = s->m->owner[q->start + i], side = side_of(s, p->start + i);
+        int k = side / 2, end = s->n[k] - 1;
+        bool good = side_of(s, q->start + i) == (side ^ 1) && (axis < 0 || k == axis);
+        for (int j = 0; j < 3; j++) {
+            int pa = s->at[3L * a + j], pb = s->at[3L * b + j];
+            good = good && (j != k ? pa == pb : pa == (side & 1 ? end : 0) && pb == end - pa);
+        }
+        if (!good)
+            return no(s, "cyclic patches '%s' and '%s' do not wrap the whole mesh along one axis (cells %d and %d)",
+                      p->name, q->name, a, b);
+        axis = k;
+    }
+    if (axis >= 0) s->periodic[axis] = true;
+    return true;
+}
+
+/* Where an axis is wrapped, all of both ends is. */
+static bool check_ends(struct search *s) {
+    const struct polymesh *m = s->m;
+    for (int i = 0; i < m->npatches; i++) {
+        const struct patch *p = &m->patch[i];
+        for (int f = p->start; f < p->start + p->nfaces && strcmp(p->type, "cyclic") != 0; f++) {
+            int side = side_of(s, f), k = side / 2, at = s->at[3L * m->owner[f] + k];
+            if (s->periodic[k] && at == (side & 1 ? s->n[k] - 1 : 0))
+                return no(s, "the %c axis is cyclic only in part: patch '%s' (%s) is at its end, too", "xyz"[k],
+                          p -> name, p -> type);
+        }
+    }
+    return true;
+}
+
+static bool check_patches(struct search *s) {
+    const struct polymesh *m = s->m;
+    if (!check_empty(s)) return false;
+    for (int i = 0; i < m->npatches; i++) {
+        const struct patch *p = &m->patch[i];
+        if (strcmp(p->type, "cyclic") != 0) continue;
+        int j = p->neighbour ? polymesh_find_patch(m, p->neighbour) : -1;
+        if (j < 0 || m->patch[j].nfaces != p->nfaces)
+            return no(s, "cyclic patch '%s' has no equal other half", p->name);
+        if (!check_cyclic(s, p, &m->patch[j])) return false;
+    }
+    return check_ends(s);
+}
+
+/* ---- the lattice ------------------------------------------------------------------------------------------------- */
+
+void lattice_free(struct lattice *l) {
+    if (!l) return;
+    free(l->cell);
+    free(l->face);
+    free(l);
+}
+
+static void set_axes(const struct search *s, struct lattice *l) {
+    int gone = 0;
+    for (int k = 0; k < 3; k++) gone += s->gone[k];
+    l->thickness = 1;
+    for (int k = 0, out = 3 - gone; k < 3; k++) {
+        int to = s->gone[k] ? out++ : l->dim++;
+        l->axis[to] = k;
+        l->n[to] = s->n[k];
+        l->origin[to] = s->low[k];
+        l->width[to] = s->width[k];
+        l->periodic[to] = s->periodic[k];
+        if (s->gone[k]) l->thickness *= s->extent[k];
+    }
+}
+
+/* Empty axes have one cell, so places keep their order when the axes are renamed. */
+static status make_lattice(const struct search *s, struct lattice *l) {
+    const struct polymesh *m = s->m;
+    set_axes(s, l);
+    if (l->dim == 0)
+        return fail(ERR_INPUT, "mesh: empty patches close x, y and z; an axis to solve along must be left");
+    long places = (long)l->n[0] * l->n[1] * l->n[2];
+    TRY(allocate(&l->cell, places, sizeof *l->cell, "the lattice"));
+    memcpy(l->cell, s->cell, (size_t)places * sizeof *l->cell);
+    TRY(allocate(&l->face, 6L * m->ncells, sizeof *l->face, "the lattice"));
+    for (long c = 0; c < m->ncells; c++)
+        for (int i = 0; i < 6; i++)
+            l->face[6 * c + i] = i / 2 < l->dim ? s->side[6 * c + 2 * l->axis[i / 2] + i % 2] : -1;
+    return OK;
+}
+
+static status fill(struct search *s, bool *is_lattice) {
+    long n = s->m->ncells;
+    if (n == 0) return fail(ERR_INPUT, "mesh: no cells");
+    TRY(allocate(&s->box, 6 * n, sizeof *s->box, "the lattice"));
+    TRY(allocate(&s->side, 6 * n, sizeof *s->side, "the lattice"));
+    TRY(allocate(&s->at, 3 * n, sizeof *s->at, "the lattice"));
+    find_boxes(s);
+    if (!find_grid(s) || !find_sides(s) || !place_cells(s)) return OK;
+    long places = (long)s->n[0] * s->n[1] * s->n[2];
+    TRY(allocate(&s->cell, places, sizeof *s->cell, "the lattice"));
+    for (long i = 0; i < places; i++) s->cell[i] = -1;
+    *is_lattice = fill_places(s) && check_patches(s);
+    return OK;
+}
+
+status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[WHY]) {
+    struct search s = {.m = m, .why = why};
+    struct lattice *l = NULL;
+    bool is_lattice = false;
+    why[0] = 0;
+    *out = NULL;
+    status st = fill(&s, &is_lattice);
+    if (!st && is_lattice) {
+        st = allocate(&l, 1, sizeof *l, "the lattice");
+        if (!st) st = make_lattice(&s, l);
+        if (st) {
+            lattice_free(l);
+            l = NULL;
+        }
+    }
+    free(s.box);
+    free(s.side);
+    free(s.at);
+    free(s.cell);
+    *out = l;
+    return st;
+}

@@ -1,0 +1,24 @@
+/* Is a mesh a union of equal axis-parallel boxes (holes allowed)? Then it is a lattice, and fast. */
+#ifndef MESH_LATTICE_H
+#define MESH_LATTICE_H
+
+#include "mesh/format/polymesh.h"
+
+struct lattice {
+    int dim;          /* 1..3: axes that `empty` patches leave */
+    int axis[3];      /* [dim] physical axis (0 x, 1 y, 2 z) of computational axis k, ascending */
+    int n[3];         /* cells along computational axis k of the bounding box; 1 for k >= dim */
+    double origin[3]; /* lower corner along computational axis k, m */
+    double width[3];  /* cell size along computational axis k, m; for k >= dim the thickness of the mesh there */
+    int *cell;        /* [n0*n1*n2], axis 0 fastest: polyMesh cell, or -1 in a hole */
+    int *face;        /* [ncells][6] by polyMesh cell: face at side 2*k + (0 low, 1 high); -1 for k >= dim */
+    double thickness; /* product of the mesh's extents along the empty axes, m^(3-dim): volume = product(width) */
+    bool periodic[3]; /* axis k is wrapped by cyclic patches */
+};
+
+/* OK with *out = NULL and a reason in why[] if the mesh is sound but no lattice (e.g. "cell 17 is no box");
+ * an error only for what no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
+status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
+void lattice_free(struct lattice *l);
+
+#endif

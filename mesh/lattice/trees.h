@@ -1,0 +1,28 @@
+/* What p4est does for the forest: deals the tiles (one tree each, in the order of their ids) to the ranks, so that each
+ * has about as many cells. Private to forest*.c. */
+#ifndef MESH_TREES_H
+#define MESH_TREES_H
+
+#include "mesh/base/comm.h"
+
+struct trees_tile {   /* all tiles, on every rank */
+    int low[3], n[3]; /* lattice position and cells */
+    int neighbour[6]; /* tile id beyond side 2*k + (0 low, 1 high), itself for its own periodic image; -1: a patch */
+};
+struct trees_engine;
+struct trees {
+    const struct trees_engine *engine;
+    int first, count; /* my tiles: ids first .. first + count - 1 */
+    int *start;       /* [ranks + 1] the first tile of each rank */
+    struct trees_state *state;
+};
+struct trees_engine { /* p4est in two dimensions (and one), p8est in three */
+    status (*start)(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall);
+    void (*stop)(struct trees *t);
+};
+extern const struct trees_engine trees_flat, trees_solid;
+
+status trees_make(const struct comm *c, int dim, const struct trees_tile *all, int nall, struct trees **out);
+void trees_free(struct trees *t);
+
+#endif

@@ -1,0 +1,339 @@
+#include "mesh/polyhedral/polyhedra.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/polyhedral/polyhedra_private.h"
+
+enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4 }; /* in `local` until the cells are numbered */
+
+struct ghost {
+    int kind, rank, cell; /* NEAR or FAR; the rank that has the polyMesh cell */
+};
+struct work { /* what is needed while polyhedra is made; lists by polyMesh cell or link */
+    struct links links;
+    struct cut cut;
+    struct grower grower;
+    int *mine;    /* [nown] polyMesh cells, block by block */
+    int *local;   /* [ncells_all] number here */
+    int *members; /* [ncells_all] of the stencil */
+    bool *waits;  /* [ncells_all] its stencil holds ghosts */
+    int nghosts;
+    struct ghost *ghost;
+    int *ghost_rank;          /* [ghosts] */
+    int *face_of, *mirror_of; /* [links] number here, or -1 */
+    int *link_of;             /* [faces] */
+    int *mirror_link;         /* [mirrors] */
+};
+
+/* ---- cells ------------------------------------------------------------------------------------------------------- */
+
+static int rank_of(const struct work *w, int cell) {
+    return w->cut.rank_of[w->cut.block_of[cell]];
+}
+
+static status list_blocks(struct polyhedra *m, struct work *w) {
+    const struct cut *cut = &w->cut;
+    const int me = comm_rank(m->comm);
+    m->nblocks_all = cut->nblocks;
+    TRY(allocate(&m->block_id, cut->nblocks, sizeof *m->block_id, "the blocks"));
+    TRY(allocate(&m->block_start, cut->nblocks + 1L, sizeof *m->block_start, "the blocks"));
+    for (int b = 0; b < cut->nblocks; b++) {
+        if (cut->rank_of[b] != me) continue;
+        m->nown += cut->start[b + 1] - cut->start[b];
+        m->block_id[m->nblocks++] = b;
+        m->block_start[m->nblocks] = m->nown;
+    }
+    TRY(allocate(&w->mine, m->nown, sizeof *w->mine, "the cells"));
+    for (int i = 0; i < m->nblocks; i++)
+        for (int k = m->block_start[i]; k < m->block_start[i + 1]; k++) {
+            w->mine[k] = cut->order[cut->start[m->block_id[i]] + k - m->block_start[i]];
+            w->local[w->mine[k]] = MINE;
+        }
+    return OK;
+}
+
+static void add_ghost(struct work *w, int cell, int kind) {
+    w->local[cell] = kind;
+    w->ghost[w->nghosts++] = (struct ghost){kind, rank_of(w, cell), cell};
+}
+
+static status list_near(struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    TRY(allocate(&w->ghost, m->ncells_all - m->nown, sizeof *w->ghost, "the ghosts"));
+    for (int k = 0; k < m->nown; k++)
+        for (int c = w->mine[k], i = l->cell_start[c]; i < l->cell_start[c + 1]; i++) {
+            int image, to = links_cross(l, l->cell_link[i], 0, &image);
+            if (to >= 0 && w->local[to] == NOWHERE) add_ghost(w, to, NEAR);
+        }
+    m->nnear = m->nown + w->nghosts;
+    return OK;
+}
+
+/* Grows the stencils once to learn their sizes and members. */
+static status scout(struct work *w, int cell) {
+    TRY(grower_run(&w->grower, cell));
+    w->members[cell] = w->grower.n - 1;
+    for (int i = 1; i < w->grower.n; i++) {
+        int member = w->grower.member[i].cell;
+        if (member < 0) continue;
+        if (w->local[member] == NOWHERE) add_ghost(w, member, FAR);
+        if (w->local[member] != MINE) w->waits[cell] = true;
+    }
+    return OK;
+}
+
+static int by_place(const void *a, const void *b) {
+    const struct ghost *p = a, *q = b;
+    if (p->kind != q->kind) return p->kind > q->kind ? -1 : 1;
+    if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
+    return (p->cell > q->cell) - (p->cell < q->cell);
+}
+
+static status number_cells(struct polyhedra *m, struct work *w) {
+    int n = 0, near = m->nnear - m->nown;
+    for (int k = 0; k < m->nown; k++) TRY(scout(w, w->mine[k]));
+    for (int k = 0; k < near; k++) TRY(scout(w, w->ghost[k].cell));
+    qsort(w->ghost, (size_t)w->nghosts, sizeof *w->ghost, by_place);
+    m->ncells = m->nown + w->nghosts;
+    TRY(allocate(&m->cell, m->ncells, sizeof *m->cell, "the cells"));
+    TRY(allocate(&m->block_cell, m->nown, sizeof *m->block_cell, "the cells"));
+    TRY(allocate(&w->ghost_rank, w->nghosts, sizeof *w->ghost_rank, "the ghosts"));
+    TRY(allocate(&m->stencil_start, m->nnear + 1L, sizeof *m->stencil_start, "the stencils"));
+    for (int waits = 0; waits < 2; waits++) {
+        for (int k = 0; k < m->nown; k++)
+            if (w->waits[w->mine[k]] == waits) m->cell[n++] = w->mine[k];
+        if (!waits) m->ninner = n;
+    }
+    for (int k = 0; k < w->nghosts; k++) {
+        m->cell[n++] = w->ghost[k].cell;
+        w->ghost_rank[k] = w->ghost[k].rank;
+    }
+    for (int i = 0; i < m->ncells; i++) w->local[m->cell[i]] = i;
+    for (int i = 0; i < m->nnear; i++) m->stencil_start[i + 1] = m->stencil_start[i] + w->members[m->cell[i]];
+    for (int k = 0; k < m->nown; k++) m->block_cell[k] = w->local[w->mine[k]];
+    return OK;
+}
+
+static status make_cells(struct polyhedra *m, struct work *w, int rings) {
+    TRY(allocate(&w->local, m->ncells_all, sizeof *w->local, "the cells"));
+    TRY(allocate(&w->members, m->ncells_all, sizeof *w->members, "the cells"));
+    TRY(allocate(&w->waits, m->ncells_all, sizeof *w->waits, "the cells"));
+    for (int c = 0; c < m->ncells_all; c++) w->local[c] = NOWHERE;
+    TRY(grower_make(&w->links, rings, &w->grower));
+    TRY(list_blocks(m, w));
+    TRY(list_near(m, w));
+    return number_cells(m, w);
+}
+
+/* ---- faces ------------------------------------------------------------------------------------------------------- */
+
+/* Faces of cell i that it shares with higher cells (or ghosts), in the order of those. */
+static void list_inside(struct polyhedra *m, struct work *w, int i, bool local) {
+    const struct links *l = &w->links;
+    const int first = m->face.n, *number = w->local;
+    for (int c = m->cell[i], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++) {
+        int image, code = l->cell_link[k], to = links_cross(l, code, 0, &image);
+        if (to < 0 || number[to] < i || (number[to] == i && code < 0)) continue;
+        if (local != (number[to] < m->ninner)) continue;
+        int link = code < 0 ? ~code : code, at = m->face.n++;
+        for (; at > first; at--) {
+            int before = w->link_of[at - 1], other = l->left[before] == c ? l->right[before] : l->left[before];
+            if (number[other] <= number[to]) break;
+            w->link_of[at] = before;
+        }
+        w->link_of[at] = link;
+    }
+}
+
+/* Boundary faces patch by patch, in the order of the cells. */
+static status list_boundary(struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    const int npatches = l->mesh->npatches;
+    int *start;
+    TRY(allocate(&start, npatches + 2L, sizeof *start, "the patches"));
+    for (int fill = 0; fill < 2; fill++)
+        for (int i = 0; i < m->nown; i++)
+            for (int c = m->cell[i], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++) {
+                int link = l->cell_link[k];
+                if (link < 0 || l->patch[link] < 0) continue;
+                if (fill)
+                    w->link_of[m->face.ninternal + start[l->patch[link] + 1]++] = link;
+                else
+                    for (int p = l->patch[link]; p < npatches; p++) start[p + 2]++;
+            }
+    m->face.n = m->face.ninternal + start[npatches];
+    free(start);
+    return OK;
+}
+
+static status list_faces(struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    long room = 0;
+    for (int i = 0; i < m->nown; i++) room += l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
+    TRY(allocate(&w->link_of, room, sizeof *w->link_of, "the faces"));
+    for (int i = 0; i < m->ninner; i++) list_inside(m, w, i, true);
+    m->face.nlocal = m->face.n;
+    for (int i = 0; i < m->nown; i++) list_inside(m, w, i, false);
+    m->face.ninternal = m->face.n;
+    return list_boundary(m, w);
+}
+
+static status list_mirrors(struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    struct polyhedra_mirrors *mirror = &m->mirror;
+    long room = m->face.n - m->face.ninternal;
+    for (int i = m->nown; i < m->nnear; i++) room += l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
+    TRY(allocate(&w->mirror_link, room, sizeof *w->mirror_link, "the mirrors"));
+    for (int i = m->face.ninternal; i < m->face.n; i++) w->mirror_link[mirror->n++] = w->link_of[i];
+    for (int i = m->nown; i < m->nnear; i++)
+        for (int c = m->cell[i], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++)
+            if (l->cell_link[k] >= 0 && l->patch[l->cell_link[k]] >= 0) w->mirror_link[mirror->n++] = l->cell_link[k];
+    TRY(allocate(&mirror->cell, mirror->n, sizeof *mirror->cell, "the mirrors"));
+    TRY(allocate(&mirror->patch, mirror->n, sizeof *mirror->patch, "the mirrors"));
+    TRY(allocate(&mirror->place, mirror->n, sizeof *mirror->place, "the mirrors"));
+    for (int i = 0; i < mirror->n; i++) {
+        int link = w->mirror_link[i];
+        mirror->cell[i] = w->local[l->left[link]];
+        mirror->patch[i] = l->patch[link];
+        mirror->place[i] = l->face[link] - l->mesh->patch[l->patch[link]].start;
+        w->mirror_of[link] = i;
+    }
+    m->face.patch = mirror->patch;
+    m->face.place = mirror->place;
+    m->size = m->ncells + mirror->n;
+    return OK;
+}
+
+static status join_cells(struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    TRY(allocate(&m->face.left, m->face.n, sizeof *m->face.left, "the faces"));
+    TRY(allocate(&m->face.right, m->face.n, sizeof *m->face.right, "the faces"));
+    for (int i = 0; i < m->face.n; i++) {
+        int link = w->link_of[i], right = l->right[link];
+        w->face_of[link] = i;
+        m->face.left[i] = w->local[l->left[link]];
+        m->face.right[i] = right >= 0 ? w->local[right] : m->ncells + w->mirror_of[link];
+    }
+    TRY(allocate(&m->face_start, m->nown + 1L, sizeof *m->face_start, "the faces of the cells"));
+    for (int i = 0; i < m->nown; i++)
+        m->face_start[i + 1] = m->face_start[i] + l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
+    TRY(allocate(&m->face_of_cell, m->face_start[m->nown], sizeof *m->face_of_cell, "the faces of the cells"));
+    for (int i = 0; i < m->nown; i++)
+        for (int k = m->face_start[i]; k < m->face_start[i + 1]; k++) {
+            int code = l->cell_link[l->cell_start[m->cell[i]] + k - m->face_start[i]];
+            m->face_of_cell[k] = code < 0 ? ~w->face_of[~code] : w->face_of[code];
+        }
+    return OK;
+}
+
+static status make_faces(struct polyhedra *m, struct work *w) {
+    TRY(allocate(&w->face_of, w->links.n, sizeof *w->face_of, "the faces"));
+    TRY(allocate(&w->mirror_of, w->links.n, sizeof *w->mirror_of, "the mirrors"));
+    TRY(list_faces(m, w));
+    TRY(list_mirrors(m, w));
+    return join_cells(m, w);
+}
+
+/* ---- all --------------------------------------------------------------------------------------------------------- */
+
+static status make_local(struct polyhedra *m, struct work *w, int rings) {
+    TRY(make_cells(m, w, rings));
+    TRY(make_faces(m, w));
+    TRY(geometry_make(m, &w->links, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
+    return stencil_make(m, &w->grower, w->local, w->mirror_of);
+}
+
+static status make(struct polyhedra *m, const struct polymesh *mesh, struct work *w, int rings) {
+    status s = links_make(mesh, &w->links);
+    if (!s && (rings < 1 || rings > 2)) s = fail(ERR_INPUT, "stencils of %d rings; 1 or 2 are allowed", rings);
+    TRY(comm_agree(m->comm, s));
+    m->dim = w->links.dim;
+    memcpy(m->axis, w->links.axis, sizeof m->axis);
+    m->thickness = w->links.thickness;
+    m->ncells_all = mesh->ncells;
+    TRY(cut_cells(&w->links, m->comm, &w->cut));
+    TRY(comm_agree(m->comm, make_local(m, w, rings)));
+    return halo_make(m, w->ghost_rank, w->local);
+}
+
+static void work_free(struct work *w) {
+    links_free(&w->links);
+    cut_cells_free(&w->cut);
+    grower_free(&w->grower);
+    free(w->mine);
+    free(w->local);
+    free(w->members);
+    free(w->waits);
+    free(w->ghost);
+    free(w->ghost_rank);
+    free(w->face_of);
+    free(w->mirror_of);
+    free(w->link_of);
+    free(w->mirror_link);
+}
+
+status polyhedra_make(const struct polymesh *mesh, const struct comm *c, int rings, struct polyhedra **out) {
+    struct polyhedra *m = NULL;
+    struct work w = {0};
+    *out = NULL;
+    status s = allocate(&m, 1, sizeof *m, "the polyhedra");
+    if (!s) s = allocate(&m->hidden, 1, sizeof *m->hidden, "the polyhedra");
+    s = comm_agree(c, s);
+    if (!s) {
+        m->comm = c;
+        s = make(m, mesh, &w, rings);
+    }
+    work_free(&w);
+    if (s) {
+        polyhedra_free(m);
+        return status_up(s, __FILE__, __LINE__);
+    }
+    *out = m;
+    return OK;
+}
+
+static void faces_free(struct polyhedra_faces *f) {
+    free(f->left);
+    free(f->right);
+    free(f->area);
+    free(f->point_start);
+    lines_free(f->normal, 3);
+    lines_free(f->tangent[0], 3);
+    lines_free(f->tangent[1], 3);
+    lines_free(f->shift, 3);
+}
+
+static void mirrors_free(struct polyhedra_mirrors *m) {
+    free(m->cell);
+    free(m->patch);
+    free(m->place);
+    lines_free(m->normal, 3);
+    lines_free(m->tangent[0], 3);
+    lines_free(m->tangent[1], 3);
+}
+
+static void points_free(struct polyhedra_points *p) {
+    free(p->face);
+    free(p->weight);
+    lines_free(p->arm[0], 3);
+    lines_free(p->arm[1], 3);
+}
+
+void polyhedra_free(struct polyhedra *m) {
+    if (!m) return;
+    if (m->hidden) halo_free(m->hidden);
+    free(m->hidden);
+    faces_free(&m->face);
+    mirrors_free(&m->mirror);
+    points_free(&m->point);
+    int *const list[] = {m->cell,          m->face_start, m->face_of_cell, m->stencil_start,
+                         m->stencil,       m->ring,       m->corner_start, m->corner_first,
+                         m->corner_member, m->block_id,   m->block_start,  m->block_cell};
+    for (int i = 0; i < (int)(sizeof list / sizeof *list); i++) free(list[i]);
+    free(m->volume);
+    lines_free(m->centre, 3);
+    lines_free(m->moment, POLYHEDRA_MOMENTS);
+    lines_free(m->offset, 3);
+    free(m);
+}

@@ -1,0 +1,367 @@
+/* Moments of cells, frames and quadrature points of faces, mirrors: from the polyMesh alone, so that every rank that
+ * holds a cell or a face has the same bits. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "mesh/polyhedral/polyhedra_private.h"
+
+status lines_make(double **line, int count, long n, const char *what) {
+    for (int k = 0; k < count; k++) TRY(allocate(&line[k], n, sizeof *line[k], what));
+    return OK;
+}
+
+void lines_free(double **line, int count) {
+    for (int k = 0; k < count; k++) free(line[k]);
+}
+
+static const double *point_of(const struct links *l, int p) {
+    return l->mesh->points + 3L * p;
+}
+
+static void cross(const double *a, const double *b, double c[3]) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* ---- cells ------------------------------------------------------------------------------------------------------- */
+
+struct shape { /* of a cell; sums about `origin` while it is made */
+    int dim;
+    double origin[3], volume, first[3], second[POLYHEDRA_MOMENTS];
+};
+
+static int moment_of(int dim, int a, int b) {
+    return a * dim - a * (a - 1) / 2 + b - a;
+}
+
+/* Adds the simplex of the origin and dim more corners, of `volume`. For one of d + 1 corners v (v_0 = 0) and sum S:
+ * int x_a = V S_a / (d + 1), int x_a x_b = V (sum_i v_ia v_ib + S_a S_b) / ((d + 1) (d + 2)). */
+static void add_simplex(struct shape *s, const double v[3][3], double volume) {
+    const int d = s->dim;
+    double sum[3] = {0};
+    s->volume += volume;
+    for (int a = 0; a < d; a++) {
+        for (int i = 0; i < d; i++) sum[a] += v[i][a];
+        s->first[a] += volume * sum[a] / (d + 1);
+    }
+    for (int a = 0; a < d; a++)
+        for (int b = a; b < d; b++) {
+            double x = sum[a] * sum[b];
+            for (int i = 0; i < d; i++) x += v[i][a] * v[i][b];
+            s->second[moment_of(d, a, b)] += volume * x / ((d + 1) * (d + 2));
+        }
+}
+
+static void add_tet(struct shape *s, const double *p, const double *q, const double *r, double sign) {
+    double v[3][3], n[3];
+    for (int k = 0; k < 3; k++) {
+        v[0][k] = p[k] - s->origin[k];
+        v[1][k] = q[k] - s->origin[k];
+        v[2][k] = r[k] - s->origin[k];
+    }
+    cross(v[0], v[1], n);
+    add_simplex(s, (const double(*)[3])v, sign * dot(n, v[2]) / 6);
+}
+
+static void add_face_3d(struct shape *s, const struct links *l, int face, double sign) {
+    const int *p = l->mesh->face_points + l->mesh->face_start[face];
+    int n = l->mesh->face_start[face + 1] - l->mesh->face_start[face];
+    if (n == 3) {
+        add_tet(s, point_of(l, p[0]), point_of(l, p[1]), point_of(l, p[2]), sign);
+        return;
+    }
+    for (int i = 0; i < n; i++)
+        add_tet(s, l->face_centre + 3L * face, point_of(l, p[i]), point_of(l, p[(i + 1) % n]), sign);
+}
+
+static void add_face_2d(struct shape *s, const struct links *l, int face, double sign) {
+    double v[3][3] = {{0}};
+    int p, q;
+    if (!links_edge(l, face, &p, &q)) return; /* refused before */
+    for (int k = 0; k < 2; k++) {
+        v[0][k] = point_of(l, p)[l->axis[k]] - s->origin[k];
+        v[1][k] = point_of(l, q)[l->axis[k]] - s->origin[k];
+    }
+    add_simplex(s, (const double(*)[3])v, sign * (v[0][0] * v[1][1] - v[0][1] * v[1][0]) / 2);
+}
+
+static void add_face_1d(struct shape *s, const struct links *l, int face, double sign) {
+    double v[3][3] = {{point_of(l, l->mesh->face_points[l->mesh->face_start[face]])[l->axis[0]] - s->origin[0]}};
+    add_simplex(s, (const double(*)[3])v, l->face_area[3L * face + l->axis[0]] * sign > 0 ? v[0][0] : -v[0][0]);
+}
+
+/* Volume, centre (in `first`) and mean second moments about the centre of polyMesh cell c. */
+static void measure_cell(const struct links *l, int c, struct shape *s) {
+    static void (*const add_face[])(struct shape *, const struct links *, int, double) = {add_face_1d, add_face_2d,
+                                                                                          add_face_3d};
+    const int from = l->cell_start[c], to = l->cell_start[c + 1], d = l->dim;
+    bool outward;
+    *s = (struct shape){.dim = d};
+    for (int i = from; i < to; i++)
+        for (int k = 0; k < d; k++)
+            s->origin[k] += l->face_centre[3L * links_face(l, l->cell_link[i], &outward) + l->axis[k]] / (to - from);
+    for (int i = from; i < to; i++) {
+        int face = links_face(l, l->cell_link[i], &outward);
+        add_face[d - 1](s, l, face, outward ? 1 : -1);
+    }
+    for (int a = 0; a < d; a++) s->first[a] /= s->volume;
+    for (int a = 0; a < d; a++)
+        for (int b = a; b < d; b++) {
+            double *x = &s->second[moment_of(d, a, b)];
+            *x = *x / s->volume - s->first[a] * s->first[b];
+        }
+    for (int a = 0; a < d; a++) s->first[a] += s->origin[a];
+}
+
+static status make_cells(struct polyhedra *m, const struct links *l) {
+    const int nmoments = m->dim * (m->dim + 1) / 2;
+    TRY(allocate(&m->volume, m->size, sizeof *m->volume, "the cells"));
+    TRY(lines_make(m->centre, m->dim, m->size, "the cells"));
+    TRY(lines_make(m->moment, nmoments, m->size, "the cells"));
+    for (int i = 0; i < m->ncells; i++) {
+        struct shape s;
+        measure_cell(l, m->cell[i], &s);
+        if (!(s.volume > 0)) {
+            bool outward;
+            const double *x = l->face_centre + 3L * links_face(l, l->cell_link[l->cell_start[m->cell[i]]], &outward);
+            return fail(ERR_INPUT, "constant/polyMesh: cell %d near (%g, %g, %g) has the volume %g; run checkMesh",
+                        m->cell[i], x[0], x[1], x[2], s.volume);
+        }
+        m->volume[i] = s.volume;
+        for (int k = 0; k < m->dim; k++) m->centre[k][i] = s.first[k];
+        for (int k = 0; k < nmoments; k++) m->moment[k][i] = s.second[k];
+    }
+    return OK;
+}
+
+/* ---- faces ------------------------------------------------------------------------------------------------------- */
+
+struct frame { /* of a polyMesh face; centre and normal in computational axes */
+    double centre[3], area, normal[3], tangent[2][3];
+};
+
+/* The first tangent is the axis most nearly normal to the normal, made exactly so. */
+static void complete_frame(struct frame *f) {
+    const double *n = f->normal;
+    int a = fabs(n[1]) <= fabs(n[0]) ? 1 : 0;
+    if (fabs(n[2]) < fabs(n[a])) a = 2;
+    double *t = f->tangent[0], size;
+    for (int k = 0; k < 3; k++) t[k] = (k == a) - n[a] * n[k];
+    size = sqrt(dot(t, t));
+    for (int k = 0; k < 3; k++) t[k] /= size;
+    cross(n, t, f->tangent[1]);
+}
+
+static void measure_face(const struct links *l, int face, struct frame *f) {
+    const double *area = l->face_area + 3L * face;
+    *f = (struct frame){.area = 1};
+    if (l->dim == 1) {
+        f->centre[0] = point_of(l, l->mesh->face_points[l->mesh->face_start[face]])[l->axis[0]];
+        f->normal[0] = area[l->axis[0]] > 0 ? 1 : -1;
+    } else if (l->dim == 2) {
+        int p, q;
+        if (!links_edge(l, face, &p, &q)) return; /* refused before */
+        const double *a = point_of(l, p), *b = point_of(l, q);
+        const double x = b[l->axis[0]] - a[l->axis[0]], y = b[l->axis[1]] - a[l->axis[1]];
+        for (int k = 0; k < 2; k++) f->centre[k] = 0.5 * (a[l->axis[k]] + b[l->axis[k]]);
+        f->area = sqrt(x * x + y * y);
+        f->normal[0] = y / f->area;
+        f->normal[1] = -x / f->area;
+        f->tangent[0][0] = -f->normal[1];
+        f->tangent[0][1] = f->normal[0];
+    } else {
+        f->area = sqrt(dot(area, area));
+        for (int k = 0; k < 3; k++) f->centre[k] = l->face_centre[3L * face + k], f->normal[k] = area[k] / f->area;
+        complete_frame(f);
+    }
+}
+
+static status make_faces(struct polyhedra *m, const struct links *l, const int *link_of) {
+    struct polyhedra_faces *face = &m->face;
+    TRY(allocate(&face->area, face->n, sizeof *face->area, "the faces"));
+    TRY(lines_make(face->normal, m->dim, face->n, "the faces"));
+    TRY(lines_make(face->shift, m->dim, face->n, "the faces"));
+    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(face->tangent[t], m->dim, face->n, "the faces"));
+    for (int i = 0; i < face->n; i++) {
+        struct frame f;
+        int image;
+        measure_face(l, l->face[link_of[i]], &f);
+        links_cross(l, link_of[i], 0, &image);
+        face->area[i] = f.area;
+        for (int k = 0; k < m->dim; k++) {
+            face->normal[k][i] = f.normal[k];
+            face->shift[k][i] = l->image[image][k];
+            for (int t = 0; t < m->dim - 1; t++) face->tangent[t][k][i] = f.tangent[t][k];
+        }
+    }
+    return OK;
+}
+
+/* ---- mirrors ----------------------------------------------------------------------------------------------------- */
+
+/* Cell `to` = cell `from` reflected in the plane of f: R = 1 - 2 n n^T. */
+static void reflect(struct polyhedra *m, int from, int to, const struct frame *f) {
+    const int d = m->dim;
+    const double *n = f->normal;
+    double depth = 0, second[3][3], turned[3][3] = {{0}};
+    m->volume[to] = m->volume[from];
+    for (int k = 0; k < d; k++) depth += (f->centre[k] - m->centre[k][from]) * n[k];
+    for (int k = 0; k < d; k++) m->centre[k][to] = m->centre[k][from] + 2 * depth * n[k];
+    for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) second[a][b] = m->moment[a < b ? moment_of(d, a, b) : moment_of(d, b, a)][from];
+    for (int side = 0; side < 2; side++) /* R (R M)^T = R M R: M is symmetric */
+        for (int a = 0; a < d; a++)
+            for (int b = 0; b < d; b++) {
+                const double(*x)[3] = side ? (const double(*)[3])turned : (const double(*)[3])second;
+                double along = 0;
+                for (int k = 0; k < d; k++) along += n[k] * x[k][b];
+                if (side == 0)
+                    turned[b][a] = x[a][b] - 2 * n[a] * along;
+                else if (a <= b)
+                    m->moment[moment_of(d, a, b)][to] = x[a][b] - 2 * n[a] * along;
+            }
+}
+
+static status make_mirrors(struct polyhedra *m, const struct links *l, const int *mirror_link) {
+    struct polyhedra_mirrors *mirror = &m->mirror;
+    TRY(lines_make(mirror->normal, m->dim, mirror->n, "the mirrors"));
+    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(mirror->tangent[t], m->dim, mirror->n, "the mirrors"));
+    for (int i = 0; i < mirror->n; i++) {
+        struct frame f;
+        measure_face(l, l->face[mirror_link[i]], &f);
+        for (int k = 0; k < m->dim; k++) {
+            mirror->normal[k][i] = f.normal[k];
+            for (int t = 0; t < m->dim - 1; t++) mirror->tangent[t][k][i] = f.tangent[t][k];
+        }
+        reflect(m, mirror->cell[i], m->ncells + i, &f);
+    }
+    return OK;
+}
+
+/* ---- quadrature -------------------------------------------------------------------------------------------------- */
+
+struct rule {
+    int n, room;
+    double (*x)[3], *weight;
+};
+
+static void add_point(struct rule *r, const double *x, double weight) {
+    for (int k = 0; k < 3; k++) r->x[r->n][k] = x[k];
+    r->weight[r->n++] = weight;
+}
+
+/* Three points, exact for quadratic functions, weighted by the triangle's area along the normal. */
+static void add_triangle(struct rule *r, const double *a, const double *b, const double *c, const double *normal) {
+    const double *v[3] = {a, b, c};
+    double u[3], w[3], n[3];
+    for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], w[k] = c[k] - a[k];
+    cross(u, w, n);
+    for (int i = 0; i < 3; i++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = (4 * v[i][k] + v[(i + 1) % 3][k] + v[(i + 2) % 3][k]) / 6;
+        add_point(r, x, dot(n, normal) / 6);
+    }
+}
+
+/* Gauss points of the bilinear patch, weighted by its Jacobian along the normal: exact for quadratic functions on a
+ * plane quadrilateral, as function times Jacobian is cubic along either coordinate. */
+static void add_quad(struct rule *r, const double *v[4], const double *normal) {
+    const double g = 0.5 - 0.5 / sqrt(3.0);
+    for (int i = 0; i < 4; i++) { /* nearest to corner i */
+        double s = i == 1 || i == 2 ? 1 - g : g, t = i >= 2 ? 1 - g : g, x[3], xs[3], xt[3], n[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = (1 - s) * (1 - t) * v[0][k] + s * (1 - t) * v[1][k] + s * t * v[2][k] + (1 - s) * t * v[3][k];
+            xs[k] = (1 - t) * (v[1][k] - v[0][k]) + t * (v[2][k] - v[3][k]);
+            xt[k] = (1 - s) * (v[3][k] - v[0][k]) + s * (v[2][k] - v[1][k]);
+        }
+        cross(xs, xt, n);
+        add_point(r, x, dot(n, normal) / 4);
+    }
+}
+
+static int count_points(const struct links *l, int face, int order) {
+    int n = l->mesh->face_start[face + 1] - l->mesh->face_start[face];
+    if (order == 1 || l->dim == 1) return 1;
+    if (l->dim == 2) return 2;
+    return n <= 4 ? n : 3 * n;
+}
+
+static void place_points_3d(const struct links *l, int face, const struct frame *f, struct rule *r) {
+    const int *p = l->mesh->face_points + l->mesh->face_start[face];
+    int n = l->mesh->face_start[face + 1] - l->mesh->face_start[face];
+    if (n == 3)
+        add_triangle(r, point_of(l, p[0]), point_of(l, p[1]), point_of(l, p[2]), f->normal);
+    else if (n == 4)
+        add_quad(r, (const double *[]){point_of(l, p[0]), point_of(l, p[1]), point_of(l, p[2]), point_of(l, p[3])},
+                 f->normal);
+    else
+        for (int i = 0; i < n; i++)
+            add_triangle(r, f->centre, point_of(l, p[i]), point_of(l, p[(i + 1) % n]), f->normal);
+}
+
+static void place_points(const struct links *l, int face, int order, struct rule *r) {
+    struct frame f;
+    measure_face(l, face, &f);
+    r->n = 0;
+    if (order == 1 || l->dim == 1)
+        add_point(r, f.centre, 1);
+    else if (l->dim == 2)
+        for (int i = 0; i < 2; i++) {
+            double x[3] = {0}, along = (i ? 0.5 : -0.5) / sqrt(3.0) * f.area;
+            for (int k = 0; k < 2; k++) x[k] = f.centre[k] + along * f.tangent[0][k];
+            add_point(r, x, 0.5);
+        }
+    else
+        place_points_3d(l, face, &f, r);
+    double sum = 0;
+    for (int i = 0; i < r->n; i++) sum += r->weight[i];
+    for (int i = 0; i < r->n; i++) r->weight[i] /= sum;
+}
+
+static void store_points(struct polyhedra *m, int face, const struct rule *r) {
+    const int left = m->face.left[face], right = m->face.right[face];
+    for (int i = 0, p = m->face.point_start[face]; i < r->n; i++, p++) {
+        m->point.face[p] = face;
+        m->point.weight[p] = r->weight[i];
+        for (int k = 0; k < m->dim; k++) {
+            m->point.arm[0][k][p] = r->x[i][k] - m->centre[k][left];
+            m->point.arm[1][k][p] = (r->x[i][k] - m->face.shift[k][face]) - m->centre[k][right];
+        }
+    }
+}
+
+static status make_points(struct polyhedra *m, const struct links *l, const int *link_of, int order) {
+    struct polyhedra_points *p = &m->point;
+    struct rule r = {0};
+    TRY(allocate(&m->face.point_start, m->face.n + 1L, sizeof *m->face.point_start, "the points of the faces"));
+    for (int i = 0; i < m->face.n; i++) {
+        int n = count_points(l, l->face[link_of[i]], order);
+        m->face.point_start[i + 1] = m->face.point_start[i] + n;
+        if (n > r.room) r.room = n;
+    }
+    p->n = m->face.point_start[m->face.n];
+    TRY(allocate(&p->face, p->n, sizeof *p->face, "the points of the faces"));
+    TRY(allocate(&p->weight, p->n, sizeof *p->weight, "the points of the faces"));
+    for (int side = 0; side < 2; side++) TRY(lines_make(p->arm[side], m->dim, p->n, "the points of the faces"));
+    TRY(allocate(&r.weight, 4L * r.room, sizeof *r.weight, "the points of a face"));
+    r.x = (double(*)[3])(r.weight + r.room);
+    for (int i = 0; i < m->face.n; i++) {
+        place_points(l, l->face[link_of[i]], order, &r);
+        store_points(m, i, &r);
+    }
+    free(r.weight);
+    return OK;
+}
+
+status geometry_make(struct polyhedra *m, const struct links *l, const int *link_of, const int *mirror_link,
+                     int order) {
+    TRY(make_cells(m, l));
+    TRY(make_mirrors(m, l, mirror_link));
+    TRY(make_faces(m, l, link_of));
+    return make_points(m, l, link_of, order);
+}

@@ -1,3 +1,0 @@
-#include <p4est_to_p8est.h>
-
-#include "mesh/trees_flat.c"

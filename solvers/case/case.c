@@ -1,0 +1,98 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+#include "solvers/case/case.h"
+
+#include "solvers/case/changes.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static status read_mesh(struct setup *s) {
+    char path[TIME_PATH];
+    snprintf(path, sizeof path, "%.4000s/constant/polyMesh", s->dir);
+    if (access(path, F_OK))
+        return fail(ERR_INPUT, "%s: no mesh; make it with  gmshToCase MESH.msh -case %.1000s", path, s->dir);
+    TRY(polymesh_read(path, &s->mesh));
+    const struct polymesh *m = s->mesh;
+    TRY(status_note(polymesh_check(m), "%s", path));
+    s->checksum = polymesh_checksum(m);
+    double *face_centre = NULL, *area = NULL;
+    status e = allocate(&face_centre, 3L * m->nfaces, sizeof(double), "face centres");
+    if (!e) e = allocate(&area, 3L * m->nfaces, sizeof(double), "face areas");
+    if (!e) e = allocate(&s->centre, 3L * m->ncells, sizeof(double), "cell centres");
+    if (!e) e = allocate(&s->volume, m->ncells, sizeof(double), "cell volumes");
+    if (!e) {
+        polymesh_face_geometry(m, face_centre, area);
+        polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
+        e = lattice_recognise(m, &s->lattice, s->why);
+    }
+    free(face_centre);
+    free(area);
+    return e;
+}
+
+status setup_grid(struct setup *s, bool polyhedral, int rings) {
+    return grid_make(polyhedral ? NULL : s->lattice, s->mesh, s->centre, s->volume, s->comm, rings, &s->grid);
+}
+
+static status read_setup(struct setup *s, const struct medium_type *type) {
+    TRY(control_read(s->dir, type->application, &s->control));
+    TRY(read_mesh(s));
+    s->dim = polymesh_axes(s->mesh, s->axis);
+    TRY(type->read(s));
+    return type->check_control ? type->check_control(s->medium, s->control) : OK;
+}
+
+static status read_state(struct setup *s) {
+    if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
+        return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
+    TRY(changes_check_mesh(s));
+    return s->medium->type->state(s);
+}
+
+static void set_name(struct setup *s) {
+    char full[PATH_MAX];
+    const char *path = realpath(s->dir, full) ? full : s->dir, *slash = strrchr(path, '/');
+    snprintf(s->name, sizeof s->name, "%s", slash && slash[1] ? slash + 1 : "case");
+}
+
+status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out) {
+    struct setup *s = NULL;
+    *out = NULL;
+    TRY(allocate(&s, 1, sizeof *s, "case"));
+    s->comm = c;
+    snprintf(s->dir, sizeof s->dir, "%s", dir);
+    set_name(s);
+    status e = comm_agree(c, read_setup(s, type));
+    if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, &s->start) : OK);
+    if (!e) comm_broadcast(c, &s->start, sizeof s->start);
+    if (!e) e = comm_agree(c, read_state(s));
+    if (e) {
+        case_free(s);
+        return e;
+    }
+    *out = s;
+    return OK;
+}
+
+void case_free(struct setup *s) {
+    if (!s) return;
+    if (s->medium) s->medium->type->free(s->medium);
+    grid_free(s->grid);
+    lattice_free(s->lattice);
+    polymesh_free(s->mesh);
+    control_free(s->control);
+    free(s->centre);
+    free(s->volume);
+    free(s);
+}
+
+double case_memory(const struct setup *s) {
+    double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
+    double mesh = points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
+    double fields = cells * 8 * 12;
+    return (mesh + fields) * comm_size(s->comm) + s->medium->type->memory(s->medium);
+}

@@ -1,0 +1,278 @@
+#include "solvers/case/control.h"
+
+#include "solvers/dict/params.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+enum { PATH = 4096 };
+
+#define SECONDS                                                                                                        \
+    { 0, 0, 1 }
+#define NUMBERLESS                                                                                                     \
+    { 0, 0, 0 }
+#define MEMBER(m) offsetof(struct control, m)
+const struct param control_table[] = {
+    {"startTime", PARAM_NUMBER, MEMBER(start_time), 0, -HUGE_VAL, HUGE_VAL, true, SECONDS, "time to start from"},
+    {"endTime", PARAM_NUMBER, MEMBER(end_time), HUGE_VAL, -HUGE_VAL, HUGE_VAL, false, SECONDS, "time to stop at"},
+    {"deltaT", PARAM_NUMBER, MEMBER(delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS,
+     "time step; with adjustTimeStep the most for the first"},
+    {"maxCo", PARAM_NUMBER, MEMBER(max_co), 1, 1e-6, 6, false, NUMBERLESS, "largest Courant number"},
+    {"maxDeltaT", PARAM_NUMBER, MEMBER(max_delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS, "largest time step"},
+    {"minDeltaT", PARAM_NUMBER, MEMBER(min_delta_t), 0, 0, HUGE_VAL, false, SECONDS,
+     "a smaller step than this (not one that hits a write time) ends the run"},
+    {"purgeWrite", PARAM_COUNT, MEMBER(purge), 0, 0, 1e9, false, NUMBERLESS, "written times to keep (0: all)"},
+    {"writePrecision", PARAM_COUNT, MEMBER(format.precision), 6, 1, 17, false, NUMBERLESS, "digits of ascii numbers"},
+    {"timePrecision", PARAM_COUNT, MEMBER(time_precision), 6, 1, 17, false, NUMBERLESS, "digits of time names"},
+    {"adjustTimeStep", PARAM_SWITCH, MEMBER(adjust), 1, 0, 1, false, NUMBERLESS, "time step from maxCo"},
+    {"runTimeModifiable", PARAM_SWITCH, MEMBER(modifiable), 1, 0, 1, false, NUMBERLESS, "re-read this file on change"},
+    {"writeProcessors", PARAM_SWITCH, MEMBER(write_processors), 0, 0, 1, false, NUMBERLESS, "processorN folders too"},
+    {"logInterval", PARAM_COUNT, MEMBER(log_interval), 0, 0, 1e9, false, NUMBERLESS,
+     "steps between log entries (0: about one a second)"},
+};
+const int control_table_size = sizeof control_table / sizeof *control_table;
+
+static const signed char seconds[3] = SECONDS;
+
+static status choice_or(struct dict *d, const char *key, const char *const *names, int count, int standard, int *out) {
+    *out = standard;
+    return dict_has(d, key) ? dict_choice(d, key, names, count, out) : OK;
+}
+
+static status interval_read(struct dict *d, struct trigger *g) {
+    if (g->control == WRITE_NONE || g->with_fields) {
+        (void)dict_has(d, "writeInterval");
+        return OK;
+    }
+    if (g->control == WRITE_TIME_STEP && !dict_has(d, "writeInterval")) {
+        g->interval = 1;
+        return OK;
+    }
+    TRY(dict_number(d, "writeInterval", g->control == WRITE_TIME_STEP ? NULL : seconds, &g->interval));
+    if (!(g->interval > 0)) return dict_fail(d, "writeInterval", "it must be greater than 0");
+    if (g->control == WRITE_TIME_STEP && (g->interval != floor(g->interval) || g->interval > 1e15))
+        return dict_fail(d, "writeInterval", "with writeControl timeStep it is a whole number of steps");
+    return OK;
+}
+
+status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out) {
+    static const char *const names[] = {"timeStep", "runTime",    "adjustableRunTime", "cpuTime",   "clockTime",
+                                        "none",     "adjustable", "writeTime",         "outputTime"};
+    static const enum write_control kinds[] = {WRITE_TIME_STEP,  WRITE_RUN_TIME, WRITE_ADJUSTABLE, WRITE_CPU_TIME,
+                                               WRITE_CLOCK_TIME, WRITE_NONE,     WRITE_ADJUSTABLE};
+    *out = *standard;
+    if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval")) return OK;
+    int index = WRITE_TIME_STEP;
+    TRY(choice_or(d, "writeControl", names, fields_allowed ? 9 : 7, WRITE_TIME_STEP, &index));
+    out->with_fields = index >= 7;
+    out->control = index >= 7 ? WRITE_NONE : kinds[index];
+    return interval_read(d, out);
+}
+
+static status words_read(struct dict *d, struct control *c) {
+    static const char *const starts[] = {"firstTime", "startTime", "latestTime"};
+    static const char *const stops[] = {"endTime", "writeNow", "noWriteNow", "nextWrite"};
+    static const char *const formats[] = {"ascii", "binary"};
+    static const char *const times[] = {"general", "fixed", "scientific"};
+    static const char *const errors[] = {"write", "abort"};
+    static const char *const corrupt[] = {"stop", "previous"};
+    static const char *const zips[] = {"off", "on", "no", "yes", "false",        "true",
+                                       "n",   "y",  "f",  "t",   "uncompressed", "compressed"};
+    int i;
+    TRY(choice_or(d, "startFrom", starts, 3, START_LATEST, &i));
+    c->start_from = (enum start_from)i;
+    TRY(choice_or(d, "stopAt", stops, 4, STOP_END_TIME, &i));
+    c->stop_at = (enum stop_at)i;
+    TRY(choice_or(d, "writeFormat", formats, 2, 0, &i));
+    c->format.binary = i == 1;
+    TRY(choice_or(d, "writeCompression", zips, 12, 0, &i));
+    c->format.compress = i % 2 == 1;
+    TRY(choice_or(d, "timeFormat", times, 3, TIME_GENERAL, &i));
+    c->time_format = (enum time_format)i;
+    TRY(choice_or(d, "onError", errors, 2, 0, &i));
+    c->write_on_error = i == 0;
+    TRY(choice_or(d, "onCorruptTime", corrupt, 2, 0, &i));
+    c->previous_if_corrupt = i == 1;
+    return OK;
+}
+
+static status together(struct dict *d, const struct control *c) {
+    if (c->stop_at == STOP_END_TIME && !dict_has(d, "endTime"))
+        return fail(ERR_INPUT, "%s: keyword 'endTime' is missing; add  endTime <seconds>;  or another stopAt",
+                    dict_path(d));
+    if (!c->adjust && !dict_has(d, "deltaT"))
+        return dict_fail(d, "adjustTimeStep", "then the time step must be given: add  deltaT <seconds>;");
+    if (c->start_from == START_TIME && dict_has(d, "endTime") && c->end_time < c->start_time)
+        return dict_fail(d, "endTime", "it lies before startTime %g", c->start_time);
+    if (c->min_delta_t > c->max_delta_t)
+        return dict_fail(d, "minDeltaT", "it is greater than maxDeltaT %g", c->max_delta_t);
+    return OK;
+}
+
+/* One case, gas or grains, by one word: what one solver wrote is no restart of another. */
+static status check_application(struct dict *d, const char *application) {
+    static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
+    const char *name;
+    TRY(dict_word_or(d, "application", application, &name));
+    for (int i = 0; i < 3 && strcmp(name, application) != 0; i++)
+        if (!strcmp(name, ours[i]))
+            return dict_fail(d, "application", "this is %s: write  application %s;  there, or run %s", application,
+                             application, name);
+    return OK;
+}
+
+static status read_all(struct control *c, const char *application) {
+    struct dict *d = c->dict;
+    TRY(check_application(d, application));
+    TRY(params_read(d, control_table, control_table_size, c));
+    TRY(words_read(d, c));
+    const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
+    TRY(trigger_read(d, &each_step, false, &c->write));
+    if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval"))
+        return fail(ERR_INPUT,
+                    "%s: keyword 'writeControl' is missing; add  writeControl adjustableRunTime;  "
+                    "writeInterval <seconds>;  or  writeControl none;",
+                    dict_path(d));
+    static const char *const others[] = {"libs", "graphFormat", "DebugSwitches", "InfoSwitches",
+                                         "OptimisationSwitches"};
+    for (int i = 0; i < 5; i++) {
+        struct dict *sub;
+        if (!dict_has(d, others[i]) || i < 2) continue; /* asking makes it known; the first two hold no dictionary */
+        TRY(dict_sub_optional(d, others[i], &sub));
+        if (sub) dict_mark_used(sub);
+    }
+    TRY(dict_sub_optional(d, "functions", &c->functions));
+    return together(d, c);
+}
+
+static bool stamp_of(const char *case_dir, long stamp[2]) {
+    char path[PATH];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/system/controlDict", case_dir);
+    if (stat(path, &info)) return false;
+    stamp[0] = (long)info.st_mtim.tv_sec;
+    stamp[1] = info.st_mtim.tv_nsec;
+    return true;
+}
+
+status control_read(const char *case_dir, const char *application, struct control **out) {
+    char path[PATH];
+    *out = NULL;
+    struct control *c = NULL;
+    TRY(allocate(&c, 1, sizeof *c, "controlDict"));
+    snprintf(path, sizeof path, "%s/system/controlDict", case_dir);
+    (void)stamp_of(case_dir, c->stamp);
+    status s = dict_read(path, &c->dict);
+    if (!s) s = read_all(c, application);
+    if (s) {
+        control_free(c);
+        return s;
+    }
+    *out = c;
+    return OK;
+}
+
+void control_free(struct control *c) {
+    if (!c) return;
+    dict_free(c->dict);
+    free(c);
+}
+
+/* A file that was written to within the last half second may be half written. */
+bool control_changed(const struct control *c, const char *case_dir) {
+    long stamp[2];
+    struct timespec now;
+    if (!stamp_of(case_dir, stamp) || (stamp[0] == c->stamp[0] && stamp[1] == c->stamp[1])) return false;
+    clock_gettime(CLOCK_REALTIME, &now);
+    double age = (double)(now.tv_sec - stamp[0]) + 1e-9 * (double)(now.tv_nsec - stamp[1]);
+    return age < 0 || age > 0.5;
+}
+
+void control_stamp(struct control *c, const char *case_dir) {
+    (void)stamp_of(case_dir, c->stamp);
+}
+
+/* Round-off of a few additions of steps is no difference between two times. */
+static bool reached(double t, double target) {
+    return t >= target - 1e-12 * fabs(target);
+}
+
+double trigger_next(const struct trigger *g, double t) {
+    if (g->control != WRITE_ADJUSTABLE) return HUGE_VAL;
+    double k = floor(t / g->interval);
+    if (!(fabs(k) < 1e15))
+        return t + 2e-12 * fabs(t); /* the interval is lost in t: due at the next time that can be told */
+    while (reached(t, k * g->interval)) k += 1;
+    return k * g->interval;
+}
+
+static double multiples(double value, double interval) {
+    return floor(value / interval * (1 + 1e-12));
+}
+
+bool trigger_due(const struct trigger *g, const struct moment *before, const struct moment *now) {
+    if (g->with_fields) return now->fields;
+    switch (g->control) {
+    case WRITE_TIME_STEP:
+        return fmod((double)now->step, g->interval) == 0;
+    case WRITE_RUN_TIME:
+        return multiples(now->t, g->interval) > multiples(before->t, g->interval);
+    case WRITE_ADJUSTABLE:
+        return reached(now->t, trigger_next(g, before->t));
+    case WRITE_CPU_TIME:
+        return multiples(now->cpu, g->interval) > multiples(before->cpu, g->interval);
+    case WRITE_CLOCK_TIME:
+        return multiples(now->clock, g->interval) > multiples(before->clock, g->interval);
+    case WRITE_NONE:
+        break;
+    }
+    return false;
+}
+
+double control_step(const struct control *c, double t, long step, double stable, double next_event, double *end,
+                    enum dt_limit *limit) {
+    double dt = c->adjust ? stable : c->delta_t;
+    *limit = c->adjust ? DT_COURANT : DT_FIXED;
+    if (c->max_delta_t < dt) {
+        dt = c->max_delta_t;
+        *limit = DT_MAXIMUM;
+    }
+    if (c->adjust && step == 0 && c->delta_t < dt) {
+        dt = c->delta_t;
+        *limit = DT_FIRST;
+    }
+    double event = next_event;
+    enum dt_limit cause = DT_WRITE;
+    if (c->stop_at == STOP_END_TIME && !reached(c->end_time, event)) {
+        event = c->end_time;
+        cause = DT_END;
+    }
+    /* The last two steps before an event share what is left, so that none is tiny. A step that would end within
+     * round-off of the event ends on it. */
+    double left = event - t;
+    if (left <= dt * (1 + 1e-9)) {
+        *limit = left < dt * (1 - 1e-9) ? cause : *limit;
+        *end = event;
+        return left;
+    }
+    if (c->adjust && left < 2 * dt) {
+        dt = left / 2;
+        *limit = cause;
+    }
+    *end = t + dt;
+    return dt;
+}
+
+bool control_ended(const struct control *c, double t) {
+    return c->stop_at == STOP_END_TIME && reached(t, c->end_time);
+}
+
+const char *dt_limit_name(enum dt_limit limit) {
+    static const char *const names[] = {"Courant",    "deltaT", "maxDeltaT", "deltaT of the first step",
+                                        "write time", "endTime"};
+    return names[limit];
+}

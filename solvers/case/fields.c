@@ -1,0 +1,336 @@
+#include "solvers/case/fields.h"
+
+#include "libcore/models/boundary.h"
+#include "solvers/dict/expr.h"
+#include "solvers/gas/layers.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PATH = 4096, TYPES = 32 };
+
+const struct field_kind field_kinds[FIELD_COUNT] = {
+    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density", NULL},
+    {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, "packing fraction", NULL},
+    {"U", 3, {0, 1, -1, 0, 0, 0, 0}, "velocity", NULL},
+    {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass", NULL},
+    {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure", NULL},
+};
+
+bool field_exists(const char *path) {
+    char zipped[PATH];
+    snprintf(zipped, sizeof zipped, "%s.gz", path);
+    return !access(path, F_OK) || !access(zipped, F_OK);
+}
+
+static status check_dimensions(struct dict *d, const struct field_kind *kind) {
+    signed char found[7];
+    const signed char *k = kind->dimensions;
+    TRY(dict_dimensions(d, "dimensions", found));
+    if (memcmp(found, k, 7))
+        return dict_fail(d, "dimensions", "%s (%s) needs [%d %d %d %d %d %d %d]", kind->name, kind->about, k[0], k[1],
+                         k[2], k[3], k[4], k[5], k[6]);
+    return OK;
+}
+
+/* `uniform v` or `nonuniform List<...> n (...)`: *values is NULL for the first. */
+static status read_value(struct dict *d, const char *key, int components, long count, double uniform[3],
+                         double **values) {
+    struct lexer l;
+    struct token t;
+    *values = NULL;
+    TRY(dict_raw(d, key, &l));
+    TRY(lexer_next(&l, &t));
+    if (token_is(&t, "uniform")) {
+        if (components == 3) TRY(lexer_expect(&l, '('));
+        for (int c = 0; c < components; c++) {
+            TRY(lexer_next(&l, &t));
+            if (t.kind != TOKEN_NUMBER || !isfinite(t.number))
+                return lexer_fail(&l, &t, "%s of '%s' wants a finite number",
+                                  components == 3 ? "a vector" : "the value", key);
+            uniform[c] = t.number;
+        }
+        if (components == 3) TRY(lexer_expect(&l, ')'));
+        return lexer_expect(&l, ';');
+    }
+    if (!token_is(&t, "nonuniform"))
+        return lexer_fail(&l, &t, "'%s' is  uniform %s;  or  nonuniform List<%s> N ( ... );", key,
+                          components == 3 ? "(x y z)" : "VALUE", components == 3 ? "vector" : "scalar");
+    TRY(lexer_next(&l, &t));
+    if (!token_is(&t, components == 3 ? "List<vector>" : "List<scalar>"))
+        return lexer_fail(&l, &t, "this field takes List<%s>", components == 3 ? "vector" : "scalar");
+    long n = 0;
+    TRY(foam_list_read_doubles(&l, dict_header(d), components, count, &n, values));
+    if (n != count) {
+        free(*values);
+        *values = NULL;
+        return dict_fail(d, key, "it holds %ld values; the mesh wants %ld", n, count);
+    }
+    return OK;
+}
+
+/* cell: -1 at other points than the centres. */
+static status unfinite(struct dict *d, double value, long cell, const double *x, double t) {
+    char in[40] = "";
+    if (cell >= 0) snprintf(in, sizeof in, " in cell %ld", cell);
+    return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", value, in, x[0], x[1], x[2], t);
+}
+
+static status read_expression(struct dict *d, int components, bool cells, long npoints, const double *points, double t,
+                              double *out) {
+    const char *const *texts;
+    int n;
+    TRY(dict_words(d, "expression", &n, &texts));
+    if (n != components)
+        return dict_fail(d, "expression", "it holds %d expressions; the field has %d component%s", n, components,
+                         components == 1 ? "" : "s: (\"u\" \"v\" \"w\")");
+    for (int c = 0; c < components; c++) {
+        struct expr *e;
+        status s = expr_compile(texts[c], &e);
+        if (s) return status_note(s, "%s:%d: expression \"%s\"", dict_path(d), dict_line(d, "expression"), texts[c]);
+        for (long i = 0; i < npoints; i++) {
+            const double *x = points + 3 * i;
+            double v = expr_value(e, x[0], x[1], x[2], t);
+            if (!isfinite(v) && !s) s = unfinite(d, v, cells ? i : -1, x, t);
+            out[i * components + c] = v;
+        }
+        expr_free(e);
+        if (s) return s;
+    }
+    return OK;
+}
+
+bool field_has_expression(const struct field *f) {
+    return dict_has(f->dict, "expression") && !f->layers;
+}
+status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
+    return read_expression(f->dict, f->kind->components, false, npoints, points, t, out);
+}
+
+static status read_cells(struct field *f, const struct field_place *at) {
+    int m = f->kind->components, n = at->mesh->ncells;
+    if (dict_has(f->dict, "expression")) {
+        (void)dict_has(f->dict, "internalField");
+        TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
+        return read_expression(f->dict, m, true, n, at->centre, at->t, f->values);
+    }
+    double uniform[3] = {0, 0, 0};
+    if (!layers_fill(f->layers) || dict_has(f->dict, "internalField"))
+        TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));
+    if (f->values) return OK;
+    TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
+    for (long i = 0; i < (long)n * m; i++) f->values[i] = uniform[i % m];
+    return OK;
+}
+
+/* Types that mesh and field must share. */
+static bool constraint(const char *type) {
+    static const char *const names[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
+    for (int i = 0; i < 4; i++)
+        if (!strcmp(type, names[i])) return true;
+    return false;
+}
+
+static status check_type(struct dict *d, const struct field_kind *kind, const struct patch *p, const char *type) {
+    const char *names[TYPES];
+    int n = 0;
+    bool known = false;
+    names[n++] = "empty";
+    names[n++] = "cyclic";
+    for (int i = 0; kind->types && kind->types[i]; i++) names[n++] = kind->types[i];
+    if (kind->components == 1 && !kind->types) names[n++] = "calculated";
+    for (int i = 0; !kind->types && i < boundary_count && n < TYPES; i++)
+        if (kind->components == 3 ? boundary_table[i].vector : boundary_table[i].scalar)
+            names[n++] = boundary_table[i].name;
+    for (int i = 0; i < n; i++) known |= !strcmp(type, names[i]);
+    if (!known) { /* the message of dict_choice lists the names and suggests one */
+        int index;
+        return dict_choice(d, "type", names, n, &index);
+    }
+    if (constraint(p->type) && strcmp(p->type, type))
+        return dict_fail(d, "type",
+                         "patch %s is of type %s in constant/polyMesh/boundary; field %s must have type %s there",
+                         p->name, p->type, kind->name, p->type);
+    if (constraint(type) && strcmp(p->type, type))
+        return dict_fail(d, "type",
+                         "patch %s is of type %s in constant/polyMesh/boundary; change it there to %s, or give "
+                         "field %s another type here",
+                         p->name, p->type, type, kind->name);
+    return OK;
+}
+
+static status read_plain(struct dict *d, const char *key, const struct field_kind *kind, double *out) {
+    const signed char *k = kind->dimensions, unit[3] = {k[0], k[1], k[2]};
+    if (kind->components == 3) return dict_vector(d, key, unit, out);
+    TRY(dict_number(d, key, NULL, out));
+    return *out >= 0 && *out <= 1 ? OK : dict_fail(d, key, "it must lie between 0 and 1");
+}
+
+static status read_patch(struct dict *d, const struct field_kind *kind, const struct patch *p,
+                         struct patch_field *out) {
+    TRY(dict_word(d, "type", &out->type));
+    out->line = dict_line(d, "type");
+    TRY(check_type(d, kind, p, out->type));
+    const struct boundary_type *type = boundary_find(out->type);
+    if (type && type->value) out->value_line = dict_line(d, type->value);
+    if (type && type->plain)
+        TRY(read_plain(d, type->value, kind, out->uniform));
+    else if (type && type->value)
+        TRY(read_value(d, type->value, kind->components, p->nfaces, out->uniform, &out->values));
+    static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes them known */
+    for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
+    return OK;
+}
+
+static status read_patches(struct field *f, const struct field_place *at) {
+    struct dict *all, *one;
+    const struct polymesh *m = at->mesh;
+    TRY(allocate(&f->patch, m->npatches, sizeof *f->patch, "patches of a field"));
+    f->npatches = m->npatches;
+    TRY(dict_sub(f->dict, "boundaryField", &all));
+    for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name); /* what is left may be misspelt */
+    for (int i = 0; i < m->npatches; i++) {
+        TRY(status_note(dict_sub(all, m->patch[i].name, &one),
+                        "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)", dict_path(f->dict),
+                        m->patch[i].name, m->patch[i].type));
+        TRY(status_note(read_patch(one, f->kind, &m->patch[i], &f->patch[i]), "%s: patch %s", dict_path(f->dict),
+                        m->patch[i].name));
+    }
+    return OK;
+}
+
+static status read_all(struct field *f, const struct field_place *at) {
+    TRY(check_dimensions(f->dict, f->kind));
+    if (f->kind == &field_kinds[FIELD_RHO] || f->kind == &field_kinds[FIELD_ALPHA])
+        TRY(layers_read(f->dict, &f->layers));
+    TRY(read_cells(f, at));
+    TRY(read_patches(f, at));
+    return dict_check_used(f->dict);
+}
+
+status field_read(const char *path, const struct field_kind *kind, const struct field_place *place,
+                  struct field **out) {
+    *out = NULL;
+    struct field *f = NULL;
+    TRY(allocate(&f, 1, sizeof *f, "field"));
+    f->kind = kind;
+    status s = dict_read(path, &f->dict);
+    if (!s) s = read_all(f, place);
+    if (s) {
+        field_free(f);
+        return s;
+    }
+    *out = f;
+    return OK;
+}
+
+void field_free(struct field *f) {
+    if (!f) return;
+    for (int i = 0; i < f->npatches; i++) free(f->patch[i].values);
+    free(f->patch);
+    free(f->values);
+    layers_free(f->layers);
+    dict_free(f->dict);
+    free(f);
+}
+
+status field_read_values(const char *path, int ncells, int *components, double **out) {
+    struct dict *d = NULL;
+    *out = NULL;
+    TRY(dict_read(path, &d));
+    const char *class = dict_header(d)->class_name;
+    double uniform[3];
+    *components = !strcmp(class, "volVectorField") ? 3 : 1;
+    status s = *components == 1 && strcmp(class, "volScalarField")
+                   ? fail(ERR_INPUT, "%s: class '%s'; this reads volScalarField and volVectorField", path, class)
+                   : read_value(d, "internalField", *components, ncells, uniform, out);
+    dict_free(d);
+    if (s || *out) return s;
+    TRY(allocate(out, (long)ncells * *components, sizeof(double), path));
+    for (long i = 0; i < (long)ncells * *components; i++) (*out)[i] = uniform[i % *components];
+    return OK;
+}
+
+/* Where the value of a cell stands; of a binary list, an expression or a uniform value: the entry. */
+static int cell_line(const struct field *f, int cell) {
+    const bool laid = layers_fill(f->layers), evaluated = laid || dict_has(f->dict, "expression");
+    const char *key = laid ? "settledLayer" : evaluated ? "expression" : "internalField";
+    int line = dict_line(f->dict, key);
+    long wanted = (long)cell * f->kind->components;
+    struct lexer l;
+    struct token t = {.kind = TOKEN_WORD};
+    bool inside = false;
+    status s = evaluated || dict_header(f->dict)->binary ? OK : dict_raw(f->dict, key, &l);
+    if (s || evaluated || dict_header(f->dict)->binary) {
+        status_free(s);
+        return line;
+    }
+    while (!s && t.kind != TOKEN_END && !token_is(&t, ";")) {
+        s = lexer_next(&l, &t);
+        inside |= !s && token_is(&t, "(");
+        if (!s && inside && t.kind == TOKEN_NUMBER && !wanted--) return t.line;
+    }
+    status_free(s);
+    return line;
+}
+
+status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const double *x = place->centre + 3 * cell, *v = f->values + (long)cell * f->kind->components;
+    int line = cell_line(f, cell);
+    if (f->kind->components == 3)
+        return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict), line, cell,
+                    x[0], x[1], x[2], f->kind->name, v[0], v[1], v[2], text);
+    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), line, cell, x[0], x[1],
+                x[2], f->kind->name, *v, text);
+}
+
+status field_check_range(const struct field *f, const struct field_place *place, double low, double high) {
+    for (int i = 0; i < place->mesh->ncells; i++)
+        if (!(f->values[i] > low && f->values[i] < high))
+            return isinf(high) ? field_fail(f, place, i, "it must be greater than %g", low)
+                               : field_fail(f, place, i, "it must lie between %g and %g", low, high);
+    for (int p = 0; p < place->mesh->npatches; p++) {
+        const struct patch_field *q = &f->patch[p];
+        const struct boundary_type *type = boundary_find(q->type);
+        if (!type || !type->value || type->plain) continue;
+        for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
+            double v = q->values ? q->values[i] : q->uniform[0];
+            if (v > low && v < high) continue;
+            char allowed[100];
+            snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g", low, high);
+            return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
+                        place->mesh->patch[p].name, type->value, f->kind->name, v, allowed);
+        }
+    }
+    return OK;
+}
+
+status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
+                   const double *values, patch_printer *print, const void *context, struct file_sum *sum) {
+    char path[PATH];
+    struct sink *s;
+    const signed char *k = dimensions;
+    snprintf(path, sizeof path, "%s/%s", w->folder, name);
+    TRY(sink_open(path, w->format->compress, &s));
+    foam_header_write(s, w->format, components == 3 ? "volVectorField" : "volScalarField", w->location, name, NULL);
+    sink_printf(s, "dimensions      [%d %d %d %d %d %d %d];\n\n", k[0], k[1], k[2], k[3], k[4], k[5], k[6]);
+    sink_printf(s, "internalField   nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
+    foam_list_write_doubles(s, w->format, components, w->mesh->ncells, values);
+    sink_printf(s, ";\n\nboundaryField\n{\n");
+    for (int p = 0; p < w->mesh->npatches; p++) {
+        sink_printf(s, "    %s\n    {\n", w->mesh->patch[p].name);
+        print(s, w, p, context);
+        sink_printf(s, "    }\n");
+    }
+    sink_printf(s, "}\n");
+    return sink_close_sum(s, sum);
+}

@@ -1,0 +1,325 @@
+#include "solvers/case/times.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool time_value(const char *name, double *t) {
+    char *end;
+    if (!strchr("0123456789+-.", name[0]) || strlen(name) >= TIME_NAME) return false;
+    *t = strtod(name, &end);
+    return end != name && !*end && isfinite(*t) && !strpbrk(name, "xXpP");
+}
+
+/* Half a unit of the last digit of a time's name: the value was rounded to it. */
+static double name_slack(const char *name) {
+    const char *dot = strchr(name, '.'), *exponent = strpbrk(name, "eE");
+    double decimals = dot ? (double)strspn(dot + 1, "0123456789") : 0;
+    return 0.51 * pow(10, (exponent ? strtod(exponent + 1, NULL) : 0) - decimals);
+}
+
+/* Leaves *at as it was if that fails. */
+static status stamp_read(const char *case_dir, struct instant *at) {
+    char path[TIME_PATH];
+    snprintf(path, sizeof path, "%s/%s/uniform/time", case_dir, at->name);
+    if (access(path, F_OK)) return OK;
+    struct dict *d = NULL;
+    TRY(dict_read(path, &d));
+    long digits = at->digits;
+    double index = 0, named = strtod(at->name, NULL);
+    struct instant in = *at;
+    status s = dict_number(d, "value", NULL, &in.t);
+    if (!s && fabs(in.t - named) > name_slack(at->name))
+        s = dict_fail(d, "value", "the folder is that of time %s", at->name);
+    if (!s) s = dict_number(d, "index", NULL, &index);
+    if (!s) s = dict_count_or(d, "index", 0, &in.step);
+    if (!s) s = dict_count_or(d, "writePrecision", digits, &digits);
+    if (!s && (digits < 1 || digits > 17)) s = dict_fail(d, "writePrecision", "allowed is 1 to 17");
+    if (!s) s = dict_number_or(d, "deltaT", NULL, 0, &in.delta_t);
+    in.digits = (int)digits;
+    if (!s) *at = in;
+    dict_free(d);
+    return s;
+}
+
+static int by_time(const void *a, const void *b) {
+    const struct instant *p = a, *q = b;
+    return p->t < q->t ? -1 : p->t > q->t;
+}
+
+status times_list(const char *case_dir, int *n, struct instant **out) {
+    *n = 0;
+    *out = NULL;
+    DIR *folder = opendir(case_dir);
+    if (!folder) return fail(ERR_INPUT, "%s: %s; give the folder of a case (-case DIR)", case_dir, strerror(errno));
+    status s = OK;
+    int room = 0;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        struct instant at = {.digits = 6};
+        char path[TIME_PATH];
+        struct stat info;
+        if (!time_value(entry->d_name, &at.t)) continue;
+        snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
+        if (stat(path, &info) || !S_ISDIR(info.st_mode)) continue;
+        memcpy(at.name, entry->d_name, strlen(entry->d_name) + 1);
+        status_free(stamp_read(case_dir, &at)); /* time_verify says so of the time that is used */
+        if (*n == room) {
+            struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
+            if (more)
+                *out = more;
+            else
+                s = fail(ERR_SYSTEM, "out of memory");
+        }
+        if (!s) (*out)[(*n)++] = at;
+    }
+    closedir(folder);
+    if (s) {
+        free(*out);
+        *out = NULL;
+        return s;
+    }
+    if (*n) qsort(*out, (size_t)*n, sizeof **out, by_time);
+    return OK;
+}
+
+static status no_such_time(const char *case_dir, const struct control *c, int n, const struct instant *list) {
+    char names[512] = "";
+    for (int i = 0; i < n; i++) {
+        size_t length = strlen(names);
+        if (length + TIME_NAME + 4 > sizeof names) {
+            memcpy(names + length, " ...", 5);
+            break;
+        }
+        snprintf(names + length, sizeof names - length, " %s", list[i].name);
+    }
+    return dict_fail(c->dict, "startTime", "there is no such time folder in %s; there are:%s", case_dir, names);
+}
+
+status time_verify(const char *case_dir, const struct instant *at) {
+    char folder[TIME_PATH];
+    struct instant again = *at;
+    snprintf(folder, sizeof folder, "%.4000s/%s", case_dir, at->name);
+    TRY(checksums_verify(folder));
+    return stamp_read(case_dir, &again);
+}
+
+/* The newest whole time before list[*at], and what is wrong with it: found, or *at < 0. */
+static void find_whole(const char *case_dir, const struct instant *list, int *at) {
+    while (--*at >= 0) {
+        status s = time_verify(case_dir, &list[*at]);
+        if (!s) return;
+        status_free(s);
+    }
+}
+
+/* list[*at] is damaged. */
+static status fall_back(const char *case_dir, const struct control *c, const struct instant *list, int *at,
+                        status damage) {
+    const char *name = list[*at].name;
+    char cure[300] = "no time before it is whole: put the file back from a copy";
+    find_whole(case_dir, list, at);
+    if (*at >= 0 && c->previous_if_corrupt) {
+        printf("\nWARNING: time %s is damaged and left aside, as  onCorruptTime previous;  asks:\n    %s\n    The run "
+               "goes on from time %s, the newest whole one before it.\n\n",
+               name, status_text(damage), list[*at].name);
+        status_free(damage);
+        return OK;
+    }
+    if (*at >= 0)
+        snprintf(cure, sizeof cure,
+                 "start from the time before it (remove or rename the folder %s, or say  onCorruptTime previous;  in "
+                 "system/controlDict): %s is whole",
+                 name, list[*at].name);
+    char path[TIME_PATH], purpose[TIME_PATH + 80] = "";
+    snprintf(path, sizeof path, "%.3900s/%s/uniform/checksums", case_dir, name);
+    if (!access(path, F_OK))
+        snprintf(purpose, sizeof purpose, "; or, if the file was changed on purpose, remove %s", path);
+    status s = fail(ERR_INPUT, "%s; %s%s", status_text(damage), cure, purpose);
+    status_free(damage);
+    return s;
+}
+
+status times_start(const char *case_dir, const struct control *c, struct instant *out) {
+    int n;
+    struct instant *list;
+    TRY(times_list(case_dir, &n, &list));
+    if (!n)
+        return fail(ERR_INPUT, "%s: no time folder to start from; the initial fields belong in %s/0", case_dir,
+                    case_dir);
+    int found = c->start_from == START_LATEST ? n - 1 : c->start_from == START_FIRST ? 0 : -1;
+    for (int i = 0; i < n && c->start_from == START_TIME; i++)
+        if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
+            strtod(list[i].name, NULL) == c->start_time)
+            found = i;
+    status s = found < 0 ? no_such_time(case_dir, c, n, list) : time_verify(case_dir, &list[found]);
+    if (s && found >= 0) s = fall_back(case_dir, c, list, &found, s);
+    if (!s) *out = list[found];
+    free(list);
+    return s;
+}
+
+void time_name(enum time_format format, int precision, double t, char name[TIME_NAME]) {
+    if (t == 0) t = 0; /* no "-0" */
+    const char *forms[] = {"%.*g", "%.*f", "%.*e"};
+    if (format == TIME_FIXED && fabs(t) >= 1e30) format = TIME_GENERAL;
+    snprintf(name, TIME_NAME, forms[format], precision, t);
+}
+
+int time_name_apart(enum time_format format, int precision, double t, double other, char name[TIME_NAME]) {
+    char second[TIME_NAME];
+    for (;; precision++) {
+        time_name(format, precision, t, name);
+        time_name(format, precision, other, second);
+        if (isnan(other) || t == other || strcmp(name, second) || precision >= 20) return precision;
+    }
+}
+
+static void hidden(const char *case_dir, const char *name, const char *ending, char out[TIME_PATH]) {
+    snprintf(out, TIME_PATH, "%s/.%s.%s", case_dir, name, ending);
+}
+
+status remove_folder(const char *path) {
+    struct stat info;
+    if (lstat(path, &info)) return OK;
+    if (!S_ISDIR(info.st_mode)) return unlink(path) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
+    DIR *folder = opendir(path);
+    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char inner[TIME_PATH];
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+        s = remove_folder(inner);
+    }
+    closedir(folder);
+    if (!s && rmdir(path)) s = fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+    return s;
+}
+
+status make_folders(const char *path) {
+    char part[TIME_PATH];
+    snprintf(part, sizeof part, "%s", path);
+    for (char *slash = part + 1;; slash++) {
+        if (*slash && *slash != '/') continue;
+        char kept = *slash;
+        *slash = 0;
+        if (mkdir(part, 0777) && errno != EEXIST)
+            return fail(ERR_SYSTEM, "%s: cannot be made: %s", part, strerror(errno));
+        *slash = kept;
+        if (!kept) return OK;
+    }
+}
+
+status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]) {
+    char inner[TIME_PATH + 16];
+    if (access(case_dir, F_OK) && errno == ENOENT)
+        return fail(ERR_SYSTEM, "%s: this folder is gone: it was removed or renamed while the run was at work in it",
+                    case_dir);
+    hidden(case_dir, name, "tmp", tmp);
+    TRY(remove_folder(tmp));
+    snprintf(inner, sizeof inner, "%s/uniform", tmp);
+    return make_folders(inner);
+}
+
+static status sync_one(const char *path) {
+    int file = open(path, O_RDONLY);
+    if (file >= 0 && !fsync(file)) return close(file) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
+    status s = fail(ERR_SYSTEM, "%s: cannot be brought to the disk: %s", path, strerror(errno));
+    if (file >= 0) close(file);
+    return s;
+}
+
+/* The contents of a folder and all below it, on the disk. */
+static status sync_folder(const char *path) {
+    DIR *folder = opendir(path);
+    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char inner[TIME_PATH];
+        struct stat info;
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+        s = !stat(inner, &info) && S_ISDIR(info.st_mode) ? sync_folder(inner) : sync_one(inner);
+    }
+    closedir(folder);
+    return s ? s : sync_one(path);
+}
+
+status time_commit(const char *case_dir, const char *name) {
+    char tmp[TIME_PATH], old[TIME_PATH], path[TIME_PATH];
+    hidden(case_dir, name, "tmp", tmp);
+    hidden(case_dir, name, "old", old);
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    TRY(sync_folder(tmp));
+    TRY(remove_folder(old));
+    if (rename(path, old) && errno != ENOENT)
+        return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
+    if (rename(tmp, path)) {
+        int reason = errno;
+        (void)rename(old, path);
+        return fail(ERR_SYSTEM, "%s: cannot be put in place: %s", path, strerror(reason));
+    }
+    TRY(sync_one(case_dir));
+    return remove_folder(old);
+}
+
+status time_remove(const char *case_dir, const char *name) {
+    char tmp[TIME_PATH], path[TIME_PATH];
+    hidden(case_dir, name, "tmp", tmp);
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    TRY(remove_folder(tmp));
+    if (rename(path, tmp) && errno != ENOENT)
+        return fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+    return remove_folder(tmp);
+}
+
+status time_stamp_write(const char *path, const struct instant *at, struct checksums *sums) {
+    char file[TIME_PATH + 16], location[TIME_NAME + 16];
+    struct sink *s;
+    const struct foam_format ascii = {.precision = 17};
+    snprintf(file, sizeof file, "%s/uniform/time", path);
+    snprintf(location, sizeof location, "%s/uniform", at->name);
+    TRY(sink_open(file, false, &s));
+    foam_header_write(s, &ascii, "dictionary", location, "time", NULL);
+    sink_printf(s, "value           %.17g;\nname            \"%s\";\nindex           %ld;\n", at->t, at->name,
+                at->step);
+    sink_printf(s, "deltaT          %.17g;\ndeltaT0         %.17g;\n", at->delta_t, at->delta_t);
+    sink_printf(s, "writePrecision  %d;\n", at->digits);
+    struct file_sum sum;
+    TRY(sink_close_sum(s, &sum));
+    if (!sums) return OK;
+    TRY(checksums_add(sums, "uniform/time", sum));
+    return checksums_write(sums, path, at->name);
+}
+
+status times_clean(const char *case_dir) {
+    DIR *folder = opendir(case_dir);
+    if (!folder) return OK; /* times_list says so */
+    status s = OK;
+    for (struct dirent *entry; !s && (entry = readdir(folder));) {
+        char name[TIME_NAME], path[TIME_PATH];
+        size_t length = strlen(entry->d_name);
+        double t;
+        if (entry->d_name[0] != '.' || length < 6 || length >= sizeof name) continue;
+        if (strcmp(entry->d_name + length - 4, ".tmp") && strcmp(entry->d_name + length - 4, ".old")) continue;
+        memcpy(name, entry->d_name + 1, length - 5);
+        name[length - 5] = 0;
+        if (!time_value(name, &t)) continue;
+        snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
+        /* A run that was killed between the two renames of time_commit left its only copy here. */
+        char place[TIME_PATH];
+        snprintf(place, sizeof place, "%s/%s", case_dir, name);
+        if (!strcmp(entry->d_name + length - 4, ".old") && access(place, F_OK))
+            (void)rename(path, place);
+        else
+            s = remove_folder(path);
+    }
+    closedir(folder);
+    return s;
+}

@@ -1,0 +1,350 @@
+#include "solvers/dict/dict.h"
+#include "solvers/dict/dict_parts.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- memory ---- */
+
+status document_grow(struct document *d, void *items, int count, int *room, size_t size) {
+    if (count < *room) return OK;
+    void *old, *more = NULL;
+    memcpy(&old, items, sizeof old);
+    int wanted = *room ? 2 * *room : 8;
+    TRY(document_take(d, (size_t)wanted * size, &more));
+    if (count) memcpy(more, old, (size_t)count * size);
+    memcpy(items, &more, sizeof more);
+    *room = wanted;
+    return OK;
+}
+
+status document_take(struct document *d, size_t bytes, void *out) {
+    if (d->blocks == d->room) {
+        long room = d->room ? 2 * d->room : 64;
+        void **memory = realloc(d->memory, (size_t)room * sizeof *memory);
+        if (!memory) return fail(ERR_SYSTEM, "no memory for a dictionary");
+        d->memory = memory;
+        d->room = room;
+    }
+    void *p = calloc(1, bytes ? bytes : 1);
+    if (!p) return fail(ERR_SYSTEM, "no memory for a dictionary");
+    d->memory[d->blocks++] = p;
+    memcpy(out, &p, sizeof p);
+    return OK;
+}
+
+status document_copy(struct document *d, const char *text, int length, const char **out) {
+    char *copy = NULL;
+    size_t n = length < 0 ? strlen(text) : (size_t)length;
+    TRY(document_take(d, n + 1, &copy));
+    memcpy(copy, text, n);
+    *out = copy;
+    return OK;
+}
+
+status document_keep(struct document *d, struct source *s) {
+    status e = document_grow(d, &d->source, d->sources, &d->source_room, sizeof(struct source *));
+    if (e)
+        source_free(s);
+    else
+        d->source[d->sources++] = s;
+    return e;
+}
+
+/* The library repeats what stands before {n} and + in memory, and tries back references one by one. */
+static const char *costly(const char *key) {
+    int plus = 0;
+    for (const char *c = key; *c; c++) {
+        if (*c == '{') return "{ } is not taken; write the repetition out";
+        if (*c == '+' && ++plus > 4) return "more than four +";
+        if (*c == '\\' && c[1] >= '0' && c[1] <= '9') return "back references are not taken";
+    }
+    return NULL;
+}
+
+bool pattern_compile(regex_t *out, const char *key, char *why, size_t room) {
+    char text[512];
+    const char *bad = costly(key);
+    if (!bad && snprintf(text, sizeof text, "^(%s)$", key) >= (int)sizeof text) bad = "it is too long";
+    if (bad) {
+        snprintf(why, room, "%s", bad);
+        return false;
+    }
+    int code = regcomp(out, text, REG_EXTENDED | REG_NOSUB);
+    if (code) regerror(code, out, why, room);
+    return !code;
+}
+
+status document_pattern(struct document *d, const char *key, regex_t **out, char *why, size_t room) {
+    *out = NULL;
+    regex_t *pattern = NULL;
+    TRY(document_take(d, sizeof *pattern, &pattern));
+    TRY(document_grow(d, &d->pattern, d->patterns, &d->pattern_room, sizeof(regex_t *)));
+    if (!pattern_compile(pattern, key, why, room)) return OK;
+    d->pattern[d->patterns++] = pattern;
+    *out = pattern;
+    return OK;
+}
+
+static void document_free(struct document *d) {
+    for (int i = 0; i < d->sources; i++) source_free(d->source[i]);
+    for (int i = 0; i < d->patterns; i++) regfree(d->pattern[i]);
+    for (long i = 0; i < d->blocks; i++) free(d->memory[i]);
+    free(d->memory);
+    free(d);
+}
+
+void dict_free(struct dict *d) {
+    if (d) document_free(d->document);
+}
+
+/* Takes the source. */
+static status dict_make(struct source *s, struct dict **out) {
+    *out = NULL;
+    struct document *d = calloc(1, sizeof *d);
+    if (!d) {
+        source_free(s);
+        return fail(ERR_SYSTEM, "no memory for a dictionary");
+    }
+    status e = document_keep(d, s);
+    if (!e) e = document_take(d, sizeof *d->top, &d->top);
+    if (!e) e = document_take(d, sizeof *d->top->asked, &d->top->asked);
+    if (!e) {
+        d->top->document = d;
+        d->top->name = "";
+        d->top->path = s->path;
+        d->top->line = 1;
+        e = dict_parse(d, s);
+    }
+    if (e)
+        document_free(d);
+    else
+        *out = d->top;
+    return e;
+}
+
+status dict_read(const char *path, struct dict **out) {
+    struct source *s = NULL;
+    *out = NULL;
+    TRY(source_open(path, &s));
+    return dict_make(s, out);
+}
+
+status dict_from_text(const char *name, const char *text, struct dict **out) {
+    struct source *s = NULL;
+    *out = NULL;
+    TRY(source_from_text(name, text, &s));
+    return dict_make(s, out);
+}
+
+/* ---- look-up ---- */
+
+struct entry *dict_find_exact(const struct dict *d, const char *key) {
+    for (int i = d->count - 1; i >= 0; i--)
+        if (!strcmp(d->entry[i].key, key)) return &d->entry[i];
+    return NULL;
+}
+
+struct entry *dict_find(const struct dict *d, const char *key) {
+    struct entry *e = dict_find_exact(d, key);
+    if (e) return e;
+    for (int i = d->count - 1; i >= 0; i--)
+        if (d->entry[i].pattern && !regexec(d->entry[i].pattern, key, 0, NULL, 0)) return &d->entry[i];
+    return NULL;
+}
+
+/* Remembers that the program knows this key. Without memory for it only a suggestion is lost. */
+static void ask(const struct dict *d, const char *key) {
+    struct names *a = d->asked;
+    for (int i = 0; i < a->count; i++)
+        if (!strcmp(a->name[i], key)) return;
+    const char *copy = NULL;
+    status e = document_copy(d->document, key, -1, &copy);
+    if (!e) e = document_grow(d->document, &a->name, a->count, &a->room, sizeof *a->name);
+    if (!e) a->name[a->count++] = copy;
+    status_free(e);
+}
+
+struct entry *dict_ask(const struct dict *d, const char *key) {
+    ask(d, key);
+    struct entry *e = dict_find(d, key);
+    if (e) e->used = true;
+    return e;
+}
+
+bool dict_has(const struct dict *d, const char *key) {
+    return dict_ask(d, key) != NULL;
+}
+
+const char *dict_path(const struct dict *d) {
+    return d->path;
+}
+
+int dict_line(const struct dict *d, const char *key) {
+    const struct entry *e = dict_find(d, key);
+    return e ? e->line : d->line;
+}
+
+const struct foam_header *dict_header(const struct dict *d) {
+    return &d->document->header;
+}
+
+int dict_count(const struct dict *d) {
+    return d->count;
+}
+const char *dict_key(const struct dict *d, int i) {
+    return d->entry[i].key;
+}
+
+/* ---- names ---- */
+
+/* Levenshtein's distance, of words of at most 63 characters. */
+static int distance(const char *a, const char *b) {
+    int row[64], n = (int)strlen(a), m = (int)strlen(b);
+    if (n > 63 || m > 63) return 64;
+    for (int j = 0; j <= m; j++) row[j] = j;
+    for (int i = 1; i <= n; i++) {
+        int corner = row[0];
+        row[0] = i;
+        for (int j = 1; j <= m; j++) {
+            int best = corner + (a[i - 1] != b[j - 1]);
+            corner = row[j];
+            if (row[j] + 1 < best) best = row[j] + 1;
+            if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
+            row[j] = best;
+        }
+    }
+    return row[m];
+}
+
+const char *nearest_name(const char *word, const char *const *names, int count) {
+    const char *best = NULL;
+    int least = 4, length = (int)strlen(word);
+    for (int i = 0; i < count; i++) {
+        int d = distance(word, names[i]), shorter = (int)strlen(names[i]);
+        if (length < shorter) shorter = length;
+        if (d < least && 2 * d <= shorter) {
+            least = d;
+            best = names[i];
+        }
+    }
+    return best;
+}
+
+/* ---- unused keys ---- */
+
+static status unused(const struct dict *d, const struct entry *e) {
+    const struct names *a = d->asked;
+    const char *near = nearest_name(e->key, a->name, a->count);
+    if (near)
+        return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; did you mean '%s'?", e->path, e->line, e->key, near);
+    char known[1024] = "";
+    for (int i = 0; i < a->count; i++) {
+        size_t n = strlen(known);
+        snprintf(known + n, sizeof known - n, " %s", a->name[i]);
+    }
+    return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; remove it%s%s", e->path, e->line, e->key,
+                a->count ? "; known here:" : "", known);
+}
+
+status dict_check_used(const struct dict *d) {
+    for (int i = 0; i < d->count; i++) {
+        const struct entry *e = &d->entry[i];
+        if (!e->used) return unused(d, e);
+        if (e->sub) TRY(dict_check_used(e->sub));
+    }
+    return OK;
+}
+
+void dict_mark_used(struct dict *d) {
+    for (int i = 0; i < d->count; i++) {
+        d->entry[i].used = true;
+        if (d->entry[i].sub) dict_mark_used(d->entry[i].sub);
+    }
+}
+
+/* ---- text ---- */
+
+struct text {
+    char *text;
+    size_t size, room;
+};
+
+static void add(struct text *t, const char *s) {
+    size_t n = strlen(s);
+    if (t->size + n + 1 > t->room) {
+        size_t room = 2 * (t->size + n) + 256;
+        char *more = realloc(t->text, room);
+        if (!more) return;
+        t->text = more;
+        t->room = room;
+    }
+    memcpy(t->text + t->size, s, n + 1);
+    t->size += n;
+}
+
+static void add_value(struct text *t, const struct entry *e) {
+    const char *before = "(";
+    for (int i = 0; i < e->count; i++) {
+        const struct value *v = &e->value[i];
+        if (*before != '(' && *before != '[' && !(v->kind == TOKEN_PUNCTUATION && strchr(")];", *v->text))) add(t, " ");
+        if (v->kind == TOKEN_STRING) add(t, "\"");
+        add(t, v->text);
+        if (v->kind == TOKEN_STRING) add(t, "\"");
+        before = v->kind == TOKEN_PUNCTUATION ? v->text : "x";
+    }
+}
+
+void entry_print(const struct entry *e, char *text, size_t room) {
+    struct text t = {0};
+    add_value(&t, e);
+    if (e->sub) add(&t, "{...}");
+    if (e->raw) add(&t, " ...");
+    snprintf(text, room, "%s", t.text ? t.text : "");
+    free(t.text);
+}
+
+/* Would the key be read again without its quotes? */
+static bool is_word(const char *key) {
+    struct source *s = NULL;
+    struct token t = {0};
+    status bad = source_from_text("", key, &s);
+    struct lexer l = {0};
+    if (!bad) l = lexer_start(s);
+    if (!bad) bad = lexer_next(&l, &t);
+    bool word = !bad && t.kind == TOKEN_WORD && !key[t.length] && t.text == s->text && !strchr("$#", *key) &&
+                strcmp(key, "FoamFile") != 0;
+    status_free(bad);
+    source_free(s);
+    return word;
+}
+
+static void add_dict(struct text *t, const struct dict *d, int depth) {
+    for (int i = 0; i < d->count; i++) {
+        const struct entry *e = &d->entry[i];
+        for (int k = 0; k < depth; k++) add(t, "    ");
+        const char *quote = e->pattern || !is_word(e->key) ? "\"" : "";
+        add(t, quote);
+        add(t, e->key);
+        add(t, quote);
+        if (e->sub) {
+            add(t, " {\n");
+            add_dict(t, e->sub, depth + 1);
+            for (int k = 0; k < depth; k++) add(t, "    ");
+            add(t, "}\n");
+            continue;
+        }
+        if (e->count) add(t, " ");
+        add_value(t, e);
+        add(t, e->raw ? " /* not shown */;\n" : ";\n");
+    }
+}
+
+char *dict_print(const struct dict *d) {
+    struct text t = {0};
+    add(&t, "");
+    add_dict(&t, d, 0);
+    return t.text;
+}

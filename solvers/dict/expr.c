@@ -1,0 +1,361 @@
+#include "solvers/dict/expr.h"
+
+#include "mesh/format/foamfile.h"
+#include "solvers/dict/dict.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STACK = 64, DEPTH = 64, LENGTH = 4096 };
+enum op { NUMBER, VARIABLE, CALL1, CALL2, SELECT };
+
+struct step {
+    enum op op;
+    int variable;
+    double number;
+    double (*one)(double);
+    double (*two)(double, double);
+};
+struct expr {
+    int count;
+    struct step step[];
+};
+
+static double add(double a, double b) {
+    return a + b;
+}
+static double subtract(double a, double b) {
+    return a - b;
+}
+static double multiply(double a, double b) {
+    return a * b;
+}
+static double divide(double a, double b) {
+    return a / b;
+}
+static double less(double a, double b) {
+    return a < b;
+}
+static double greater(double a, double b) {
+    return a > b;
+}
+static double at_most(double a, double b) {
+    return a <= b;
+}
+static double at_least(double a, double b) {
+    return a >= b;
+}
+static double equal(double a, double b) {
+    return a == b;
+}
+static double differs(double a, double b) {
+    return a != b;
+}
+static double both(double a, double b) {
+    return a != 0 && b != 0;
+}
+static double either(double a, double b) {
+    return a != 0 || b != 0;
+}
+static double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+static double larger(double a, double b) {
+    return a > b ? a : b;
+}
+static double negate(double a) {
+    return -a;
+}
+static double invert(double a) {
+    return a == 0;
+}
+static double sign(double a) {
+    return a >= 0 ? 1 : -1;
+}
+static double pos(double a) {
+    return a > 0;
+}
+static double neg(double a) {
+    return a < 0;
+}
+
+static const struct function {
+    const char *name;
+    double (*one)(double);
+    double (*two)(double, double);
+} functions[] = {
+    {"exp", exp, 0},     {"log", log, 0},     {"log10", log10, 0}, {"sqrt", sqrt, 0},   {"cbrt", cbrt, 0},
+    {"sin", sin, 0},     {"cos", cos, 0},     {"tan", tan, 0},     {"asin", asin, 0},   {"acos", acos, 0},
+    {"atan", atan, 0},   {"sinh", sinh, 0},   {"cosh", cosh, 0},   {"tanh", tanh, 0},   {"abs", fabs, 0},
+    {"floor", floor, 0}, {"ceil", ceil, 0},   {"round", round, 0}, {"sign", sign, 0},   {"pos", pos, 0},
+    {"neg", neg, 0},     {"atan2", 0, atan2}, {"pow", 0, pow},     {"min", 0, smaller}, {"max", 0, larger},
+    {"mod", 0, fmod},    {"hypot", 0, hypot},
+};
+
+/* Binary operators by rank; all but ^ group to the left. Longer names stand first. */
+static const struct infix {
+    const char *name;
+    int rank;
+    double (*two)(double, double);
+} operators[] = {
+    {"||", 0, either},   {"&&", 1, both},  {"==", 2, equal},  {"!=", 2, differs}, {"<=", 2, at_most},
+    {">=", 2, at_least}, {"<", 2, less},   {">", 2, greater}, {"+", 3, add},      {"-", 3, subtract},
+    {"*", 4, multiply},  {"/", 4, divide}, {"%", 4, fmod},
+};
+enum { RANKS = 5 };
+
+struct compiler {
+    const char *text, *p;
+    int depth, stack;
+    bool mixture; /* are phi and shearRate variables? */
+    struct expr *e;
+};
+
+static void blanks(struct compiler *c) {
+    while (isspace((unsigned char)*c->p)) c->p++;
+}
+
+static status complain(const struct compiler *c, const char *what) {
+    int length = 0;
+    while (isalnum((unsigned char)c->p[length]) || c->p[length] == '_') length++;
+    if (!length && *c->p) length = 1;
+    return fail(ERR_INPUT, "expression '%.200s', column %d: found '%.*s'; %s", c->text, (int)(c->p - c->text) + 1,
+                length, length ? c->p : "", what);
+}
+
+static status emit(struct compiler *c, struct step step) {
+    static const int change[] = {[NUMBER] = 1, [VARIABLE] = 1, [CALL1] = 0, [CALL2] = -1, [SELECT] = -2};
+    c->stack += change[step.op];
+    if (c->stack > STACK) return complain(c, "the expression is nested too deeply");
+    c->e->step[c->e->count++] = step;
+    return OK;
+}
+
+static const char *const mixture_names[] = {"phi", "shearRate"};
+
+static status ternary(struct compiler *c);
+
+static status bracket(struct compiler *c, char which, const char *what) {
+    blanks(c);
+    if (*c->p != which) return complain(c, what);
+    c->p++;
+    return OK;
+}
+
+static status call(struct compiler *c, const struct function *f) {
+    TRY(bracket(c, '(', "expected '(' after the name of a function"));
+    TRY(ternary(c));
+    if (f->two) {
+        TRY(bracket(c, ',', "expected ',' and a second argument"));
+        TRY(ternary(c));
+    }
+    TRY(bracket(c, ')', f->two ? "expected ')' after two arguments" : "expected ')' after one argument"));
+    return emit(c, (struct step){.op = f->two ? CALL2 : CALL1, .one = f->one, .two = f->two});
+}
+
+static status name(struct compiler *c) {
+    int length = 0;
+    while (isalnum((unsigned char)c->p[length]) || c->p[length] == '_') length++;
+    const char *word = c->p, *variable = length == 1 ? strchr("xyzt", *word) : NULL;
+    struct step step = {.op = NUMBER, .number = acos(-1)};
+    for (int i = 0; c->mixture && i < 2; i++)
+        if (strlen(mixture_names[i]) == (size_t)length && !memcmp(word, mixture_names[i], (size_t)length)) {
+            c->p += length;
+            return emit(c, (struct step){.op = VARIABLE, .variable = EXPR_PHI + i});
+        }
+    if (variable) step = (struct step){.op = VARIABLE, .variable = *word == 't' ? 3 : *word - 'x'};
+    if (length == 1 && *word == 'e') step.number = exp(1);
+    if (variable || (length == 1 && *word == 'e') || (length == 2 && !memcmp(word, "pi", 2))) {
+        c->p += length;
+        return emit(c, step);
+    }
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++)
+        if (strlen(functions[i].name) == (size_t)length && !memcmp(functions[i].name, word, (size_t)length)) {
+            c->p += length;
+            return call(c, &functions[i]);
+        }
+    const char *names[sizeof functions / sizeof *functions + 2];
+    char text[32];
+    int n = 0;
+    for (; n < (int)(sizeof functions / sizeof *functions); n++) names[n] = functions[n].name;
+    for (int i = 0; c->mixture && i < 2; i++) names[n++] = mixture_names[i];
+    snprintf(text, sizeof text, "%.*s", length, word);
+    const char *near = length > 2 ? nearest_name(text, names, n) : NULL;
+    if (near) {
+        char question[64];
+        snprintf(question, sizeof question, "did you mean '%s'?", near);
+        return complain(c, question);
+    }
+    return complain(
+        c, "known are x y z t pi e exp log log10 sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "
+           "min max abs floor ceil round sign pos neg mod hypot");
+}
+
+/* foam_number wants a blank or bracket behind a number; here an operator may follow. */
+static status number(struct compiler *c) {
+    char copy[64];
+    int n = 0;
+    const char *p = c->p;
+    for (; n < 63 && (isdigit((unsigned char)*p) || *p == '.' ||
+                      ((*p == 'e' || *p == 'E') && (isdigit((unsigned char)p[1]) ||
+                                                    ((p[1] == '+' || p[1] == '-') && isdigit((unsigned char)p[2])))) ||
+                      ((*p == '+' || *p == '-') && n && (p[-1] == 'e' || p[-1] == 'E')));
+         p++)
+        copy[n++] = *p;
+    copy[n] = 0;
+    double v;
+    if (!foam_number(copy, &v) || !isfinite(v) || isalpha((unsigned char)*p)) return complain(c, "this is no number");
+    c->p = p;
+    return emit(c, (struct step){.op = NUMBER, .number = v});
+}
+
+static status unary(struct compiler *c);
+
+static status primary(struct compiler *c) {
+    blanks(c);
+    if (*c->p == '(') {
+        c->p++;
+        TRY(ternary(c));
+        TRY(bracket(c, ')', "expected ')'"));
+    } else if (isdigit((unsigned char)*c->p) || *c->p == '.') {
+        TRY(number(c));
+    } else if (isalpha((unsigned char)*c->p)) {
+        TRY(name(c));
+    } else {
+        return complain(c, "expected a number, a name or '('");
+    }
+    blanks(c);
+    if (*c->p != '^') return OK;
+    c->p++;
+    TRY(unary(c));
+    return emit(c, (struct step){.op = CALL2, .two = pow});
+}
+
+static status unary(struct compiler *c) {
+    if (++c->depth > DEPTH) return complain(c, "the expression is nested too deeply");
+    blanks(c);
+    char sign_ = *c->p;
+    if (sign_ == '-' || sign_ == '+' || sign_ == '!') {
+        c->p++;
+        TRY(unary(c));
+        if (sign_ != '+') TRY(emit(c, (struct step){.op = CALL1, .one = sign_ == '-' ? negate : invert}));
+    } else {
+        TRY(primary(c));
+    }
+    c->depth--;
+    return OK;
+}
+
+static const struct infix *find_operator(const char *p, int rank) {
+    for (size_t i = 0; i < sizeof operators / sizeof *operators; i++)
+        if (!strncmp(p, operators[i].name, strlen(operators[i].name)))
+            return operators[i].rank == rank ? &operators[i] : NULL;
+    return NULL;
+}
+
+static status binary(struct compiler *c, int rank) {
+    if (rank == RANKS) return unary(c);
+    TRY(binary(c, rank + 1));
+    for (;;) {
+        blanks(c);
+        const struct infix *o = find_operator(c->p, rank);
+        if (!o) return OK;
+        c->p += strlen(o->name);
+        TRY(binary(c, rank + 1));
+        TRY(emit(c, (struct step){.op = CALL2, .two = o->two}));
+    }
+}
+
+static status ternary(struct compiler *c) {
+    if (++c->depth > DEPTH) return complain(c, "the expression is nested too deeply");
+    TRY(binary(c, 0));
+    blanks(c);
+    if (*c->p == '?') {
+        c->p++;
+        TRY(ternary(c));
+        TRY(bracket(c, ':', "expected ':' of '?'"));
+        TRY(ternary(c));
+        TRY(emit(c, (struct step){.op = SELECT}));
+    }
+    c->depth--;
+    return OK;
+}
+
+static status compile(const char *text, bool mixture, struct expr **out) {
+    *out = NULL;
+    size_t length = strlen(text);
+    if (length > LENGTH) return fail(ERR_INPUT, "expression '%.60s...' is longer than %d characters", text, LENGTH);
+    struct compiler c = {.text = text, .p = text, .mixture = mixture};
+    c.e = calloc(1, sizeof *c.e + (length + 1) * sizeof *c.e->step); /* a step takes one character or more */
+    if (!c.e) return fail(ERR_SYSTEM, "no memory for an expression");
+    status e = ternary(&c);
+    blanks(&c);
+    if (!e && *c.p) e = complain(&c, "expected an operator or the end");
+    if (e) {
+        free(c.e);
+        return e;
+    }
+    *out = c.e;
+    return OK;
+}
+
+status expr_compile(const char *text, struct expr **out) {
+    return compile(text, false, out);
+}
+status expr_compile_mixture(const char *text, struct expr **out) {
+    return compile(text, true, out);
+}
+
+void expr_free(struct expr *e) {
+    free(e);
+}
+
+double expr_value(const struct expr *e, double x, double y, double z, double t) {
+    return expr_value_mixture(e, x, y, z, t, 0, 0);
+}
+
+bool expr_uses(const struct expr *e, int variable) {
+    for (int i = 0; i < e->count; i++)
+        if (e->step[i].op == VARIABLE && e->step[i].variable == variable) return true;
+    return false;
+}
+
+double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate) {
+    const double variable[] = {x, y, z, t, phi, shear_rate};
+    double stack[STACK + 1], *top = stack; /* top: the last value */
+    for (const struct step *s = e->step; s < e->step + e->count; s++) {
+        switch (s->op) {
+        case NUMBER:
+            *++top = s->number;
+            break;
+        case VARIABLE:
+            *++top = variable[s->variable];
+            break;
+        case CALL1:
+            *top = s->one(*top);
+            break;
+        case CALL2:
+            top--, *top = s->two(top[0], top[1]);
+            break;
+        case SELECT:
+            top -= 2, *top = top[0] != 0 ? top[1] : top[2];
+            break;
+        }
+    }
+    return *top;
+}
+
+status expr_constant(const char *text, double *out) {
+    struct expr *e;
+    TRY(expr_compile(text, &e));
+    bool constant = true;
+    for (int i = 0; i < e->count; i++) constant = constant && e->step[i].op != VARIABLE;
+    if (constant) *out = expr_value(e, 0, 0, 0, 0);
+    expr_free(e);
+    if (!constant) return fail(ERR_INPUT, "expression '%.200s' has x, y, z or t; here it must be constant", text);
+    if (!isfinite(*out)) return fail(ERR_INPUT, "expression '%.200s' gives %g", text, *out);
+    return OK;
+}

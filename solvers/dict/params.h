@@ -1,0 +1,14 @@
+/* Fills a struct of parameters from a dictionary by a parameter table (libcore/models/param.h). */
+#ifndef SOLVERS_PARAMS_H
+#define SOLVERS_PARAMS_H
+
+#include "libcore/models/param.h"
+#include "solvers/dict/dict.h"
+#include <stdio.h>
+
+/* Reads every row of table[n] from d into the struct at base: default where the key is missing (error where the row has
+ * none), type, range and unit checked; "FILE:LINE: restitution is 1.2; allowed is 0 .. 1". */
+status params_read(struct dict *d, const struct param *table, int n, void *base);
+void params_print(FILE *f, const struct param *table, int n); /* name, default, range, unit, meaning */
+
+#endif

@@ -1,0 +1,201 @@
+#include "solvers/functions/functions_private.h"
+
+#include "solvers/output/vtk.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct functions {
+    int n;
+    struct function *all;
+};
+
+static const struct function_type function_table[] = {
+    {.name = "probes",
+     .about = "values of the cells that hold given points, one row per time",
+     .make = probes_make,
+     .execute = probes_execute},
+    {.name = "sets",
+     .about = "values along lines, one file per line and time",
+     .make = sets_make,
+     .execute = sets_execute},
+    {.name = "fieldMinMax",
+     .about = "smallest and largest value and where",
+     .make = extremes_make,
+     .execute = extremes_execute},
+    {.name = "volFieldValue",
+     .about = "volIntegrate, volAverage, sum, min or max over all cells",
+     .make = integral_make,
+     .execute = integral_execute},
+    {.name = "vtk", .about = "legacy VTK files in VTK/, with a .vtk.series", .make = vtk_make, .execute = vtk_execute},
+    {.name = "energyBudget",
+     .about = "mass and energy, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
+     .make = budget_make,
+     .execute = budget_execute,
+     .no_fields = true},
+    {.name = "phaseAverage",
+     .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
+     .make = phases_make,
+     .execute = phases_execute,
+     .with_fields = true,
+     .next = phases_next,
+     .collect = phases_collect,
+     .save = phases_save},
+};
+enum { TYPES = sizeof function_table / sizeof *function_table };
+
+const struct quantity *quantity_of(const struct function *f, int field) {
+    return &f->setup->medium->type->quantity[field];
+}
+
+void functions_list(const struct medium_type *m, FILE *f) {
+    for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i].name, function_table[i].about);
+    fprintf(f, "  fields:");
+    for (int i = 0; i < m->noffered; i++) fprintf(f, " %s", m->quantity[i].name);
+    fprintf(f, "\n");
+}
+
+static status read_fields(struct function *f, struct dict *d) {
+    const struct medium_type *m = f->setup->medium->type;
+    const char *const *words, *names[MAX_QUANTITIES];
+    char known[256] = "";
+    int n;
+    for (const int *q = m->shown; f->type->make == vtk_make && !dict_has(d, "fields") && *q >= 0; q++)
+        f->field[f->nfields++] = *q;
+    if (f->nfields) return OK;
+    for (int k = 0; k < m->noffered; k++) {
+        names[k] = m->quantity[k].name;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", k ? " " : "", names[k]);
+    }
+    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of %s", known));
+    for (int i = 0; i < n; i++) {
+        int k = 0;
+        while (k < m->noffered && strcmp(words[i], names[k])) k++;
+        if (k == m->noffered) {
+            const char *near = nearest_name(words[i], names, m->noffered);
+            return dict_fail(d, "fields", "there is no field '%s'; known are %s%s%s%s", words[i], known,
+                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        }
+        for (int j = 0; j < f->nfields; j++)
+            if (f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
+        f->field[f->nfields++] = k;
+    }
+    if (!n) return dict_fail(d, "fields", "it is empty; known are %s", known);
+    return OK;
+}
+
+static status make_one(struct function *f, struct dict *d) {
+    static const char *const ignored[] = {"libs",   "functionObjectLibs", "writeFields",    "enabled",
+                                          "region", "executeControl",     "executeInterval"};
+    const char *names[TYPES];
+    int index;
+    long largest = 1;
+    for (int i = 0; i < TYPES; i++) names[i] = function_table[i].name;
+    TRY(dict_choice(d, "type", names, TYPES, &index));
+    f->type = &function_table[index];
+    for (int i = 0; i < 7; i++) (void)dict_has(d, ignored[i]);
+    const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
+    TRY(trigger_read(d, &standard, true, &f->trigger));
+    TRY(dict_switch_or(d, "log", false, &f->log));
+    if (!f->type->no_fields) TRY(read_fields(f, d));
+    TRY(f->type->make(f, d));
+    for (int b = 0; b < f->setup->grid->nblocks; b++)
+        if (f->setup->grid->block[b].ncells > largest) largest = f->setup->grid->block[b].ncells;
+    return allocate(&f->block_values, 3 * largest, sizeof(double), "a block's field");
+}
+
+status functions_make(const struct setup *s, struct functions **out) {
+    struct functions *f = NULL;
+    struct dict *all = s->control->functions, *one;
+    *out = NULL;
+    TRY(allocate(&f, 1, sizeof *f, "function objects"));
+    status e = all && dict_count(all) ? allocate(&f->all, dict_count(all), sizeof *f->all, "function objects") : OK;
+    for (int i = 0; !e && all && i < dict_count(all); i++) {
+        struct function *g = &f->all[f->n];
+        const char *name = dict_key(all, i);
+        e = dict_sub(all, name, &one);
+        bool enabled = true;
+        if (!e) e = dict_switch_or(one, "enabled", true, &enabled);
+        if (!e && !enabled) {
+            dict_mark_used(one);
+            continue;
+        }
+        g->setup = s;
+        snprintf(g->name, sizeof g->name, "%s", name);
+        f->n++;
+        if (!e) e = status_note(make_one(g, one), "function object '%s'", name);
+    }
+    e = comm_agree(s->comm, e);
+    if (e) {
+        functions_free(f);
+        return e;
+    }
+    *out = f;
+    return OK;
+}
+
+void functions_free(struct functions *f) {
+    if (!f) return;
+    for (int i = 0; i < f->n; i++) {
+        struct function *g = &f->all[i];
+        for (int k = 0; k < MAX_QUANTITIES; k++)
+            if (g->file[k]) fclose(g->file[k]);
+        free(g->spot);
+        free(g->line);
+        free(g->block_values);
+        free(g->all_values);
+        vtk_grid_free(g->grid);
+        phases_free(g->phases);
+    }
+    free(f->all);
+    free(f);
+}
+
+double functions_next(const struct functions *f, double t) {
+    double next = HUGE_VAL;
+    for (int i = 0; i < f->n; i++) {
+        const struct function *one = &f->all[i];
+        next = fmin(next, trigger_next(&one->trigger, t));
+        if (one->type->next) next = fmin(next, one->type->next(one, t));
+    }
+    return next;
+}
+
+status functions_collect(struct functions *f, const struct moment *before, const struct moment *now) {
+    for (int i = 0; i < f->n; i++)
+        if (f->all[i].type->collect)
+            TRY(status_note(f->all[i].type->collect(&f->all[i], before, now), "function object '%s'", f->all[i].name));
+    return OK;
+}
+
+status functions_save(const struct functions *f, const struct field_writer *w, struct checksums *sums) {
+    for (int i = 0; i < f->n; i++)
+        if (f->all[i].type->save) TRY(f->all[i].type->save(&f->all[i], w, sums));
+    return OK;
+}
+
+status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name) {
+    for (int i = 0; i < f->n; i++) {
+        struct function *one = &f->all[i];
+        if (before && !trigger_due(&one->trigger, before, now)) continue;
+        TRY(status_note(one->type->execute(one, now, name), "function object '%s'", one->name));
+    }
+    return OK;
+}
+
+void function_block(const struct function *f, int block, int field, double *lines[3]) {
+    for (int c = 0; c < 3; c++) lines[c] = f->block_values + (long)c * f->setup->grid->block[block].ncells;
+    f->setup->medium->type->block(f->setup->medium, block, field, lines);
+}
+
+status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {
+    char path[2 * TIME_PATH];
+    snprintf(path, sizeof path, "%s/postProcessing/%s/%s", f->setup->dir, f->name, folder);
+    TRY(make_folders(path));
+    size_t length = strlen(path);
+    snprintf(path + length, sizeof path - length, "/%s", file);
+    *out = fopen(path, "w");
+    return *out ? OK : fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+}

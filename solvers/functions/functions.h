@@ -1,0 +1,23 @@
+/* Function objects of controlDict's `functions`: OpenFOAM's names and file formats. One row of a table per type. */
+#ifndef SOLVERS_FUNCTIONS_H
+#define SOLVERS_FUNCTIONS_H
+
+#include "solvers/case/case.h"
+#include <stdio.h>
+
+struct functions;
+/* Reads the dictionary and checks all of it; opens no file. Collective. */
+status functions_make(const struct setup *s, struct functions **out);
+void functions_free(struct functions *f);
+void functions_list(const struct medium_type *m, FILE *f); /* every type with its line */
+
+/* The first time after t at which one of them wants a step to end; INFINITY: none. */
+double functions_next(const struct functions *f, double t);
+/* What averages take in at the end of a step, before any of it is written; before NULL: the start. Collective. */
+status functions_collect(struct functions *f, const struct moment *before, const struct moment *now);
+/* What a restart needs of averages, into the time folder that w writes. On the root. */
+status functions_save(const struct functions *f, const struct field_writer *w, struct checksums *sums);
+/* Executes those that are due; before NULL: the start, when all are. name: of the time, for files. Collective. */
+status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name);
+
+#endif

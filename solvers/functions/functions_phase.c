@@ -1,0 +1,300 @@
+/* Function object phaseAverage: means of fields at the same phases of a period, summed on the root.
+ *
+ * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T, which are per unit
+ * mass, are weighted by rho where the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where no mass ever
+ * was); all else is the plain mean. */
+#include "solvers/functions/functions_private.h"
+
+#include "solvers/output/output.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_PHASES = 1000 };
+
+struct phases {
+    double period, start; /* s */
+    int n;
+    int rho;           /* quantity that weighs, -1: none */
+    long ncells, size; /* doubles of a bin: [ncells][components] of each field, then [ncells] of rho */
+    bool resumed;      /* the start was counted by the run before */
+    long count[MOST_PHASES];
+    double *sum[MOST_PHASES]; /* root; NULL: nothing yet */
+    double *values, *weight;  /* root: [3 ncells], [ncells] of the moment at hand */
+    char file[128];           /* of the sums, in a time folder */
+};
+
+void phases_free(struct phases *p) {
+    if (!p) return;
+    for (int j = 0; j < p->n; j++) free(p->sum[j]);
+    free(p->values);
+    free(p->weight);
+    free(p);
+}
+
+static bool weighted(const struct function *f, int k) {
+    const char *name = quantity_of(f, f->field[k])->name;
+    return f->phases->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T"));
+}
+
+static double moment_of(const struct phases *p, double index) {
+    return p->start + index * p->period / p->n;
+}
+/* As of the other triggers: round-off of a few additions of steps is no difference between two times. */
+static bool reached(double t, double target) {
+    return t >= target - 1e-12 * fabs(target);
+}
+/* Index of the first moment after t; INFINITY: moments are too close to be told from t. */
+static double next_index(const struct phases *p, double t) {
+    if (!(p->period / p->n > 4e-12 * fmax(fabs(t), fabs(p->start)))) return HUGE_VAL;
+    double index = fmax(0, floor((t - p->start) / p->period * p->n) - 1);
+    while (reached(t, moment_of(p, index))) index += 1;
+    return index;
+}
+
+double phases_next(const struct function *f, double t) {
+    const double index = next_index(f->phases, t);
+    return isfinite(index) ? moment_of(f->phases, index) : HUGE_VAL;
+}
+
+/* Index of the moment that the step which ends now reaches; -1: none. */
+static double index_now(const struct phases *p, const struct moment *before, const struct moment *now) {
+    double index;
+    if (before)
+        index = next_index(p, before->t);
+    else if (p->resumed)
+        return -1;
+    else
+        index = fmax(0, floor((now->t - p->start) / p->period * p->n + 0.5));
+    const double at = isfinite(index) ? moment_of(p, index) : HUGE_VAL;
+    return reached(now->t, at) && (before || reached(at, now->t)) ? index : -1;
+}
+
+static status make_bin(const struct function *f, int bin) {
+    struct phases *p = f->phases;
+    if (!p->values) TRY(allocate(&p->values, 3 * p->ncells, sizeof(double), "a field of the averages"));
+    if (!p->weight) TRY(allocate(&p->weight, p->ncells, sizeof(double), "a field of the averages"));
+    return p->sum[bin] ? OK : allocate(&p->sum[bin], p->size, sizeof(double), "sums of the averages");
+}
+
+/* Collective. */
+static status take(const struct function *f, int bin) {
+    struct phases *p = f->phases;
+    const bool root = comm_root(f->setup->comm);
+    TRY(comm_agree(f->setup->comm, root ? make_bin(f, bin) : OK));
+    double *sum = root ? p->sum[bin] : NULL;
+    if (p->rho >= 0) TRY(output_gather(f->setup, p->rho, p->weight));
+    for (int k = 0; k < f->nfields; k++) {
+        const int m = quantity_of(f, f->field[k])->components;
+        TRY(output_gather(f->setup, f->field[k], p->values));
+        if (!root) continue;
+        for (long i = 0; i < p->ncells * m; i++) sum[i] += (weighted(f, k) ? p->weight[i / m] : 1) * p->values[i];
+        sum += p->ncells * m;
+    }
+    for (long i = 0; root && p->rho >= 0 && i < p->ncells; i++) sum[i] += p->weight[i];
+    p->count[bin]++;
+    return OK;
+}
+
+status phases_collect(struct function *f, const struct moment *before, const struct moment *now) {
+    const double index = index_now(f->phases, before, now);
+    return index < 0 ? OK : take(f, (int)fmod(index, f->phases->n));
+}
+
+/* ---- results ---------------------------------------------------------------------------------------------------- */
+
+static void mean_of(const struct function *f, int bin, int k, double *out) {
+    const struct phases *p = f->phases;
+    const double *sum = p->sum[bin], *mass = p->sum[bin] + p->size - p->ncells;
+    const int m = quantity_of(f, f->field[k])->components;
+    for (int j = 0; j < k; j++) sum += p->ncells * quantity_of(f, f->field[j])->components;
+    for (long i = 0; i < p->ncells * m; i++) {
+        const double by = weighted(f, k) ? mass[i / m] : (double)p->count[bin];
+        out[i] = by > 0 ? sum[i] / by : 0;
+    }
+}
+
+/* The phase in periods, which names its folder. */
+static void phase_name(const struct phases *p, int bin, char name[TIME_NAME]) {
+    time_name(TIME_GENERAL, 6, (double)bin / p->n, name);
+}
+
+static status write_bin(const struct function *f, int bin) {
+    const struct phases *p = f->phases;
+    const struct setup *s = f->setup;
+    char folder[2 * TIME_PATH], name[TIME_NAME];
+    phase_name(p, bin, name);
+    snprintf(folder, sizeof folder, "%s/postProcessing/%s/%s/%s", s->dir, f->name, s->start.name, name);
+    TRY(make_folders(folder));
+    const struct field_writer w = {s->mesh, &s->control->format, folder, folder + strlen(s->dir) + 1};
+    for (int k = 0; k < f->nfields; k++) {
+        mean_of(f, bin, k, p->values);
+        TRY(output_field(s, &w, f->field[k], p->values));
+    }
+    return OK;
+}
+
+static status write_counts(const struct function *f, double t) {
+    const struct phases *p = f->phases;
+    FILE *file;
+    TRY(function_open(f, f->setup->start.name, "phaseAverage.dat", &file));
+    fprintf(file, "# Period : %.12g s from %.12g s; samples up to %.12g s\n# Phase\tsamples\n", p->period, p->start, t);
+    for (int j = 0; j < p->n; j++) {
+        char name[TIME_NAME];
+        phase_name(p, j, name);
+        fprintf(file, "%s\t%ld\n", name, p->count[j]);
+    }
+    const bool wrong = ferror(file) != 0;
+    return fclose(file) || wrong ? fail(ERR_SYSTEM, "phaseAverage.dat: cannot be written (disk full?)") : OK;
+}
+
+status phases_execute(struct function *f, const struct moment *now, const char *time) {
+    (void)time;
+    status s = OK;
+    const bool root = comm_root(f->setup->comm);
+    for (int j = 0; root && !s && j < f->phases->n; j++)
+        if (f->phases->count[j]) s = write_bin(f, j);
+    if (root && !s) s = write_counts(f, now->t);
+    return comm_agree(f->setup->comm, s);
+}
+
+/* ---- restarts --------------------------------------------------------------------------------------------------- */
+
+static void print_identity(struct sink *o, const struct function *f) {
+    const struct phases *p = f->phases;
+    sink_printf(o, "period          %.17g;\nstart           %.17g;\nfields          (", p->period, p->start);
+    for (int k = 0; k < f->nfields; k++) sink_printf(o, " %s", quantity_of(f, f->field[k])->name);
+    sink_printf(o, " );\ncounts          (");
+    for (int j = 0; j < p->n; j++) sink_printf(o, " %ld", p->count[j]);
+    sink_printf(o, " );\n");
+}
+
+status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
+    const struct phases *p = f->phases;
+    const struct foam_format exact = {w->format->binary, w->format->compress, 17};
+    char path[2 * TIME_PATH], location[TIME_NAME + 16];
+    struct sink *o;
+    struct file_sum sum;
+    snprintf(path, sizeof path, "%s/%s", w->folder, p->file);
+    snprintf(location, sizeof location, "%s/uniform", w->location);
+    TRY(sink_open(path, exact.compress, &o));
+    foam_header_write(o, &exact, "dictionary", location, p->file + strlen("uniform/"), NULL);
+    print_identity(o, f);
+    for (int j = 0; j < p->n; j++) {
+        if (!p->count[j]) continue;
+        sink_printf(o, "sum%d nonuniform List<scalar>\n", j);
+        foam_list_write_doubles(o, &exact, 1, p->size, p->sum[j]);
+        sink_printf(o, ";\n");
+    }
+    TRY(sink_close_sum(o, &sum));
+    return checksums_add(sums, p->file, sum);
+}
+
+static status same_fields(const struct function *f, struct dict *d, bool *same) {
+    const char *const *words;
+    int n;
+    TRY(dict_words(d, "fields", &n, &words));
+    *same &= n == f->nfields;
+    for (int k = 0; *same && k < n; k++) *same = !strcmp(words[k], quantity_of(f, f->field[k])->name);
+    return OK;
+}
+
+static status read_sum(const struct function *f, struct dict *d, int bin) {
+    struct lexer l;
+    struct token t;
+    char key[32];
+    long n;
+    snprintf(key, sizeof key, "sum%d", bin);
+    TRY(dict_raw(d, key, &l));
+    TRY(lexer_next(&l, &t));
+    TRY(lexer_next(&l, &t));
+    TRY(foam_list_read_doubles(&l, dict_header(d), 1, f->phases->size, &n, &f->phases->sum[bin]));
+    if (n != f->phases->size) return dict_fail(d, key, "it holds %ld numbers, not %ld", n, f->phases->size);
+    return OK;
+}
+
+/* Sums of the same averages are taken up; of others, not. */
+static status take_up(const struct function *f, struct dict *d) {
+    struct phases *p = f->phases;
+    const double *counts;
+    double period, start;
+    int n;
+    TRY(dict_number(d, "period", NULL, &period));
+    TRY(dict_number(d, "start", NULL, &start));
+    TRY(dict_numbers(d, "counts", &n, &counts));
+    bool same = period == p->period && start == p->start && n == p->n;
+    TRY(same_fields(f, d, &same));
+    if (!same) {
+        printf(
+            "function object '%s': its period, start, phases or fields are not those of %s, the averages begin anew\n",
+            f->name, dict_path(d));
+        return OK;
+    }
+    for (int j = 0; j < n; j++) {
+        if (!(counts[j] >= 0 && counts[j] < 1e15))
+            return dict_fail(d, "counts", "%g is no number of samples", counts[j]);
+        p->count[j] = (long)counts[j];
+        if (p->count[j]) TRY(read_sum(f, d, j));
+    }
+    p->resumed = true;
+    return OK;
+}
+
+static status load(const struct function *f) {
+    struct dict *d = NULL;
+    char path[2 * TIME_PATH];
+    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.name, f->phases->file);
+    if (!field_exists(path)) return OK;
+    TRY(dict_read(path, &d));
+    status s = take_up(f, d);
+    dict_free(d);
+    if (!s && !f->phases->values) s = make_bin(f, 0);
+    return s;
+}
+
+/* ---- the dictionary --------------------------------------------------------------------------------------------- */
+
+/* Of constant/shaking, where the medium reads it. */
+static status read_period(const struct function *f, struct dict *d, double *out) {
+    static const signed char second[3] = {0, 0, 1}, hertz[3] = {0, 0, -1};
+    const struct setup *s = f->setup;
+    for (int i = 0; i < s->nfiles && !dict_has(d, "period"); i++) {
+        const struct dict *shaking = s->file[i].dict;
+        if (strcmp(s->file[i].name, "shaking") || !shaking || !dict_has(shaking, "frequency")) continue;
+        TRY(dict_number((struct dict *)(uintptr_t)shaking, "frequency", hertz, out));
+        if (*out > 0) *out = 1 / *out;
+        if (*out > 0) return OK;
+    }
+    return status_note(dict_number(d, "period", second, out),
+                       "'period' is that of the average, by default of constant/shaking");
+}
+
+status phases_make(struct function *f, struct dict *d) {
+    const struct medium_type *m = f->setup->medium->type;
+    struct phases *p;
+    long phases;
+    TRY(allocate(&f->phases, 1, sizeof *f->phases, "averages"));
+    p = f->phases;
+    TRY(read_period(f, d, &p->period));
+    if (!(p->period > 0)) return dict_fail(d, "period", "it must be positive");
+    TRY(dict_number_or(d, "start", (const signed char[3]){0, 0, 1}, 0, &p->start));
+    TRY(dict_count_or(d, "phases", 20, &phases));
+    if (phases < 1 || phases > MOST_PHASES) return dict_fail(d, "phases", "it must be 1 .. %d", MOST_PHASES);
+    p->n = (int)phases;
+    if (snprintf(p->file, sizeof p->file, "uniform/phaseAverage.%s", f->name) >= 90)
+        return fail(ERR_INPUT, "%s: the name '%s' is too long for a file of its sums; give it a shorter one",
+                    dict_path(d), f->name);
+    p->rho = -1;
+    p->ncells = f->setup->mesh->ncells;
+    for (int q = 0; q < m->noffered; q++)
+        if (!strcmp(m->quantity[q].name, "rho")) p->rho = q;
+    for (int k = 0; k < f->nfields; k++) p->size += p->ncells * quantity_of(f, f->field[k])->components;
+    if (p->rho >= 0) p->size += p->ncells;
+    TRY(comm_agree(f->setup->comm, comm_root(f->setup->comm) ? load(f) : OK));
+    double resumed = p->resumed;
+    comm_max(f->setup->comm, &resumed, 1);
+    p->resumed = resumed > 0;
+    return OK;
+}

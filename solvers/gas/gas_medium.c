@@ -1,0 +1,348 @@
+/* The granular gas as a medium (medium.h) of granularGas. */
+#include "solvers/gas/initial.h"
+#include "solvers/gas/limiter.h"
+#include "solvers/gas/models.h"
+#include "solvers/output/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct gas_state {
+    struct medium base;
+    struct case_models *models;
+    struct initial *initial;
+    struct gas *gas;
+    struct limiter_table limiter;
+    struct gas_speed speed;   /* of the last plan */
+    double totals[MAX_VAR];   /* at the start */
+    struct gas_counts counts; /* at the last log entry */
+    bool audited;             /* a budget is kept */
+};
+static struct gas_state *of(const struct medium *m) {
+    return (struct gas_state *)(uintptr_t)m;
+}
+
+enum { MOMENTUM = GAS_FIELDS, ENERGY }; /* quantities behind those of enum gas_field */
+static const struct quantity quantities[] = {
+    [GAS_RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, true},
+    [GAS_ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [GAS_U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
+    [GAS_T] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
+    [GAS_P] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
+    [GAS_C] = {"c", 1, {0, 1, -1, 0, 0, 0, 0}, false},
+    [GAS_MACH] = {"Ma", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [GAS_LIMITED] = {"limited", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [MOMENTUM] = {"rhoU", 3, {1, -2, -1, 0, 0, 0, 0}, true},
+    [ENERGY] = {"rhoE", 1, {1, -1, -2, 0, 0, 0, 0}, true},
+};
+static const int written[] = {GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_LIMITED, GAS_RHO, MOMENTUM, ENERGY, -1},
+                 shown[] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, -1};
+
+static status gas_check_control(const struct medium *m, const struct control *c) {
+    const struct stepper *stepper = of(m)->models->gas.stepper;
+    if (c->max_co <= stepper->courant) return OK;
+    return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->name, stepper->courant);
+}
+
+static status gas_read(struct setup *s) {
+    struct gas_state *g;
+    TRY(allocate(&g, 1, sizeof *g, "the gas"));
+    g->base = (struct medium){.type = &gas_medium, .setup = s};
+    s->medium = &g->base;
+    TRY(models_read(s->dir, s->dim, s->axis, &g->models));
+    const struct case_models *m = g->models;
+    const struct setup_file files[] = {{"system", "fvSchemes", m->schemes},
+                                       {"system", "fvSolution", m->solution},
+                                       {"constant", "granularProperties", m->properties},
+                                       {"constant", "g", m->forces.g},
+                                       {"constant", "shaking", m->forces.shaking}};
+    memcpy(s->file, files, sizeof files);
+    s->nfiles = 5;
+    return OK;
+}
+
+static status gas_read_state(struct setup *s) {
+    struct gas_state *g = of(s->medium);
+    const struct gas_models *models = &g->models->gas;
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    TRY(initial_read(s->dir, &s->start, &place, s->dim, s->axis, models, &g->initial));
+    if (g->models->engine == ENGINE_LATTICE && !s->lattice)
+        return dict_fail(g->models->schemes, "meshEngine",
+                         "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
+                         s->why);
+    TRY(setup_grid(s, g->models->engine == ENGINE_POLYHEDRAL, models->polynomial->rings));
+    if (s->grid->polyhedra && models->polynomial->degree > 1)
+        return initial_average(g->initial, &place, s->dim, s->axis, models);
+    return OK;
+}
+
+static status gas_start(struct medium *m) {
+    struct gas_state *g = of(m);
+    const struct setup *s = m->setup;
+    const struct gas_models *models = &g->models->gas;
+    const struct initial *i = g->initial;
+    g->limiter.fills = models->alpha_floor > 0;
+    TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
+                        : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
+    if (i->conserved[0])
+        gas_set_conserved(g->gas, (const double *const *)i->conserved);
+    else
+        TRY(gas_set(g->gas, i->rho, (const double *const *)i->u, i->T));
+    TRY(comm_agree(s->comm, gas_check(g->gas)));
+    initial_drop_cells(g->initial);
+    return gas_totals(g->gas, g->totals);
+}
+
+static void gas_medium_free(struct medium *m) {
+    struct gas_state *g = of(m);
+    limiter_close(&g->limiter);
+    gas_free(g->gas);
+    initial_free(g->initial);
+    models_free(g->models);
+    free(g);
+}
+
+static void gas_describe(const struct medium *m, FILE *f) {
+    models_print(f, of(m)->models, m->setup->grid->polyhedra != NULL);
+}
+
+static void gas_provenance(const struct medium *m, struct sink *o) {
+    const struct gas_models *g = &of(m)->models->gas;
+    bool polyhedral = m->setup->grid->polyhedra != NULL;
+    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
+                g->stepper->name);
+    if (g->transport)
+        sink_printf(o, "transport       %s;\ndiffusion       %s;\n", g->transport->name, g->diffusion->name);
+    sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
+                polyhedral ? "polyReconstruct" : "reconstruct    ",
+                polyhedral ? g->polynomial->name : g->reconstruct->name);
+}
+
+/* Bytes of the state and what a step needs with it, of all cells. */
+static double gas_memory(const struct medium *medium) {
+    const struct setup *s = medium->setup;
+    const struct forest *f = s->grid->forest;
+    const struct polyhedra *m = s->grid->polyhedra;
+    if (f) { /* five variables of states and scratch; with transport struct diffuser */
+        const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 5) + 3 : 0;
+        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
+    }
+    const int dim = m->dim, degree = of(medium)->models->gas.polynomial->degree;
+    const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
+    double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
+           sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
+    const bool transport = of(medium)->models->gas.transport;
+    const double diffuser = transport ? 8. * (dim * (dim + 3) + 4) + (dim + 1.) * (8 * dim + 4) : 0;
+    double cell =
+        diffuser + (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
+    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 5) : 0) +
+                                             sides * 8 * (1 + 2 * dim + 2 * coefficients));
+}
+
+static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {
+    struct gas_state *g = of(m);
+    gas_speed(g->gas, &g->speed);
+    *out = (struct pace){.stable = c->max_co / g->speed.rate, .rate = g->speed.rate};
+}
+
+static void gas_place(struct medium *m, double place[3]) {
+    gas_fastest_place(of(m)->gas, &of(m)->speed, place);
+}
+
+static status gas_medium_step(struct medium *m, const struct control *c, double t, double *dt) {
+    struct gas_state *g = of(m);
+    return gas_step(g->gas, t, dt, c->max_co, c->min_delta_t, g->models->min_fraction, &g->speed);
+}
+
+static status gas_after(struct medium *m, const struct moment *now) {
+    return limiter_record(&of(m)->limiter, m->setup, of(m)->gas, now);
+}
+
+/* What must stay, drifts; what flows in or out or is taken by a source, changes. */
+static const char *word_for(const struct gas_state *g, bool energy) {
+    if (g->models->gas.alpha_floor > 0) return "change";
+    for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
+        const struct patch_rules *r = &g->initial->rules[p];
+        if (!r->velocity.type) continue;
+        if (!r->velocity.type->reflects || (energy && (r->velocity.type->value || r->temperature.type->value)))
+            return "change";
+    }
+    return energy && source_active(&g->models->gas.source, &g->models->gas.material) ? "change" : "drift";
+}
+
+static void print_totals(FILE *f, const struct gas_state *g, const double now[MAX_VAR]) {
+    int dim = g->base.setup->grid->dim;
+    const double *was = g->totals;
+    fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(g, false), now[0] / was[0] - 1);
+    for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);
+    fprintf(f, ")  energy %.10g (%s %+.2e)\n", now[1 + dim], word_for(g, true), now[1 + dim] / was[1 + dim] - 1);
+}
+
+static const char *plural(long n) {
+    return n == 1 ? "" : "s";
+}
+
+/* What was done since the entry before to keep the state admissible. */
+static void print_limited(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
+    const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
+    const long floored = n->floored - was->floored;
+    if (cells > 0)
+        fprintf(f, "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld, %ld)\n", faces,
+                plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
+    if (rejected > 0) fprintf(f, "    rejected: %ld step%s (in all %ld)\n", rejected, plural(rejected), n->rejected);
+    if (floored > 0)
+        fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
+                n->energy - was->energy, n->floored, n->energy);
+    const long filled = n->filled - was->filled;
+    if (filled > 0)
+        fprintf(f, "    density floor: %ld cell%s, mass +%.3g, energy +%.3g (in all %ld, +%.3g, +%.3g)\n", filled,
+                plural(filled), n->fill[0] - was->fill[0], n->fill[1] - was->fill[1], n->filled, n->fill[0],
+                n->fill[1]);
+}
+
+static void print_diffusion(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
+    const double halves = (double)(n->halves - was->halves);
+    const long repeated = n->repeated - was->repeated, plain = n->plain - was->plain;
+    if (halves > 0)
+        fprintf(f, "    diffusion: a half step in %.4g stages of viscous stress, %.4g of heat conduction\n",
+                (double)(n->stages[0] - was->stages[0]) / halves, (double)(n->stages[1] - was->stages[1]) / halves);
+    if (repeated > 0)
+        fprintf(f,
+                "    repeated: %ld half step%s, for %ld cell%s that would have been inadmissible (in all %ld, %ld)\n",
+                repeated, plural(repeated), plain, plural(plain), n->repeated, n->plain);
+}
+
+static status gas_log(struct medium *m, FILE *f) {
+    struct gas_state *g = of(m);
+    const struct setup *s = m->setup;
+    double alpha[2], T[2], mach[2], totals[MAX_VAR];
+    TRY(report_extremes(s, GAS_ALPHA, alpha));
+    TRY(report_extremes(s, GAS_T, T));
+    TRY(report_extremes(s, GAS_MACH, mach));
+    TRY(gas_totals(g->gas, totals));
+    const struct gas_counts n = gas_counts(g->gas), was = g->counts;
+    g->counts = n;
+    if (!comm_root(s->comm)) return OK;
+    fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
+            mach[1]);
+    print_totals(f, g, totals);
+    print_limited(f, &was, &n);
+    print_diffusion(f, &was, &n);
+    return OK;
+}
+
+static status gas_finish(struct medium *m, FILE *f) {
+    double share = gas_computed_share(of(m)->gas);
+    if (share < 1 && comm_root(m->setup->comm))
+        fprintf(f, "%.1f %% of the cell updates were computed; the rest was uniform\n", 100 * share);
+    return OK;
+}
+
+static void gas_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    gas_block_field(of(m)->gas, block, (enum gas_field)quantity, out);
+}
+
+/* The conserved variables come all at once: those not asked for are dropped. */
+static status gather_conserved(const struct medium *m, int quantity, double *const out[3]) {
+    const struct gas *g = of(m)->gas;
+    const int nvar = gas_variables(g), first = quantity == ENERGY ? nvar - 1 : 1,
+              last = quantity == ENERGY ? nvar - 1 : nvar - 2;
+    double *U[MAX_VAR] = {NULL}, *rest = NULL;
+    const bool root = comm_root(m->setup->comm);
+    TRY(comm_agree(m->setup->comm, root ? allocate(&rest, m->setup->mesh->ncells, sizeof(double), "a field") : OK));
+    for (int v = 0; root && v < nvar; v++) U[v] = v >= first && v <= last ? out[v - first] : rest;
+    status e = gas_get_conserved(g, U);
+    free(rest);
+    return e;
+}
+static status gas_gather(const struct medium *m, int quantity, double *const out[3]) {
+    return quantity < GAS_FIELDS ? gas_field(of(m)->gas, (enum gas_field)quantity, out)
+                                 : gather_conserved(m, quantity, out);
+}
+
+static bool gas_present(const struct medium *m, int quantity) {
+    return quantity != GAS_LIMITED || gas_counts(of(m)->gas).cells > 0;
+}
+
+static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
+    static const enum field_id id[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
+    if (quantity > GAS_P) return NULL;
+    const struct initial *i = of(m)->initial;
+    for (int k = 0; k < 3; k++)
+        if (i->from[p][k] == id[quantity]) return &i->field[id[quantity]]->patch[p];
+    return NULL;
+}
+
+static const char help[] =
+    "granularGas -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
+    "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
+    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -listModels  models, schemes and function objects with their parameters\n"
+    "  -listBCs     boundary conditions\n"
+    "  -debug       the way an error took through the program\n\n"
+    "SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written "
+    "and\n"
+    "the run ends. One run at a time works on a case (DIR/.haff.lock); checkCase and caseToVTK may read "
+    "meanwhile.\n"
+    "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 the "
+    "gas\n"
+    "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
+    "MPI.\n";
+
+static const char *const budget_titles[] = {"mass",    "massFlow", "massFloor", "massResidual", "energy",
+                                            "cooling", "gravity",  "heat",      "wallWork",     "flow",
+                                            "floors",  "residual", NULL};
+static status gas_medium_budget(struct medium *m, double row[MAX_BUDGET]) {
+    struct gas_state *g = of(m);
+    struct gas_budget b;
+    if (!g->audited) TRY(gas_audit(g->gas));
+    g->audited = true;
+    TRY(gas_budget(g->gas, &b));
+    const double values[] = {b.mass,
+                             b.flowed,
+                             b.filled,
+                             b.lost[0],
+                             b.energy,
+                             b.gained[GAS_COOLING],
+                             b.gained[GAS_GRAVITY],
+                             b.gained[GAS_HEAT],
+                             b.gained[GAS_FRICTION],
+                             b.gained[GAS_FLOW],
+                             b.gained[GAS_FLOORS],
+                             b.lost[1]};
+    memcpy(row, values, sizeof values);
+    return OK;
+}
+
+const struct medium_type gas_medium = {
+    .application = "granularGas",
+    .help = help,
+    .list_models = models_list,
+    .list_boundaries = boundaries_list,
+    .quantity = quantities,
+    .noffered = GAS_FIELDS,
+    .written = written,
+    .shown = shown,
+    .read = gas_read,
+    .state = gas_read_state,
+    .start = gas_start,
+    .free = gas_medium_free,
+    .check_control = gas_check_control,
+    .describe = gas_describe,
+    .provenance = gas_provenance,
+    .memory = gas_memory,
+    .plan = gas_plan,
+    .place = gas_place,
+    .step = gas_medium_step,
+    .after = gas_after,
+    .log = gas_log,
+    .finish = gas_finish,
+    .block = gas_block,
+    .gather = gas_gather,
+    .present = gas_present,
+    .patch = gas_patch,
+    .budget_titles = budget_titles,
+    .budget = gas_medium_budget,
+};

@@ -1,0 +1,335 @@
+#include "solvers/gas/initial.h"
+
+#include "solvers/gas/layers.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reader { /* what the steps below share */
+    const char *case_dir;
+    const struct instant *at;
+    const struct field_place *place;
+    int dim;
+    const int *axis;
+    const struct gas_models *models;
+};
+
+static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
+    snprintf(path, TIME_PATH, "%s/%s/%s", r->case_dir, r->at->name, name);
+}
+static bool there(const struct reader *r, const char *name) {
+    char path[TIME_PATH];
+    path_of(r, name, path);
+    return field_exists(path);
+}
+
+/* Of rho and alpha, and of T and p, a case gives one; a folder that this program wrote has all, told by uniform/time.
+ */
+static status read_files(const struct reader *r, struct initial *s) {
+    static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
+    bool written = there(r, "uniform/time");
+    for (int i = 0; i < 2; i++) {
+        const char *a = field_kinds[pairs[i][0]].name, *b = field_kinds[pairs[i][1]].name;
+        if (there(r, a) && there(r, b) && !written && there(r, "rhoE"))
+            return fail(ERR_INPUT,
+                        "%s/%s: uniform/time is missing, but a run wrote the rest; start from another time, or keep U "
+                        "and one of %s, %s only",
+                        r->case_dir, r->at->name, a, b);
+        if (there(r, a) && there(r, b) && !written)
+            return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other",
+                        r->case_dir, r->at->name, a, b);
+        if (!there(r, a) && !there(r, b))
+            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->name, a,
+                        b);
+    }
+    if (!there(r, "U"))
+        return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->name);
+    for (int i = 0; i < FIELD_COUNT; i++) {
+        char path[TIME_PATH];
+        path_of(r, field_kinds[i].name, path);
+        if (field_exists(path)) TRY(field_read(path, &field_kinds[i], r->place, &s->field[i]));
+    }
+    struct field *density = s->field[FIELD_RHO] ? s->field[FIELD_RHO] : s->field[FIELD_ALPHA];
+    return layers_apply(density, r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
+}
+
+/* The conserved fields of an earlier run, which restart it bit by bit. */
+static bool continued(const struct reader *r) {
+    return there(r, "uniform/time") && there(r, "rho") && there(r, "rhoU") && there(r, "rhoE");
+}
+
+static status check_values(const struct reader *r, const struct initial *s) {
+    const struct material *m = &r->models->material;
+    const double limit[FIELD_COUNT] = {[FIELD_RHO] = density_limit(r->models->eos, m),
+                                       [FIELD_ALPHA] = r->models->eos->bounded ? m->alpha_max : HUGE_VAL,
+                                       [FIELD_T] = HUGE_VAL,
+                                       [FIELD_P] = HUGE_VAL};
+    for (int i = 0; i < FIELD_COUNT; i++)
+        /* in a few digits alpha may be rounded to its limit: of a written folder the state itself is checked */
+        if (s->field[i] && i != FIELD_U && !(continued(r) && i == FIELD_ALPHA))
+            TRY(field_check_range(s->field[i], r->place, 0, limit[i]));
+    return OK;
+}
+
+static status take_velocity(const struct reader *r, struct initial *s) {
+    const struct field *U = s->field[FIELD_U];
+    int n = r->place->mesh->ncells;
+    bool solved[3] = {false, false, false};
+    for (int k = 0; k < r->dim; k++) {
+        TRY(allocate(&s->u[k], n, sizeof(double), "velocity"));
+        solved[r->axis[k]] = true;
+        for (int i = 0; i < n; i++) s->u[k][i] = U->values[3 * (long)i + r->axis[k]];
+    }
+    for (int x = 0; x < 3; x++)
+        for (int i = 0; i < n && !solved[x]; i++)
+            if (U->values[3 * (long)i + x] != 0)
+                return field_fail(U, r->place, i, "its %c component must be 0: 'empty' patches take that axis away",
+                                  "xyz"[x]);
+    return OK;
+}
+
+static status take_state(const struct reader *r, struct initial *s) {
+    int n = r->place->mesh->ncells;
+    double per = packing_per_density(&r->models->material);
+    TRY(allocate(&s->rho, n, sizeof(double), "density"));
+    TRY(allocate(&s->T, n, sizeof(double), "temperature"));
+    if (s->field[FIELD_RHO])
+        memcpy(s->rho, s->field[FIELD_RHO]->values, (size_t)n * sizeof(double));
+    else
+        for (int i = 0; i < n; i++) s->rho[i] = s->field[FIELD_ALPHA]->values[i] / per;
+    if (s->field[FIELD_T]) {
+        memcpy(s->T, s->field[FIELD_T]->values, (size_t)n * sizeof(double));
+    } else {
+        pressure_per_temperature(r->models->eos, &r->models->material, n, s->rho, s->T);
+        for (int i = 0; i < n; i++) s->T[i] = s->field[FIELD_P]->values[i] / s->T[i];
+    }
+    return take_velocity(r, s);
+}
+
+/* A user who changed U or T of a written folder would be ignored, since the conserved fields win. */
+static status check_agreement(const struct reader *r, const struct initial *s) {
+    const double *const *q = (const double *const *)s->conserved;
+    double gamma = r->models->material.gamma, tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
+    int n = r->place->mesh->ncells;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < r->dim; k++) fastest = fmax(fastest, fabs(q[1 + k][i] / q[0][i]));
+    for (int i = 0; i < n; i++) {
+        double kinetic = 0;
+        for (int k = 0; k < r->dim; k++) {
+            double u = q[1 + k][i] / q[0][i];
+            kinetic += u * u / 2;
+            if (fabs(u - s->u[k][i]) > tolerance * fastest)
+                return field_fail(s->field[FIELD_U], r->place, i,
+                                  "rhoU/rho is %g along %c; to start from a changed U remove rhoU and rhoE", u,
+                                  "xyz"[r->axis[k]]);
+        }
+        double E = q[1 + r->dim][i] / q[0][i], T = (gamma - 1) * (E - kinetic);
+        if (s->field[FIELD_T] && fabs(T - s->T[i]) > tolerance * T + 1e-13 * E)
+            return field_fail(s->field[FIELD_T], r->place, i,
+                              "rhoE says %g; to start from a changed T remove rhoU and rhoE", T);
+    }
+    return OK;
+}
+
+static status read_raw(const struct reader *r, const char *name, int components, double **out) {
+    char path[TIME_PATH];
+    int found;
+    path_of(r, name, path);
+    TRY(field_read_values(path, r->place->mesh->ncells, &found, out));
+    if (found == components) return OK;
+    free(*out);
+    *out = NULL;
+    return fail(ERR_INPUT, "%s: it has %d component%s; %d expected", path, found, found == 1 ? "" : "s", components);
+}
+
+static status take_conserved(const struct reader *r, struct initial *s) {
+    if (there(r, "rhoU") != there(r, "rhoE"))
+        return fail(ERR_INPUT, "%s/%s: %s is there without %s; remove it to start from U and T", r->case_dir,
+                    r->at->name, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
+    if (!continued(r)) return OK;
+    int n = r->place->mesh->ncells;
+    double *momentum = NULL;
+    TRY(read_raw(r, "rhoE", 1, &s->conserved[1 + r->dim]));
+    TRY(read_raw(r, "rhoU", 3, &momentum));
+    status e = OK;
+    for (int k = 0; !e && k < 1 + r->dim; k++) {
+        e = allocate(&s->conserved[k], n, sizeof(double), "conserved variables");
+        for (int i = 0; !e && i < n; i++) s->conserved[k][i] = k ? momentum[3 * (long)i + r->axis[k - 1]] : s->rho[i];
+    }
+    free(momentum);
+    TRY(e);
+    return check_agreement(r, s);
+}
+
+/* The rule of one field on one patch; values multiplied by `scale`, vectors in computational axes. */
+static status take_rule(const struct reader *r, const struct field *f, int p, double scale, struct rule *rule,
+                        double **values) {
+    const struct patch_field *q = &f->patch[p];
+    int m = f->kind->components == 3 ? r->dim : 1, nfaces = r->place->mesh->patch[p].nfaces;
+    rule->type = boundary_find(q->type);
+    for (int k = 0; k < m; k++)
+        rule->uniform[k] = scale * q->uniform[m == 1 && f->kind->components == 1 ? 0 : r->axis[k]];
+    if (!q->values) return OK;
+    TRY(allocate(values, (long)nfaces * m, sizeof(double), "boundary values"));
+    for (int i = 0; i < nfaces; i++)
+        for (int k = 0; k < m; k++)
+            (*values)[(long)i * m + k] =
+                scale * (f->kind->components == 1 ? q->values[i] : q->values[3 * (long)i + r->axis[k]]);
+    rule->values = *values;
+    return OK;
+}
+
+/* Which of two fields gives a patch's rule: the first there that is not `calculated`. */
+static status which(const struct reader *r, const struct initial *s, int p, enum field_id a, enum field_id b,
+                    enum field_id *out) {
+    const enum field_id both[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        *out = both[i];
+        if (s->field[both[i]] && strcmp(s->field[both[i]]->patch[p].type, "calculated")) return OK;
+    }
+    const struct field *f = s->field[a] ? s->field[a] : s->field[b];
+    return fail(ERR_INPUT, "%s:%d: patch %s of %s is 'calculated', which says nothing; give its type here%s%s",
+                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name,
+                s->field[a] && s->field[b] ? " or in " : "", s->field[a] && s->field[b] ? field_kinds[b].name : "");
+}
+
+/* A wall that moves along itself must lead along each face of its patch. */
+static status check_tangential(const struct reader *r, const struct field *U, int p) {
+    const struct polymesh *m = r->place->mesh;
+    const struct patch *patch = &m->patch[p];
+    const double *u = U->patch[p].uniform, speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    double *geometry;
+    int wrong = -1;
+    TRY(allocate(&geometry, 6L * m->nfaces, sizeof *geometry, "face geometry"));
+    polymesh_face_geometry(m, geometry, geometry + 3L * m->nfaces);
+    for (int i = patch->start; i < patch->start + patch->nfaces && wrong < 0; i++) {
+        const double *a = geometry + 3L * (m->nfaces + i), area = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+        if (fabs(u[0] * a[0] + u[1] * a[1] + u[2] * a[2]) > 1e-6 * speed * area) wrong = i;
+    }
+    double x[3] = {0};
+    if (wrong >= 0) memcpy(x, geometry + 3L * wrong, sizeof x);
+    free(geometry);
+    if (wrong >= 0)
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
+                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2], x[0], x[1], x[2]);
+    for (int k = 0; k < r->dim; k++) x[k] = u[r->axis[k]];
+    if (x[0] * x[0] + (r->dim > 1) * x[1] * x[1] + (r->dim > 2) * x[2] * x[2] < 0.999999 * speed * speed)
+        return fail(ERR_INPUT, "%s:%d: patch %s: U (%g %g %g): 'empty' patches take away an axis it leads along",
+                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2]);
+    return OK;
+}
+
+static status check_viscous(const struct reader *r, const struct field *f, int p) {
+    const struct boundary_type *type = boundary_find(f->patch[p].type);
+    if (!type || !type->viscous || r->models->transport) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: %s is '%s', which is nothing to a gas without viscosity and heat conduction; give "
+                "`transport` in constant/granularProperties",
+                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name);
+}
+
+/* What absorbs as a wall does belongs to a wall. */
+static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
+                         enum field_id thermal) {
+    const enum field_id scalars[2] = {density, thermal};
+    for (int i = 0; i < 2; i++) {
+        const struct field *f = s->field[scalars[i]];
+        const struct boundary_type *type = boundary_find(f->patch[p].type);
+        if (type && type->absorbs)
+            return fail(ERR_INPUT, "%s:%d: patch %s: %s is '%s', but U is '%s', no wall; give U slip or noSlip there",
+                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name,
+                        s->field[FIELD_U]->patch[p].type);
+    }
+    return OK;
+}
+
+static status take_patch(const struct reader *r, struct initial *s, int p) {
+    struct patch_rules *rules = &s->rules[p];
+    enum field_id density, thermal;
+    const char *type = r->place->mesh->patch[p].type;
+    if (!strcmp(type, "empty") || !strcmp(type, "cyclic")) return OK; /* the mesh says it all */
+    TRY(which(r, s, p, FIELD_RHO, FIELD_ALPHA, &density));
+    TRY(which(r, s, p, FIELD_T, FIELD_P, &thermal));
+    s->from[p][0] = density;
+    s->from[p][1] = FIELD_U;
+    s->from[p][2] = thermal;
+    double scale = density == FIELD_ALPHA ? 1 / packing_per_density(&r->models->material) : 1;
+    TRY(take_rule(r, s->field[density], p, scale, &rules->density, &s->values[3 * p]));
+    TRY(take_rule(r, s->field[FIELD_U], p, 1, &rules->velocity, &s->values[3 * p + 1]));
+    TRY(take_rule(r, s->field[thermal], p, 1, &rules->temperature, &s->values[3 * p + 2]));
+    rules->pressure = thermal == FIELD_P;
+    TRY(check_viscous(r, s->field[FIELD_U], p));
+    TRY(check_viscous(r, s->field[thermal], p));
+    if (!rules->velocity.type) return OK;
+    if (!rules->velocity.type->reflects) return check_open(r, s, p, density, thermal);
+    if (rules->velocity.type->drags && rules->velocity.type->value) TRY(check_tangential(r, s->field[FIELD_U], p));
+    const enum field_id scalars[2] = {density, thermal};
+    for (int i = 0; i < 2; i++) {
+        const struct field *f = s->field[scalars[i]];
+        const struct boundary_type *scalar = boundary_find(f->patch[p].type);
+        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar &&
+                            (scalar->absorbs || scalar == boundary_find("fixedValue"));
+        if (scalar && scalar->value && !heated)
+            return fail(ERR_INPUT,
+                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient%s",
+                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
+                        f->kind->name, scalar->name,
+                        r->models->transport ? " (or fixedValue or granularWall for T)" : "");
+    }
+    return OK;
+}
+
+static status read_all(const struct reader *r, struct initial *s) {
+    TRY(read_files(r, s));
+    TRY(check_values(r, s));
+    TRY(take_state(r, s));
+    TRY(take_conserved(r, s));
+    TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
+    TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
+    TRY(allocate(&s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
+    for (int p = 0; p < s->npatches; p++) TRY(take_patch(r, s, p));
+    return OK;
+}
+
+status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, struct initial **out) {
+    const struct reader r = {case_dir, at, place, dim, axis, models};
+    struct initial *s = NULL;
+    *out = NULL;
+    TRY(allocate(&s, 1, sizeof *s, "initial state"));
+    s->npatches = place->mesh->npatches;
+    status e = read_all(&r, s);
+    if (e) {
+        initial_free(s);
+        return e;
+    }
+    *out = s;
+    return OK;
+}
+
+void initial_drop_cells(struct initial *s) {
+    double **all[2 + 3 + MAX_VAR + FIELD_COUNT] = {&s->rho, &s->T};
+    int n = 2;
+    for (int k = 0; k < 3; k++) all[n++] = &s->u[k];
+    for (int v = 0; v < MAX_VAR; v++) all[n++] = &s->conserved[v];
+    for (int i = 0; i < FIELD_COUNT; i++)
+        if (s->field[i]) all[n++] = &s->field[i]->values;
+    while (n--) {
+        free(*all[n]);
+        *all[n] = NULL;
+    }
+}
+
+void initial_free(struct initial *s) {
+    if (!s) return;
+    initial_drop_cells(s);
+    for (int i = 0; i < FIELD_COUNT; i++) field_free(s->field[i]);
+    for (int i = 0; s->values && i < 3 * s->npatches; i++) free(s->values[i]);
+    free(s->values);
+    free(s->rules);
+    free(s->from);
+    free(s);
+}

@@ -1,0 +1,30 @@
+/* The state a run starts from and the boundary rules, from the field files of one time folder. */
+#ifndef SOLVERS_INITIAL_H
+#define SOLVERS_INITIAL_H
+
+#include "libcore/gas/gas.h"
+#include "solvers/case/fields.h"
+#include "solvers/case/times.h"
+
+struct initial {                      /* on every rank */
+    struct field *field[FIELD_COUNT]; /* NULL: no such file */
+    enum field_id (*from)[3];         /* [npatches] the fields that give its rules: rho or alpha, U, T or p */
+    double *rho, *T, *u[3];           /* [ncells]; u along computational axes */
+    double *conserved[MAX_VAR];       /* [ncells] rho, rho u.., E: exact restart, or averages; else NULL */
+    int npatches;
+    struct patch_rules *rules; /* [npatches] */
+    double **values;           /* [3 npatches] nonuniform values of the rules */
+};
+/* Where the folder has conserved fields they are the state; U and T must agree with them to at->digits. */
+status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, struct initial **out);
+void initial_free(struct initial *s);
+/* For engines whose cells hold averages: where fields are given by expressions, s->conserved <- the averages of the
+ * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a
+ * state that has conserved fields. */
+status initial_average(struct initial *s, const struct field_place *place, int dim, const int axis[3],
+                       const struct gas_models *models);
+/* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
+void initial_drop_cells(struct initial *s);
+
+#endif

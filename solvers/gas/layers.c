@@ -1,0 +1,355 @@
+#include "solvers/gas/layers.h"
+
+#include "libcore/grains/random.h"
+#include "solvers/dict/params.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI 6.28318530717958647692
+
+struct layers {
+    struct dict *file;
+    bool settled, perturbed, of_depth;
+    double depth, packing, laid, background; /* packing, laid: 0 as said in the table */
+    bool hydrostatic;
+    double amplitude;
+    int modes, seed, axis; /* axis: -1 the longest that is cyclic and lies across gravity */
+};
+
+static const struct param settled_param[] = {
+    {"depth", PARAM_NUMBER, offsetof(struct layers, depth), NAN, 0, HUGE_VAL, true, {0, 0, 0}, "in grain diameters"},
+    {"packing",
+     PARAM_NUMBER,
+     offsetof(struct layers, packing),
+     0,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "of that depth: both say the mass; 0: alphaMax of the equation of state"},
+    {"hydrostatic",
+     PARAM_SWITCH,
+     offsetof(struct layers, hydrostatic),
+     1,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "alpha falls with height so that the layer rests at the uniform T of the case"},
+    {"laidAt",
+     PARAM_NUMBER,
+     offsetof(struct layers, laid),
+     0,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "packing of the uniform layer (hydrostatic no), which is as deep as its mass asks; 0: packing"},
+    {"background",
+     PARAM_NUMBER,
+     offsetof(struct layers, background),
+     1e-6,
+     0,
+     1,
+     true,
+     {0, 0, 0},
+     "least packing of a cell; counted in the mass of the layer"},
+};
+static const struct param perturbation_param[] = {
+    {"modes",
+     PARAM_COUNT,
+     offsetof(struct layers, modes),
+     20,
+     1,
+     100000,
+     false,
+     {0, 0, 0},
+     "the longest waves of the box"},
+    {"amplitude", PARAM_NUMBER, offsetof(struct layers, amplitude), NAN, 0, 1, false, {0, 0, 0}, "of each, relative"},
+    {"seed", PARAM_COUNT, offsetof(struct layers, seed), 1, 0, 2147483647, false, {0, 0, 0}, "of their phases"},
+};
+static const char *const of_names[] = {"density", "depth"}, *const axis_names[] = {"x", "y", "z"};
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+static status read_settled(struct dict *d, struct layers *l) {
+    TRY(params_read(d, settled_param, COUNT(settled_param), l));
+    if (l->hydrostatic && l->laid > 0)
+        return dict_fail(d, "laidAt", "it is the packing of a uniform layer; remove it, or say  hydrostatic no;");
+    return OK;
+}
+
+static status read_perturbation(struct dict *d, struct layers *l) {
+    int of = 0;
+    TRY(params_read(d, perturbation_param, COUNT(perturbation_param), l));
+    if (dict_has(d, "of")) TRY(dict_choice(d, "of", of_names, COUNT(of_names), &of));
+    if (dict_has(d, "axis")) TRY(dict_choice(d, "axis", axis_names, COUNT(axis_names), &l->axis));
+    l->of_depth = of == 1;
+    if (l->of_depth && !l->settled) return dict_fail(d, "of", "only a settledLayer has a depth; say  of density;");
+    return OK;
+}
+
+status layers_read(struct dict *d, struct layers **out) {
+    struct dict *settled = NULL, *perturbation = NULL;
+    *out = NULL;
+    if (dict_has(d, "settledLayer")) TRY(dict_sub(d, "settledLayer", &settled));
+    if (dict_has(d, "perturbation")) TRY(dict_sub(d, "perturbation", &perturbation));
+    if (!settled && !perturbation) return OK;
+    if (settled && dict_has(d, "expression"))
+        return dict_fail(d, "expression", "settledLayer says it all; remove one of them");
+    TRY(allocate(out, 1, sizeof **out, "a layer"));
+    (*out)->file = d;
+    (*out)->settled = settled != NULL;
+    (*out)->perturbed = perturbation != NULL;
+    (*out)->axis = -1;
+    if (settled) TRY(read_settled(settled, *out));
+    return perturbation ? read_perturbation(perturbation, *out) : OK;
+}
+
+void layers_free(struct layers *l) {
+    free(l);
+}
+bool layers_fill(const struct layers *l) {
+    return l && l->settled;
+}
+
+void layers_list(FILE *f) {
+    fprintf(f, "\n0/alpha or 0/rho: settledLayer { }, at rest on the side of the box that gravity points to\n");
+    params_print(f, settled_param, COUNT(settled_param));
+    fprintf(f, "\n0/alpha or 0/rho: perturbation { }, 1 + amplitude sum sin(2 pi (k x/L + random phase))\n");
+    params_print(f, perturbation_param, COUNT(perturbation_param));
+    fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "of", of_names[0], "or depth", "-",
+            "what it multiplies: density, or the mass of each column of a settledLayer");
+    fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "axis", "-", "x, y, z", "-",
+            "a cyclic one; default the longest across gravity");
+}
+
+/* ---- on the cells ----------------------------------------------------------------------------------------------- */
+
+struct bed { /* what the steps below share; lengths in m */
+    const struct layers *l;
+    const struct field_place *place;
+    const struct gas_models *models;
+    int n, up; /* up: the axis of gravity, or -1 */
+    double low[3], high[3], g;
+    bool down;                            /* gravity points to the low side of the axis */
+    double *volume, (*reach)[2], *factor; /* [n] reach: heights of a cell above the floor; factor: of the waves */
+    struct column *column;                /* NULL: uniform */
+    double per, area, laid;               /* alpha / rho; of the floor; packing of a uniform layer */
+};
+
+/* "FILE:LINE: settledLayer: <format..>" */
+static status cannot(const struct layers *l, const char *what, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static status cannot(const struct layers *l, const char *what, const char *format, ...) {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return fail(ERR_INPUT, "%s:%d: %s: %s", dict_path(l->file), dict_line(l->file, what), what, text);
+}
+
+static status find_gravity(struct bed *b, int dim, const int axis[3]) {
+    const double *g = b->models->source.gravity;
+    int along = 0;
+    b->up = -1;
+    for (int k = 0; k < dim; k++) {
+        if (g[k] == 0) continue;
+        along++;
+        b->up = axis[k];
+        b->g = fabs(g[k]);
+        b->down = g[k] < 0;
+    }
+    if (along == 1 || !b->l->settled) return OK;
+    return cannot(b->l, "settledLayer", "it needs gravity (constant/g) along one of the axes solved");
+}
+
+/* Box, volumes and the height of every cell */
+static status measure_cells(struct bed *b) {
+    const struct polymesh *m = b->place->mesh;
+    double *face = NULL, *centre = NULL;
+    for (int a = 0; a < 3; a++) {
+        b->low[a] = HUGE_VAL;
+        b->high[a] = -HUGE_VAL;
+        for (long i = 0; i < m->npoints; i++) {
+            b->low[a] = fmin(b->low[a], m->points[3 * i + a]);
+            b->high[a] = fmax(b->high[a], m->points[3 * i + a]);
+        }
+    }
+    TRY(allocate(&b->factor, b->n, sizeof(double), "a layer"));
+    TRY(allocate(&b->volume, b->n, sizeof(double), "a layer"));
+    TRY(allocate(&b->reach, b->n, sizeof *b->reach, "a layer"));
+    TRY(allocate(&face, 6L * m->nfaces + 3L * m->ncells, sizeof(double), "a layer"));
+    centre = face + 6L * m->nfaces;
+    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+    polymesh_cell_geometry(m, face, face + 3L * m->nfaces, centre, b->volume);
+    free(face);
+    for (int i = 0; i < b->n; i++) {
+        b->reach[i][0] = HUGE_VAL;
+        b->reach[i][1] = -HUGE_VAL;
+    }
+    for (int f = 0; b->up >= 0 && f < m->nfaces; f++)
+        for (int p = m->face_start[f]; p < m->face_start[f + 1]; p++) {
+            const double x = m->points[3L * m->face_points[p] + b->up],
+                         h = b->down ? x - b->low[b->up] : b->high[b->up] - x;
+            const int sides[2] = {m->owner[f], f < m->ninternal ? m->neighbour[f] : m->owner[f]};
+            for (int s = 0; s < 2; s++) {
+                b->reach[sides[s]][0] = fmin(b->reach[sides[s]][0], h);
+                b->reach[sides[s]][1] = fmax(b->reach[sides[s]][1], h);
+            }
+        }
+    return OK;
+}
+
+/* Volume of the mesh; must be that of a box: else what lies over a floor is no layer */
+static status check_box(const struct bed *b, double *out) {
+    double box = 1, sum = 0;
+    for (int a = 0; a < 3; a++) box *= b->high[a] - b->low[a];
+    for (int i = 0; i < b->n; i++) sum += b->volume[i];
+    *out = sum;
+    if (fabs(sum - box) < 1e-9 * box) return OK;
+    return cannot(b->l, "settledLayer", "the mesh is no box along the axes (%g m^3 of %g); give an expression", sum,
+                  box);
+}
+
+/* Whether an axis is cyclic: by the area of the first face of such a patch, which lies along it. */
+static status cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
+    double *face = NULL;
+    TRY(allocate(&face, 6L * m->nfaces, sizeof(double), "faces"));
+    const double *area = face + 3L * m->nfaces;
+    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+    for (int a = 0; a < 3; a++) cyclic[a] = false;
+    for (int p = 0; p < m->npatches; p++) {
+        const double *s = area + 3L * m->patch[p].start;
+        if (strcmp(m->patch[p].type, "cyclic") || !m->patch[p].nfaces) continue;
+        int most = fabs(s[1]) > fabs(s[0]) ? 1 : 0;
+        cyclic[fabs(s[2]) > fabs(s[most]) ? 2 : most] = true;
+    }
+    free(face);
+    return OK;
+}
+
+static status waves_axis(const struct bed *b, int *out) {
+    bool cyclic[3];
+    TRY(cyclic_axes(b->place->mesh, cyclic));
+    *out = b->l->axis;
+    for (int a = 0; a < 3 && b->l->axis < 0; a++)
+        if (cyclic[a] && a != b->up && (*out < 0 || b->high[a] - b->low[a] > b->high[*out] - b->low[*out])) *out = a;
+    if (*out >= 0 && cyclic[*out] && *out != b->up) return OK;
+    return cannot(b->l, "perturbation", "waves need an axis that is cyclic and lies across gravity: %s%s",
+                  *out < 0 ? "none does" : axis_names[*out], *out < 0 ? "" : " does not");
+}
+
+static status make_waves(struct bed *b) {
+    const struct layers *l = b->l;
+    double *phase = NULL;
+    int axis = -1;
+    for (int i = 0; i < b->n; i++) b->factor[i] = 1;
+    if (!l->perturbed) return OK;
+    TRY(waves_axis(b, &axis));
+    TRY(allocate(&phase, l->modes, sizeof(double), "waves"));
+    struct random r = random_make((uint64_t)l->seed, 0);
+    for (int k = 0; k < l->modes; k++) phase[k] = random_uniform(&r);
+    bool positive = true;
+    for (int i = 0; i < b->n; i++) {
+        double x = (b->place->centre[3L * i + axis] - b->low[axis]) / (b->high[axis] - b->low[axis]), sum = 0;
+        for (int k = 0; k < l->modes; k++) sum += sin(TWO_PI * ((k + 1) * x + phase[k]));
+        b->factor[i] = 1 + l->amplitude * sum;
+        positive = positive && b->factor[i] > 0;
+    }
+    free(phase);
+    return positive ? OK
+                    : cannot(b->l, "perturbation", "the waves together leave no density in places; lower amplitude");
+}
+
+/* alpha of a cell, without background, in a column of `mass` per area (kg/m^2) */
+static double packing_of(const struct bed *b, int i, double mass) {
+    const double low = b->reach[i][0], high = b->reach[i][1];
+    if (!b->column) return b->laid * fmin(fmax(mass * b->per / b->laid - low, 0) / (high - low), 1);
+    const double bottom = column_bottom(b->column, mass);
+    return b->per * (column_above(b->column, bottom, low) - column_above(b->column, bottom, high)) / (high - low);
+}
+
+/* alpha of the layer of nominal `mass` per area; returns what the box then holds, per area of its floor. */
+static double fill(const struct bed *b, double mass, double *alpha) {
+    double sum = 0;
+    for (int i = 0; i < b->n; i++) {
+        const double flat = b->l->of_depth ? 1 : b->factor[i], column = b->l->of_depth ? mass * b->factor[i] : mass;
+        alpha[i] = fmax(flat * packing_of(b, i, column), b->l->background);
+        sum += alpha[i] * b->volume[i];
+    }
+    return sum / b->area / b->per;
+}
+
+/* The background, waves that do not sum to zero over uneven cells, and cells that are no boxes change the mass a
+ * little: the nominal one is moved until it is what was asked for. */
+static status settle(const struct bed *b, double mass, double *alpha) {
+    enum { TRIALS = 100 };
+    double nominal = mass, missing = mass - fill(b, nominal, alpha);
+    for (int k = 0; k < TRIALS && fabs(missing) > 1e-15 * mass; k++) {
+        nominal += missing;
+        if (!(nominal > 0)) break;
+        missing = mass - fill(b, nominal, alpha);
+    }
+    if (fabs(missing) < 1e-12 * mass) return OK;
+    return cannot(b->l, "settledLayer",
+                  "the box cannot hold it: of %g kg/m^2 %g are missing; lower depth, or background, or raise the lid",
+                  mass, missing);
+}
+
+static status make_column(struct bed *b, double mass, const struct field *T) {
+    double most = 1;
+    if (!T) return cannot(b->l, "settledLayer", "a hydrostatic layer needs T, not p; or say  hydrostatic no;");
+    for (int i = 1; i < b->n; i++)
+        if (T->values[i] != T->values[0])
+            return field_fail(T, b->place, i,
+                              "a hydrostatic settledLayer needs one T everywhere, and cell 0 has %g; or say in it  "
+                              "hydrostatic no;",
+                              T->values[0]);
+    if (!(T->values[0] > 0)) return field_fail(T, b->place, 0, "it must be greater than 0");
+    for (int i = 0; i < b->n; i++) most = fmax(most, b->factor[i]);
+    return column_make(b->models, b->g, T->values[0], 1.5 * most * mass, b->high[b->up] - b->low[b->up], &b->column);
+}
+
+static status lay(struct bed *b, const struct field *T, double *alpha) {
+    const struct material *m = &b->models->material;
+    const double height = b->high[b->up] - b->low[b->up], packing = b->l->packing > 0 ? b->l->packing : m->alpha_max;
+    double volume;
+    TRY(check_box(b, &volume));
+    if (m->diameter == 0) return cannot(b->l, "settledLayer", "its depth is in diameters, and grain.diameter is 0");
+    b->area = volume / height;
+    b->laid = b->l->laid > 0 ? b->l->laid : packing;
+    const double thickness = packing * b->l->depth * m->diameter; /* of the grains alone */
+    if (thickness >= height * (b->l->hydrostatic ? m->alpha_max : b->laid))
+        return cannot(b->l, "settledLayer", "it is deeper than the box is high (%g); lower depth", height);
+    if (b->l->hydrostatic) TRY(make_column(b, thickness / b->per, T));
+    return settle(b, thickness / b->per, alpha);
+}
+
+static status apply(struct bed *b, const struct field *T, bool is_alpha, double *values) {
+    TRY(measure_cells(b));
+    TRY(make_waves(b));
+    if (b->l->settled) TRY(lay(b, T, values));
+    for (int i = 0; i < b->n; i++) values[i] *= b->l->settled ? (is_alpha ? 1 : 1 / b->per) : b->factor[i];
+    return OK;
+}
+
+status layers_apply(struct field *f, const struct field_place *place, int dim, const int axis[3],
+                    const struct gas_models *models, const struct field *T) {
+    struct bed b = {.l = f->layers,
+                    .place = place,
+                    .models = models,
+                    .n = place->mesh->ncells,
+                    .per = packing_per_density(&models->material)};
+    if (!f->layers) return OK;
+    TRY(find_gravity(&b, dim, axis));
+    status e = apply(&b, T, f->kind == &field_kinds[FIELD_ALPHA], f->values);
+    free(b.volume);
+    free(b.reach);
+    free(b.factor);
+    column_free(b.column);
+    return e;
+}

@@ -1,0 +1,101 @@
+#include "solvers/grains/grains_averages.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct averages {
+    struct averages_mark mark;
+    struct coarse *sum[2];   /* of the running window, of the last complete one or of a moment */
+    double (*x)[3], (*u)[3]; /* [grains] */
+    double moment;           /* s: sum[1] is of this time; NAN: of a window */
+};
+
+static double sample_time(const struct averages_mark *m) {
+    return ((double)m->index + (m->taken + 0.5) / m->samples) * m->window;
+}
+
+static void begin(struct averages_mark *m, double t) {
+    const double k = floor(t / m->window + 1e-9);
+    m->index = (int64_t)k;
+    m->whole = fabs(t - k * m->window) <= 1e-9 * m->window;
+    while (m->taken < m->samples && sample_time(m) < t) m->taken++;
+}
+
+status averages_make(const struct coarse_grid *grid, double window, int samples, double t, int grains,
+                     struct averages **out) {
+    struct averages *a = NULL;
+    *out = NULL;
+    TRY(allocate(&a, 1, sizeof *a, "averages"));
+    *out = a;
+    a->mark = (struct averages_mark){.window = window, .samples = samples};
+    a->moment = NAN;
+    if (window > 0) begin(&a->mark, t);
+    TRY(coarse_make(grid, &a->sum[0]));
+    TRY(coarse_make(grid, &a->sum[1]));
+    TRY(allocate(&a->x, grains, sizeof *a->x, "averages"));
+    return allocate(&a->u, grains, sizeof *a->u, "averages");
+}
+
+void averages_free(struct averages *a) {
+    if (!a) return;
+    coarse_free(a->sum[0]);
+    coarse_free(a->sum[1]);
+    free(a->x);
+    free(a->u);
+    free(a);
+}
+
+struct grain_observer *averages_observer(struct averages *a) {
+    return a->mark.window > 0 ? coarse_observer(a->sum[0]) : NULL;
+}
+
+double averages_next(const struct averages *a) {
+    const struct averages_mark *m = &a->mark;
+    if (!(m->window > 0)) return HUGE_VAL;
+    return m->taken < m->samples ? sample_time(m) : (double)(m->index + 1) * m->window;
+}
+
+static void sample(struct averages *a, int which, const struct grains *g) {
+    grains_at(g, grains_time(g), a->x, a->u);
+    coarse_sample(a->sum[which], grains_number(g), (const double(*)[3])a->x, (const double(*)[3])a->u);
+}
+
+static void close_window(struct averages *a) {
+    struct coarse *seen = a->sum[0];
+    if (a->mark.whole) {
+        a->sum[0] = a->sum[1];
+        a->sum[1] = seen;
+        a->mark.complete = 1;
+        a->moment = NAN;
+    }
+    coarse_clear(a->sum[0]);
+    a->mark.index++;
+    a->mark.taken = 0;
+    a->mark.whole = 1;
+}
+
+void averages_take(struct averages *a, const struct grains *g) {
+    if (a->mark.taken == a->mark.samples) {
+        close_window(a);
+        return;
+    }
+    sample(a, 0, g);
+    a->mark.taken++;
+}
+
+void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]) {
+    if (!a->mark.complete && a->moment != grains_time(g)) {
+        coarse_clear(a->sum[1]);
+        sample(a, 1, g);
+        a->moment = grains_time(g);
+    }
+    coarse_value(a->sum[1], a->mark.complete ? a->mark.window : 0, f, out);
+}
+
+struct averages_mark *averages_mark(struct averages *a) {
+    return &a->mark;
+}
+double *averages_sums(struct averages *a, int which, long *n) {
+    *n = coarse_size(a->sum[which]);
+    return coarse_sums(a->sum[which]);
+}

@@ -1,0 +1,141 @@
+#include "solvers/grains/grains_box.h"
+
+#include "libcore/models/boundary.h"
+
+#include <math.h>
+#include <string.h>
+
+#define TWO_PI 6.28318530717958647692
+
+status grains_box_check(const struct setup *s) {
+    const char *mesh = "constant/polyMesh";
+    if (s->dim == 1)
+        return fail(ERR_INPUT,
+                    "%s/%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
+                    "patches be of type empty",
+                    s->dir, mesh);
+    if (!s->lattice)
+        return fail(ERR_INPUT, "%s/%s: grains move in a box, a lattice of equal boxes: %s", s->dir, mesh, s->why);
+    const struct lattice *l = s->lattice;
+    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    for (long i = 0; i < cells; i++)
+        if (l->cell[i] < 0)
+            return fail(ERR_INPUT,
+                        "%s/%s: the mesh has a hole or a step (it has %d of the %ld cells of its box); grains move in "
+                        "full boxes",
+                        s->dir, mesh, s->mesh->ncells, cells);
+    return OK;
+}
+
+static bool flat_wall(const char *type) {
+    const struct boundary_type *b = boundary_find(type);
+    return b && b->reflects && !b->drags;
+}
+
+static status check_wall(const struct setup *s, const struct field *U, int p, int axis) {
+    const struct patch_field *q = &U->patch[p];
+    const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
+    if (flat_wall(q->type)) return OK;
+    if (boundary_find(q->type) && boundary_find(q->type)->drags)
+        return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
+                    patch, q->type);
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: type is %s, which lets grains in or out; allowed are slip, symmetry, symmetryPlane "
+                "(walls) and cyclic (with patches of type cyclic): close the box along %c with  type slip;",
+                file, q->line, patch, q->type, "xyz"[axis]);
+}
+
+static int patch_of(const struct polymesh *m, int face) {
+    int p = 0;
+    while (face >= m->patch[p].start + m->patch[p].nfaces) p++;
+    return p;
+}
+
+struct box_side { /* of the box: the patches that cover it */
+    int first;
+    double restitution;
+};
+
+static status add_face(const struct setup *s, const struct grains_models *m, const struct field *U, int face, int axis,
+                       struct box_side *side) {
+    const int p = patch_of(s->mesh, face);
+    if (p == side->first) return OK;
+    TRY(check_wall(s, U, p, axis));
+    if (side->first < 0) {
+        *side = (struct box_side){p, m->restitution[p]};
+        return OK;
+    }
+    if (m->restitution[p] == side->restitution) return OK;
+    const int named = m->restitution_line[p] ? p : side->first;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: restitution is %g there and %g on patch %s, which covers another part of the same "
+                "side of the box; a side has one restitution",
+                m->properties ? dict_path(m->properties) : s->dir, m->restitution_line[named],
+                s->mesh->patch[named].name, m->restitution[named], m->restitution[named == p ? side->first : p],
+                s->mesh->patch[named == p ? side->first : p].name);
+}
+
+static status make_side(const struct setup *s, const struct grains_models *m, const struct field *U, int k, int high,
+                        double *restitution) {
+    const struct lattice *l = s->lattice;
+    struct box_side side = {-1, 1};
+    long stride = 1, cells = (long)l->n[0] * l->n[1] * l->n[2];
+    for (int i = 0; i < k; i++) stride *= l->n[i];
+    for (long i = 0; i < cells; i++) {
+        if (i / stride % l->n[k] != (high ? l->n[k] - 1 : 0)) continue;
+        TRY(add_face(s, m, U, l->face[6L * l->cell[i] + 2 * k + high], s->axis[k], &side));
+    }
+    *restitution = side.restitution;
+    return OK;
+}
+
+static status check_forces(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
+    const struct sources *g = &m->forces.source;
+    for (int k = 0; k < b->dim; k++)
+        if (b->periodic[k] && g->gravity[k] != 0)
+            return dict_fail(m->forces.g, "value",
+                             "its %c component must be 0: the box is cyclic along %c, so that grains would fall for "
+                             "ever",
+                             "xyz"[s->axis[k]], "xyz"[s->axis[k]]);
+    if (g->knots > 0)
+        return dict_fail(
+            m->forces.shaking, "amplitude",
+            "grains are shaken with a constant amplitude; run to the time of a change (endTime), write the "
+            "new number here, and go on");
+    return OK;
+}
+
+status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,
+                       struct grain_box *out) {
+    const struct lattice *l = s->lattice;
+    const struct sources *g = &m->forces.source;
+    *out = (struct grain_box){.dim = l->dim};
+    for (int k = 0; k < l->dim; k++) {
+        out->low[k] = l->origin[k];
+        out->high[k] = l->origin[k] + l->n[k] * l->width[k];
+        out->periodic[k] = l->periodic[k];
+        for (int side = 0; side < 2 && !l->periodic[k]; side++)
+            TRY(make_side(s, m, U, k, side, &out->restitution[k][side]));
+    }
+    if (g->amplitude != 0) {
+        out->omega = TWO_PI * g->frequency;
+        out->phase = g->phase;
+        for (int k = 0; k < l->dim; k++) out->shake[k] = g->gravity[k] * g->amplitude / (out->omega * out->omega);
+    }
+    return check_forces(s, m, out);
+}
+
+long grains_box_cell(const struct lattice *l, const double x[3]) {
+    long index = 0;
+    for (int k = l->dim; k--;) {
+        double i = floor((x[k] - l->origin[k]) / l->width[k]);
+        i = i < 0 ? 0 : i > l->n[k] - 1 ? l->n[k] - 1 : i;
+        index = index * l->n[k] + (long)i;
+    }
+    return index;
+}
+
+void grains_box_place(const struct setup *s, const double x[3], double out[3]) {
+    for (int a = 0; a < 3; a++) out[a] = s->centre[a];
+    for (int k = 0; k < s->lattice->dim; k++) out[s->axis[k]] = x[k];
+}

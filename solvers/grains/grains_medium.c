@@ -1,0 +1,485 @@
+/* Hard disks or spheres as a medium (medium.h) of granularMD. Its state are grains that move by events
+ * (libcore/grains/grains.h); the fields it writes are means over them. */
+#include "solvers/grains/grains_averages.h"
+#include "solvers/grains/grains_box.h"
+#include "solvers/grains/grains_start.h"
+#include "solvers/grains/grains_state.h"
+#include "solvers/grains/grains_table.h"
+#include "solvers/output/clouds.h"
+#include "solvers/output/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+enum { STEP_EVENTS = 1 << 17 }; /* a tenth of a second or so: how soon a signal is heard */
+
+struct grains_run {
+    struct medium base;
+    struct grains_models *models;
+    struct grains_start start;
+    struct grains_state saved; /* n = 0: the start has none; let go once the grains hold it */
+    struct grain_box box;
+    struct grain_law law;
+    struct grains *grains;
+    struct averages *averages;
+    struct grain_start placed;                              /* how; its lists are gone */
+    bool kept;                                              /* averages go on from the saved state */
+    bool changed;                                           /* box or law since the saved state */
+    double energy;                                          /* J: kinetic, potential and lost when counting began */
+    int *place;                                             /* [ncells] index in the lattice, of polyMesh's cells */
+    double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells], and the time they are of */
+    double spent;                                           /* s of the clock, in steps of this run */
+    struct grains_table table;                              /* its start: of this run */
+    struct grain_counts last;                               /* at the last log entry */
+    double last_spent;
+};
+static struct grains_run *of(const struct medium *m) {
+    return (struct grains_run *)(uintptr_t)m;
+}
+
+enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, QUANTITIES };
+static const struct quantity quantities[] = {
+    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},     [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},  [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
+    [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
+};
+static const enum coarse_field coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P};
+static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
+static const int written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, -1};
+
+static status medium_check_control(const struct medium *m, const struct control *c) {
+    (void)m;
+    if (!c->write_processors) return OK;
+    return dict_fail(c->dict, "writeProcessors", "granularMD runs on one rank and writes no processorN; leave it out");
+}
+
+static status medium_read(struct setup *s) {
+    struct grains_run *x;
+    TRY(allocate(&x, 1, sizeof *x, "the grains"));
+    x->base = (struct medium){.type = &grains_medium, .setup = s};
+    s->medium = &x->base;
+    if (comm_size(s->comm) > 1)
+        return fail(ERR_INPUT,
+                    "granularMD runs on one rank, not on %d: leave out -np or mpirun; several cases may run "
+                    "side by side",
+                    comm_size(s->comm));
+    TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, &x->models));
+    const struct grains_models *m = x->models;
+    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+    return OK;
+}
+
+static struct grain_law law_of(const struct grains_models *m) {
+    const double *g = m->forces.source.gravity;
+    return (struct grain_law){.diameter = m->grain.diameter,
+                              .mass = m->grain.mass,
+                              .restitution = m->grain.restitution,
+                              .threshold = m->grain.threshold,
+                              .gravity = {g[0], g[1], g[2]}};
+}
+
+static status medium_state(struct setup *s) {
+    struct grains_run *x = of(s->medium);
+    char path[2 * TIME_PATH];
+    TRY(grains_box_check(s));
+    snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.name);
+    const bool saved = field_exists(path);
+    TRY(grains_start_read(s, x->models, saved, &x->start));
+    TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
+    TRY(grains_start_check(s, &x->start));
+    if (saved) TRY(grains_state_read(path, &x->saved));
+    x->law = law_of(x->models);
+    return setup_grid(s, false, 1);
+}
+
+static struct coarse_grid grid_of(const struct grains_run *x) {
+    const struct lattice *l = x->base.setup->lattice;
+    struct coarse_grid g = {.dim = l->dim,
+                            .kernel = x->models->kernel,
+                            .width = x->models->width,
+                            .mass = x->law.mass,
+                            .diameter = x->law.diameter};
+    for (int k = 0; k < 3; k++) {
+        g.n[k] = l->n[k];
+        g.low[k] = k < l->dim ? l->origin[k] : 0;
+        g.h[k] = k < l->dim ? l->width[k] : 1;
+        g.periodic[k] = k < l->dim && l->periodic[k];
+    }
+    return g;
+}
+
+static double energy_now(const struct grains_run *x) {
+    double kinetic, potential, momentum[3];
+    grains_energy(x->grains, &kinetic, &potential, momentum);
+    return kinetic + potential + grains_counted(x->grains)->lost;
+}
+
+static status resume(struct grains_run *x) {
+    const struct grains_state *s = &x->saved;
+    struct grains *old = NULL;
+    double(*at)[3] = NULL, (*u)[3] = NULL;
+    TRY(status_note(grains_resume(&s->box, &s->law, s->n, s->grain, s->event, s->id, &s->counts, s->t, &old),
+                    "%s/%s/uniform/grains", x->base.setup->dir, x->base.setup->start.name));
+    x->changed = !grains_state_same(s, &x->box, &x->law);
+    x->energy = s->energy;
+    if (!x->changed) {
+        x->grains = old;
+        return OK;
+    }
+    status e = allocate(&at, s->n, sizeof *at, "places of grains");
+    if (!e) e = allocate(&u, s->n, sizeof *u, "velocities of grains");
+    if (!e) grains_at(old, s->t, at, u);
+    if (!e) e = grains_make(&x->box, &x->law, s->n, (const double(*)[3])at, (const double(*)[3])u, s->t, &x->grains);
+    grains_free(old);
+    free(at);
+    free(u);
+    TRY(e);
+    x->energy = energy_now(x);
+    return OK;
+}
+
+static status place(struct grains_run *x) {
+    const struct setup *s = x->base.setup;
+    struct grain_start *p = &x->placed;
+    status e = grain_start_make(s, x->models, &x->box, &x->start, p);
+    if (!e) {
+        e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
+                        &x->grains);
+        e = p->from_cloud ? status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.name)
+                          : status_note(e, "%s/constant/polyMesh", s->dir);
+    }
+    free(p->x);
+    free(p->u);
+    p->x = p->u = NULL;
+    TRY(e);
+    x->energy = energy_now(x);
+    return OK;
+}
+
+/* The sums of the saved state, where they are of the same cells, kernel and windows. */
+static status make_averages(struct grains_run *x) {
+    const struct grains_models *m = x->models;
+    const struct grains_state *s = &x->saved;
+    const struct coarse_grid grid = grid_of(x);
+    double numbers[16];
+    long n;
+    TRY(status_note(
+        averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages),
+        "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties"));
+    struct averages_mark *mark = averages_mark(x->averages);
+    grains_state_grid(&grid, numbers);
+    (void)averages_sums(x->averages, 0, &n);
+    if (!s->n || x->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
+        s->mark.window != mark->window || s->mark.samples != mark->samples)
+        return OK;
+    x->kept = true;
+    *mark = s->mark;
+    for (int k = 0; k < 2; k++)
+        memcpy(averages_sums(x->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
+    return OK;
+}
+
+static status make_values(struct grains_run *x) {
+    const struct setup *s = x->base.setup;
+    const long cells = s->mesh->ncells;
+    TRY(allocate(&x->place, cells, sizeof *x->place, "cells"));
+    for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
+    for (int f = 0; f < QUANTITIES; f++) {
+        x->valued[f] = NAN;
+        for (int k = 0; k < (f == VELOCITY ? s->dim : 1); k++)
+            TRY(allocate(&x->value[f][k], cells, sizeof(double), "fields"));
+    }
+    return OK;
+}
+
+static status medium_start(struct medium *m) {
+    struct grains_run *x = of(m);
+    TRY(x->saved.n ? resume(x) : place(x));
+    TRY(make_averages(x));
+    TRY(make_values(x));
+    x->placed.n = x->saved.n ? 0 : x->placed.n;
+    grains_state_free(&x->saved);
+    grains_start_drop(&x->start);
+    x->table.start = grains_totals(x->grains, &x->box, x->law.mass);
+    x->last = x->table.start.counts;
+    return OK;
+}
+
+static void medium_free(struct medium *m) {
+    struct grains_run *x = of(m);
+    grains_table_close(&x->table);
+    grains_free(x->grains);
+    averages_free(x->averages);
+    grains_state_free(&x->saved);
+    grains_start_free(&x->start);
+    grains_models_free(x->models);
+    for (int f = 0; f < QUANTITIES; f++)
+        for (int k = 0; k < 3; k++) free(x->value[f][k]);
+    free(x->place);
+    free(x);
+}
+
+static void describe_walls(FILE *f, const struct grains_run *x) {
+    const struct grain_box *b = &x->box;
+    for (int k = 0; k < b->dim; k++) {
+        const char axis = "xyz"[x->base.setup->axis[k]];
+        if (b->periodic[k])
+            fprintf(f, "    %c %-20s periodic\n", axis, "");
+        else
+            fprintf(f, "    %c %-20s walls, restitution %g and %g\n", axis, "", b->restitution[k][0],
+                    b->restitution[k][1]);
+    }
+}
+
+static void medium_describe(const struct medium *m, FILE *f) {
+    const struct grains_run *x = of(m);
+    const struct grain_start *p = &x->placed;
+    const double d = x->law.diameter;
+    double volume = 1;
+    for (int k = 0; k < x->box.dim; k++) volume *= x->box.high[k] - x->box.low[k];
+    const int n = grains_number(x->grains);
+    grains_models_print(f, x->models);
+    describe_walls(f, x);
+    fprintf(f, "Grains\n    %d %s, packing fraction %.6g\n", n, x->box.dim == 2 ? "disks" : "spheres",
+            n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / volume);
+    if (!p->n)
+        fprintf(f, "    as time %s has them%s\n", m->setup->start.name,
+                x->changed ? "; box, gravity or grains have changed, so counts and averages begin anew"
+                : x->kept  ? ", to the bit"
+                           : ", to the bit; cells, kernel or windows have changed, so averages begin anew");
+    else if (p->from_cloud)
+        fprintf(f, "    from lagrangian/grains of time %s\n", m->setup->start.name);
+    else if (p->packing.added < 1)
+        fprintf(f, "    put in place at %.3g of their diameter and grown by %lld impacts (%.2g s)\n", p->packing.added,
+                (long long)p->packing.impacts, p->packing.seconds);
+    else
+        fprintf(f, "    put in place at random\n");
+}
+
+static void medium_provenance(const struct medium *m, struct sink *o) {
+    const struct grains_run *x = of(m);
+    sink_printf(o, "grains          %d;\nkernel          %s;\nwindow          %.17g;\n", grains_number(x->grains),
+                grains_kernel_name(x->models), x->models->window);
+}
+
+static double medium_memory(const struct medium *m) {
+    const struct grains_run *x = of(m);
+    const int n = grains_number(x->grains);
+    long sums;
+    (void)averages_sums(x->averages, 0, &sums);
+    return grains_bytes(n, x->box.dim) + 48. * n + 16. * (double)sums;
+}
+
+static void medium_plan(struct medium *m, const struct control *c, struct pace *out) {
+    (void)m;
+    (void)c;
+    *out = (struct pace){.stable = HUGE_VAL, .limit = "nothing", .early = "events"};
+}
+
+/* One piece: to `until` or what the averages want before. Says whether it got there. */
+static bool advance_piece(struct grains_run *x, double until, int64_t *left, double *reached) {
+    const double due = averages_next(x->averages), slack = 1e-12 * fabs(until); /* the same time, made another way */
+    const double target = due < until - slack ? due : until;
+    const int64_t before = grains_counted(x->grains)->events;
+    *reached = grains_advance(x->grains, target, *left, averages_observer(x->averages));
+    *left -= grains_counted(x->grains)->events - before;
+    if (*reached < target) return false;
+    if (due <= target + slack) averages_take(x->averages, x->grains);
+    return target == until;
+}
+
+static status medium_step(struct medium *m, const struct control *c, double t, double *dt) {
+    struct grains_run *x = of(m);
+    const double clock = clock_now();
+    /* without anything to end at, a step of grains that never meet would last for ever */
+    const double until = isfinite(*dt) ? m->end : t + (x->models->window > 0 ? x->models->window : 1);
+    int64_t left = STEP_EVENTS;
+    double reached = t;
+    bool there = false;
+    (void)c;
+    while (!there && left > 0) there = advance_piece(x, until, &left, &reached);
+    x->spent += clock_now() - clock;
+    if (there && until == m->end) return OK;
+    *dt = reached - t;
+    if (t + *dt > t) return OK;
+    return fail(ERR_STATE,
+                "inelastic collapse at t = %.17g: %d events without time going on; let slow impacts be elastic with "
+                "grain { thresholdSpeed } of constant/granularProperties (now %g), some hundredths of sqrt(T) or of "
+                "sqrt(g diameter)",
+                t, STEP_EVENTS, x->law.threshold);
+}
+
+static status medium_after(struct medium *m, const struct moment *now) {
+    struct grains_run *x = of(m);
+    const struct grains_totals p = grains_totals(x->grains, &x->box, x->law.mass);
+    (void)now;
+    return grains_table_row(&x->table, m->setup, &x->box, &p);
+}
+
+/* Since the entry before. */
+static void print_rates(FILE *f, const struct grains_run *x, const struct grain_counts *now) {
+    const struct grain_counts *was = &x->last;
+    const double spent = x->spent - x->last_spent;
+    const double impacts = (double)(now->pairs + now->walls - was->pairs - was->walls);
+    const double slow = (double)(now->elastic - was->elastic) / impacts;
+    if (now->elastic > was->elastic && x->law.threshold > 0)
+        fprintf(f, "  below thresholdSpeed %.2g %% (in all %lld)", 100 * slow, (long long)now->elastic);
+    if (spent > 0)
+        fprintf(f, "  %.3g collisions/s, %.3g events/s", impacts / spent, (double)(now->events - was->events) / spent);
+    fprintf(f, "\n");
+    if (!(x->law.threshold > 0) && slow > 0.01)
+        fprintf(
+            f,
+            "    WARNING: %.2g %% of the impacts are too slow to tell from rest: inelastic collapse. Time hardly goes "
+            "on; give grain { thresholdSpeed }\n    of constant/granularProperties, some hundredths of sqrt(T), or of "
+            "sqrt(g diameter)\n",
+            100 * slow);
+}
+
+static status medium_log(struct medium *m, FILE *f) {
+    struct grains_run *x = of(m);
+    const struct grains_totals p = grains_totals(x->grains, &x->box, x->law.mass);
+    const struct grain_counts *n = &p.counts;
+    const double all = p.kinetic + p.potential + n->lost;
+    fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
+            2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
+    print_rates(f, x, n);
+    fprintf(f, "    energy: kinetic %.10g  potential %.10g  lost %.10g", p.kinetic, p.potential, n->lost);
+    if (x->models->forces.source.amplitude == 0) /* else the shaken walls do work */
+        fprintf(f, " (balance %+.2e)", (all - x->energy) / fmax(fabs(x->energy), p.kinetic + n->lost));
+    for (int k = 0; k < x->box.dim; k++)
+        if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p.momentum[k]);
+    fprintf(f, "\n");
+    x->last = *n;
+    x->last_spent = x->spent;
+    return OK;
+}
+
+static status medium_finish(struct medium *m, FILE *f) {
+    const struct grains_run *x = of(m);
+    const struct grain_counts *n = grains_counted(x->grains), *was = &x->table.start.counts;
+    const double collisions = (double)(n->pairs + n->walls - was->pairs - was->walls);
+    if (x->spent > 0)
+        fprintf(f, "%.0f collisions and %lld events in %.2f s: %.3g million collisions per second\n", collisions,
+                (long long)(n->events - was->events), x->spent, 1e-6 * collisions / x->spent);
+    return OK;
+}
+
+static double *const *values_now(struct grains_run *x, int quantity) {
+    const double t = grains_time(x->grains);
+    if (x->valued[quantity] != t) averages_value(x->averages, x->grains, coarse_of[quantity], x->value[quantity]);
+    x->valued[quantity] = t;
+    return x->value[quantity];
+}
+
+static void medium_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    const struct grid_block *b = &m->setup->grid->block[block];
+    double *const *value = values_now(of(m), quantity);
+    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+        for (int i = 0; i < b->ncells; i++) out[k][i] = value[k][of(m)->place[b->cell[i]]];
+}
+
+static status medium_gather(const struct medium *m, int quantity, double *const out[3]) {
+    double *const *value = values_now(of(m), quantity);
+    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value[k][of(m)->place[i]];
+    return OK;
+}
+
+static const struct patch_field *medium_patch(const struct medium *m, int quantity, int patch) {
+    const struct field *f = of(m)->start.field[file_of[quantity]];
+    return f && strcmp(f->patch[patch].type, "calculated") != 0 ? &f->patch[patch] : NULL;
+}
+
+static status medium_cloud(const struct medium *m, struct cloud *out) {
+    const struct grains_run *x = of(m);
+    const struct setup *s = m->setup;
+    *out = (struct cloud){.n = 0};
+    if (!x->models->write_cloud) return OK;
+    TRY(cloud_make(grains_number(x->grains), out));
+    out->diameter = x->law.diameter;
+    grains_at(x->grains, grains_time(x->grains), out->x, out->u);
+    for (int i = 0; i < out->n; i++) {
+        double at[3], u[3] = {0, 0, 0};
+        out->cell[i] = s->lattice->cell[grains_box_cell(s->lattice, out->x[i])];
+        grains_box_place(s, out->x[i], at);
+        for (int k = 0; k < s->dim; k++) u[s->axis[k]] = out->u[i][k];
+        memcpy(out->x[i], at, sizeof at);
+        memcpy(out->u[i], u, sizeof u);
+    }
+    return OK;
+}
+
+/* The file borrows the lists of the engine. */
+static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
+    const struct grains_run *x = of(m);
+    const struct grains *g = x->grains;
+    const struct coarse_grid grid = grid_of(x);
+    char path[2 * TIME_PATH], where[TIME_NAME + 16];
+    struct grains_state s = {.box = x->box,
+                             .law = x->law,
+                             .n = grains_number(g),
+                             .t = grains_time(g),
+                             .energy = x->energy,
+                             .counts = *grains_counted(g),
+                             .grain = (struct grain *)(uintptr_t)grains_all(g),
+                             .event = (struct grain_event *)(uintptr_t)grains_events(g),
+                             .id = (int32_t *)(uintptr_t)grains_ids(g),
+                             .mark = *averages_mark(x->averages)};
+    struct file_sum sum;
+    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(x->averages, k, &s.nsums);
+    grains_state_grid(&grid, s.grid);
+    snprintf(path, sizeof path, "%s/uniform/grains", folder);
+    snprintf(where, sizeof where, "%s/uniform", location);
+    TRY(grains_state_write(&s, path, where, m->setup->control->format.compress, &sum));
+    return checksums_add(sums, "uniform/grains", sum);
+}
+
+static const char help[] =
+    "granularMD -case DIR [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
+    "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
+    "in\n"
+    "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p are written\n"
+    "as means over grains and impacts, the grains themselves as lagrangian/grains. constant/particleProperties, which\n"
+    "may be missing, holds what belongs to grains alone.\n\n"
+    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -listModels  parameters and function objects\n"
+    "  -listBCs     boundary conditions\n"
+    "  -debug       the way an error took through the program\n\n"
+    "It runs on one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+
+const struct medium_type grains_medium = {
+    .application = "granularMD",
+    .help = help,
+    .list_models = grains_models_list,
+    .list_boundaries = grains_boundaries_list,
+    .quantity = quantities,
+    .noffered = QUANTITIES,
+    .written = written,
+    .shown = written,
+    .event_driven = true,
+    .read = medium_read,
+    .state = medium_state,
+    .start = medium_start,
+    .free = medium_free,
+    .check_control = medium_check_control,
+    .describe = medium_describe,
+    .provenance = medium_provenance,
+    .memory = medium_memory,
+    .plan = medium_plan,
+    .step = medium_step,
+    .after = medium_after,
+    .log = medium_log,
+    .finish = medium_finish,
+    .block = medium_block,
+    .gather = medium_gather,
+    .patch = medium_patch,
+    .cloud = medium_cloud,
+    .save = medium_save,
+};

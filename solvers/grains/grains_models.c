@@ -1,0 +1,208 @@
+#include "solvers/grains/grains_models.h"
+
+#include "libcore/models/boundary.h"
+#include "libcore/models/transport.h"
+#include "solvers/case/fields.h"
+#include "solvers/dict/params.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PATH = 4096 };
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+#define MEMBER(m)    offsetof(struct grains_models, m)
+
+static const struct param grains_param[] = {
+    {"N",
+     PARAM_COUNT,
+     MEMBER(number),
+     0,
+     0,
+     2e9,
+     false,
+     {0, 0, 0},
+     "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"},
+    {"seed", PARAM_COUNT, MEMBER(seed), 1, 0, 2e9, false, {0, 0, 0}, "of the random places and velocities"},
+    {"writeCloud",
+     PARAM_SWITCH,
+     MEMBER(write_cloud),
+     1,
+     0,
+     1,
+     false,
+     {0, 0, 0},
+     "lagrangian/grains in every written time; restarts do not need it"},
+};
+static const struct param coarse_param[] = {
+    {"width",
+     PARAM_NUMBER,
+     MEMBER(width),
+     0,
+     0,
+     HUGE_VAL,
+     false,
+     {0, 1, 0},
+     "radius of Heaviside, standard deviation of Gaussian; 0: a grain diameter"},
+    {"window",
+     PARAM_NUMBER,
+     MEMBER(window),
+     0,
+     0,
+     HUGE_VAL,
+     false,
+     {0, 0, 1},
+     "fields are means over windows of this length from t = 0; 0: the write interval"},
+    {"samples", PARAM_COUNT, MEMBER(samples), 10, 1, 1e9, false, {0, 0, 0}, "moments of a window, evenly spread"},
+};
+static const struct param wall_param[] = {
+    {"restitution", PARAM_NUMBER, 0, 1, 0, 1, false, {0, 0, 0}, "of impacts on that patch"},
+};
+static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian"};
+static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
+                                           "over a normal distribution around a centre, cut at 3 width"};
+
+/* Of a model of the gas: its coefficients are no one's here. */
+static status leave_coeffs(struct dict *d, const char *model) {
+    char coeffs[128];
+    struct dict *sub;
+    snprintf(coeffs, sizeof coeffs, "%sCoeffs", model);
+    TRY(dict_sub_optional(d, coeffs, &sub));
+    if (sub) dict_mark_used(sub);
+    return OK;
+}
+
+static status read_granular(struct dict *d, struct grains_models *m) {
+    static const char *const words[] = {"equationOfState", "cooling", "transport"};
+    struct dict *sub;
+    TRY(dict_sub(d, "grain", &sub));
+    TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
+    if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
+    for (int i = 0; i < COUNT(words); i++) (void)dict_has(d, words[i]);
+    for (int i = 0; i < eos_count; i++) TRY(leave_coeffs(d, eos_table[i].name));
+    for (int i = 0; i < transport_count; i++) TRY(leave_coeffs(d, transport_table[i].name));
+    return dict_check_used(d);
+}
+
+static status read_walls(struct dict *d, const struct polymesh *mesh, struct grains_models *m) {
+    struct dict *walls, *one;
+    TRY(dict_sub_optional(d, "walls", &walls));
+    for (int p = 0; p < mesh->npatches; p++) {
+        const struct patch *patch = &mesh->patch[p];
+        m->restitution[p] = 1;
+        one = NULL;
+        if (walls) TRY(dict_sub_optional(walls, patch->name, &one));
+        if (!one) continue;
+        m->restitution_line[p] = dict_line(walls, patch->name);
+        if (!strcmp(patch->type, "cyclic") || !strcmp(patch->type, "empty"))
+            return fail(ERR_INPUT, "%s:%d: walls: patch %s is of type %s in constant/polyMesh/boundary: it is no wall",
+                        dict_path(d), m->restitution_line[p], patch->name, patch->type);
+        TRY(params_read(one, wall_param, COUNT(wall_param), &m->restitution[p]));
+    }
+    return OK;
+}
+
+static status read_coarse(struct dict *d, struct grains_models *m) {
+    int kernel = 0;
+    if (dict_has(d, "kernel")) TRY(dict_choice(d, "kernel", kernel_names, COUNT(kernel_names), &kernel));
+    m->kernel = (enum coarse_kernel)kernel;
+    return params_read(d, coarse_param, COUNT(coarse_param), m);
+}
+
+static status read_properties(struct dict *d, const struct polymesh *mesh, const struct control *c,
+                              struct grains_models *m) {
+    struct dict *coarse = NULL, *none = NULL;
+    TRY(params_read(d, grains_param, COUNT(grains_param), m));
+    TRY(read_walls(d, mesh, m));
+    TRY(dict_sub_optional(d, "coarseGraining", &coarse));
+    if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
+    status s = read_coarse(coarse ? coarse : none, m);
+    dict_free(none);
+    TRY(s);
+    if (m->width == 0) m->width = m->grain.diameter;
+    if (m->window == 0 && (c->write.control == WRITE_ADJUSTABLE || c->write.control == WRITE_RUN_TIME))
+        m->window = c->write.interval;
+    return dict_check_used(d);
+}
+
+static status read_all(const char *dir, const struct polymesh *mesh, int dim, const int axis[3],
+                       const struct control *c, struct grains_models *m) {
+    char path[PATH];
+    struct dict *none = NULL;
+    TRY(allocate(&m->restitution, mesh->npatches, sizeof(double), "walls"));
+    TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
+    snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
+    TRY(dict_read(path, &m->granular));
+    TRY(read_granular(m->granular, m));
+    TRY(forces_read(dir, dim, axis, &m->forces));
+    snprintf(path, sizeof path, "%s/constant/particleProperties", dir);
+    if (field_exists(path)) TRY(dict_read(path, &m->properties));
+    if (!m->properties) TRY(dict_from_text(path, "", &none));
+    status s = read_properties(m->properties ? m->properties : none, mesh, c, m);
+    dict_free(none);
+    return s;
+}
+
+status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
+                          const struct control *control, struct grains_models **out) {
+    struct grains_models *m = NULL;
+    *out = NULL;
+    TRY(allocate(&m, 1, sizeof *m, "models"));
+    status s = read_all(case_dir, mesh, dim, axis, control, m);
+    if (s) {
+        grains_models_free(m);
+        return s;
+    }
+    *out = m;
+    return OK;
+}
+
+void grains_models_free(struct grains_models *m) {
+    if (!m) return;
+    forces_free(&m->forces);
+    dict_free(m->granular);
+    dict_free(m->properties);
+    free(m->restitution);
+    free(m->restitution_line);
+    free(m);
+}
+
+const char *grains_kernel_name(const struct grains_models *m) {
+    return kernel_names[m->kernel];
+}
+
+void grains_models_list(FILE *f) {
+    fprintf(f, "constant/granularProperties (the rest of it is the gas's)\n\ngrain { }\n");
+    params_print(f, grain_param, grain_nparam);
+    forces_list(f);
+    fprintf(f, "\nconstant/particleProperties (may be missing)\n");
+    params_print(f, grains_param, COUNT(grains_param));
+    fprintf(f, "\nwalls { <patch> { } }\n");
+    params_print(f, wall_param, COUNT(wall_param));
+    fprintf(f, "\ncoarseGraining { }: the fields of written times\n");
+    params_print(f, coarse_param, COUNT(coarse_param));
+    for (int i = 0; i < COUNT(kernel_names); i++) fprintf(f, "  kernel %-13s %s\n", kernel_names[i], kernel_about[i]);
+}
+
+void grains_boundaries_list(FILE *f) {
+    for (int i = 0; i < boundary_count; i++)
+        if (boundary_table[i].reflects && !boundary_table[i].drags)
+            fprintf(f, "  %-14s %-16s flat smooth wall; its restitution: walls of constant/particleProperties\n",
+                    boundary_table[i].name, "U");
+    fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
+    fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
+    fprintf(f, "  %-14s %-16s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
+}
+
+void grains_models_print(FILE *f, const struct grains_models *m) {
+    fprintf(f, "Models\n    %-22s %.10g m, %.10g kg\n    %-22s %.10g\n    %-22s %.10g m/s\n", "grain",
+            m->grain.diameter, m->grain.mass, "restitution", m->grain.restitution, "thresholdSpeed",
+            m->grain.threshold);
+    forces_print(f, &m->forces);
+    fprintf(f, "    %-22s %s", "coarse graining", kernel_names[m->kernel]);
+    if (m->kernel != COARSE_CELL) fprintf(f, ", width %g m", m->width);
+    if (m->window > 0)
+        fprintf(f, ", means of %d moments in windows of %g s\n", m->samples, m->window);
+    else
+        fprintf(f, ", of the moment of writing, without collisional pressure\n");
+}

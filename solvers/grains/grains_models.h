@@ -1,0 +1,32 @@
+/* What the dictionaries of granularMD choose: `grain` of constant/granularProperties, which a gas shares, constant/g
+ * and shaking, and constant/particleProperties, which may be missing: every key has a default. */
+#ifndef SOLVERS_PARTICLE_MODELS_H
+#define SOLVERS_PARTICLE_MODELS_H
+
+#include "libcore/grains/coarse.h"
+#include "mesh/format/polymesh.h"
+#include "solvers/case/control.h"
+#include "solvers/gas/models.h"
+
+struct grains_models {
+    struct dict *granular, *properties; /* properties: NULL without the file */
+    struct forces forces;
+    struct material grain; /* diameter, mass, restitution, threshold */
+    int number, seed;      /* number: 0: from the field alpha or rho */
+    bool write_cloud;
+    enum coarse_kernel kernel;
+    double width, window;  /* m, s; window 0: a moment */
+    int samples;           /* of a window */
+    double *restitution;   /* [npatches] of the walls */
+    int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
+};
+/* control: its write interval is the default of the window. */
+status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
+                          const struct control *control, struct grains_models **out);
+void grains_models_free(struct grains_models *m);
+void grains_models_list(FILE *f);
+void grains_boundaries_list(FILE *f);
+void grains_models_print(FILE *f, const struct grains_models *m);
+const char *grains_kernel_name(const struct grains_models *m);
+
+#endif

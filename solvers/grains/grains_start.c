@@ -1,0 +1,204 @@
+#include "solvers/grains/grains_start.h"
+
+#include "libcore/models/boundary.h"
+#include "solvers/output/clouds.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+static void path_of(const struct setup *s, const char *name, char path[2 * TIME_PATH]) {
+    snprintf(path, 2 * TIME_PATH, "%s/%s/%s", s->dir, s->start.name, name);
+}
+static bool there(const struct setup *s, const char *name) {
+    char path[2 * TIME_PATH];
+    path_of(s, name, path);
+    return field_exists(path);
+}
+
+static status check_files(const struct setup *s, bool saved) {
+    const bool written = there(s, "uniform/time"), placed = there(s, "lagrangian/grains/positions");
+    if (!there(s, "U"))
+        return fail(ERR_INPUT, "%s/%s/U: no such file; it says which patches are walls%s", s->dir, s->start.name,
+                    saved ? "" : ", and the velocity");
+    if (saved || (placed && there(s, "lagrangian/grains/U"))) return OK;
+    if (there(s, "rho") && there(s, "alpha") && !written)
+        return fail(ERR_INPUT, "%s/%s: both rho and alpha are given; remove one: it follows from the other", s->dir,
+                    s->start.name);
+    if (!there(s, "rho") && !there(s, "alpha") && !placed)
+        return fail(ERR_INPUT,
+                    "%s/%s: neither rho nor alpha is there; give one of them, or lagrangian/grains/positions", s->dir,
+                    s->start.name);
+    if (there(s, "T")) return OK;
+    return fail(ERR_INPUT, "%s/%s/T: no such file; the start needs the temperature%s", s->dir, s->start.name,
+                there(s, "p") ? " (p says it of a gas only)" : "");
+}
+
+/* Of a cell of the lattice, by components. */
+static status take(const struct setup *s, const struct field *f, int component, double scale, double **out) {
+    const struct lattice *l = s->lattice;
+    TRY(allocate(out, s->mesh->ncells, sizeof(double), f->kind->name));
+    for (long i = 0; i < s->mesh->ncells; i++)
+        (*out)[i] = scale * f->values[(long)l->cell[i] * f->kind->components + component];
+    return OK;
+}
+
+static status check_cells(const struct setup *s, const struct field *f, double most, const char *what) {
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    for (int i = 0; i < s->mesh->ncells; i++)
+        if (!(f->values[i] >= 0 && f->values[i] < most)) return field_fail(f, &place, i, "%s", what);
+    return OK;
+}
+
+static status check_velocity(const struct setup *s, const struct field *U) {
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    bool solved[3] = {false, false, false};
+    for (int k = 0; k < s->dim; k++) solved[s->axis[k]] = true;
+    for (int x = 0; x < 3; x++)
+        for (int i = 0; i < s->mesh->ncells && !solved[x]; i++)
+            if (U->values[3L * i + x] != 0)
+                return field_fail(U, &place, i, "its %c component must be 0: 'empty' patches take that axis away",
+                                  "xyz"[x]);
+    return OK;
+}
+
+static status take_density(const struct setup *s, const struct grains_models *m, struct grains_start *p) {
+    const double d = m->grain.diameter, packed = s->dim == 2 ? PI / sqrt(12) : PI / sqrt(18);
+    const double per = (s->dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / m->grain.mass; /* alpha / rho */
+    const bool alpha = p->field[FIELD_ALPHA] != NULL;
+    const struct field *f = p->field[alpha ? FIELD_ALPHA : FIELD_RHO];
+    char what[128];
+    if (!f) return OK;
+    if (f->layers)
+        return fail(
+            ERR_INPUT,
+            "%s: settledLayer and perturbation are of granularGas; give an expression, and let the grains settle",
+            dict_path(f->dict));
+    snprintf(what, sizeof what, "it must lie between 0 and %.4g, close packing of %s%s", alpha ? packed : packed / per,
+             s->dim == 2 ? "disks" : "spheres", alpha ? "" : " in the unit of rho");
+    TRY(check_cells(s, f, alpha ? packed : packed / per, what));
+    return take(s, f, 0, alpha ? 1 : per, &p->alpha);
+}
+
+status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    *p = (struct grains_start){.alpha = NULL};
+    TRY(check_files(s, saved));
+    for (int i = 0; i < FIELD_COUNT; i++) {
+        char path[2 * TIME_PATH];
+        path_of(s, field_kinds[i].name, path);
+        if (field_exists(path)) TRY(field_read(path, &field_kinds[i], &place, &p->field[i]));
+    }
+    if (saved) return OK;
+    TRY(take_density(s, m, p));
+    TRY(check_velocity(s, p->field[FIELD_U]));
+    for (int k = 0; k < s->dim; k++) TRY(take(s, p->field[FIELD_U], s->axis[k], 1, &p->u[k]));
+    if (!p->field[FIELD_T]) return OK;
+    TRY(check_cells(s, p->field[FIELD_T], HUGE_VAL, "it must be 0 or greater"));
+    return take(s, p->field[FIELD_T], 0, 1, &p->T);
+}
+
+status grains_start_check(const struct setup *s, const struct grains_start *p) {
+    const struct polymesh *mesh = s->mesh;
+    for (int k = 0; k < mesh->npatches; k++) {
+        const struct boundary_type *wall = boundary_find(p->field[FIELD_U]->patch[k].type);
+        for (int i = 0; i < FIELD_COUNT; i++) {
+            const struct field *f = i == FIELD_U ? NULL : p->field[i];
+            const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
+            if (wall && wall->reflects && type && type->value)
+                return fail(ERR_INPUT,
+                            "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
+                            "cannot be '%s' "
+                            "there, use zeroGradient",
+                            dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->name, f->kind->name,
+                            type->name);
+        }
+    }
+    return OK;
+}
+
+void grains_start_drop(struct grains_start *p) {
+    double **all[] = {&p->alpha, &p->T, &p->u[0], &p->u[1], &p->u[2]};
+    for (int i = 0; i < 5; i++) {
+        free(*all[i]);
+        *all[i] = NULL;
+    }
+    for (int i = 0; i < FIELD_COUNT; i++) {
+        if (!p->field[i]) continue;
+        free(p->field[i]->values);
+        p->field[i]->values = NULL;
+    }
+}
+void grains_start_free(struct grains_start *p) {
+    grains_start_drop(p);
+    for (int i = 0; i < FIELD_COUNT; i++) field_free(p->field[i]);
+}
+
+static struct packing_field field_of(const struct setup *s, const struct grains_start *p) {
+    struct packing_field f = {.alpha = p->alpha, .T = p->T, .u = {p->u[0], p->u[1], p->u[2]}};
+    for (int k = 0; k < 3; k++) f.n[k] = s->lattice->n[k];
+    return f;
+}
+
+static status make_room(struct grain_start *out, int n) {
+    out->n = n;
+    TRY(allocate(&out->x, n, sizeof *out->x, "places of grains"));
+    return allocate(&out->u, n, sizeof *out->u, "velocities of grains");
+}
+
+static status take_cloud(const struct setup *s, const struct grains_models *m, const struct cloud *c,
+                         struct grain_start *out) {
+    if (m->number && m->number != c->n)
+        return dict_fail(m->properties, "N", "lagrangian/grains/positions of time %s holds %d grains; leave N out",
+                         s->start.name, c->n);
+    TRY(make_room(out, c->n));
+    out->from_cloud = true;
+    for (int i = 0; i < c->n; i++)
+        for (int k = 0; k < s->dim; k++) {
+            out->x[i][k] = c->x[i][s->axis[k]];
+            out->u[i][k] = c->u ? c->u[i][s->axis[k]] : 0;
+        }
+    return OK;
+}
+
+static status count_grains(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+                           const struct packing_field *f, int *n) {
+    *n = m->number ? m->number : packing_number(box, m->grain.diameter, f);
+    if (*n > 0) return OK;
+    return fail(ERR_INPUT, "%s/%s: the packing fraction is that of less than one grain in the box; give a greater one",
+                s->dir, s->start.name);
+}
+
+static status place_grains(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+                           const struct packing_field *f, struct grain_start *out) {
+    int n;
+    TRY(count_grains(s, m, box, f, &n));
+    TRY(make_room(out, n));
+    status e = packing_places(box, m->grain.diameter, f, n, (uint64_t)m->seed, out->x, &out->packing);
+    if (m->number) return status_note(e, "%s:%d: N %d", dict_path(m->properties), dict_line(m->properties, "N"), n);
+    return status_note(e, "%s/%s/%s: %d grains", s->dir, s->start.name, there(s, "alpha") ? "alpha" : "rho", n);
+}
+
+status grain_start_make(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+                        const struct grains_start *fields, struct grain_start *out) {
+    const struct packing_field f = field_of(s, fields);
+    struct cloud cloud = {.n = 0};
+    char folder[2 * TIME_PATH];
+    bool moving = false;
+    path_of(s, "", folder);
+    folder[strlen(folder) - 1] = 0;
+    if (cloud_exists(folder)) {
+        TRY(cloud_read(folder, s->mesh->ncells, &cloud));
+        moving = cloud.u != NULL;
+        status e = take_cloud(s, m, &cloud, out);
+        cloud_free(&cloud);
+        TRY(e);
+    } else {
+        TRY(place_grains(s, m, box, &f, out));
+    }
+    if (!moving) packing_velocities(box, &f, out->n, (uint64_t)m->seed, (const double(*)[3])out->x, out->u);
+    return OK;
+}

@@ -1,0 +1,206 @@
+#include "solvers/grains/grains_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { VERSION = 2, BOX = 24, LAW = 8 };
+struct head { /* what the sizes of the rest follow from */
+    char name[8];
+    uint64_t order; /* of bytes */
+    int32_t version, n;
+    int64_t nsums;
+    int64_t size[4]; /* of a grain, an event, the counts, the mark */
+};
+static struct head head_of(const struct grains_state *s) {
+    return (struct head){.name = "grains",
+                         .order = 0x0102030405060708,
+                         .version = VERSION,
+                         .n = s->n,
+                         .nsums = s->nsums,
+                         .size = {sizeof(struct grain), sizeof(struct grain_event), sizeof(struct grain_counts),
+                                  sizeof(struct averages_mark)}};
+}
+
+static void box_numbers(const struct grain_box *b, double v[BOX]) {
+    int n = 0;
+    v[n++] = b->dim;
+    for (int k = 0; k < 3; k++) {
+        v[n++] = b->low[k];
+        v[n++] = b->high[k];
+        v[n++] = b->periodic[k];
+        v[n++] = b->restitution[k][0];
+        v[n++] = b->restitution[k][1];
+        v[n++] = b->shake[k];
+    }
+    v[n++] = b->omega;
+    v[n++] = b->phase;
+    while (n < BOX) v[n++] = 0;
+}
+static void numbers_box(const double v[BOX], struct grain_box *b) {
+    int n = 0;
+    *b = (struct grain_box){.dim = v[0] == 2 ? 2 : v[0] == 3 ? 3 : 0};
+    n++;
+    for (int k = 0; k < 3; k++) {
+        b->low[k] = v[n++];
+        b->high[k] = v[n++];
+        b->periodic[k] = v[n++] != 0;
+        b->restitution[k][0] = v[n++];
+        b->restitution[k][1] = v[n++];
+        b->shake[k] = v[n++];
+    }
+    b->omega = v[n++];
+    b->phase = v[n++];
+}
+static void law_numbers(const struct grain_law *l, double v[LAW]) {
+    const double numbers[LAW] = {l->diameter,  l->growth,     l->mass,       l->restitution,
+                                 l->threshold, l->gravity[0], l->gravity[1], l->gravity[2]};
+    memcpy(v, numbers, sizeof numbers);
+}
+static void numbers_law(const double v[LAW], struct grain_law *l) {
+    *l = (struct grain_law){v[0], v[1], v[2], v[3], v[4], {v[5], v[6], v[7]}};
+}
+bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law) {
+    double was[BOX + LAW], is[BOX + LAW];
+    box_numbers(&s->box, was);
+    law_numbers(&s->law, was + BOX);
+    box_numbers(box, is);
+    law_numbers(law, is + BOX);
+    for (int i = 0; i < BOX + LAW; i++)
+        if (was[i] != is[i]) return false;
+    return true;
+}
+
+void grains_state_grid(const struct coarse_grid *g, double v[16]) {
+    int n = 0;
+    v[n++] = g->dim;
+    for (int k = 0; k < 3; k++) {
+        v[n++] = g->n[k];
+        v[n++] = g->low[k];
+        v[n++] = g->h[k];
+    }
+    v[n++] = g->periodic[0] + 2 * g->periodic[1] + 4 * g->periodic[2];
+    v[n++] = g->kernel;
+    v[n++] = g->width;
+    v[n++] = g->mass;
+    v[n++] = g->diameter;
+    while (n < 16) v[n++] = 0;
+}
+
+status grains_state_write(const struct grains_state *s, const char *path, const char *location, bool compress,
+                          struct file_sum *sum) {
+    const struct foam_format binary = {.binary = true, .precision = 17};
+    const struct head head = head_of(s);
+    const size_t n = (size_t)s->n;
+    double box[BOX], law[LAW];
+    struct sink *o;
+    box_numbers(&s->box, box);
+    law_numbers(&s->law, law);
+    TRY(sink_open(path, compress, &o));
+    foam_header_write(o, &binary, "grains", location, "grains", "the exact state of granularMD, for restarts");
+    sink_printf(o, "(");
+    sink_write(o, &head, sizeof head);
+    sink_write(o, box, sizeof box);
+    sink_write(o, law, sizeof law);
+    sink_write(o, &s->t, sizeof s->t);
+    sink_write(o, &s->energy, sizeof s->energy);
+    sink_write(o, &s->counts, sizeof s->counts);
+    sink_write(o, &s->mark, sizeof s->mark);
+    sink_write(o, s->grid, sizeof s->grid);
+    sink_write(o, s->grain, n * sizeof *s->grain);
+    sink_write(o, s->event, n * sizeof *s->event);
+    sink_write(o, s->id, n * sizeof *s->id);
+    for (int k = 0; k < 2; k++) sink_write(o, s->sums[k], (size_t)s->nsums * sizeof(double));
+    sink_printf(o, ")\n");
+    return sink_close_sum(o, sum);
+}
+
+struct bytes {
+    const char *at;
+    size_t left;
+};
+static bool take(struct bytes *b, void *out, size_t bytes) {
+    if (bytes > b->left) return false;
+    memcpy(out, b->at, bytes);
+    b->at += bytes;
+    b->left -= bytes;
+    return true;
+}
+
+static bool take_numbers(struct bytes *b, struct grains_state *s) {
+    double box[BOX], law[LAW];
+    if (!take(b, box, sizeof box) || !take(b, law, sizeof law) || !take(b, &s->t, sizeof s->t) ||
+        !take(b, &s->energy, sizeof s->energy) || !take(b, &s->counts, sizeof s->counts) ||
+        !take(b, &s->mark, sizeof s->mark) || !take(b, s->grid, sizeof s->grid))
+        return false;
+    numbers_box(box, &s->box);
+    numbers_law(law, &s->law);
+    return true;
+}
+
+static bool take_lists(struct bytes *b, struct grains_state *s) {
+    const size_t n = (size_t)s->n, sums = (size_t)s->nsums * sizeof(double);
+    return take(b, s->grain, n * sizeof *s->grain) && take(b, s->event, n * sizeof *s->event) &&
+           take(b, s->id, n * sizeof *s->id) && take(b, s->sums[0], sums) && take(b, s->sums[1], sums) &&
+           b->left == 2 && !memcmp(b->at, ")\n", 2);
+}
+
+static status allocate_lists(struct grains_state *s) {
+    TRY(allocate(&s->grain, s->n, sizeof *s->grain, "grains"));
+    TRY(allocate(&s->event, s->n, sizeof *s->event, "events"));
+    TRY(allocate(&s->id, s->n, sizeof *s->id, "grains"));
+    TRY(allocate(&s->sums[0], s->nsums, sizeof(double), "averages"));
+    return allocate(&s->sums[1], s->nsums, sizeof(double), "averages");
+}
+
+/* Each grain has its place, and is told of no other than there are. */
+static bool sound(const struct grains_state *s) {
+    bool ok = s->box.dim == 2 || s->box.dim == 3;
+    char *seen = calloc((size_t)s->n, 1);
+    for (int i = 0; ok && seen && i < s->n; i++) {
+        ok = s->id[i] >= 0 && s->id[i] < s->n && !seen[s->id[i]] && s->event[i].partner < s->n;
+        if (ok) seen[s->id[i]] = 1;
+    }
+    free(seen);
+    return ok && s->mark.samples > 0 && s->mark.taken >= 0 && s->mark.taken <= s->mark.samples;
+}
+
+static status parse(const struct source *source, struct lexer *l, struct grains_state *s) {
+    static const char cure[] = "start from another time, or remove it to start from lagrangian/grains or the fields";
+    TRY(lexer_expect(l, '('));
+    struct bytes b = {source->text + l->position, source->size - l->position};
+    struct head head, here;
+    if (!take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    s->n = head.n;
+    s->nsums = head.nsums;
+    here = head_of(s);
+    if (memcmp(&head, &here, sizeof head))
+        return fail(ERR_INPUT, "%s: it was written by another version, or a machine of other numbers; %s", source->path,
+                    cure);
+    const double bytes = 80. * head.n + 16. * (double)head.nsums;
+    if (head.n < 1 || head.nsums < 0 || bytes > (double)b.left || !take_numbers(&b, s))
+        return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    TRY(allocate_lists(s));
+    if (!take_lists(&b, s) || !sound(s)) return fail(ERR_INPUT, "%s: it is cut or damaged; %s", source->path, cure);
+    return OK;
+}
+
+status grains_state_read(const char *path, struct grains_state *out) {
+    struct source *source = NULL;
+    struct foam_header h;
+    *out = (struct grains_state){.n = 0};
+    TRY(source_open(path, &source));
+    struct lexer l = lexer_start(source);
+    status e = foam_header_read(&l, &h);
+    if (!e) e = parse(source, &l, out);
+    source_free(source);
+    return e;
+}
+
+void grains_state_free(struct grains_state *s) {
+    free(s->grain);
+    free(s->event);
+    free(s->id);
+    free(s->sums[0]);
+    free(s->sums[1]);
+    *s = (struct grains_state){.n = 0};
+}

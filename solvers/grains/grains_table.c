@@ -1,0 +1,56 @@
+#include "solvers/grains/grains_table.h"
+
+#include <errno.h>
+#include <string.h>
+
+struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass) {
+    struct grains_totals p = {.t = grains_time(g), .counts = *grains_counted(g)};
+    const double all = mass * grains_number(g);
+    grains_energy(g, &p.kinetic, &p.potential, p.momentum);
+    double mean = 0; /* square of the mean velocity */
+    for (int k = 0; k < box->dim; k++) mean += p.momentum[k] * p.momentum[k] / (all * all);
+    p.T = (2 * p.kinetic / all - mean) / box->dim;
+    return p;
+}
+
+static void print_row(FILE *f, const struct grain_box *b, const struct grains_totals *p) {
+    fprintf(f, "%.17g %lld %lld %lld %lld %.17g %.17g %.17g %.17g", p->t, (long long)p->counts.pairs,
+            (long long)p->counts.walls, (long long)p->counts.elastic, (long long)p->counts.events, p->T, p->kinetic,
+            p->potential, p->counts.lost);
+    for (int k = 0; k < b->dim; k++) fprintf(f, " %.17g", p->momentum[k]);
+    for (int k = 0; k < b->dim; k++)
+        if (!b->periodic[k]) fprintf(f, " %.17g %.17g", p->counts.wall_impulse[k][0], p->counts.wall_impulse[k][1]);
+    fprintf(f, "\n");
+}
+
+static status open_table(struct grains_table *p, const struct setup *s, const struct grain_box *b) {
+    char path[2 * TIME_PATH];
+    snprintf(path, sizeof path, "%s/postProcessing/grains/%s", s->dir, s->start.name);
+    TRY(make_folders(path));
+    size_t length = strlen(path);
+    snprintf(path + length, sizeof path - length, "/grains.dat");
+    p->file = fopen(path, "w");
+    if (!p->file) return fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+    fprintf(p->file, "# Counts, lost energy and the impulses given to walls (outwards) are sums since the run of the "
+                     "grains began;\n# the rest is of the time, in the frame of the box.\n"
+                     "# Time collisions wallCollisions elastic events T kinetic potential lost");
+    for (int k = 0; k < b->dim; k++) fprintf(p->file, " momentum_%c", "xyz"[s->axis[k]]);
+    for (int k = 0; k < b->dim; k++)
+        if (!b->periodic[k]) fprintf(p->file, " impulse_%cLow impulse_%cHigh", "xyz"[s->axis[k]], "xyz"[s->axis[k]]);
+    fprintf(p->file, "\n");
+    print_row(p->file, b, &p->start);
+    return OK;
+}
+
+status grains_table_row(struct grains_table *p, const struct setup *s, const struct grain_box *box,
+                        const struct grains_totals *now) {
+    if (!p->file) TRY(open_table(p, s, box));
+    print_row(p->file, box, now);
+    if (fflush(p->file)) return fail(ERR_SYSTEM, "postProcessing/grains: cannot be written (disk full?)");
+    return OK;
+}
+
+void grains_table_close(struct grains_table *p) {
+    if (p->file) fclose(p->file);
+    p->file = NULL;
+}

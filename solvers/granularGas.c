@@ -1,7 +1,0 @@
-/* granularGas: the inelastic Euler equations of a granular gas on a case directory. */
-#include "solvers/medium.h"
-#include "solvers/program.h"
-
-int main(int argc, char **argv) {
-    return solver_main(argc, argv, &gas_medium);
-}

@@ -1,0 +1,303 @@
+#include "solvers/output/output.h"
+
+#include "libcore/models/boundary.h"
+#include "solvers/functions/functions.h"
+#include "solvers/output/clouds.h"
+#include "solvers/output/decompose.h"
+#include "solvers/output/report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct output {
+    const struct setup *setup;
+    const struct functions *functions;
+    double *values;              /* root: [ncells][3] */
+    double last_time;            /* written; NAN: none */
+    int precision;               /* of time names, widened where needed */
+    struct checksums sums;       /* of the time that is being written; root */
+    struct decomposition *parts; /* NULL: no processorN folders; root */
+    double *part_values;         /* root: [ncells][3] */
+    double *patch_values;        /* root: [faces of the largest patch][3] */
+    int nnames, room;
+    char (*name)[TIME_NAME]; /* written by this run, oldest first */
+};
+
+/* A restarted run goes on with the digits that the run before it had come to. */
+static int start_precision(const struct setup *s) {
+    const struct control *c = s->control;
+    char name[TIME_NAME];
+    for (int digits = c->time_precision; digits <= 17; digits++) {
+        time_name(c->time_format, digits, s->start.t, name);
+        if (!strcmp(name, s->start.name)) return digits;
+    }
+    return c->time_precision;
+}
+
+static int largest_patch(const struct setup *s, const struct decomposition *d) {
+    int n = 0;
+    for (int k = -1; k < (d ? d->n : 0); k++) {
+        const struct polymesh *m = k < 0 ? s->mesh : d->part[k].mesh;
+        for (int p = 0; p < m->npatches; p++)
+            if (m->patch[p].nfaces > n) n = m->patch[p].nfaces;
+    }
+    return n;
+}
+
+status output_make(const struct setup *s, const struct functions *f, struct output **out) {
+    struct output *o = NULL;
+    long n = s->mesh->ncells;
+    TRY(allocate(&o, 1, sizeof *o, "output"));
+    *out = o;
+    o->setup = s;
+    o->functions = f;
+    o->last_time = s->start.t;
+    o->precision = start_precision(s);
+    if (s->control->write_processors) TRY(decompose_make(s, &o->parts));
+    if (!comm_root(s->comm)) return OK;
+    TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
+    TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
+    if (o->parts) TRY(allocate(&o->part_values, 3 * n, sizeof(double), "a field to write"));
+    return OK;
+}
+
+void output_free(struct output *o) {
+    if (!o) return;
+    decompose_free(o->parts);
+    free(o->part_values);
+    free(o->patch_values);
+    free(o->values);
+    free(o->name);
+    free(o);
+}
+
+/* components lines along computational axes -> interleaved, physical axes */
+static void interleave(const struct setup *s, double *const *line, bool vector, double *out) {
+    long n = s->mesh->ncells;
+    if (!vector) {
+        memcpy(out, line[0], (size_t)n * sizeof *out);
+        return;
+    }
+    memset(out, 0, (size_t)n * 3 * sizeof *out);
+    for (int k = 0; k < s->grid->dim; k++)
+        for (long i = 0; i < n; i++) out[3 * i + s->grid->axis[k]] = line[k][i];
+}
+
+status output_gather(const struct setup *s, int quantity, double *out) {
+    double *line[3] = {NULL, NULL, NULL};
+    const bool vector = s->medium->type->quantity[quantity].components == 3;
+    int components = vector ? s->grid->dim : 1;
+    status e = OK;
+    for (int k = 0; !e && k < components && comm_root(s->comm); k++)
+        e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
+    e = comm_agree(s->comm, e);
+    if (!e) e = s->medium->type->gather(s->medium, quantity, line);
+    if (!e && comm_root(s->comm)) interleave(s, line, vector, out);
+    for (int k = 0; k < 3; k++) free(line[k]);
+    return e;
+}
+
+struct printing {                /* context of a patch entry */
+    const struct medium *medium; /* NULL: all patches are calculated */
+    int quantity, components;
+    const double *values;        /* of the cells of the mesh that is written */
+    const struct part *part;     /* of a decomposed case, or NULL */
+    const double *all;           /* with part: of the case's cells */
+    const struct patch *patches; /* of the case */
+    double *room;                /* [largest patch][3] */
+};
+
+static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
+    sink_printf(s, "nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
+    foam_list_write_doubles(s, f, components, n, values);
+    sink_printf(s, ";\n");
+}
+
+/* With all digits: the next start reads them. */
+static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key,
+                        const struct patch_field *q, const struct printing *c, bool plain) {
+    const struct foam_format exact = {.binary = w->format->binary, .precision = 17};
+    const struct patch *patch = &w->mesh->patch[p];
+    int m = c->components;
+    sink_printf(s, "        %-15s ", key);
+    if (!q->values && !plain) sink_printf(s, "uniform ");
+    if (!q->values && m == 3)
+        sink_printf(s, "(%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
+    else if (!q->values)
+        sink_printf(s, "%.17g;\n", q->uniform[0]);
+    if (!q->values) return;
+    for (int i = 0; i < patch->nfaces; i++) {
+        int from = c->part ? c->part->face[patch->start + i] - c->patches[p].start : i;
+        memcpy(c->room + (long)i * m, q->values + (long)from * m, (size_t)m * sizeof(double));
+    }
+    print_list(s, &exact, m, patch->nfaces, c->room);
+}
+
+/* The value of the cell behind each face, or before it: across a processor patch. */
+static void print_cells(struct sink *s, const struct field_writer *w, int p, const struct printing *c, bool across) {
+    const struct patch *patch = &w->mesh->patch[p];
+    int m = c->components;
+    for (int i = 0; i < patch->nfaces; i++) {
+        int face = patch->start + i;
+        const double *v =
+            across ? c->all + (long)c->part->across[face] * m : c->values + (long)w->mesh->owner[face] * m;
+        memcpy(c->room + (long)i * m, v, (size_t)m * sizeof *v);
+    }
+    sink_printf(s, "        %-15s ", "value");
+    print_list(s, w->format, m, patch->nfaces, c->room);
+}
+
+static void print_patch(struct sink *s, const struct field_writer *w, int p, const void *context) {
+    const struct printing *c = context;
+    const char *type = w->mesh->patch[p].type;
+    static const char *const constraints[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
+    for (int i = 0; i < 4; i++)
+        if (!strcmp(type, constraints[i])) {
+            sink_printf(s, "        %-15s %s;\n", "type", type);
+            return;
+        }
+    if (c->part && p >= c->part->npatches) {
+        sink_printf(s, "        %-15s %s;\n", "type", type);
+        print_cells(s, w, p, c, true);
+        return;
+    }
+    const struct patch_field *given = c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
+    sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
+    const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
+    if (b && b->value) print_given(s, w, p, b->value, given, c, b->plain);
+    if (!b || (b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false); /* OpenFOAM wants it */
+}
+
+status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
+    const struct quantity *q = &s->medium->type->quantity[quantity];
+    struct printing c = {.quantity = quantity, .components = q->components, .values = values};
+    struct file_sum sum;
+    TRY(allocate(&c.room, 3L * largest_patch(s, NULL) + 1, sizeof(double), "a patch to write"));
+    status e = field_write(w, q->name, q->components, q->dimensions, values, print_patch, &c, &sum);
+    free(c.room);
+    return e;
+}
+
+/* o->values in the case's folder, then each part's in its own. */
+static status write_one(struct output *o, const struct field_writer *writer, int quantity) {
+    const struct quantity *q = &o->setup->medium->type->quantity[quantity];
+    const int components = q->components;
+    const char *name = q->name;
+    struct printing c = {o->setup->medium,      quantity,       components, o->values, NULL, o->values,
+                         o->setup->mesh->patch, o->patch_values};
+    struct foam_format exact = *writer->format;
+    struct field_writer all_digits = *writer;
+    exact.precision = 17;
+    all_digits.format = &exact;
+    const struct field_writer *w = q->exact ? &all_digits : writer;
+    struct file_sum sum;
+    TRY(field_write(w, name, components, q->dimensions, o->values, print_patch, &c, &sum));
+    TRY(checksums_add(&o->sums, name, sum));
+    for (int k = 0; o->parts && k < o->parts->n; k++) {
+        struct part *part = &o->parts->part[k];
+        const struct field_writer there = {part->mesh, w->format, part->tmp, w->location};
+        for (int i = 0; i < part->mesh->ncells; i++)
+            memcpy(o->part_values + (long)i * components, o->values + (long)part->cell[i] * components,
+                   (size_t)components * sizeof(double));
+        c.part = part;
+        c.values = o->part_values;
+        TRY(field_write(&there, name, components, q->dimensions, o->part_values, print_patch, &c, &sum));
+        TRY(checksums_add(&part->sums, name, sum));
+    }
+    return OK;
+}
+
+/* Each rank takes part in each gather, whether or not the root could write what came before. */
+static status write_fields(struct output *o, const struct field_writer *w) {
+    const struct setup *s = o->setup;
+    const struct medium *m = s->medium;
+    status e = OK;
+    for (const int *q = m->type->written; *q >= 0; q++) {
+        if (m->type->present && !m->type->present(m, *q)) continue;
+        status gathered = output_gather(s, *q, o->values);
+        if (!gathered && !e && comm_root(s->comm)) e = write_one(o, w, *q);
+        if (gathered) status_free(e), e = gathered;
+    }
+    return comm_agree(s->comm, e);
+}
+
+static status purge(struct output *o, const char *name) {
+    int keep = o->setup->control->purge;
+    for (int i = 0; i < o->nnames; i++)
+        if (!strcmp(o->name[i], name)) return OK; /* written again */
+    if (o->nnames == o->room) {
+        void *more = realloc(o->name, (size_t)(o->room = 2 * o->room + 16) * sizeof *o->name);
+        if (!more) return fail(ERR_SYSTEM, "out of memory");
+        o->name = more;
+    }
+    memcpy(o->name[o->nnames++], name, TIME_NAME);
+    while (keep > 0 && o->nnames > keep) {
+        TRY(time_remove(o->setup->dir, o->name[0]));
+        TRY(decompose_remove(o->parts, o->name[0]));
+        memmove(o->name, o->name + 1, (size_t)--o->nnames * sizeof *o->name);
+    }
+    return OK;
+}
+
+static status write_grains(struct output *o, const char *folder, const char *name) {
+    const struct medium *m = o->setup->medium;
+    struct cloud cloud;
+    if (m->type->save) TRY(m->type->save(m, folder, name, &o->sums));
+    if (!m->type->cloud) return OK;
+    status e = m->type->cloud(m, &cloud);
+    if (!e) e = cloud_write(&cloud, folder, name, &o->setup->control->format, &o->sums);
+    cloud_free(&cloud);
+    return e;
+}
+
+static status finish(struct output *o, const char *folder, const struct instant *at) {
+    char path[TIME_PATH + 32], location[TIME_NAME + 16];
+    snprintf(path, sizeof path, "%s/uniform/provenance", folder);
+    snprintf(location, sizeof location, "%s/uniform", at->name);
+    TRY(provenance_write(path, location, o->setup));
+    TRY(write_grains(o, folder, at->name));
+    TRY(time_stamp_write(folder, at, &o->sums));
+    TRY(decompose_commit(o->parts, at)); /* first: a time of the case is in all its parts */
+    TRY(time_commit(o->setup->dir, at->name));
+    return purge(o, at->name);
+}
+
+static status begin(struct output *o, const char *name, char folder[TIME_PATH]) {
+    o->sums.n = 0;
+    TRY(time_begin(o->setup->dir, name, folder));
+    return decompose_begin(o->parts, name);
+}
+
+static status write_all(struct output *o, const struct instant *at, char folder[TIME_PATH]) {
+    const struct setup *s = o->setup;
+    bool root = comm_root(s->comm);
+    const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
+    TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
+    TRY(write_fields(o, &w));
+    TRY(comm_agree(s->comm, root ? functions_save(o->functions, &w, &o->sums) : OK));
+    return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
+}
+
+status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]) {
+    const struct setup *s = o->setup;
+    const struct control *c = s->control;
+    struct instant at = {
+        .t = t, .step = step, .delta_t = delta_t, .digits = c->format.binary ? 17 : c->format.precision};
+    char folder[TIME_PATH] = "";
+    int digits = time_name_apart(c->time_format, o->precision, t, o->last_time, at.name);
+    if (digits > o->precision && comm_root(s->comm))
+        printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
+    o->precision = digits;
+    status e = write_all(o, &at, folder);
+    if (e) { /* room on a full disk; the next run would do it too */
+        if (*folder) status_free(remove_folder(folder));
+        for (int k = 0; o->parts && k < o->parts->n; k++)
+            if (*o->parts->part[k].tmp) status_free(remove_folder(o->parts->part[k].tmp));
+        return status_note(e, "while writing time %s; earlier times are intact", at.name);
+    }
+    o->last_time = t;
+    memcpy(written, at.name, TIME_NAME);
+    return OK;
+}

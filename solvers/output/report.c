@@ -1,0 +1,162 @@
+#include "solvers/output/report.h"
+
+#include "solvers/case/build.h"
+#include "solvers/case/changes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+double clock_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+double cpu_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void date_and_host(char date[64], char host[256]) {
+    time_t now = time(NULL);
+    struct tm parts;
+    if (gethostname(host, 255)) snprintf(host, 256, "unknown");
+    host[255] = 0;
+    if (!localtime_r(&now, &parts) || !strftime(date, 64, "%Y-%m-%dT%H:%M:%S%z", &parts)) date[0] = 0;
+}
+
+static void print_mesh(FILE *f, const struct setup *s) {
+    const struct polymesh *m = s->mesh;
+    fprintf(f, "Mesh\n    %d points, %d faces (%d internal), %d cells; checksum %016lx\n", m->npoints, m->nfaces,
+            m->ninternal, m->ncells, s->checksum);
+    for (int p = 0; p < m->npatches; p++)
+        fprintf(f, "    patch %-16s %-14s %d faces\n", m->patch[p].name, m->patch[p].type, m->patch[p].nfaces);
+    const struct lattice *l = s->lattice;
+    if (s->grid->polyhedra) {
+        char shapes[POLYMESH_SHAPES];
+        status_free(polymesh_shapes(m, shapes)); /* without memory for it, a log without it */
+        fprintf(f, "    polyhedral, %dD: %s; %d block%s\n    %s%s\n", s->grid->dim, shapes, s->grid->nblocks_all,
+                s->grid->nblocks_all == 1 ? "" : "s",
+                l ? "a lattice, but system/fvSchemes says  meshEngine polyhedral;" : "no lattice: ", l ? "" : s->why);
+        return;
+    }
+    fprintf(f, "    lattice, %dD:", l->dim);
+    for (int k = 0; k < l->dim; k++)
+        fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l -> n[k], l -> width[k],
+                l -> periodic[k] ? " (periodic)" : "");
+    fprintf(f, " %d tiles\n", s->grid->nblocks_all);
+}
+
+static void print_dictionaries(FILE *f, const struct setup *s) {
+    for (int i = -1; i < s->nfiles; i++) {
+        const struct dict *d = i < 0 ? s->control->dict : s->file[i].dict;
+        char *text = d ? dict_print(d) : NULL;
+        if (text) fprintf(f, "\n// %s\n%s", dict_path(d), text);
+        free(text);
+    }
+    fprintf(f, "\n");
+}
+
+void report_header(FILE *f, const struct setup *s, bool dictionaries) {
+    char date[64], host[256];
+    date_and_host(date, host);
+    fprintf(f, "haff %s\n    compiler  %s\n    started   %s on %s, %d rank%s\n    case      %s\n", build_version(),
+            build_compiler(), date, host, comm_size(s->comm), comm_size(s->comm) == 1 ? "" : "s", s->dir);
+    print_mesh(f, s);
+    s->medium->type->describe(s->medium, f);
+    fprintf(f, "Control\n    from time %s (step %ld) to %g", s->start.name, s->start.step, s->control->end_time);
+    if (!s->medium->type->event_driven) fprintf(f, ", maxCo %g", s->control->max_co);
+    fprintf(f, "\n");
+    if (dict_has(s->control->dict, "libs")) fprintf(f, "    'libs' is ignored: nothing is loaded at run time\n");
+    fprintf(f, "    memory about %.3g MB\n", case_memory(s) / 1e6);
+    if (dictionaries) print_dictionaries(f, s);
+    fflush(f);
+}
+
+status provenance_write(const char *path, const char *location, const struct setup *s) {
+    char date[64], host[256];
+    struct sink *o;
+    const struct foam_format ascii = {.precision = 17};
+    date_and_host(date, host);
+    TRY(sink_open(path, false, &o));
+    foam_header_write(o, &ascii, "dictionary", location, "provenance", NULL);
+    sink_printf(o, "version         \"%s\";\ncompiler        \"%s\";\n", build_version(), build_compiler());
+    sink_printf(o, "host            \"%s\";\ndate            \"%s\";\nranks           %d;\n", host, date,
+                comm_size(s->comm));
+    s->medium->type->provenance(s->medium, o);
+    changes_record(o, s);
+    return sink_close(o);
+}
+
+void progress_start(struct progress *p, const struct setup *s) {
+    *p = (struct progress){.start_clock = clock_now(), .last_log = -HUGE_VAL, .first_step = s->start.step};
+    p->mark_clock = p->start_clock;
+    p->mark_time = s->start.t;
+}
+
+status report_extremes(const struct setup *s, int quantity, double range[2]) {
+    const struct grid *grid = s->grid;
+    double pair[2] = {HUGE_VAL, HUGE_VAL};
+    for (int b = 0; b < grid->nblocks; b++) {
+        int n = grid->block[b].ncells;
+        double *values = NULL;
+        TRY(allocate(&values, n, sizeof(double), "a block's field"));
+        double *const out[3] = {values, NULL, NULL};
+        s->medium->type->block(s->medium, b, quantity, out);
+        for (int i = 0; i < n; i++) {
+            pair[0] = fmin(pair[0], values[i]);
+            pair[1] = fmin(pair[1], -values[i]);
+        }
+        free(values);
+    }
+    comm_min(s->comm, pair, 2);
+    range[0] = pair[0];
+    range[1] = -pair[1];
+    return OK;
+}
+
+static void print_duration(FILE *f, double seconds) {
+    long n = lround(fmin(seconds, 1e15));
+    if (n < 120)
+        fprintf(f, "%ld s", n);
+    else if (n < 7200)
+        fprintf(f, "%ld min %02ld s", n / 60, n % 60);
+    else
+        fprintf(f, "%ld h %02ld min", n / 3600, n % 3600 / 60);
+}
+
+/* The first steps are no measure: set-up, a deltaT of their own. */
+static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) {
+    double clock = clock_now(), spent = clock - p->start_clock;
+    long steps = e->step - p->first_step;
+    if (steps < 1) return;
+    fprintf(f, "    wall %.1f s, %.3g s/step", spent, spent / (double)steps);
+    if (clock - p->mark_clock > 0.5 || steps <= 10) {
+        p->pace = (clock - p->mark_clock) / (e->t - p->mark_time);
+        p->mark_clock = clock;
+        p->mark_time = e->t;
+    }
+    if (isfinite(e->end_time) && e->end_time > e->t && steps > 1) {
+        fprintf(f, ", ETA ");
+        print_duration(f, (e->end_time - e->t) * p->pace);
+    }
+    fprintf(f, "\n");
+}
+
+status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e) {
+    const bool root = comm_root(s->comm);
+    p->last_log = clock_now();
+    if (root) {
+        printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
+        if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
+        printf(s->medium->type->event_driven ? ")\n" : ")  Courant %.4f\n", e->courant);
+    }
+    TRY(s->medium->type->log(s->medium, stdout));
+    if (!root) return OK;
+    print_pace(stdout, p, e);
+    fflush(stdout);
+    return OK;
+}

@@ -1,0 +1,29 @@
+/* Legacy VTK files (version 3.0, binary big-endian or ascii) of a polyMesh with cell data, and their .vtk.series. */
+#ifndef SOLVERS_VTK_H
+#define SOLVERS_VTK_H
+
+#include "mesh/format/polymesh.h"
+
+/* The mesh as VTK cells: tetrahedra, pyramids, wedges and hexahedra recognised, all else polyhedra. */
+struct vtk_grid;
+status vtk_grid_make(const struct polymesh *m, struct vtk_grid **out); /* borrows m */
+void vtk_grid_free(struct vtk_grid *g);
+
+struct vtk_field {
+    const char *name;
+    int components;       /* 1 or 3 */
+    const double *values; /* [ncells][components] */
+};
+/* Writes to a temporary name, then renames. */
+status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
+                 const struct vtk_field *fields);
+
+/* POLYDATA: n points x[n][3], each a vertex, with values[n][components]. */
+status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
+                        const struct vtk_field *fields);
+
+/* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk whose time is at most `latest`, ascending: files left by
+ * an earlier run that went further stay out. */
+status vtk_series_write(const char *folder, const char *name, double latest);
+
+#endif

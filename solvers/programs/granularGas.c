@@ -1,0 +1,7 @@
+/* granularGas: the inelastic Euler equations of a granular gas on a case directory. */
+#include "solvers/case/medium.h"
+#include "solvers/programs/program.h"
+
+int main(int argc, char **argv) {
+    return solver_main(argc, argv, &gas_medium);
+}

@@ -1,0 +1,52 @@
+#include "solvers/programs/meshrules.h"
+
+#include "solvers/dict/dict.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { PATH = 4096 };
+
+void mesh_rules_free(struct mesh_rules *r) {
+    if (!r) return;
+    if (r->dict) dict_free(r->dict);
+    free(r->rule);
+    free(r->where);
+    free(r);
+}
+
+static status read_rules(const char *path, struct mesh_rules *r) {
+    struct dict *patches, *p;
+    TRY(dict_read(path, &r->dict));
+    TRY(dict_sub(r->dict, "patches", &patches));
+    int n = dict_count(patches);
+    TRY(allocate(&r->rule, n, sizeof *r->rule, "rules"));
+    TRY(allocate(&r->where, n, sizeof *r->where, "rules"));
+    for (; r->n < n; r->n++) {
+        struct gmsh_rule *rule = &r->rule[r->n];
+        rule->patch = dict_key(patches, r->n);
+        snprintf(r->where[r->n], sizeof *r->where, "%s:%d", dict_path(patches), dict_line(patches, rule->patch));
+        rule->where = r->where[r->n];
+        TRY(dict_sub(patches, rule->patch, &p));
+        TRY(dict_word(p, "type", &rule->type));
+        if (dict_has(p, "neighbourPatch")) TRY(dict_word(p, "neighbourPatch", &rule->neighbour));
+    }
+    return dict_check_used(r->dict);
+}
+
+status mesh_rules_read(const char *dir, struct mesh_rules **out) {
+    char path[PATH], zipped[PATH + 8];
+    *out = NULL;
+    struct mesh_rules *r;
+    TRY(allocate(&r, 1, sizeof *r, "rules"));
+    snprintf(path, sizeof path, "%s/system/meshDict", dir);
+    snprintf(zipped, sizeof zipped, "%s.gz", path);
+    status s = OK;
+    if (access(path, F_OK) == 0 || access(zipped, F_OK) == 0) s = read_rules(path, r);
+    if (s)
+        mesh_rules_free(r);
+    else
+        *out = r;
+    return s;
+}

@@ -1,0 +1,103 @@
+#include "solvers/programs/program.h"
+
+#include "solvers/dict/dict.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+status option_unknown(const char *word, const char *const *names, int n) {
+    const char *near = nearest_name(word, names, n);
+    char known[512] = "";
+    for (int i = 0; i < n; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, " %s", names[i]);
+    }
+    return fail(ERR_INPUT, "unknown argument '%s'%s%s%s; known are%s (more with -help)", word,
+                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "", known);
+}
+
+status case_folder(const char *dir) {
+    struct stat info;
+    if (stat(dir, &info)) return fail(ERR_INPUT, "%s: no such folder; give that of a case", dir);
+    return S_ISDIR(info.st_mode) ? OK : fail(ERR_INPUT, "%s: is no folder; give that of a case", dir);
+}
+
+status option_value(int argc, char **argv, int *i, const char **out) {
+    if (*i + 1 >= argc) return fail(ERR_INPUT, "option %s wants a value; see -help", argv[*i]);
+    *out = argv[++*i];
+    return OK;
+}
+
+status options_read(int argc, char **argv, struct options *out) {
+    static const char *const names[] = {"-case", "-np", "-dry-run", "-debug", "-help", "-listModels", "-listBCs"};
+    *out = (struct options){.dir = "."};
+    bool *const flags[] = {
+        NULL, NULL, &out->dry_run, &out->debug, &out->help, &out->list_models, &out->list_boundaries};
+    for (int i = 1; i < argc; i++) {
+        int k = 0;
+        const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
+        if (!strcmp(word, "-h")) word = "-help";
+        while (k < 7 && strcmp(word, names[k])) k++;
+        if (k == 7) {
+            return option_unknown(argv[i], names, 7);
+        }
+        if (k >= 2) {
+            *flags[k] = true;
+            continue;
+        }
+        TRY(option_value(argc, argv, &i, &value));
+        if (k == 0) out->dir = value;
+        char *end = NULL;
+        long n = k == 1 ? strtol(value, &end, 10) : 1;
+        if (k == 1 && (*end || end == value || n < 1 || n > 1000000))
+            return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
+        if (k == 1) out->ranks = (int)n;
+    }
+    return out->help || out->list_models || out->list_boundaries ? OK : case_folder(out->dir);
+}
+
+status options_relaunch(int argc, char **argv, const struct options *o) {
+    char number[16], wrapper[4096];
+    char **command = NULL;
+    const char *slash = strrchr(argv[0], '/'); /* the mpirun beside this program, which needs no flags, or any */
+    snprintf(wrapper, sizeof wrapper, "%.*smpirun", slash ? (int)(slash + 1 - argv[0]) : 0, argv[0]);
+    TRY(allocate(&command, argc + 8L, sizeof *command, "command line"));
+    int n = 0;
+    snprintf(number, sizeof number, "%d", o->ranks);
+    command[n++] = slash && !access(wrapper, X_OK) ? wrapper : "mpirun";
+    command[n++] = "-np";
+    command[n++] = number;
+    for (int i = 0; i < argc; i++)
+        if (i && (!strcmp(argv[i], "-np") || !strcmp(argv[i], "--np")))
+            i++;
+        else
+            command[n++] = argv[i];
+    fflush(NULL);
+    execvp(command[0], command);
+    int reason = errno;
+    free(command);
+    return fail(ERR_SYSTEM, "mpirun cannot be started: %s; on Debian, run  apt-get install openmpi-bin",
+                strerror(reason));
+}
+
+/* A pipe that nobody reads any more was closed on purpose. */
+static void check_log(void) {
+    struct stat info;
+    bool failed = fflush(stdout) || ferror(stdout);
+    if (!failed || fstat(STDOUT_FILENO, &info) || S_ISFIFO(info.st_mode) || S_ISSOCK(info.st_mode)) return;
+    fprintf(stderr, "warning: standard output could not be written (is its disk full?): the log is incomplete, the "
+                    "written times are whole\n");
+}
+
+int program_end(struct comm *c, status s, bool debug) {
+    int code = s ? (int)status_kind(s) : 0;
+    check_log();
+    if (s && (!c || comm_root(c))) code = status_print(s, debug);
+    status_free(s);
+    if (c) comm_finish(c);
+    return code;
+}

@@ -1,0 +1,275 @@
+#include "solvers/programs/run.h"
+
+#include "solvers/case/changes.h"
+#include "solvers/case/lock.h"
+#include "solvers/dict/params.h"
+#include "solvers/functions/functions.h"
+#include "solvers/output/output.h"
+#include "solvers/output/report.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+struct run {
+    struct setup *setup;
+    struct functions *functions;
+    struct output *output;
+    struct progress progress;
+    struct moment now;
+    double dt;           /* s: the last step, or the next to try */
+    double written_time; /* NAN: none yet */
+    bool stop;
+};
+
+static volatile sig_atomic_t asked_to_stop; /* the one thing a signal handler may touch */
+static void on_signal(int number) {
+    asked_to_stop = number;
+}
+static void catch_signals(void) {
+    const int signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGXCPU, SIGHUP};
+    struct sigaction action, was;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    for (int i = 0; i < 5; i++) {
+        bool nohup = !sigaction(signals[i], NULL, &was) && was.sa_handler == SIG_IGN && signals[i] == SIGHUP;
+        if (!nohup) sigaction(signals[i], &action, NULL); /* SIGINT, too, which shells ignore in the background */
+    }
+    /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
+    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGPIPE, SIG_IGN);
+}
+
+static status read_everything(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **s,
+                              struct functions **f) {
+    *f = NULL;
+    TRY(case_read(dir, type, c, s));
+    TRY(functions_make(*s, f));
+    return comm_agree(c, dict_check_used((*s)->control->dict));
+}
+
+static void print_control(const struct setup *s) {
+    const struct control *c = s->control;
+    printf("Keys of system/controlDict\n");
+    for (int i = 0; i < control_table_size; i++) {
+        const struct param *p = &control_table[i];
+        const char *at = (const char *)c + p->offset;
+        double value = p->kind == PARAM_NUMBER  ? *(const double *)(const void *)at
+                       : p->kind == PARAM_COUNT ? *(const int *)(const void *)at
+                                                : *(const bool *)(const void *)at;
+        printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default",
+               p->meaning);
+    }
+}
+
+static status print_check(const struct setup *s) {
+    struct pace pace;
+    TRY(s->medium->type->start(s->medium));
+    s->medium->type->plan(s->medium, s->control, &pace);
+    if (!comm_root(s->comm)) return OK;
+    report_header(stdout, s, true);
+    changes_print(stdout, s);
+    print_control(s);
+    double dt = s->control->adjust ? fmin(pace.stable, s->control->max_delta_t) : s->control->delta_t;
+    if (!s->medium->type->event_driven) printf("\nfirst time step about %.3g s", dt);
+    if (!s->medium->type->event_driven && isfinite(s->control->end_time))
+        printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
+    printf("\nThe case is sound.\n");
+    return OK;
+}
+
+status run_check(const char *dir, const struct medium_type *type, const struct comm *c) {
+    struct setup *s = NULL;
+    struct functions *f = NULL;
+    status e = read_everything(dir, type, c, &s, &f);
+    if (!e) e = print_check(s);
+    functions_free(f);
+    case_free(s);
+    return e;
+}
+
+static status start(struct run *r) {
+    struct setup *s = r->setup;
+    TRY(s->medium->type->start(s->medium));
+    TRY(comm_agree(s->comm, output_make(s, r->functions, &r->output)));
+    r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
+    r->dt = s->start.delta_t;
+    r->written_time = s->start.t;
+    if (comm_root(s->comm)) {
+        report_header(stdout, s, true);
+        changes_print(stdout, s);
+    }
+    progress_start(&r->progress, s);
+    TRY(functions_collect(r->functions, NULL, &r->now));
+    return functions_execute(r->functions, NULL, &r->now, s->start.name);
+}
+
+static status write_now(struct run *r, char name[TIME_NAME]) {
+    TRY(output_write(r->output, r->now.t, r->now.step, r->dt, name));
+    r->written_time = r->now.t;
+    if (comm_root(r->setup->comm)) printf("    written: %s\n", name);
+    return OK;
+}
+
+/* A changed controlDict replaces the old one; a wrong one is reported and ignored. `functions` stay as they are. */
+static void read_again(struct run *r) {
+    struct setup *s = r->setup;
+    struct control *changed = NULL;
+    control_stamp(s->control, s->dir); /* a wrong file is told of once */
+    status e = control_read(s->dir, s->medium->type->application, &changed);
+    if (!e && changed->functions) dict_mark_used(changed->functions);
+    if (!e) e = dict_check_used(changed->dict);
+    if (!e && s->medium->type->check_control) e = s->medium->type->check_control(s->medium, changed);
+    e = comm_agree(s->comm, e);
+    if (e) {
+        if (comm_root(s->comm)) {
+            printf("system/controlDict has changed but is wrong; the old one stays in force\n");
+            (void)status_print(e, false);
+        }
+        status_free(e);
+        control_free(changed);
+        return;
+    }
+    control_free(s->control);
+    s->control = changed;
+    if (comm_root(s->comm)) printf("system/controlDict has changed and was read again\n");
+}
+
+/* What the root alone knows, for all ranks: clocks, and whether to log, to stop or to read controlDict again. */
+struct word {
+    double signal, log, changed, cpu, clock;
+};
+static struct word root_says(const struct run *r) {
+    const struct setup *s = r->setup;
+    struct word w = {.signal = asked_to_stop != 0};
+    if (comm_root(s->comm)) {
+        long steps = r->now.step - s->start.step, every = s->control->log_interval;
+        w.clock = clock_now() - r->progress.start_clock;
+        w.cpu = cpu_now();
+        w.log = steps <= 3 || (every ? r->now.step % every == 0 : clock_now() - r->progress.last_log > 1);
+        w.changed = s->control->modifiable && control_changed(s->control, s->dir);
+    }
+    comm_max(s->comm, &w.signal, 5);
+    return w;
+}
+
+/* What is to be written at the end of a step, and whether the run ends here. */
+static status after_step(struct run *r, const struct moment *before, const struct word *w) {
+    const struct control *c = r->setup->control;
+    char name[TIME_NAME];
+    struct moment *now = &r->now;
+    bool ended = control_ended(c, now->t), at_once = w->signal != 0 || c->stop_at == STOP_WRITE_NOW;
+    bool due = trigger_due(&c->write, before, now);
+    r->stop = ended || at_once || c->stop_at == STOP_NO_WRITE_NOW || (due && c->stop_at == STOP_NEXT_WRITE);
+    now->fields = due || at_once || (ended && c->write.control != WRITE_NONE);
+    if (c->stop_at == STOP_NO_WRITE_NOW && !at_once) now->fields = false;
+    TRY(functions_collect(r->functions, before, now));
+    if (now->fields)
+        TRY(write_now(r, name));
+    else
+        time_name(c->time_format, c->time_precision, now->t, name);
+    TRY(functions_execute(r->functions, before, now, name));
+    if (r->stop && !ended && comm_root(r->setup->comm)) printf("stopped as asked at time %.10g\n", now->t);
+    return OK;
+}
+
+static status step_once(struct run *r) {
+    struct setup *s = r->setup;
+    struct medium *m = s->medium;
+    struct pace pace;
+    struct step_entry e = {.end_time = HUGE_VAL};
+    enum dt_limit limit;
+    double end;
+    const struct control *c = s->control;
+    m->type->plan(m, c, &pace);
+    double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
+    double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
+    bool event = limit == DT_WRITE || limit == DT_END;
+    struct word w = root_says(r);
+    if (w.log > 0 && limit == DT_COURANT && !pace.limit) {
+        m->type->place(m, e.place);
+        e.at_cell = true;
+    }
+    m->end = end;
+    TRY(m->type->step(m, c, r->now.t, &dt));
+    const struct moment before = r->now;
+    r->now = (struct moment){
+        .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
+    r->dt = m->next > 0 ? m->next : dt;
+    if (m->type->after) TRY(m->type->after(m, &r->now));
+    if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
+        control_ended(c, r->now.t)) {
+        e.t = r->now.t;
+        e.dt = dt;
+        e.courant = dt * pace.rate;
+        e.step = r->now.step;
+        e.limit = dt < planned                        ? (pace.early ? pace.early : "a rejected step")
+                  : limit == DT_COURANT && pace.limit ? pace.limit
+                                                      : dt_limit_name(limit);
+        if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
+        TRY(progress_print(&r->progress, s, &e));
+    }
+    if (w.changed > 0) read_again(r);
+    return after_step(r, &before, &w);
+}
+
+/* The medium holds the last good state: it is kept for a look, unless it is on disk already. */
+static status keep_last(struct run *r, status cause) {
+    char name[TIME_NAME];
+    if (status_kind(cause) != ERR_STATE || !r->output || !r->setup->control->write_on_error) return cause;
+    if (r->now.t == r->written_time || r->now.step == r->setup->start.step) return cause;
+    status e = write_now(r, name);
+    if (!e) {
+        r->now.fields = true;
+        e = functions_execute(r->functions, NULL, &r->now, name);
+    }
+    status_free(e);
+    return cause;
+}
+
+static status loop(struct run *r) {
+    struct setup *s = r->setup;
+    TRY(start(r));
+    if (control_ended(s->control, r->now.t)) {
+        if (comm_root(s->comm))
+            printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
+        return OK;
+    }
+    while (!r->stop) {
+        status e = step_once(r);
+        if (e) return keep_last(r, e);
+    }
+    if (comm_root(s->comm)) {
+        double spent = clock_now() - r->progress.start_clock;
+        long steps = r->now.step - s->start.step;
+        printf("end at time %.10g: %ld steps in %.2f s", r->now.t, steps, spent);
+        if (!s->medium->type->event_driven)
+            printf(", %.4g million cell steps per second", 1e-6 * (double)steps * s->mesh->ncells / spent);
+        printf("\n");
+    }
+    return s->medium->type->finish ? s->medium->type->finish(s->medium, stdout) : OK;
+}
+
+/* On the root. What a killed run left half written may go only when no other run can be at work on it. */
+static status lock_and_clean(const char *dir, const char *application, struct lock **lock) {
+    TRY(lock_take(dir, application, lock));
+    return times_clean(dir);
+}
+
+status run_case(const char *dir, const struct medium_type *type, const struct comm *c) {
+    struct run r = {.written_time = NAN};
+    struct lock *lock = NULL;
+    catch_signals();
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
+    if (!e) e = read_everything(dir, type, c, &r.setup, &r.functions);
+    if (!e) e = loop(&r);
+    output_free(r.output);
+    functions_free(r.functions);
+    case_free(r.setup);
+    lock_release(lock);
+    return e;
+}

@@ -1,0 +1,25 @@
+/* The command line of a solver, whatever its medium. */
+#include "solvers/functions/functions.h"
+#include "solvers/programs/program.h"
+#include "solvers/programs/run.h"
+
+int solver_main(int argc, char **argv, const struct medium_type *type) {
+    struct options o;
+    struct comm *c = NULL;
+    status s = options_read(argc, argv, &o);
+    if (s) return program_end(NULL, s, false);
+    if (o.help || o.list_models || o.list_boundaries) {
+        if (o.help) printf("%s", type->help);
+        if (o.list_models) {
+            type->list_models(stdout);
+            printf("\nsystem/controlDict: functions\n");
+            functions_list(type, stdout);
+        }
+        if (o.list_boundaries) type->list_boundaries(stdout);
+        return 0;
+    }
+    if (o.ranks > 1) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
+    s = comm_start(&argc, &argv, &c);
+    if (!s) s = o.dry_run ? run_check(o.dir, type, c) : run_case(o.dir, type, c);
+    return program_end(c, s, o.debug);
+}

@@ -1,0 +1,197 @@
+#include "solvers/segregation/segregation_flow.h"
+
+#include "solvers/segregation/segregation_gas.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* out[n] <- q of the cells of another mesh: from[n]; components of them. */
+static status spread(int n, const int *from, int components, const double *q, double **out) {
+    TRY(allocate(out, (long)components * n, sizeof(double), "a flow"));
+    for (int i = 0; i < n; i++)
+        memcpy(*out + (long)components * i, q + (long)components * from[i], (size_t)components * sizeof(double));
+    return OK;
+}
+
+static status take_shear_rate(const struct polymesh *m, const double *centre, const double *face_centre, int dim,
+                              const int axis[3], const double *U, double **out) {
+    const long n = m->ncells;
+    double *room;
+    TRY(allocate(&room, 15 * n, sizeof(double), "shear rates"));
+    status e = allocate(out, n, sizeof(double), "shear rates");
+    double *g[3] = {room, room + 3 * n, room + 6 * n};
+    for (int i = 0; i < 3 && !e; i++) cell_gradients(m, centre, face_centre, dim, axis, 3, U + i, g[i], room + 9 * n);
+    for (long c = 0; c < n && !e; c++) {
+        double sum = 0;
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++) {
+                const double twice = g[i][3 * c + k] + g[k][3 * c + i];
+                sum += 0.5 * twice * twice;
+            }
+        (*out)[c] = sqrt(sum);
+    }
+    free(room);
+    return e;
+}
+
+static status own_shear_rate(const struct setup *s, struct segregation_flow *f) {
+    double *room;
+    TRY(allocate(&room, 6L * s->mesh->nfaces, sizeof(double), "geometry"));
+    polymesh_face_geometry(s->mesh, room, room + 3L * s->mesh->nfaces);
+    status e = take_shear_rate(s->mesh, s->centre, room, s->dim, s->axis, f->U, &f->shear_rate);
+    free(room);
+    return e;
+}
+
+/* ---- the start folder's U ---- */
+
+/* The folder with U: the start's, else the case's first one (a line's U is not written again). */
+static status find_own(const struct setup *s, char name[TIME_NAME]) {
+    struct instant *all = NULL;
+    char path[2 * TIME_PATH];
+    int n = 0;
+    snprintf(name, TIME_NAME, "%s", s->start.name);
+    snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
+    if (field_exists(path)) return OK;
+    TRY(times_list(s->dir, &n, &all));
+    if (n) memcpy(name, all[0].name, TIME_NAME);
+    free(all);
+    return OK;
+}
+
+static status read_own(const struct setup *s, struct segregation_flow *f) {
+    char path[2 * TIME_PATH], name[TIME_NAME];
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    TRY(find_own(s, name));
+    snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
+    if (!field_exists(path)) return OK;
+    snprintf(f->source, sizeof f->source, "%s/U", name);
+    TRY(field_read(path, &field_kinds[FIELD_U], &place, &f->given));
+    TRY(allocate(&f->U, 3L * s->mesh->ncells, sizeof(double), "a flow"));
+    for (int i = 0; i < s->mesh->ncells; i++)
+        if (s->dim == 1 && f->given->values[3L * i + s->axis[0]] != 0)
+            return field_fail(f->given, &place, i, "along %c it must be 0: the line ends in walls", "xyz"[s->axis[0]]);
+        else
+            for (int k = 0; k < (s->dim == 1 ? 3 : s->dim); k++) {
+                const int at = s->dim == 1 ? k : s->axis[k];
+                f->U[3L * i + at] = f->given->values[3L * i + at];
+            }
+    return OK;
+}
+
+/* ---- a time of another case ---- */
+
+static status line_flow(const struct setup *s, const struct gas_time *g, const double *U, struct segregation_flow *f) {
+    struct column *c = NULL;
+    int n;
+    status e = allocate(&f->U, 3L * s->mesh->ncells, sizeof(double), "a flow");
+    if (!e) e = gas_time_columns(g, s->axis[0], 3, U, &n, &c);
+    for (int i = 0; !e && i < s->mesh->ncells; i++)
+        for (int k = 0; k < 3; k++)
+            f->U[3L * i + k] = k == s->axis[0] ? 0 : column_value(n, c, k, s->centre[3L * i + s->axis[0]]);
+    free(c);
+    return e;
+}
+
+static status lattice_flow(const struct setup *s, const struct segregation_models *m, const struct gas_time *g,
+                           const double *U, struct segregation_flow *f) {
+    const int n = s->mesh->ncells;
+    int *from = NULL;
+    double *other = NULL;
+    status e = gas_time_cells(g, s, &from);
+    if (!e) e = spread(n, from, 3, U, &f->U);
+    if (!e && m->weighted) e = gas_time_field(g, "rho", 1, &other);
+    if (!e && m->weighted) e = spread(n, from, 1, other, &f->density);
+    free(other);
+    other = NULL;
+    if (!e && m->sheared) e = take_shear_rate(g->mesh, g->centre, g->face_centre, g->dim, g->axis, U, &other);
+    if (!e && m->sheared) e = spread(n, from, 1, other, &f->shear_rate);
+    for (int i = 0; !e && i < n; i++)
+        if (f->density && !(f->density[i] > 0))
+            e = fail(ERR_INPUT, "%s: velocity: rho of case %s, time %s, is %g in cell %d; a weight must be above 0",
+                     dict_path(m->properties), g->dir, g->name, f->density[i], from[i]);
+    free(other);
+    free(from);
+    return e;
+}
+
+static status read_other(const struct setup *s, const struct segregation_models *m, struct segregation_flow *f) {
+    struct gas_time g;
+    double *U = NULL;
+    if (s->dim == 1 && m->weighted)
+        return fail(ERR_INPUT, "%s: velocity: weight rho is for two or three solved axes; a line flows along no axis",
+                    dict_path(m->properties));
+    status e = gas_time_open(s, m->properties, "velocity", m->velocity_case, m->velocity_time, &g);
+    if (!e) snprintf(f->source, sizeof f->source, "time %s", g.name);
+    if (!e) e = gas_time_field(&g, "U", 3, &U);
+    if (!e) e = s->dim == 1 ? line_flow(s, &g, U, f) : lattice_flow(s, m, &g, U, f);
+    free(U);
+    gas_time_close(&g);
+    return e;
+}
+
+/* ---- kinetic stress rho T ---- */
+
+static status open_stress(const struct setup *s, const struct segregation_models *m, struct gas_time *g,
+                          double **stress) {
+    double *T = NULL;
+    TRY(gas_time_open(s, m->properties, "percolation", m->case_dir, m->time, g));
+    TRY(gas_time_field(g, "rho", 1, stress));
+    status e = gas_time_field(g, "T", 1, &T);
+    for (int i = 0; !e && i < g->mesh->ncells; i++) (*stress)[i] *= T[i];
+    free(T);
+    return e;
+}
+
+status stress_velocity(const struct setup *s, const struct segregation_models *m, int axis, int n, const double *node,
+                       double *out) {
+    struct gas_time g;
+    struct column *c = NULL;
+    double *stress = NULL;
+    int columns = 0;
+    status e = open_stress(s, m, &g, &stress);
+    if (!e) e = gas_time_columns(&g, axis, 1, stress, &columns, &c);
+    for (int i = 0; !e && i < n; i++) out[i] = m->q / m->rho * column_slope(columns, c, node[i]);
+    free(c);
+    free(stress);
+    gas_time_close(&g);
+    return e;
+}
+
+/* On a lattice: the slope along the direction of percolation, in the cell of that case. */
+static status stress_along(const struct setup *s, const struct segregation_models *m, double **out) {
+    struct gas_time g;
+    double *stress = NULL, *room = NULL;
+    int *from = NULL;
+    status e = open_stress(s, m, &g, &stress);
+    if (!e) e = gas_time_cells(&g, s, &from);
+    if (!e) e = allocate(&room, 9L * g.mesh->ncells, sizeof(double), "a slope");
+    if (!e) e = allocate(out, s->mesh->ncells, sizeof(double), "a slope");
+    if (!e) cell_gradients(g.mesh, g.centre, g.face_centre, g.dim, g.axis, 1, stress, room, room + 3L * g.mesh->ncells);
+    for (int i = 0; !e && i < s->mesh->ncells; i++)
+        for (int k = 0; k < 3; k++) (*out)[i] += m->q / m->rho * m->direction[k] * room[3L * from[i] + k];
+    free(from);
+    free(room);
+    free(stress);
+    gas_time_close(&g);
+    return e;
+}
+
+status segregation_flow_read(const struct setup *s, const struct segregation_models *m, struct segregation_flow *out) {
+    *out = (struct segregation_flow){.given = NULL};
+    TRY(m->velocity_case ? read_other(s, m, out) : read_own(s, out));
+    if (m->sheared && !out->U)
+        return fail(ERR_INPUT, "%s: diffusivity: shearRate needs a flow: %s/U or  velocity { case ..; time ..; }",
+                    dict_path(m->properties), s->start.name);
+    if (m->sheared && !out->shear_rate) TRY(own_shear_rate(s, out));
+    return m->percolation == PERCOLATION_STRESS && s->dim > 1 ? stress_along(s, m, &out->percolation) : OK;
+}
+
+void segregation_flow_free(struct segregation_flow *f) {
+    field_free(f->given);
+    free(f->U);
+    free(f->density);
+    free(f->shear_rate);
+    free(f->percolation);
+}

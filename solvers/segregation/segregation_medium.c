@@ -1,0 +1,314 @@
+/* A bidisperse mixture as a medium (medium.h) of granularSegregation: phi, the concentration of the small grains, on a
+ * line of cells or, carried by a flow U, on a lattice. Every rank computes all of it: it is too small to share. */
+#include "solvers/output/report.h"
+#include "solvers/segregation/segregation_box.h"
+#include "solvers/segregation/segregation_line.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct mixture {
+    struct medium base;
+    struct segregation_models *models;
+    struct field *field;
+    struct segregation_flow flow;
+    struct segregation_setup line; /* with one solved axis */
+    struct segregation *solver;
+    struct segregation_box box; /* with more */
+    struct segregation_field *carried;
+    double *phi;                      /* [cells] along the line, or of the box */
+    double mass;                      /* at the start */
+    double rate;                      /* 1/s: Courant number / dt */
+    long steps;                       /* since the start of the case */
+    struct segregation_counts counts; /* at the last log entry */
+};
+static struct mixture *of(const struct medium *m) {
+    return (struct mixture *)(uintptr_t)m;
+}
+
+enum { PHI, U, PERCOLATION, DIFFUSIVITY, QUANTITIES };
+static const struct quantity quantities[] = {
+    [PHI] = {"phi", 1, {0, 0, 0, 0, 0, 0, 0}, true},
+    [U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, true},
+    [PERCOLATION] = {"percolation", 1, {0, 1, -1, 0, 0, 0, 0}, false},
+    [DIFFUSIVITY] = {"diffusivity", 1, {0, 2, -1, 0, 0, 0, 0}, false},
+};
+static const int written[] = {PHI, U, -1}, shown[] = {PHI, -1};
+
+static status mixture_read(struct setup *s) {
+    struct mixture *x;
+    TRY(allocate(&x, 1, sizeof *x, "the mixture"));
+    x->base = (struct medium){.type = &segregation_medium, .setup = s};
+    s->medium = &x->base;
+    TRY(segregation_models_read(s->dir, &x->models));
+    s->file[s->nfiles++] = (struct setup_file){"system", "fvSchemes", x->models->schemes};
+    s->file[s->nfiles++] = (struct setup_file){"system", "fvSolution", x->models->solution};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "segregationProperties", x->models->properties};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "g", x->models->g};
+    return OK;
+}
+
+static bool on_line(const struct mixture *x) {
+    return x->base.setup->dim == 1;
+}
+static int place_of(const struct mixture *x, int cell) {
+    return on_line(x) ? x->line.place[cell] : x->box.place[cell];
+}
+
+static status read_phi(struct setup *s, struct mixture *x) {
+    char path[2 * TIME_PATH];
+    const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t};
+    const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
+    snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.name);
+    TRY(field_read(path, &segregation_phi, &place, &x->field));
+    for (int i = 0; i < s->mesh->ncells; i++)
+        if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
+            return field_fail(x->field, &place, i, "it must lie between 0 and 1");
+    for (int p = 0; on_line(x) && p < s->mesh->npatches; p++) {
+        const struct patch_field *q = &x->field->patch[p];
+        if (strcmp(q->type, "noFlux") && strcmp(q->type, "empty"))
+            return fail(ERR_INPUT, "%s:%d: patch %s: a line of cells ends in walls: noFlux", dict_path(x->field->dict),
+                        q->line, s->mesh->patch[p].name);
+    }
+    return OK;
+}
+
+/* Of patches with a value. */
+static status check_patches(const struct setup *s, const struct field *f) {
+    for (int p = 0; p < s->mesh->npatches; p++) {
+        const struct patch_field *q = &f->patch[p];
+        if (strcmp(q->type, "fixedValue")) continue;
+        for (int i = 0; i < (q->values ? s->mesh->patch[p].nfaces : 1); i++) {
+            const double v = q->values ? q->values[i] : q->uniform[0];
+            if (!(v >= 0 && v <= 1))
+                return fail(ERR_INPUT, "%s:%d: patch %s: value of phi is %g; it must lie between 0 and 1",
+                            dict_path(f->dict), q->value_line, s->mesh->patch[p].name, v);
+        }
+    }
+    return OK;
+}
+
+static status mixture_state(struct setup *s) {
+    struct mixture *x = of(s->medium);
+    if (on_line(x)) {
+        TRY(segregation_setup_make(s, x->models, &x->line));
+        TRY(segregation_flow_read(s, x->models, &x->flow));
+        TRY(segregation_setup_laws(s, &x->flow, &x->line));
+        TRY(read_phi(s, x));
+    } else {
+        TRY(read_phi(s, x));
+        TRY(check_patches(s, x->field));
+        TRY(segregation_flow_read(s, x->models, &x->flow));
+        TRY(segregation_box_make(s, x->models, x->field, &x->flow, &x->box));
+    }
+    return setup_grid(s, false, 1);
+}
+
+static double content(const struct mixture *x) {
+    if (on_line(x)) return segregation_mass(x->solver, x->phi);
+    const struct setup *s = x->base.setup;
+    double row = 0, sum = 0;
+    for (int i = 0; i < s->mesh->ncells; i++) { /* in pieces, which keeps the digits of many equal cells */
+        row += (x->flow.density ? x->flow.density[i] * s->volume[i] : s->volume[i]) * x->phi[x->box.place[i]];
+        if (i % 1000 != 999) continue;
+        sum += row;
+        row = 0;
+    }
+    return sum + row;
+}
+
+static status mixture_start(struct medium *m) {
+    struct mixture *x = of(m);
+    const struct setup *s = m->setup;
+    const struct segregation_line *l = &x->line.line;
+    TRY(allocate(&x->phi, on_line(x) ? l->n : x->box.cells, sizeof(double), "phi"));
+    TRY(on_line(x) ? segregation_make(l, &x->models->scheme, &x->solver)
+                   : segregation_field_make(&x->box.lattice, &x->carried));
+    for (int i = 0; i < s->mesh->ncells; i++) x->phi[place_of(x, i)] = x->field->values[i];
+    for (int i = 0; i < l->n; i++) x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
+    if (!on_line(x)) x->rate = segregation_field_rate(x->carried);
+    free(x->field->values);
+    x->field->values = NULL;
+    x->mass = content(x);
+    x->steps = s->start.step;
+    if (s->control->adjust) m->next = s->start.delta_t;
+    return OK;
+}
+
+static void mixture_free(struct medium *m) {
+    struct mixture *x = of(m);
+    segregation_free(x->solver);
+    segregation_field_free(x->carried);
+    segregation_setup_free(&x->line);
+    segregation_box_free(&x->box);
+    segregation_flow_free(&x->flow);
+    segregation_models_free(x->models);
+    field_free(x->field);
+    free(x->phi);
+    free(x);
+}
+
+static void mixture_describe(const struct medium *m, FILE *f) {
+    const struct mixture *x = of(m);
+    const struct face_flow_change *c = &x->box.change;
+    segregation_models_print(f, x->models);
+    if (x->box.flows)
+        fprintf(f, "    %-22s divergence %.3g %s, made %.3g by changes of %.3g %s at most; outflow times %.6g\n",
+                x->flow.density ? "mass flow rho U" : "velocity U", c->before, x->flow.density ? "kg/m^3/s" : "1/s",
+                c->after, c->largest, x->flow.density ? "kg/m^2/s" : "m/s", c->scaled);
+}
+
+static void mixture_provenance(const struct medium *m, struct sink *o) {
+    const struct segregation_models *models = of(m)->models;
+    sink_printf(o, "closure         %s;\niteration       %s;\n", segregation_closure_name(models),
+                segregation_iteration_name(models));
+}
+
+static double mixture_memory(const struct medium *m) {
+    return 40. * 8 * m->setup->mesh->ncells * comm_size(m->setup->comm);
+}
+
+/* Without a step to go on from: a Courant number of 1, which the error estimate then corrects. */
+static void mixture_plan(struct medium *m, const struct control *c, struct pace *out) {
+    (void)c;
+    const struct mixture *x = of(m);
+    const double first = x->rate > 0 ? 1 / x->rate : 1;
+    *out = (struct pace){.stable = m->next > 0 ? m->next : first, .rate = x->rate, .limit = "timeTolerance"};
+}
+
+static status advance(struct mixture *x, const struct control *c, double *dt, double *next) {
+    const double allowed = x->models->time_tolerance;
+    const bool damped = x->steps < x->models->damped;
+    if (on_line(x))
+        return c->adjust ? segregation_advance(x->solver, allowed, dt, next, x->phi)
+                         : segregation_step(x->solver, *dt, damped, x->phi);
+    return c->adjust ? segregation_field_advance(x->carried, allowed, dt, next, x->phi)
+                     : segregation_field_step(x->carried, *dt, damped, x->phi);
+}
+
+static status mixture_step(struct medium *m, const struct control *c, double t, double *dt) {
+    struct mixture *x = of(m);
+    double next = 0;
+    status e = advance(x, c, dt, &next);
+    if (e) return status_note(e, "at t = %.10g", t);
+    m->next = next;
+    x->steps++;
+    return OK;
+}
+
+/* Of a lattice a step is one sweep along each axis, without iteration. */
+static struct segregation_counts counts_of(const struct mixture *x) {
+    if (on_line(x)) return segregation_counts(x->solver);
+    const struct segregation_lattice_counts n = segregation_field_counts(x->carried);
+    return (struct segregation_counts){n.steps, n.steps, n.bounded, 0, n.corrected, n.rejected};
+}
+
+static status mixture_log(struct medium *m, FILE *f) {
+    struct mixture *x = of(m);
+    const struct segregation_counts n = counts_of(x), was = x->counts;
+    const double mass = content(x);
+    double low = 1, high = 0;
+    for (int i = 0; i < m->setup->mesh->ncells; i++) {
+        low = fmin(low, x->phi[place_of(x, i)]);
+        high = fmax(high, x->phi[place_of(x, i)]);
+    }
+    x->counts = n;
+    if (!comm_root(m->setup->comm)) return OK;
+    fprintf(f, "    phi %.6g .. %.6g  small grains %.10g (%s %+.2e)  iterations %ld in %ld solves\n", low, high, mass,
+            x->box.flows ? "change" : "drift", mass / x->mass - 1, n.iterations - was.iterations, n.steps - was.steps);
+    if (n.corrected > was.corrected)
+        fprintf(f, "    bounded: %ld faces of %ld solves (in all %ld)\n", n.corrected - was.corrected,
+                n.bounded - was.bounded, n.corrected);
+    if (n.rejected > was.rejected)
+        fprintf(f, "    rejected: %ld steps (in all %ld)\n", n.rejected - was.rejected, n.rejected);
+    return OK;
+}
+
+static status mixture_finish(struct medium *m, FILE *f) {
+    const struct segregation_counts n = counts_of(of(m));
+    if (comm_root(m->setup->comm) && n.steps)
+        fprintf(f, "%ld solves, %.3g iterations each; %ld with bounds; %ld steps rejected\n", n.steps,
+                (double)n.iterations / (double)n.steps, n.bounded, n.rejected);
+    return OK;
+}
+
+static double value_at(const struct mixture *x, int quantity, int cell, int component) {
+    const struct segregation_models *m = x->models;
+    const int i = place_of(x, cell);
+    const double *at = x->base.setup->centre + 3L * cell;
+    if (quantity == PHI) return x->phi[i];
+    if (quantity == U) return x->flow.U ? x->flow.U[3L * cell + x->base.setup->axis[component]] : 0;
+    if (quantity == PERCOLATION && on_line(x)) return x->line.speed[i];
+    if (quantity == PERCOLATION && x->flow.percolation) return x->flow.percolation[cell];
+    if (quantity == PERCOLATION)
+        return m->velocity_law ? expr_value(m->velocity_law, at[0], at[1], at[2], 0) : m->velocity;
+    return segregation_diffusivity(m, at, x->phi[i], x->flow.shear_rate ? x->flow.shear_rate[cell] : 0);
+}
+static int lines_of(const struct medium *m, int quantity) {
+    return quantity == U ? m->setup->dim : 1;
+}
+
+static void mixture_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    const struct grid_block *b = &m->setup->grid->block[block];
+    for (int k = 0; k < lines_of(m, quantity); k++)
+        for (int i = 0; i < b->ncells; i++) out[k][i] = value_at(of(m), quantity, b->cell[i], k);
+}
+
+static status mixture_gather(const struct medium *m, int quantity, double *const out[3]) {
+    for (int k = 0; comm_root(m->setup->comm) && k < lines_of(m, quantity); k++)
+        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value_at(of(m), quantity, i, k);
+    return OK;
+}
+
+static bool mixture_present(const struct medium *m, int quantity) {
+    return quantity != U || (of(m)->flow.U && !on_line(of(m)));
+}
+
+static const struct patch_field *mixture_patch(const struct medium *m, int quantity, int patch) {
+    const struct field *f = quantity == PHI ? of(m)->field : quantity == U ? of(m)->flow.given : NULL;
+    return f ? &f->patch[patch] : NULL;
+}
+
+static const char help[] =
+    "granularSegregation -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
+    "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through the walls,\n\n"
+    "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
+    "them, and\n"
+    "carried by a flow U: of the start folder, or of a time of a granularGas case (velocity { case ..; time ..; }), "
+    "with "
+    "its\n"
+    "density as weight if asked for. Second order in time and space, conservative and bounded.\n\n"
+    "  -np N        on N ranks: all is computed by each, the results are the same\n"
+    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -listModels  models, schemes and function objects with their parameters\n"
+    "  -listBCs     boundary conditions\n"
+    "  -debug       the way an error took through the program\n\n"
+    "Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+
+const struct medium_type segregation_medium = {
+    .application = "granularSegregation",
+    .help = help,
+    .list_models = segregation_models_list,
+    .list_boundaries = segregation_boundaries_list,
+    .quantity = quantities,
+    .noffered = QUANTITIES,
+    .written = written,
+    .shown = shown,
+    .read = mixture_read,
+    .state = mixture_state,
+    .start = mixture_start,
+    .free = mixture_free,
+    .describe = mixture_describe,
+    .provenance = mixture_provenance,
+    .memory = mixture_memory,
+    .plan = mixture_plan,
+    .step = mixture_step,
+    .log = mixture_log,
+    .finish = mixture_finish,
+    .block = mixture_block,
+    .gather = mixture_gather,
+    .present = mixture_present,
+    .patch = mixture_patch,
+};

@@ -1,0 +1,321 @@
+#include "solvers/segregation/segregation_models.h"
+
+#include "solvers/dict/params.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { PATH = 4096 };
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+#define MEMBER(m)    offsetof(struct segregation_models, m)
+#define NUMBER(name, member, standard, low, high, open, ...)                                                           \
+    { name, PARAM_NUMBER, MEMBER(member), standard, low, high, open, __VA_ARGS__ }
+
+static const struct param velocity_param[] = {
+    NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1},
+           "f, along the solved axis, or direction (x y z) (default: against constant/g)")};
+static const struct param exponential_param[] = {
+    NUMBER("A", A, NAN, 0, HUGE_VAL, false, {1, -1, -2}, "kinetic stress A exp(B|y|)"),
+    NUMBER("B", B, NAN, -HUGE_VAL, HUGE_VAL, true, {0, -1, 0}, "of A exp(B|y|)"),
+    NUMBER("q", q, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 1}, "f = (q/rho) d/dy A exp(B|y|)"),
+    NUMBER("rho", rho, NAN, 0, HUGE_VAL, true, {1, -3, 0}, "density of the grains")};
+static const struct param stress_param[] = {
+    NUMBER("q", q, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 1}, "f = (q/rho) d(rho T)/dy of that run's fields"),
+    NUMBER("rho", rho, NAN, 0, HUGE_VAL, true, {1, -3, 0}, "density of the grains")};
+static const struct param diffusivity_param[] = {
+    NUMBER("value", diffusivity, NAN, 0, HUGE_VAL, false, {0, 2, -1}, "D")};
+static const struct param solution_param[] = {
+    NUMBER("tolerance", scheme.tolerance, 1e-8, 1e-15, 1, false, {0, 0, 0},
+           "largest change of an iteration / largest phi"),
+    {"maxIterations", PARAM_COUNT, MEMBER(scheme.most), 100, 1, 1e6, false, {0, 0, 0}, "iterations a step may take"},
+    {"dampedSteps",
+     PARAM_COUNT,
+     MEMBER(damped),
+     1,
+     0,
+     1e6,
+     false,
+     {0, 0, 0},
+     "first steps by two implicit Euler halves, which end the ringing of a start that does not meet the walls"},
+    NUMBER("timeTolerance", time_tolerance, 1e-6, 0, HUGE_VAL, true, {0, 0, 0},
+           "with adjustTimeStep: mean error of a step")};
+static const char *const percolation_names[] = {"constant", "expression", "exponential", "kineticStress"};
+static const char *const diffusivity_names[] = {"constant", "expression"};
+static const char *const closure_names[] = {"conservative", "paper", "neumann"};
+static const char *const iteration_names[] = {"Newton", "Picard"};
+static const char *const wall_names[] = {"cell", "wall"};
+static const char *const weight_names[] = {"uniform", "rho"};
+static const char *const closure_about[] = {"no flux through the walls: conserves to round-off (default)",
+                                            "f phi (1 - phi) = D phi_y at the walls, one-sided: does not conserve",
+                                            "phi_y = 0 at the walls, one-sided: for the kink"};
+
+static const char *const phi_types[] = {"noFlux", "fixedValue", "zeroGradient", NULL};
+const struct field_kind segregation_phi = {
+    "phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", phi_types};
+
+static status choice_or(struct dict *d, const char *key, const char *const *names, int n, int *out) {
+    *out = 0;
+    return dict_has(d, key) ? dict_choice(d, key, names, n, out) : OK;
+}
+
+static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
+    const char *text;
+    TRY(dict_word(d, key, &text));
+    return status_note(mixture ? expr_compile_mixture(text, out) : expr_compile(text, out), "%s:%d: %s \"%s\"",
+                       dict_path(d), dict_line(d, key), key, text);
+}
+
+static status read_direction(struct dict *d, struct segregation_models *m) {
+    double *v = m->direction;
+    m->has_direction = dict_has(d, "direction");
+    if (!m->has_direction) return OK;
+    TRY(dict_vector(d, "direction", NULL, v));
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(length > 0)) return dict_fail(d, "direction", "it must not be (0 0 0)");
+    for (int k = 0; k < 3; k++) v[k] /= length;
+    return OK;
+}
+
+/* Without a direction f is counted against gravity. */
+static status read_gravity(struct dict *d, struct segregation_models *m) {
+    static const signed char unit[3] = {0, 1, -2};
+    double g[3];
+    dict_mark_used(d);
+    TRY(dict_vector(d, "value", unit, g));
+    const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    if (m->has_direction || !(size > 0)) return OK;
+    m->has_direction = true;
+    for (int k = 0; k < 3; k++) m->direction[k] = -g[k] / size;
+    return OK;
+}
+
+/* A number or latestTime, the default. */
+static status read_time(struct dict *d, double *out) {
+    static const char *const names[] = {"latestTime"};
+    static const signed char unit[3] = {0, 0, 1};
+    int latest;
+    *out = NAN;
+    if (!dict_has(d, "time")) return OK;
+    status number = dict_number(d, "time", unit, out);
+    if (!number) return OK;
+    status word = dict_choice(d, "time", names, 1, &latest);
+    status_free(word ? word : number);
+    return word ? number : OK;
+}
+
+static status read_velocity(struct dict *d, struct segregation_models *m) {
+    int weight;
+    TRY(dict_word(d, "case", &m->velocity_case));
+    TRY(read_time(d, &m->velocity_time));
+    TRY(choice_or(d, "weight", weight_names, COUNT(weight_names), &weight));
+    m->weighted = weight == 1;
+    return OK;
+}
+
+static status read_percolation(struct dict *d, struct segregation_models *m) {
+    int type;
+    TRY(dict_choice(d, "type", percolation_names, COUNT(percolation_names), &type));
+    m->percolation = (enum percolation)type;
+    TRY(read_direction(d, m));
+    if (m->percolation == PERCOLATION_EXPRESSION) return read_law(d, "velocity", false, &m->velocity_law);
+    if (m->percolation == PERCOLATION_EXPONENTIAL)
+        return params_read(d, exponential_param, COUNT(exponential_param), m);
+    if (m->percolation == PERCOLATION_CONSTANT) return params_read(d, velocity_param, COUNT(velocity_param), m);
+    TRY(dict_word(d, "case", &m->case_dir));
+    TRY(read_time(d, &m->time));
+    return params_read(d, stress_param, COUNT(stress_param), m);
+}
+
+static status read_properties(struct dict *d, struct segregation_models *m) {
+    struct dict *percolation, *diffusivity, *velocity = NULL;
+    int type;
+    TRY(dict_sub(d, "percolation", &percolation));
+    TRY(read_percolation(percolation, m));
+    TRY(dict_sub(d, "diffusivity", &diffusivity));
+    TRY(dict_choice(diffusivity, "type", diffusivity_names, COUNT(diffusivity_names), &type));
+    if (type == 1)
+        TRY(read_law(diffusivity, "value", true, &m->diffusivity_law));
+    else
+        TRY(params_read(diffusivity, diffusivity_param, COUNT(diffusivity_param), m));
+    m->sheared = m->diffusivity_law && expr_uses(m->diffusivity_law, EXPR_SHEAR_RATE);
+    TRY(dict_sub_optional(d, "velocity", &velocity));
+    if (velocity) TRY(read_velocity(velocity, m));
+    return dict_check_used(d);
+}
+
+static status read_schemes(struct dict *d, struct segregation_models *m) {
+    static const char *const others[] = {"ddtSchemes",       "gradSchemes",          "divSchemes",
+                                         "laplacianSchemes", "interpolationSchemes", "snGradSchemes"};
+    int closure, walls;
+    bool bounded;
+    TRY(choice_or(d, "closure", closure_names, COUNT(closure_names), &closure));
+    TRY(choice_or(d, "wallValues", wall_names, COUNT(wall_names), &walls));
+    TRY(dict_switch_or(d, "bounded", closure == SEGREGATION_CONSERVATIVE, &bounded));
+    m->scheme.closure = (enum segregation_closure)closure;
+    m->scheme.unbounded = !bounded;
+    m->on_walls = walls == 1;
+    if (m->scheme.closure != SEGREGATION_CONSERVATIVE && !m->on_walls)
+        return dict_fail(d, "closure",
+                         "it needs values on the walls: add  wallValues wall;  or say  closure conservative;");
+    if (m->scheme.closure != SEGREGATION_CONSERVATIVE && bounded)
+        return dict_fail(d, "bounded", "closure %s keeps no bounds; leave it out, or say  closure conservative;",
+                         closure_names[closure]);
+    for (int i = 0; i < COUNT(others); i++) {
+        struct dict *sub = NULL;
+        TRY(dict_sub_optional(d, others[i], &sub));
+        if (sub) dict_mark_used(sub);
+    }
+    return dict_check_used(d);
+}
+
+static status read_solution(struct dict *d, struct segregation_models *m) {
+    int iteration;
+    TRY(choice_or(d, "iteration", iteration_names, COUNT(iteration_names), &iteration));
+    m->scheme.newton = iteration == 0;
+    TRY(params_read(d, solution_param, COUNT(solution_param), m));
+    return dict_check_used(d);
+}
+
+static status open_in(const char *case_dir, const char *name, struct dict **out) {
+    char path[PATH];
+    snprintf(path, sizeof path, "%s/%s", case_dir, name);
+    return dict_read(path, out);
+}
+
+static status read_all(const char *dir, struct segregation_models *m) {
+    TRY(open_in(dir, "constant/segregationProperties", &m->properties));
+    TRY(read_properties(m->properties, m));
+    TRY(open_in(dir, "system/fvSchemes", &m->schemes));
+    TRY(read_schemes(m->schemes, m));
+    TRY(open_in(dir, "system/fvSolution", &m->solution));
+    TRY(read_solution(m->solution, m));
+    char path[PATH];
+    snprintf(path, sizeof path, "%s/constant/g", dir);
+    if (field_exists(path)) {
+        TRY(dict_read(path, &m->g));
+        TRY(read_gravity(m->g, m));
+    }
+    if (m->scheme.closure == SEGREGATION_PAPER && !m->diffusivity_law && m->diffusivity == 0)
+        return dict_fail(m->schemes, "closure",
+                         "f phi (1 - phi) = D phi_y at the walls needs D > 0; say  closure conservative;");
+    return OK;
+}
+
+status segregation_models_read(const char *case_dir, struct segregation_models **out) {
+    struct segregation_models *m = NULL;
+    *out = NULL;
+    TRY(allocate(&m, 1, sizeof *m, "models"));
+    status s = read_all(case_dir, m);
+    if (s) {
+        segregation_models_free(m);
+        return s;
+    }
+    *out = m;
+    return OK;
+}
+
+void segregation_models_free(struct segregation_models *m) {
+    if (!m) return;
+    expr_free(m->velocity_law);
+    expr_free(m->diffusivity_law);
+    dict_free(m->g);
+    dict_free(m->properties);
+    dict_free(m->schemes);
+    dict_free(m->solution);
+    free(m);
+}
+
+double segregation_diffusivity(const struct segregation_models *m, const double x[3], double phi, double shear_rate) {
+    if (!m->diffusivity_law) return m->diffusivity;
+    return expr_value_mixture(m->diffusivity_law, x[0], x[1], x[2], 0, phi, shear_rate);
+}
+status segregation_diffusivity_check(const struct segregation_models *m, const double x[3], double shear_rate) {
+    enum { SAMPLES = 21 };
+    for (int k = 0; m->diffusivity_law && k < SAMPLES; k++) {
+        const double phi = k / (SAMPLES - 1.), D = segregation_diffusivity(m, x, phi, shear_rate);
+        if (D >= 0 && isfinite(D)) continue;
+        return fail(ERR_INPUT, "%s: diffusivity: the expression gives %g at (%g %g %g), phi = %g; it must be 0 or more",
+                    dict_path(m->properties), D, x[0], x[1], x[2], phi);
+    }
+    return OK;
+}
+
+void segregation_models_list(FILE *f) {
+    fprintf(f, "constant/segregationProperties\n\npercolation { type .. }\n  constant\n");
+    params_print(f, velocity_param, COUNT(velocity_param));
+    fprintf(f, "  expression\n    velocity \"..\" of x, y, z, in m/s\n  exponential\n");
+    params_print(f, exponential_param, COUNT(exponential_param));
+    fprintf(
+        f,
+        "  kineticStress\n    case, time (latestTime): of a granularGas run; on lines the mean over the other axes\n");
+    params_print(f, stress_param, COUNT(stress_param));
+    fprintf(f, "\ndiffusivity { type .. }\n  constant\n");
+    params_print(f, diffusivity_param, COUNT(diffusivity_param));
+    fprintf(f,
+            "  expression\n    value \"..\" of x, y, z, phi, shearRate (sqrt(2 S:S) of the flow), in m^2/s\n"
+            "\nvelocity { } (default: the start folder's U, at rest without one)\n"
+            "    case, time (latestTime): of a granularGas run whose U carries, of its cell at each centre; on lines "
+            "the mean over the\n"
+            "      other axes, for the shear rate\n"
+            "    weight (uniform): or rho: (rho phi)_t + div(rho U phi) + ..: of a steady gas rho U has no divergence\n"
+            "\nsystem/fvSchemes: closure\n");
+    for (int i = 0; i < COUNT(closure_names); i++) fprintf(f, "  %-20s %s\n", closure_names[i], closure_about[i]);
+    fprintf(f, "\nsystem/fvSchemes: wallValues\n  %-20s %s\n  %-20s %s\n", "cell",
+            "at the centres of all cells (default)", "wall",
+            "of the first and last cell on the walls: half cells, the paper's line");
+    fprintf(f, "\nsystem/fvSchemes: bounded\n  %-20s %s\n", "on, off",
+            "0 <= phi <= 1 whatever D; on with conservative");
+    fprintf(f, "\nsystem/fvSolution: iteration\n  %-20s %s\n  %-20s %s\n", "Newton", "(default)", "Picard",
+            "the paper's");
+    fprintf(f, "\nsystem/fvSolution\n");
+    params_print(f, solution_param, COUNT(solution_param));
+}
+
+void segregation_boundaries_list(FILE *f) {
+    fprintf(f, "  %-14s %s\n  %-14s %s\n  %-14s %s\n  %-14s %s\n", "noFlux", "a wall", "fixedValue",
+            "where U leads in; needs value", "zeroGradient", "where U leads out", "empty",
+            "the axis is not solved; on patches of type empty");
+}
+
+static const char *text_of(const struct dict *d, const char *sub, const char *key) {
+    struct dict *one = NULL;
+    const char *text = "";
+    status s = dict_sub((struct dict *)(uintptr_t)d, sub, &one);
+    if (!s) s = dict_word(one, key, &text);
+    status_free(s);
+    return text;
+}
+
+static void print_time(FILE *f, const char *case_dir, double time) {
+    fprintf(f, isnan(time) ? " of %s, latest time" : " of %s, time %.12g", case_dir, time);
+}
+
+void segregation_models_print(FILE *f, const struct segregation_models *m) {
+    fprintf(f, "Models\n    %-22s %s", "percolation", percolation_names[m->percolation]);
+    if (m->percolation == PERCOLATION_CONSTANT) fprintf(f, " %.10g m/s", m->velocity);
+    if (m->percolation == PERCOLATION_EXPRESSION) fprintf(f, " %s", text_of(m->properties, "percolation", "velocity"));
+    if (m->percolation == PERCOLATION_EXPONENTIAL) fprintf(f, " (%g/%g) d/dy %g exp(%g |y|)", m->q, m->rho, m->A, m->B);
+    if (m->percolation == PERCOLATION_STRESS) print_time(f, m->case_dir, m->time);
+    fprintf(f, "\n    %-22s ", "diffusivity");
+    if (m->diffusivity_law)
+        fprintf(f, "expression %s\n", text_of(m->properties, "diffusivity", "value"));
+    else
+        fprintf(f, "constant %.10g m^2/s\n", m->diffusivity);
+    if (m->velocity_case) {
+        fprintf(f, "    %-22s", "velocity");
+        print_time(f, m->velocity_case, m->velocity_time);
+        fprintf(f, ", weight %s\n", weight_names[m->weighted]);
+    }
+    fprintf(f, "    %-22s %s\n    %-22s %s\n    %-22s %s\n", "closure", segregation_closure_name(m), "wallValues",
+            wall_names[m->on_walls], "bounded", m->scheme.unbounded ? "no" : "yes");
+    fprintf(f, "    %-22s %s\n    %-22s %g\n    %-22s %d\n    %-22s %d\n    %-22s %g\n", "iteration",
+            segregation_iteration_name(m), "tolerance", m->scheme.tolerance, "maxIterations", m->scheme.most,
+            "dampedSteps", m->damped, "timeTolerance", m->time_tolerance);
+}
+
+const char *segregation_closure_name(const struct segregation_models *m) {
+    return closure_names[m->scheme.closure];
+}
+const char *segregation_iteration_name(const struct segregation_models *m) {
+    return iteration_names[!m->scheme.newton];
+}

@@ -1,0 +1,153 @@
+"""Allrun and its shell code with stand-ins for the programs: what is made once, what is made again, what it says."""
+import json
+import os
+import re
+import shutil
+import stat
+import subprocess
+import tempfile
+import unittest
+
+SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", "..")))
+CASES = sorted(n for n in os.listdir(os.path.join(SOURCE, "cases")) if os.path.isdir(os.path.join(SOURCE, "cases", n)))
+
+
+def script(path, text):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w") as f:
+        f.write("#!/bin/sh\n" + text)
+    os.chmod(path, 0o755)
+
+
+class Setup(unittest.TestCase):
+    def setUp(self):
+        """A copy of the scripts and two cases, with programs that only note that they were called."""
+        self.top = os.path.join(os.path.realpath(tempfile.mkdtemp(prefix="haff")), "a folder")
+        ignore = shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "*.png")
+        for name in ("wall", "blast"):
+            shutil.copytree(os.path.join(SOURCE, "cases", name), os.path.join(self.top, "cases", name), ignore=ignore)
+            with open(os.path.join(self.top, "cases", name, "figure.py"), "w") as f:
+                f.write(f"print('{name}.png')\n")
+        shutil.copytree(os.path.join(SOURCE, ".ci"), os.path.join(self.top, ".ci"))
+        shutil.copy(os.path.join(SOURCE, "Allrun"), self.top)
+        self.calls = os.path.join(self.top, "calls")
+        note = f'echo "$(basename "$0")" >>"{self.calls}"\n'
+        fake = os.path.join(self.top, "build", "bin")
+        script(os.path.join(fake, "gmsh"), note + 'while [ "$1" != -o ]; do shift; done; : >"$2"\n')
+        script(os.path.join(fake, "gmshToCase"), note + 'mkdir -p "$3/constant/polyMesh"; : >"$3/constant/polyMesh/boundary"\n')
+        script(os.path.join(fake, "granularGas"),
+               note + 'mkdir "$2/$(sed -n "s/^endTime *\\([^;]*\\);.*/\\1/p" "$2/system/controlDict")"\n')
+
+    def tearDown(self):
+        shutil.rmtree(os.path.dirname(self.top))
+
+    def run_case(self, name):
+        """The case's Allrun: programs called, and what it printed."""
+        open(self.calls, "w").close()
+        done = subprocess.run([os.path.join(self.top, "cases", name, "Allrun")], capture_output=True, text=True)
+        with open(self.calls) as f:
+            return f.read().split(), done
+
+    def touch(self, *path):
+        os.utime(os.path.join(self.top, "cases", *path))
+
+    def test_made_once(self):
+        calls, done = self.run_case("wall")
+        self.assertEqual(calls, ["gmsh", "gmshToCase", "granularGas"], done.stderr)
+        self.assertEqual(done.stdout, "wall.png\n")
+        calls, done = self.run_case("wall")
+        self.assertEqual((calls, done.stdout, done.returncode), ([], "wall.png\n", 0))
+        self.assertIn("Allclean", done.stderr)
+        self.touch("wall", "system", "fvSchemes")
+        self.assertEqual(self.run_case("wall")[0], ["granularGas"])
+        self.touch("wall", "mesh.geo")
+        self.assertEqual(self.run_case("wall")[0], ["gmsh", "gmshToCase", "granularGas"])
+        before = set(os.listdir(os.path.join(SOURCE, "cases", "wall")))
+        subprocess.run([os.path.join(self.top, "cases", "wall", "Allclean")], check=True)
+        self.assertLessEqual(set(os.listdir(os.path.join(self.top, "cases", "wall"))), before)
+        self.assertFalse(os.path.exists(os.path.join(self.top, "cases", "wall", "constant", "polyMesh")))
+
+    def test_variants(self):
+        calls, done = self.run_case("blast")
+        self.assertEqual(calls, ["gmsh", "gmshToCase", "granularGas"] * 3, done.stderr)
+        for e in ("0.7", "0.2"):
+            with open(os.path.join(self.top, "cases", "blast", "e" + e, "constant", "granularProperties")) as f:
+                self.assertIn(f"restitution {e};", f.read())
+        self.assertEqual(self.run_case("blast")[0], [])
+
+    def test_failures(self):
+        script(os.path.join(self.top, "build", "bin", "granularGas"), "echo no good >&2; exit 1\n")
+        _, done = self.run_case("blast")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("no good", done.stderr)
+        self.assertEqual(done.stdout, "")
+        script(os.path.join(self.top, "build", "bin", "gmshToCase"), "echo bad mesh; exit 1\n")
+        self.touch("blast", "mesh.geo")
+        _, done = self.run_case("blast")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("bad mesh", done.stderr)
+
+    def test_missing_packages(self):
+        """Without root and sudo: one line to run, exit code 1."""
+        fake = os.path.join(self.top, "fake")
+        for name, text in (("id", "echo 1000\n"), ("sudo", "exit 1\n"), ("dpkg-query", "exit 1\n")):
+            script(os.path.join(fake, name), text)
+        # the programs come first in PATH: the stand-ins for system commands go there
+        for name in os.listdir(fake):
+            shutil.copy(os.path.join(fake, name), os.path.join(self.top, "build", "bin"))
+        done = subprocess.run([os.path.join(self.top, "Allrun"), "wall"], capture_output=True, text=True,
+                              stdin=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"run:  apt-get update && apt-get install -y \S* *.*libp4est-dev")
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+
+    def test_command_line(self):
+        for arguments, text in ((["nonsense"], "blast wall"), (["-np", "two"], "number of ranks"), (["-x"], "usage")):
+            done = subprocess.run([os.path.join(self.top, "Allrun"), *arguments], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(text, done.stderr)
+
+    def test_every_case_is_whole(self):
+        for name in CASES:
+            folder = os.path.join(SOURCE, "cases", name)
+            with open(os.path.join(folder, "system", "controlDict")) as f:
+                mixture = "granularSegregation;" in f.read()
+            for file in ("README.md", "mesh.geo", "expected.json", "figure.py", "Allrun", "Allclean", "0/phi" if mixture else "0/U",
+                         "constant/segregationProperties" if mixture else "constant/granularProperties",
+                         "system/controlDict", "system/fvSchemes", "system/fvSolution"):
+                self.assertTrue(os.path.exists(os.path.join(folder, file)), f"{name}/{file}")
+            for file in ("Allrun", "Allclean"):
+                self.assertTrue(os.stat(os.path.join(folder, file)).st_mode & stat.S_IXUSR)
+            with open(os.path.join(folder, "expected.json")) as f:
+                for part in json.load(f).values():
+                    for entry in part:
+                        self.assertGreater(entry["tolerance"], 0)
+                        self.assertTrue(entry["source"])
+
+
+class Links(unittest.TestCase):
+    def test_what_is_shown_is_there(self):
+        """In a clone, links of Markdown files to files that only a run makes lead nowhere."""
+        for folder, folders, names in os.walk(SOURCE):
+            folders[:] = [n for n in folders if not n.startswith((".", "build"))]
+            for name in (n for n in names if n.endswith(".md")):
+                with open(os.path.join(folder, name)) as f:
+                    links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", f.read())
+                for link in (n for n in links if "://" not in n):
+                    self.assertTrue(os.path.exists(os.path.join(folder, link)), f"{os.path.join(folder, name)} leads to {link}")
+
+
+class Kernels(unittest.TestCase):
+    def test_names_are_unique(self):
+        """clang exports what chooses among a kernel's clones, also of static ones: two of one name do not link."""
+        seen = {}
+        for name in sorted(os.listdir(os.path.join(SOURCE, "libcore"))):
+            with open(os.path.join(SOURCE, "libcore", name)) as f:
+                for kernel in re.findall(r"^KERNEL static [\w ]*?\**(\w+)\(", f.read(), re.M):
+                    self.assertNotIn(kernel, seen, f"in libcore/{name} and libcore/{seen.get(kernel)}")
+                    seen[kernel] = name
+        self.assertGreater(len(seen), 50)
+
+
+if __name__ == "__main__":
+    unittest.main()

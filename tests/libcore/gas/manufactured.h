@@ -1,0 +1,119 @@
+/* Smooth fields in the unit box, periodic along every axis, and what the Navier-Stokes equations of a granular gas make
+ * of them, by their definition. Every term is there: pressure and convection; bulk, shear and heat with coefficients
+ * that vary in space, derivatives across, the work of the stress; cooling, gravity. Derivatives by differences of the
+ * fourth order (1e-9 of the largest): nothing here knows a mesh or a scheme, so both engines are held to the same.
+ *
+ * Of a mesh's own operator, rates(cell) against manufactured_rates(its centre) is what is to fall at second order. */
+#ifndef TESTS_MANUFACTURED_H
+#define TESTS_MANUFACTURED_H
+
+#include "libcore/gas/gas.h"
+
+#define TWO_PI 6.283185307179586
+
+/* rho between 0.9 and 2.1: with grains of diameter 0.5 disks are packed to 0.18 .. 0.41. */
+static inline void manufactured_fields(const double x[3], double *rho, double u[3], double *T) {
+    const double a = TWO_PI * x[0], b = TWO_PI * x[1], c = TWO_PI * x[2];
+    *rho = 1.5 + 0.4 * sin(a + 0.3) * cos(b) + 0.2 * sin(c + b);
+    *T = 3 + sin(a) * cos(b + 0.7) + 0.5 * sin(c);
+    u[0] = sin(a + 0.2) * cos(b) + 0.6 * cos(c + a);
+    u[1] = 0.8 * cos(a) * sin(b + 0.5) + 0.3 * sin(c);
+    u[2] = 0.5 * sin(a + b + c);
+}
+
+/* A law for any grains, in which each coefficient depends on rho and T in a way of its own. */
+static inline void manufactured_law(const struct transport_numbers *t, const struct eos *eos, const struct material *m,
+                                    int n, const double *restrict rho, const double *restrict T, double *restrict bulk,
+                                    double *restrict shear, double *restrict heat) {
+    (void)t, (void)eos, (void)m;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = 0.4 * rho[i] * T[i];
+        shear[i] = 0.3 * rho[i] * rho[i] * sqrt(T[i]);
+        heat[i] = 1.1 * T[i] / rho[i];
+    }
+}
+
+enum manufactured_part { OF_CONVECTION = 1, OF_STRESS = 2, OF_HEAT = 4, OF_SOURCES = 8, OF_ALL = 15 };
+
+/* d/dx_axis of f at x, n values; h: of the difference */
+typedef void manufactured_function(const void *context, const double x[3], double *out);
+static inline void manufactured_derivative(manufactured_function *f, const void *context, int n, int axis,
+                                           const double x[3], double *out) {
+    const double h = 1e-3, weight[4] = {1, -8, 8, -1};
+    for (int v = 0; v < n; v++) out[v] = 0;
+    for (int j = 0; j < 4; j++) {
+        double at[3] = {x[0], x[1], x[2]}, value[MAX_VAR];
+        at[axis] += (const double[]){-2, -1, 1, 2}[j] * h;
+        f(context, at, value);
+        for (int v = 0; v < n; v++) out[v] += weight[j] * value[v] / (12 * h);
+    }
+}
+
+struct manufactured { /* what a flux needs */
+    const struct gas_models *models;
+    int dim, axis;
+    enum manufactured_part parts;
+};
+
+static inline void manufactured_velocity_and_temperature(const void *context, const double x[3], double *out) {
+    double rho;
+    (void)context;
+    manufactured_fields(x, &rho, out, out + 3);
+}
+
+/* Into the positive direction of m->axis: mass, momentum, energy. */
+static inline void manufactured_flux(const void *context, const double x[3], double *out) {
+    const struct manufactured *m = context;
+    const struct material *grains = &m->models->material;
+    const int dim = m->dim, k = m->axis, energy = dim + 1;
+    double rho, u[3] = {0}, T, d[3][4], spread = 0, square = 0, p, c2, gruneisen, bulk, shear, heat;
+    manufactured_fields(x, &rho, u, &T);
+    for (int a = 0; a < dim; a++) {
+        manufactured_derivative(manufactured_velocity_and_temperature, NULL, 4, a, x, d[a]);
+        spread += d[a][a];
+        square += u[a] * u[a];
+    }
+    const double eps = T / (grains->gamma - 1), E = rho * (eps + 0.5 * square);
+    m->models->eos->state(grains, 1, &rho, &eps, &p, &c2, &gruneisen);
+    m->models->transport->coefficients(&m->models->numbers, m->models->eos, grains, 1, &rho, &T, &bulk, &shear, &heat);
+    for (int v = 0; v <= energy; v++) out[v] = 0;
+    if (m->parts & OF_CONVECTION) {
+        out[0] = rho * u[k];
+        for (int c = 0; c < dim; c++) out[1 + c] = rho * u[k] * u[c] + (c == k ? p : 0);
+        out[energy] = (E + p) * u[k];
+    }
+    for (int c = 0; c < dim && m->parts & OF_STRESS; c++) {
+        const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
+        const double stress = shear * (d[k][c] + d[c][k]) + (c == k ? lambda * spread : 0);
+        out[1 + c] -= stress;
+        out[energy] -= stress * u[c];
+    }
+    if (m->parts & OF_HEAT) out[energy] -= heat * d[k][3];
+}
+
+/* d/dt of mass, momentum (dim) and energy at x, all per volume. */
+static inline void manufactured_rates(const struct gas_models *models, int dim, enum manufactured_part parts,
+                                      const double x[3], double out[MAX_VAR]) {
+    const struct sources *s = &models->source;
+    for (int v = 0; v < dim + 2; v++) out[v] = 0;
+    for (int axis = 0; axis < dim; axis++) {
+        double change[MAX_VAR];
+        const struct manufactured m = {models, dim, axis, parts};
+        manufactured_derivative(manufactured_flux, &m, dim + 2, axis, x, change);
+        for (int v = 0; v < dim + 2; v++) out[v] -= change[v];
+    }
+    if (!(parts & OF_SOURCES)) return;
+    const struct material *m = &models->material;
+    double rho, u[3], T, contact;
+    manufactured_fields(x, &rho, u, &T);
+    models->eos->contact(m, 1, &rho, &contact);
+    for (int k = 0; k < dim; k++) {
+        out[1 + k] += rho * s->gravity[k];
+        out[dim + 1] += rho * s->gravity[k] * u[k];
+    }
+    if (s->cooling)
+        out[dim + 1] -=
+            cooling_factor(m) * (1 - m->restitution * m->restitution) * rho * T * sqrt(T) * contact / m->diameter;
+}
+
+#endif

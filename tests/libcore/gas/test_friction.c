@@ -1,0 +1,262 @@
+/* Heat is conducted with what the stress makes of T and with what cooling takes: nothing is split between these, on
+ * either mesh engine, however a half step is cut into parts. */
+#include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world;
+enum { N = 32, WIDE = 4 };
+
+static const double SLOW = 0.7, FAST = 70; /* viscosity, heat conductivity */
+static void law(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
+                double *restrict heat) {
+    (void)t, (void)eos, (void)m, (void)rho, (void)T;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = shear[i] = SLOW;
+        heat[i] = FAST;
+    }
+}
+static const struct transport LAW = {.coefficients = law};
+
+static bool can(int scheme, bool polyhedral) {
+    return diffusion_table[scheme].plan || (!polyhedral && implicit_available());
+}
+
+/* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools. */
+static void open_models(struct scene *s, const struct transport *law, const char *diffusion, bool polyhedral,
+                        initial *at, bool walls) {
+    const struct cells_recipe boxes = {"boxes", 2, BOXES, {N, WIDE, 1}, {0, 1, 2}, 0, {!walls, true, true}};
+    *s = (struct scene){.dim = 2, .models = disks_models(law, diffusion)};
+    s->models.source.cooling = walls;
+    set_walls(s, "slip");
+    for (int p = 0; p < 2 && walls; p++)
+        s->rules[p].temperature = (struct rule){boundary_find("fixedValue"), {1 + p}, NULL};
+    if (polyhedral) {
+        s->mesh = cells_make(&boxes);
+        for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * N;
+        open_mesh(s, world);
+    } else {
+        open_box(s, world, 2, boxes.n, (double[3]){1, (double)WIDE / N, 1}, boxes.cyclic, 16);
+    }
+    start(s, at);
+}
+
+static void open_scene(struct scene *s, const char *diffusion, bool polyhedral, initial *at) {
+    open_models(s, &LAW, diffusion, polyhedral, at, false);
+}
+
+/* The state after so many half steps, of the same total energy; caller frees. */
+static double *after(struct scene *s, int steps, double time) {
+    double before[MAX_VAR], end[MAX_VAR];
+    ok(gas_totals(s->gas, before));
+    spread(s, steps, time / steps);
+    ok(gas_totals(s->gas, end));
+    assert_near(end[3], before[3], 1e-13 * before[3]);
+    return state_of(s, world);
+}
+
+/* ---- a shear flow --------------------------------------------------------------------------------------------------
+ */
+
+static const double K = TWO_PI, SPEED = 2;
+static void shearing(const double x[3], double *rho, double u[3], double *T) {
+    *rho = 1;
+    *T = 1;
+    u[1] = SPEED * sin(K * x[0]);
+}
+
+/* Of u = SPEED exp(-SLOW K^2 t) sin K x, which heats SLOW u'^2: the amplitude of T along cos 2 K x. */
+static double exact_wave(double t) {
+    const double rate = 2 * SLOW * K * K, loss = 4 * FAST * K * K;
+    return 0.25 * SPEED * SPEED * rate * (exp(-rate * t) - exp(-loss * t)) / (loss - rate);
+}
+
+static double wave_of(const struct scene *s, const double *all) {
+    double sum = 0;
+    for (int i = 0; i < s->cells; i++) sum += 2 * temperature(all, 2, s->cells, i) * cos(2 * K * s->centre[3 * i]);
+    return sum / s->cells;
+}
+
+/* One half step in which the wave of T would decay by exp(-40): a first half of friction and a second one of conduction
+ * leave nothing of it, or what a scheme leaves of stiff modes. */
+static void fast_conduction_holds_the_heat_of_friction(void **state) {
+    (void)state;
+    const double time = 40 / (4 * FAST * K * K);
+    for (int scheme = 0; scheme < diffusion_count; scheme++)
+        for (int polyhedral = 0; polyhedral < 2 && can(scheme, polyhedral); polyhedral++) {
+            struct scene s;
+            open_scene(&s, diffusion_table[scheme].name, polyhedral, shearing);
+            double *all = after(&s, 1, time);
+            assert_close(wave_of(&s, all), exact_wave(time), 0.2, diffusion_table[scheme].name);
+            free(all);
+            close_scene(&s);
+        }
+}
+
+static void friction_and_conduction_are_of_second_order(void **state) {
+    (void)state;
+    const double time = 4 / (4 * FAST * K * K);
+    for (int polyhedral = 0; polyhedral < 2; polyhedral++) {
+        struct scene s;
+        open_scene(&s, "explicit", polyhedral, shearing);
+        double *exact = after(&s, 512, time);
+        assert_close(wave_of(&s, exact), exact_wave(time), 0.03, "many small steps");
+        close_scene(&s);
+        for (int scheme = 0; scheme < diffusion_count && can(scheme, polyhedral); scheme++) {
+            double error[2] = {0, 0};
+            for (int i = 0; i < 2; i++) {
+                open_scene(&s, diffusion_table[scheme].name, polyhedral, shearing);
+                double *all = after(&s, 4 << i, time);
+                for (int k = 0; k < 4 * s.cells; k++) error[i] = fmax(error[i], fabs(all[k] - exact[k]));
+                free(all);
+                close_scene(&s);
+            }
+            assert_true(log2(error[0] / error[1]) > 1.8);
+            assert_true(error[1] < 0.01 * exact_wave(time));
+        }
+        free(exact);
+    }
+}
+
+/* ---- thin cells ----------------------------------------------------------------------------------------------------
+ */
+
+static double spot_T; /* of the second one */
+static void thin_cells(const double x[3], double *rho, double u[3], double *T) {
+    const int i = (int)(x[0] * N);
+    shearing(x, rho, u, T);
+    if (i == N / 2) *rho = 0.01;
+    if (i == N / 4) {
+        *rho = 0.01;
+        *T = spot_T;
+    }
+}
+
+/* T of the first thin column above the mean of those beside it. */
+static double excess(const struct scene *s, const double *all) {
+    double sum = 0;
+    for (int i = 0; i < s->cells; i++) {
+        const int off = abs((int)(s->centre[3 * i] * N) - N / 2);
+        if (off < 2) sum += (off ? -0.5 : 1) * temperature(all, 2, s->cells, i) / WIDE;
+    }
+    return sum;
+}
+
+/* A thin cell between dense ones loses heat so fast that it stays nearly as cold as they are, whatever friction brings
+ * to it: also when the half step is done in parts, here as another one is hot and would be left below zero. */
+static void thin_cells_stay_cold(void **state) {
+    (void)state;
+    const double time = 40 / (2 * FAST * N * N / 0.01);
+    for (int hot = 0; hot < 2; hot++)
+        for (int polyhedral = 0; polyhedral < 2; polyhedral++) {
+            struct scene s;
+            long repeated = 0;
+            spot_T = hot ? 300 : 1;
+            open_scene(&s, "explicit", polyhedral, thin_cells);
+            double *all = after(&s, 16, time);
+            const double exact = excess(&s, all);
+            free(all);
+            close_scene(&s);
+            for (int scheme = 0; scheme < diffusion_count && can(scheme, polyhedral); scheme++) {
+                open_scene(&s, diffusion_table[scheme].name, polyhedral, thin_cells);
+                all = after(&s, 1, time);
+                repeated += gas_counts(s.gas).repeated;
+                assert_close(excess(&s, all), exact, 0.12, diffusion_table[scheme].name);
+                free(all);
+                close_scene(&s);
+            }
+            assert_true((repeated > 0) == hot);
+        }
+}
+
+/* ---- cooling -------------------------------------------------------------------------------------------------------
+ */
+
+static void between_walls(const double x[3], double *rho, double u[3], double *T) {
+    (void)u;
+    *rho = 25;
+    *T = 1 + x[0];
+}
+
+/* Steady, after so many whole steps. */
+static double *settled(bool polyhedral, int steps) {
+    struct scene s;
+    open_models(&s, transport_find("JenkinsRichman"), "RKJ2", polyhedral, between_walls, true);
+    go(&s, steps, 4. / steps);
+    double *all = state_of(&s, world);
+    close_scene(&s);
+    return all;
+}
+
+/* Where conduction and cooling balance each other their splitting leaves an error of second order, also beside walls
+ * that hold T: one after the other, of first order there. */
+static void cooling_and_conduction_are_of_second_order(void **state) {
+    (void)state;
+    for (int polyhedral = 0; polyhedral < 2; polyhedral++) {
+        double *all[3], error[2] = {0, 0};
+        for (int i = 0; i < 3; i++) all[i] = settled(polyhedral, 400 << i);
+        for (int i = 0; i < 2; i++)
+            for (int k = 0; k < N * WIDE; k++)
+                error[i] =
+                    fmax(error[i], fabs(temperature(all[i], 2, N * WIDE, k) - temperature(all[i + 1], 2, N * WIDE, k)));
+        for (int i = 0; i < 3; i++) free(all[i]);
+        assert_true(log2(error[0] / error[1]) > 1.9);
+        assert_near(error[1], 0, 1e-4);
+    }
+}
+
+/* ---- the budget ----------------------------------------------------------------------------------------------------
+ */
+
+/* Viscous columns between others that are not: through the faces of the first only those parts of the stress of a
+ * flow that turns pass that take from T, of which there is little. */
+static void law_of_stripes(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+                           const double *restrict rho, const double *restrict T, double *restrict bulk,
+                           double *restrict shear, double *restrict heat) {
+    (void)t, (void)eos, (void)m, (void)T;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = shear[i] = rho[i] > 1.5 ? SLOW : 1e-3 * SLOW;
+        heat[i] = 1e-4;
+    }
+}
+static const struct transport STRIPES = {.coefficients = law_of_stripes};
+
+static void cold_and_turning(const double x[3], double *rho, double u[3], double *T) {
+    *rho = (int)(x[0] * 24) % 2 ? 2 : 1;
+    *T = 1e-3;
+    u[0] = 3 * (x[1] - 0.5);
+    u[1] = -6 * (x[0] - 0.5);
+}
+
+/* Half steps that are done again as a whole count once: between walls at rest, of a temperature, what is not heat from
+ * these is lost. */
+static void budget_counts_the_last_attempt(void **state) {
+    (void)state;
+    struct scene s = {.models = disks_models(&STRIPES, "RKL2")};
+    struct gas_budget b;
+    set_walls(&s, "noSlip");
+    for (int p = 0; p < 6; p++) s.rules[p].temperature = (struct rule){boundary_find("fixedValue"), {40}, NULL};
+    open_box(&s, world, 2, (int[3]){24, 18, 1}, (double[3]){1, 1, 1}, (bool[3]){false, false, false}, 8);
+    start(&s, cold_and_turning);
+    ok(gas_audit(s.gas));
+    run(&s, 3, 0.4);
+    ok(gas_budget(s.gas, &b));
+    assert_true(gas_counts(s.gas).plain > 0);
+    assert_near(b.lost[1], 0, 1e-13 * b.energy);
+    assert_true(fabs(b.gained[GAS_HEAT]) > 1e-6 * b.energy);
+    close_scene(&s);
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fast_conduction_holds_the_heat_of_friction),
+        cmocka_unit_test(friction_and_conduction_are_of_second_order),
+        cmocka_unit_test(thin_cells_stay_cold),
+        cmocka_unit_test(cooling_and_conduction_are_of_second_order),
+        cmocka_unit_test(budget_counts_the_last_attempt),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}

@@ -1,0 +1,363 @@
+/* Whole steps of the gas on forests of tiles: conservation, bits that depend on neither tiles nor dimension, quiet
+ * states, the limiter and the stop at a collapse. */
+#include "libcore/gas/gas.h"
+#include "tests/box.h"
+
+#include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world;
+
+struct scene {
+    struct box box;
+    struct forest *forest;
+    struct gas *gas;
+    struct gas_models models;
+    struct patch_rules rules[6];
+    int cells;
+};
+
+static void must(status s) {
+    if (s) fail_msg("%s", status_text(s));
+}
+
+static void open_scene(struct scene *s, int dim, const int n[3], bool periodic, const char *flux,
+                       const char *reconstruct) {
+    const double length[3] = {1, 1, 1};
+    const bool wrapped[3] = {periodic, periodic, periodic};
+    box_make(&s->box, dim, n, length, wrapped);
+    s->models = (struct gas_models){
+        .material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65},
+        .eos = eos_find("GoldshteinShapiro"),
+        .flux = flux_find(flux),
+        .reconstruct = reconstruct_find(reconstruct),
+        .stepper = stepper_find("SSPRK3"),
+        .skip_uniform = true};
+    for (int p = 0; p < 6; p++) {
+        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
+        s->rules[p].velocity.type = boundary_find("slip");
+    }
+    s->cells = s->box.mesh.ncells;
+    must(forest_make(&s->box.lattice, &s->box.mesh, world, dim == 1 ? 16 : 8, &s->forest));
+    must(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
+}
+
+static void close_scene(struct scene *s) {
+    gas_free(s->gas);
+    forest_free(s->forest);
+    box_free(&s->box);
+}
+
+typedef void initial(const double x[3], double *rho, double u[3], double *T);
+
+static void start(struct scene *s, initial *at) {
+    int n = s->cells;
+    double *all = malloc(5 * (size_t)n * sizeof *all), *u[3] = {all + n, all + 2 * n, all + 3 * n};
+    const struct lattice *l = &s->box.lattice;
+    for (int i = 0; i < n; i++) {
+        double x[3] = {(i % l->n[0] + 0.5) * l->width[0], (i / l->n[0] % l->n[1] + 0.5) * l->width[1],
+                       (i / l->n[0] / l->n[1] + 0.5) * l->width[2]},
+               v[3] = {0, 0, 0};
+        at(x, &all[i], v, &all[4 * n + i]);
+        for (int k = 0; k < 3; k++) u[k][i] = v[k];
+    }
+    must(gas_set(s->gas, all, (const double *const *)u, all + 4 * n));
+    free(all);
+}
+
+static void run(struct scene *s, int steps, double maxCo) { /* from t = 0 */
+    double t = 0;
+    for (int i = 0; i < steps; i++) {
+        struct gas_speed speed;
+        gas_speed(s->gas, &speed);
+        double dt = maxCo / speed.rate;
+        must(gas_step(s->gas, t, &dt, maxCo, 0, 1e-3, &speed));
+        t += dt;
+    }
+}
+
+/* Root's conserved state, broadcast: [nvar][cells], caller frees. */
+static double *state_of(const struct scene *s) {
+    int nvar = gas_variables(s->gas);
+    double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
+    for (int v = 0; v < nvar; v++) U[v] = all + v * s->cells;
+    must(gas_get_conserved(s->gas, U));
+    comm_broadcast(world, all, (long)sizeof *all * nvar * s->cells);
+    return all;
+}
+
+static void splash(const double x[3], double *rho, double u[3], double *T) {
+    *rho = 300 + 200 * sin(6.283185307179586 * (x[0] + 2 * x[1] - x[2]));
+    *T = 2 + cos(6.283185307179586 * (x[0] - x[1]));
+    for (int k = 0; k < 3; k++) u[k] = 3 * sin(6.283185307179586 * (x[k] + 0.1 * k)) + k;
+}
+
+static void conservation(void **state) {
+    (void)state;
+    for (int flux = 0; flux < flux_count; flux++)
+        for (int dim = 1; dim <= 3; dim++)
+            for (int walls = 0; walls < 2; walls++) {
+                struct scene s;
+                double before[MAX_VAR], after[MAX_VAR];
+                open_scene(&s, dim, (int[3]){dim == 1 ? 60 : 16, 12, 8}, !walls, flux_table[flux].name, "WENO5");
+                start(&s, splash);
+                must(gas_totals(s.gas, before));
+                run(&s, 20, 0.5);
+                must(gas_totals(s.gas, after));
+                double scale = before[dim + 1];
+                assert_near(after[0], before[0], 2e-14 * before[0]);
+                assert_near(after[dim + 1], before[dim + 1], 2e-14 * scale);
+                for (int k = 1; k <= dim && !walls; k++) assert_near(after[k], before[k], 2e-14 * scale);
+                must(gas_check(s.gas));
+                close_scene(&s);
+            }
+}
+
+static int direction; /* along which the planar flow varies */
+static void planar(const double x[3], double *rho, double u[3], double *T) {
+    double s = x[direction];
+    *rho = s < 0.4 ? 400 : 120 + 30 * sin(20 * s);
+    *T = s < 0.6 ? 3 : 1;
+    u[direction] = 2 * sin(6 * s);
+}
+
+/* A planar flow has the same bits in 1D, 2D, 3D and along x, y, z, for any tiles. */
+static void one_is_two_is_three(void **state) {
+    (void)state;
+    for (int flux = 0; flux < flux_count; flux++)
+        for (int r = 0; r < reconstruct_count; r++) {
+            struct scene line;
+            direction = 0;
+            open_scene(&line, 1, (int[3]){40, 1, 1}, false, flux_table[flux].name, reconstruct_table[r].name);
+            start(&line, planar);
+            for (int i = 0; i < 15; i++) { /* a given dt: the Courant number counts the axes */
+                struct gas_speed speed;
+                double dt = 2e-4;
+                gas_speed(line.gas, &speed);
+                must(gas_step(line.gas, 0, &dt, 1, 0, 0, &speed));
+            }
+            double *expected = state_of(&line);
+            for (int dim = 2; dim <= 3; dim++)
+                for (direction = 0; direction < dim; direction++) {
+                    struct scene s;
+                    int n[3] = {4, 4, 4}, stride = 1;
+                    n[direction] = 40;
+                    for (int k = 0; k < direction; k++) stride *= n[k];
+                    open_scene(&s, dim, n, false, flux_table[flux].name, reconstruct_table[r].name);
+                    /* the same cell size along the flow */
+                    start(&s, planar);
+                    for (int i = 0; i < 15; i++) {
+                        struct gas_speed speed;
+                        double dt = 2e-4;
+                        gas_speed(s.gas, &speed);
+                        must(gas_step(s.gas, 0, &dt, 1, 0, 0, &speed));
+                    }
+                    double *found = state_of(&s);
+                    for (int i = 0; i < s.cells; i++) {
+                        int at = i / stride % 40;
+                        assert_true(found[i] == expected[at]);
+                        assert_true(found[(1 + direction) * s.cells + i] == expected[40 + at]);
+                        assert_true(found[(dim + 1) * s.cells + i] == expected[80 + at]);
+                    }
+                    free(found);
+                    close_scene(&s);
+                }
+            free(expected);
+            close_scene(&line);
+        }
+}
+
+static void stream(const double x[3], double *rho, double u[3], double *T) {
+    (void)x;
+    *rho = 343.7;
+    *T = 14.39;
+    u[0] = 44.5;
+    u[1] = -44.5;
+    u[2] = 3;
+}
+
+/* Cooling and falling, a uniform stream stays uniform to the bit, for every scheme. */
+static void free_stream(void **state) {
+    (void)state;
+    for (int flux = 0; flux < flux_count; flux++)
+        for (int r = 0; r < reconstruct_count; r++) {
+            struct scene s;
+            open_scene(&s, 2, (int[3]){20, 12, 1}, true, flux_table[flux].name, reconstruct_table[r].name);
+            gas_free(s.gas);
+            s.models.material.restitution = 0.9;
+            s.models.source = (struct sources){.cooling = true, .gravity = {700, -700, 0}};
+            must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
+            start(&s, stream);
+            run(&s, 30, 0.5);
+            double *U = state_of(&s);
+            for (int v = 0; v < 4; v++)
+                for (int i = 1; i < s.cells; i++) assert_true(U[v * s.cells + i] == U[v * s.cells]);
+            free(U);
+            close_scene(&s);
+        }
+}
+
+static void pellet(const double x[3], double *rho, double u[3], double *T) { /* a dense pellet in a falling stream */
+    double r = 0;
+    for (int k = 0; k < 3; k++) r += (x[k] - 0.4) * (x[k] - 0.4) * (k < 2 || x[2] != 0.5);
+    *rho = r < 0.02 ? 600 : 100;
+    *T = r < 0.02 ? 30 : 4;
+    u[0] = 3;
+    u[1] = -2;
+}
+
+/* What is left out is exactly zero: the same bits with and without skipping, in every dimension, with walls, cooling,
+ * gravity, and limited cells. */
+static void skipping_changes_no_bit(void **state) {
+    (void)state;
+    for (int flux = 0; flux < flux_count; flux++)
+        for (int r = 0; r < reconstruct_count; r++)
+            for (int dim = 1; dim <= 3; dim++)
+                for (int periodic = 0; periodic < 2; periodic++) {
+                    double *U[2];
+                    int cells = 0, nvar = dim + 2;
+                    for (int skip = 0; skip < 2; skip++) {
+                        struct scene s;
+                        open_scene(&s, dim, (int[3]){dim == 1 ? 120 : 41, 27, 9}, periodic, flux_table[flux].name,
+                                   reconstruct_table[r].name);
+                        gas_free(s.gas);
+                        s.models.skip_uniform = skip;
+                        s.models.material.restitution = 0.9;
+                        s.models.source = (struct sources){.cooling = true, .gravity = {30, -20, 0}};
+                        must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
+                        start(&s, pellet);
+                        run(&s, dim == 3 ? 3 : 12, 0.6);
+                        U[skip] = state_of(&s);
+                        cells = s.cells;
+                        close_scene(&s);
+                    }
+                    for (int i = 0; i < nvar * cells; i++)
+                        if (U[0][i] != U[1][i])
+                            fail_msg("%s %s %dD%s: variable %d of cell %d is %.17g, with skipping %.17g",
+                                     flux_table[flux].name, reconstruct_table[r].name, dim, periodic ? " periodic" : "",
+                                     i / cells, i % cells, U[0][i], U[1][i]);
+                    free(U[0]);
+                    free(U[1]);
+                }
+}
+
+static void blast(const double x[3], double *rho, double u[3], double *T) {
+    bool inside = x[0] > 0.4 && x[0] < 0.6;
+    *rho = inside ? 1100 : 1e-3; /* close packing is at 1241 */
+    *T = inside ? 1e-6 : 1e-6;
+    u[0] = x[0] < 0.5 ? 5 : -5;
+}
+
+/* Grains that collide at Mach 5000 near close packing beside a vacuum: the net holds, mass stays, the run says so. */
+static void safety_net(void **state) {
+    (void)state;
+    for (int flux = 0; flux < flux_count; flux++) {
+        struct scene s;
+        double before[MAX_VAR], after[MAX_VAR];
+        open_scene(&s, 1, (int[3]){80, 1, 1}, false, flux_table[flux].name, "WENO5");
+        start(&s, blast);
+        must(gas_totals(s.gas, before));
+        run(&s, 40, 0.5);
+        must(gas_check(s.gas));
+        must(gas_totals(s.gas, after));
+        assert_near(after[0], before[0], 1e-13 * before[0]);
+        assert_near(after[2], before[2], 1e-13 * before[2]);
+        struct gas_counts c = gas_counts(s.gas);
+        if (strcmp(flux_table[flux].name, "Rusanov") != 0) assert_true(c.cells + c.rejected > 0);
+        assert_true(c.faces <= 2 * c.cells);
+        close_scene(&s);
+    }
+}
+
+/* Every step from a state that was set, as after a restart, where nothing is known of earlier mended cells. */
+static void run_restarting(struct scene *s, int steps, double maxCo) {
+    double t = 0, *U[MAX_VAR];
+    for (int i = 0; i < steps; i++) {
+        struct gas_speed speed;
+        double *all = state_of(s);
+        for (int v = 0; v < gas_variables(s->gas); v++) U[v] = all + v * s->cells;
+        gas_set_conserved(s->gas, (const double *const *)U);
+        free(all);
+        gas_speed(s->gas, &speed);
+        double dt = maxCo / speed.rate;
+        must(gas_step(s->gas, t, &dt, maxCo, 0, 1e-3, &speed));
+        t += dt;
+    }
+}
+
+/* A step that is done again stage by stage has the bits and counts of one that was looked at so from its start. */
+static void looking_once_a_step(void **state) {
+    (void)state;
+    const char *steppers[] = {"SSPRK3", "SSPRK104"};
+    for (int i = 0; i < 2; i++) {
+        double *U[2];
+        struct gas_counts c[2];
+        int numbers = 0;
+        for (int restarting = 0; restarting < 2; restarting++) {
+            struct scene s;
+            open_scene(&s, 1, (int[3]){80, 1, 1}, false, "Marquina", "WENO5");
+            gas_free(s.gas);
+            s.models.stepper = stepper_find(steppers[i]);
+            s.models.material.restitution = 0.9;
+            s.models.source = (struct sources){.cooling = true, .gravity = {30, -20, 0}};
+            must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
+            start(&s, blast);
+            (restarting ? run_restarting : run)(&s, 40, 0.5);
+            U[restarting] = state_of(&s);
+            c[restarting] = gas_counts(s.gas);
+            numbers = gas_variables(s.gas) * s.cells;
+            close_scene(&s);
+        }
+        assert_true(c[0].cells > 0);
+        assert_memory_equal(&c[0], &c[1], sizeof c[0]);
+        assert_memory_equal(U[0], U[1], (size_t)numbers * sizeof *U[0]);
+        free(U[0]);
+        free(U[1]);
+    }
+}
+
+static void pile(const double x[3], double *rho, double u[3], double *T) {
+    *rho = x[0] > 0.9 ? 1200 : 100;
+    *T = 1;
+    u[0] = 20;
+}
+
+/* A cooling gas driven onto a wall packs in finite time: a clean stop with time, place and the last good state. */
+static void collapse(void **state) {
+    (void)state;
+    struct scene s;
+    open_scene(&s, 1, (int[3]){40, 1, 1}, false, "common", "PHM");
+    gas_free(s.gas);
+    s.models.material.restitution = 0.5;
+    s.models.source = (struct sources){.cooling = true, .gravity = {980, 0, 0}};
+    must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
+    start(&s, pile);
+    double t = 0;
+    status stop = OK;
+    for (int i = 0; i < 20000 && !stop; i++) {
+        struct gas_speed speed;
+        gas_speed(s.gas, &speed);
+        double dt = 0.5 / speed.rate;
+        stop = gas_step(s.gas, t, &dt, 0.5, 0, 1e-2, &speed);
+        t += stop ? 0 : dt;
+    }
+    assert_non_null(stop);
+    assert_int_equal(status_kind(stop), ERR_STATE);
+    assert_non_null(strstr(status_text(stop), "inelastic collapse at t = "));
+    status_free(stop);
+    must(gas_check(s.gas));
+    close_scene(&s);
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(conservation),        cmocka_unit_test(one_is_two_is_three),
+        cmocka_unit_test(free_stream),         cmocka_unit_test(skipping_changes_no_bit),
+        cmocka_unit_test(safety_net),          cmocka_unit_test(collapse),
+        cmocka_unit_test(looking_once_a_step),
+    };
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return status_print(s, true);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}

@@ -1,0 +1,375 @@
+/* Viscous stress and heat conduction on polyhedra: order on perturbed meshes, what linear fields must do exactly, bits,
+ * what must not happen; against the tiles. */
+#include "libcore/polyhedral/cells.h"
+
+#include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world, *alone;
+
+static void choose(struct scene *s, int dim, const char *wall, const struct transport *law) {
+    *s = (struct scene){.dim = dim, .models = disks_models(law, "RKL2")};
+    set_walls(s, wall);
+}
+
+/* In the unit box. */
+static void open_cells(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
+    s->mesh = cells_make(r);
+    for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * r->n[i % 3];
+    open_mesh(s, c);
+    for (int i = 0; i < s->cells; i++)
+        for (int k = s->dim; k < 3; k++) s->centre[3 * i + k] = 0;
+}
+
+/* An Euler step of the viscous part alone. */
+static void shear(struct scene *s, double dt) {
+    struct gas *g = s->gas;
+    double rate[2];
+    g->engine->diffusion_rates(g, &g->U, rate);
+    g->engine->diffusion_begin(g, VISCOUS, &g->U, dt, 0);
+    assert_true(g->engine->diffusion_end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
+}
+
+/* dt at which an Euler step of the faster of both kinds is just stable */
+static double stable(struct scene *s) {
+    return 1 / fastest(s, world);
+}
+
+#define CYCLIC                                                                                                         \
+    { true, true, true }
+#define OPEN                                                                                                           \
+    { false, false, false }
+
+/* ---- order ---------------------------------------------------------------------------------------------------------
+ */
+
+/* What keeps the manufactured fields steady is added in halves around each step; what is left at the end is the error
+ * of space and splitting: the mean over the cells, the worst of the variables. */
+static double steady_error(const struct cells_recipe *r, int count) {
+    struct scene s;
+    const double time = 0.02;
+    double worst = 0;
+    choose(&s, r->dim, "slip", &VARIED);
+    open_cells(&s, world, r);
+    start(&s, manufactured_fields);
+    const int nvar = r->dim + 2;
+    double *begin = state_of(&s, world), *drive = malloc((size_t)(nvar * s.cells) * sizeof *drive);
+    for (int i = 0; i < s.cells; i++) {
+        double rates[MAX_VAR] = {0};
+        manufactured_rates(&s.models, r->dim, OF_STRESS | OF_HEAT, s.centre + 3 * i, rates);
+        for (int v = 0; v < nvar; v++) drive[v * s.cells + i] = -rates[v];
+    }
+    for (int step = 0; step < 2 * count; step++) {
+        double *now = state_of(&s, world);
+        const double *U[MAX_VAR];
+        for (int i = 0; i < nvar * s.cells; i++) now[i] += 0.5 * time / count * drive[i];
+        for (int v = 0; v < nvar; v++) U[v] = now + v * s.cells;
+        gas_set_conserved(s.gas, U);
+        free(now);
+        if (step % 2 == 0) spread(&s, 1, time / count);
+    }
+    double *end = state_of(&s, world);
+    for (int v = 0; v < nvar; v++) {
+        double sum = 0;
+        for (int i = 0; i < s.cells; i++) sum += fabs(end[v * s.cells + i] - begin[v * s.cells + i]) / s.cells;
+        worst = larger(worst, sum);
+    }
+    free(begin);
+    free(drive);
+    free(end);
+    close_scene(&s);
+    return worst;
+}
+
+static void driven_gas_stays_at_second_order(void **state) {
+    (void)state;
+    if (comm_size(world) > 1) skip(); /* other ranks have the same bits */
+    static const struct {
+        struct cells_recipe recipe;
+        int fine, count; /* steps of the coarse mesh; as many more as there are cells in a square of the fine one */
+        double order, most;
+    } cases[] = {
+        {{"line", 1, BOXES, {32, 1, 1}, {0, 1, 2}, 0.3, CYCLIC}, 128, 48, 1.9, 0.002},
+        {{"quads", 2, BOXES, {16, 16, 1}, {0, 1, 2}, 0.2, CYCLIC}, 32, 48, 1.9, 0.009},
+        {{"triangles", 2, PRISMS, {12, 12, 1}, {0, 1, 2}, 0.15, CYCLIC}, 24, 48, 1.9, 0.01},
+        {{"hexahedra", 3, BOXES, {8, 8, 8}, {0, 1, 2}, 0.15, CYCLIC}, 12, 24, 1.9, 0.06},
+        {{"tetrahedra", 3, TETS, {9, 9, 9}, {0, 1, 2}, 0.1, CYCLIC}, 15, 24, 1.6, 0.03}, /* from 16 to 24 boxes 2.1 */
+    };
+    for (int c = 0; c < (int)(sizeof cases / sizeof *cases); c++) {
+        struct cells_recipe fine = cases[c].recipe;
+        const double ratio = (double)cases[c].fine / fine.n[0];
+        for (int k = 0; k < fine.dim; k++) fine.n[k] = cases[c].fine;
+        const double coarse = steady_error(&cases[c].recipe, cases[c].count),
+                     error = steady_error(&fine, (int)(ratio * ratio * cases[c].count));
+        const double order = log(coarse / error) / log(ratio);
+        print_message("%s: %.3g, %.3g: order %.2f\n", fine.name, coarse, error, order);
+        assert_true(order > cases[c].order);
+        assert_true(error < cases[c].most);
+    }
+}
+
+/* ---- linear fields -------------------------------------------------------------------------------------------------
+ */
+
+static const struct cells_recipe rough[] = {
+    {"quads", 2, BOXES, {12, 12, 1}, {0, 1, 2}, 0.3, OPEN},
+    {"triangles", 2, PRISMS, {10, 10, 1}, {0, 1, 2}, 0.2, OPEN},
+    {"tetrahedra", 3, TETS, {6, 6, 6}, {0, 1, 2}, 0.15, OPEN},
+};
+enum { ROUGH = sizeof rough / sizeof *rough };
+
+/* Neither force nor heat from rigid rotation, whatever the viscosities; away from the walls, which do not turn. */
+static void rotation_makes_no_heat(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        double most = 0;
+        choose(&s, rough[b].dim, "noSlip", &VARIED);
+        open_cells(&s, world, &rough[b]);
+        start(&s, turning);
+        double *before = state_of(&s, world), *after;
+        shear(&s, 0.1 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < s.cells; i++) {
+            bool near = false;
+            for (int k = 0; k < s.dim; k++) near |= fabs(s.centre[3 * i + k] - 0.5) > (s.dim == 3 ? 0.1 : 0.25);
+            for (int v = 0; v < s.dim + 2; v++) {
+                const double change = fabs(after[v * s.cells + i] - before[v * s.cells + i]);
+                if (!near && !(change < 1e-14)) fail_msg("%s: %g", rough[b].name, change);
+                most = larger(most, change);
+            }
+        }
+        assert_true(most > 1e-6); /* something was done */
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+static void between_walls(const double x[3], double *rho, double u[3], double *T) {
+    (void)u;
+    *rho = 0.7;
+    *T = 2 + 3 * x[0];
+}
+
+/* The steady profile between isothermal walls is linear: exact on any mesh. */
+static void linear_temperature_is_steady(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        choose(&s, rough[b].dim, "noSlip", &CONSTANT);
+        for (int p = 0; p < 2; p++)
+            s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {p ? 5 : 2}};
+        open_cells(&s, world, &rough[b]);
+        start(&s, between_walls);
+        double *before = state_of(&s, world), *after;
+        spread(&s, 1, 30 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < (s.dim + 2) * s.cells; i++)
+            if (!(fabs(after[i] - before[i]) < 1e-12)) fail_msg("%s: %g", rough[b].name, after[i] - before[i]);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+/* Between a wall at rest, x = 0, and one that moves. */
+static void sheared(const double x[3], double *rho, double u[3], double *T) {
+    *rho = 0.7;
+    *T = 2;
+    u[1] = 3 * x[0];
+}
+
+/* What polynomials read beyond walls that drag continues the flow that friction makes there: linear, if it is. */
+static void mirrors_continue_shear(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        double *U[MAX_VAR];
+        int walls = 0;
+        choose(&s, rough[b].dim, "noSlip", &CONSTANT);
+        s.rules[1].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0, 3}};
+        open_cells(&s, world, &rough[b]);
+        start(&s, sheared);
+        const struct polyhedra *m = s.gas->cells->polyhedra;
+        cells_lines(s.gas, &s.gas->U, U);
+        cells_mirrors(s.gas, 0, m->face.n - m->face.ninternal, U);
+        for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
+            const int mirror = m->ncells + i;
+            double x[3] = {m->centre[0][mirror]}, rho, u[3] = {0, 0, 0}, T;
+            if (m->mirror.patch[i] > 1) continue;
+            sheared(x, &rho, u, &T);
+            const double E = rho * (T / (s.models.material.gamma - 1) + 0.5 * u[1] * u[1]);
+            walls++;
+            assert_true(U[0][mirror] == rho);
+            for (int k = 0; k < s.dim; k++) assert_true(fabs(U[k + 1][mirror] - rho * u[k]) < 1e-13);
+            assert_true(fabs(U[s.dim + 1][mirror] - E) < 1e-13 * E);
+        }
+        assert_true(walls > 0 || comm_size(world) > 1);
+        close_scene(&s);
+    }
+}
+
+/* ---- against the tiles ---------------------------------------------------------------------------------------------
+ */
+
+/* The mean difference between both engines on n boxes along each axis after some time. */
+static double difference(int dim, int n, const char *wall, double time) {
+    const struct cells_recipe r = {"boxes", dim, BOXES, {n, dim > 1 ? n : 1, dim > 2 ? n : 1}, {0, 1, 2}, 0, OPEN};
+    struct scene s[2];
+    double *end[2], mean = 0;
+    for (int i = 0; i < 2; i++) {
+        choose(&s[i], dim, wall, &VARIED);
+        for (int p = 0; p < 2; p++)
+            s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
+        s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
+        if (strcmp(wall, "noSlip") == 0)
+            s[i].rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
+        if (i)
+            open_cells(&s[i], world, &r);
+        else
+            open_box(&s[i], world, dim, r.n, (double[3]){1, 1, 1}, r.cyclic, 8);
+        start(&s[i], manufactured_fields);
+        for (int k = 0; k < dim; k++) s[i].gas->pull[k] = 5 - 9 * k;
+        spread(&s[i], 4, time / 4);
+        end[i] = state_of(&s[i], world);
+    }
+    for (int i = 0; i < s[0].cells; i++) {
+        double nearest = HUGE_VAL;
+        int same = 0; /* the cells may be in another order */
+        for (int j = 0; j < s[1].cells && nearest > 1e-12; j++) {
+            double square = 0;
+            for (int k = 0; k < 3; k++) {
+                const double off = s[1].centre[3 * j + k] - s[0].centre[3 * i + k];
+                square += off * off;
+            }
+            if (square < nearest) same = j;
+            nearest = smaller(nearest, square);
+        }
+        for (int v = 0; v < dim + 2; v++)
+            mean += fabs(end[0][v * s[0].cells + i] - end[1][v * s[1].cells + same]) / s[0].cells;
+    }
+    for (int i = 0; i < 2; i++) {
+        free(end[i]);
+        close_scene(&s[i]);
+    }
+    return mean;
+}
+
+/* The same fluxes, but beside walls that drag, where those of derivatives along the wall differ by their error. */
+static void boxes_are_a_lattice(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++) assert_true(difference(dim, dim == 3 ? 8 : 16, "slip", 0.02) < 1e-12);
+    const double coarse = difference(2, 16, "noSlip", 0.02), fine = difference(2, 32, "noSlip", 0.02);
+    print_message("at walls that drag: %g, %g\n", coarse, fine);
+    assert_true(fine < 0.3 * coarse);
+    assert_true(fine < 2e-3);
+}
+
+/* ---- what must not happen ------------------------------------------------------------------------------------------
+ */
+
+static long repeated; /* for cells that would have become inadmissible: these, too, conserve */
+
+static void totals_stay(const struct cells_recipe *r, const char *wall, const char *diffusion) {
+    struct scene s;
+    double before[MAX_VAR], after[MAX_VAR];
+    choose(&s, r->dim, wall, transport_find("JenkinsRichman"));
+    s.models.diffusion = diffusion_find(diffusion);
+    open_cells(&s, world, r);
+    start(&s, wild);
+    ok(gas_totals(s.gas, before));
+    for (int i = 0; i < 2; i++) spread(&s, 1, (diffusion[0] == 'e' ? 3 : 50) * stable(&s)); /* 50: one super step */
+    ok(gas_totals(s.gas, after));
+    repeated += gas_counts(s.gas).repeated;
+    const double scale = before[r->dim + 1];
+    assert_true(after[0] == before[0]);
+    assert_true(fabs(after[r->dim + 1] - scale) < 1e-13 * scale);
+    for (int k = 1; k <= r->dim && r->cyclic[0]; k++) assert_true(fabs(after[k] - before[k]) < 1e-13 * scale);
+    close_scene(&s);
+}
+
+/* The implicit one is slow where ranks share cores (test_mpi_cells_implicit.c). */
+static bool is_there(int scheme) {
+    return diffusion_table[scheme].plan || (implicit_available() && comm_size(world) == 1);
+}
+
+/* In boxes that slip and that do not, and periodic: neither mass nor energy gets lost, nor momentum. */
+static void totals_are_conserved(void **state) {
+    (void)state;
+    for (int scheme = 0; scheme < diffusion_count; scheme++)
+        for (int b = 0; b < ROUGH; b++) {
+            struct cells_recipe round = rough[b];
+            if (!is_there(scheme)) continue;
+            for (int k = 0; k < 3; k++) round.cyclic[k] = true;
+            totals_stay(&rough[b], "slip", diffusion_table[scheme].name);
+            totals_stay(&rough[b], "noSlip", diffusion_table[scheme].name);
+            totals_stay(&round, "slip", diffusion_table[scheme].name);
+        }
+    assert_true(repeated > 0);
+}
+
+/* Whole steps, with walls, on these ranks and on one. */
+static void bits_know_no_ranks(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        double *found[2];
+        size_t bytes = 0;
+        for (int i = 0; i < 2; i++) {
+            struct scene s;
+            choose(&s, rough[b].dim, "noSlip", transport_find("JenkinsRichman"));
+            s.models.source.cooling = true;
+            s.rules[0].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
+            s.rules[1].velocity.type = boundary_find("zeroGradient");
+            s.rules[2].velocity = (struct rule){.type = boundary_find("fixedValue"), .uniform = {0.3, 0.2, 0.1}};
+            open_cells(&s, i ? alone : world, &rough[b]);
+            start(&s, wild);
+            run(&s, 2, 0.3);
+            assert_true(gas_counts(s.gas).halves >= 4);
+            found[i] = state_of(&s, i ? alone : world);
+            bytes = (size_t)((s.dim + 2) * s.cells) * sizeof(double);
+            close_scene(&s);
+        }
+        assert_memory_equal(found[0], found[1], bytes);
+        free(found[0]);
+        free(found[1]);
+    }
+}
+
+static void uniform_gas_keeps_its_bits(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        struct cells_recipe round = rough[b];
+        for (int k = 0; k < 3; k++) round.cyclic[k] = true;
+        choose(&s, round.dim, "slip", transport_find("JenkinsRichman"));
+        open_cells(&s, world, &round);
+        start(&s, uniform);
+        double *before = state_of(&s, world);
+        spread(&s, 3, 100 * stable(&s));
+        double *after = state_of(&s, world);
+        assert_memory_equal(before, after, (size_t)((s.dim + 2) * s.cells) * sizeof *before);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (!s) s = comm_alone(&alone);
+    if (s) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(driven_gas_stays_at_second_order),
+        cmocka_unit_test(rotation_makes_no_heat),
+        cmocka_unit_test(linear_temperature_is_steady),
+        cmocka_unit_test(mirrors_continue_shear),
+        cmocka_unit_test(boxes_are_a_lattice),
+        cmocka_unit_test(totals_are_conserved),
+        cmocka_unit_test(bits_know_no_ranks),
+        cmocka_unit_test(uniform_gas_keeps_its_bits),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_alone_free(alone);
+    comm_finish(world);
+    return failed;
+}

@@ -1,0 +1,93 @@
+/* Every reconstruction: constants to the bit, mirror images, order; the printed formulas. */
+#include "tests/libcore/oracle.h"
+
+#include "libcore/models/kernel.h"
+#include "libcore/schemes/reconstruct.h"
+
+static double face(const struct reconstruct *r, const double *q) {
+    const double *line[5] = {q, q + 1, q + 2, q + 3, q + 4};
+    double out;
+    r->face(1, line, &out);
+    return out;
+}
+
+static void constants_are_exact(void **state) {
+    (void)state;
+    for (int k = 0; k < reconstruct_count; k++)
+        for (double c = -1e9; c < 1e9; c = c < -1e-9 ? c / 7.3 : c < 1e-9 ? 1e-7 : c * 9.1) {
+            double q[5] = {c, c, c, c, c};
+            assert_true(face(&reconstruct_table[k], q) == c);
+        }
+}
+
+/* Averages of sin over cells of width h: the error of the face value falls with the stated order. */
+static double error_of(const struct reconstruct *r, double h, double x) {
+    double q[5];
+    for (int j = 0; j < 5; j++) q[j] = (cos(x + (j - 3) * h) - cos(x + (j - 2) * h)) / h; /* face at x */
+    return fabs(face(r, q) - sin(x));
+}
+
+static void orders(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        double least;
+    } expected[] = {{"PHM", 2.9},   {"WPENO5", 3.9}, {"WENO5", 4.9},
+                    {"WENOZ", 4.9}, {"TENO5", 4.9},  {"firstOrder", 0.98}};
+    assert_int_equal(reconstruct_count, 6); /* a new row needs an order here */
+    for (int k = 0; k < reconstruct_count; k++) {
+        const struct reconstruct *r = reconstruct_find(expected[k].name);
+        double coarse = error_of(r, 0.02, 0.6), fine = error_of(r, 0.01, 0.6);
+        if (!(log2(coarse / fine) > expected[k].least))
+            fail_msg("%s: order %.3f, expected at least %.2f", r->name, log2(coarse / fine), expected[k].least);
+    }
+}
+
+/* The hyperbola as it is cited (physics 1.2), with its logarithm. */
+static void phm_is_the_hyperbola(void **state) {
+    (void)state;
+    const struct reconstruct *r = reconstruct_find("PHM");
+    for (double ratio = 0.02; ratio < 60; ratio *= 1.07) {
+        if (fabs(ratio - 1) < 0.03) continue; /* the printed form cancels there */
+        double l = 0.3, right = 0.3 * ratio, q[5] = {9, 1, 1.3, 1.3 + right, -4};
+        double d = 2 * l * right / (l + right);
+        double a = l <= right ? 2 * (sqrt(d / l) - 1) : 2 * (1 - sqrt(d / right));
+        double printed = 1.3 + d * (1 / (a * (1 - a / 2)) - log((2 + a) / (2 - a)) / (a * a));
+        assert_close(face(r, q), printed, 1e-12, "PHM");
+    }
+    double extremum[5] = {0, 1, 2, 1.5, 0}, flat[5] = {0, 1, 1, 3, 5};
+    assert_true(face(r, extremum) == 2 && face(r, flat) == 1);
+}
+
+/* -q gives the negative value, to the bit. */
+static void sign_is_symmetric(void **state) {
+    (void)state;
+    double q[5] = {0.3, -1.7, 2.9, 3.1, 8.8}, m[5];
+    for (int i = 0; i < 5; i++) m[i] = -q[i];
+    for (int k = 0; k < reconstruct_count; k++)
+        assert_true(face(&reconstruct_table[k], q) == -face(&reconstruct_table[k], m));
+}
+
+static void batch_is_a_loop(void **state) {
+    (void)state;
+    double q[5][BATCH], out[BATCH];
+    const double *line[5] = {q[0], q[1], q[2], q[3], q[4]};
+    for (int m = 0; m < 5; m++)
+        for (int i = 0; i < BATCH; i++) q[m][i] = sin(1.3 * i + 2.1 * m * m) + (i % 3 ? 0.2 * m : 0);
+    for (int k = 0; k < reconstruct_count; k++) {
+        reconstruct_table[k].face(BATCH - 5, line, out);
+        for (int i = 0; i < BATCH - 5; i++) {
+            double one[5] = {q[0][i], q[1][i], q[2][i], q[3][i], q[4][i]};
+            assert_true(face(&reconstruct_table[k], one) == out[i]);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constants_are_exact),  cmocka_unit_test(orders),
+        cmocka_unit_test(phm_is_the_hyperbola), cmocka_unit_test(sign_is_symmetric),
+        cmocka_unit_test(batch_is_a_loop),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,96 @@
+#include "mesh/base/comm.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h> /* last: it needs the standard headers */
+#undef fail         /* its macro; here fail makes a status */
+
+static struct comm *world;
+
+static void reductions(void **state) {
+    (void)state;
+    int rank = comm_rank(world), size = comm_size(world);
+    double low[2] = {rank + 1.5, -rank}, high[2] = {rank + 1.5, -rank};
+    long sum[2] = {1, rank};
+    comm_min(world, low, 2);
+    comm_max(world, high, 2);
+    comm_sum_long(world, sum, 2);
+    assert_true(low[0] == 1.5 && low[1] == 1 - size);
+    assert_true(high[0] == size + 0.5 && high[1] == 0);
+    assert_int_equal(sum[0], size);
+    assert_int_equal(sum[1], size * (size - 1) / 2);
+    assert_int_equal(comm_root(world), rank == 0);
+}
+
+/* Rank r gives r values (rank 0 none) that tell whose they are. */
+static void gathers(void **state) {
+    (void)state;
+    int rank = comm_rank(world), size = comm_size(world), mine_int[64], *all_int;
+    double mine[64], *all;
+    for (int i = 0; i < rank; i++) {
+        mine[i] = 100 * rank + i + 0.25;
+        mine_int[i] = 100 * rank + i;
+    }
+    long total = -1, total_int = -1, next = 0;
+    assert_null(comm_gather(world, mine, rank, &all, &total));
+    assert_null(comm_gather_int(world, mine_int, rank, &all_int, &total_int));
+    if (rank > 0) {
+        assert_true(!all && !all_int && total == 0 && total_int == 0);
+        return;
+    }
+    assert_int_equal(total, size * (size - 1) / 2);
+    assert_int_equal(total_int, total);
+    for (int r = 0; r < size; r++)
+        for (int i = 0; i < r; i++, next++) {
+            assert_true(all[next] == 100 * r + i + 0.25);
+            assert_int_equal(all_int[next], 100 * r + i);
+        }
+    free(all);
+    free(all_int);
+}
+
+static void broadcasts(void **state) {
+    (void)state;
+    char text[16] = "";
+    if (comm_root(world)) strcpy(text, "from the root");
+    comm_broadcast(world, text, sizeof text);
+    assert_string_equal(text, "from the root");
+}
+
+static void all_ranks_learn_of_a_failure(void **state) {
+    (void)state;
+    int rank = comm_rank(world), last = comm_size(world) - 1;
+    char text[32];
+    snprintf(text, sizeof text, "rank %d: T = -1", last);
+    assert_null(comm_agree(world, OK));
+    status s = comm_agree(world, rank == last ? fail(ERR_STATE, "rank %d: T = -1", rank) : OK);
+    assert_non_null(s);
+    assert_int_equal(status_kind(s), ERR_STATE);
+    assert_string_equal(status_text(s), text);
+    status_free(s);
+    s = comm_agree(world, fail(rank ? ERR_SYSTEM : ERR_INPUT, "100%% of rank %d", rank));
+    assert_non_null(s);
+    assert_int_equal(status_kind(s), ERR_INPUT);
+    assert_string_equal(status_text(s), "100% of rank 0");
+    status_free(s);
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return status_print(s, true);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reductions),
+        cmocka_unit_test(gathers),
+        cmocka_unit_test(broadcasts),
+        cmocka_unit_test(all_ranks_learn_of_a_failure),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}

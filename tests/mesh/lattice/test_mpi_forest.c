@@ -1,0 +1,450 @@
+/* Each scene is a lattice with holes and patches, described by hand and cut into tiles; every ghost cell of every tile
+ * is compared with the lattice cell that belongs there. */
+#include "mesh/lattice/forest.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h> /* last: it needs the standard headers, and its macro `fail` would hide ours */
+
+struct scene {
+    const char *name;
+    int dim, n[3], tile_size;
+    bool periodic[3];
+    int hole_low[3], hole_high[3]; /* cells low <= i < high are missing */
+    int switch_plane;              /* low side of axis 1: another patch from here on along axis 0; 0: none */
+    int tiles;                     /* expected */
+};
+enum { EDGE = 0, WALL = 6, OTHER, CYCLIC, PATCHES }; /* EDGE + side: an edge of the domain; WALL: of the hole */
+
+static struct comm *world;
+static const double absent = -12345;
+
+static const struct scene scenes[] = {
+    {"1D", 1, {37, 1, 1}, 8, {false}, {0}, {0}, 0, 5},
+    {"1D periodic", 1, {37, 1, 1}, 8, {true}, {0}, {0}, 0, 5},
+    {"1D one tile, its own image", 1, {20, 1, 1}, 32, {true}, {0}, {0}, 0, 1},
+    {"1D tiles that would be thin", 1, {5, 1, 1}, 4, {false}, {0}, {0}, 0, 1},
+    {"2D box", 2, {23, 17, 1}, 7, {false}, {0}, {0}, 0, 12},
+    {"2D fewer tiles than ranks", 2, {9, 6, 1}, 7, {false, true}, {0}, {0}, 0, 2},
+    {"2D patch change", 2, {30, 20, 1}, 10, {false}, {0}, {0}, 5, 8},
+    {"2D step", 2, {40, 16, 1}, 8, {false}, {12, 0, 0}, {40, 5, 1}, 0, 14},
+    {"2D block inside, periodic", 2, {40, 22, 1}, 8, {true, true}, {12, 5, 0}, {20, 13, 1}, 0, 23},
+    {"2D one cell high, its own image", 2, {30, 1, 1}, 8, {false, true}, {0}, {0}, 0, 4},
+    {"2D thin between patches", 2, {30, 2, 1}, 8, {true, false}, {0}, {0}, 0, 4},
+    {"3D box", 3, {9, 11, 7}, 4, {false}, {0}, {0}, 0, 18},
+    {"3D periodic", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 18},
+    {"3D step, thin own image", 3, {16, 12, 2}, 6, {false, false, true}, {8, 0, 0}, {16, 6, 2}, 0, 6},
+};
+enum { SCENES = sizeof scenes / sizeof *scenes };
+
+static long index_of(const int n[3], const int i[3]) {
+    return i[0] + n[0] * (i[1] + (long)n[1] * i[2]);
+}
+
+static bool is_solid(const struct scene *s, const int i[3]) {
+    bool hole = true;
+    for (int k = 0; k < 3; k++) hole = hole && i[k] >= s->hole_low[k] && i[k] < s->hole_high[k];
+    return !hole;
+}
+
+/* The lattice index of the cell beyond a side of a solid cell, wrapped, or -1; *patch: of the face between, if any. */
+static long beyond(const struct scene *s, const int i[3], int side, int *patch) {
+    int k = side / 2, next[3] = {i[0], i[1], i[2]};
+    next[k] += side % 2 ? 1 : -1;
+    bool edge = next[k] < 0 || next[k] == s->n[k];
+    if (edge && s->periodic[k]) {
+        next[k] = (next[k] + s->n[k]) % s->n[k];
+        *patch = CYCLIC;
+        return index_of(s->n, next);
+    }
+    *patch = edge ? EDGE + side : WALL;
+    if (edge && side == 2 && s->switch_plane && i[0] >= s->switch_plane) *patch = OTHER;
+    return edge || !is_solid(s, next) ? -1 : index_of(s->n, next);
+}
+
+/* Cells are numbered backwards, so that no order of the lattice can pass for the polyMesh's. */
+static void make_cells(const struct scene *s, struct lattice *l, struct polymesh *m) {
+    l->cell = malloc((size_t)(s->n[0] * s->n[1] * s->n[2]) * sizeof *l->cell);
+    for (int i[3] = {0, 0, s->n[2] - 1}; i[2] >= 0; i[2]--)
+        for (i[1] = s->n[1] - 1; i[1] >= 0; i[1]--)
+            for (i[0] = s->n[0] - 1; i[0] >= 0; i[0]--) l->cell[index_of(s->n, i)] = is_solid(s, i) ? m->ncells++ : -1;
+}
+
+/* Numbers the faces of one patch; PATCHES: the internal ones. */
+static void number_faces(const struct scene *s, struct lattice *l, struct polymesh *m, int wanted) {
+    for (int i[3] = {0}; i[2] < s->n[2]; i[2]++)
+        for (i[1] = 0; i[1] < s->n[1]; i[1]++)
+            for (i[0] = 0; i[0] < s->n[0]; i[0]++)
+                for (int side = 0; is_solid(s, i) && side < 2 * s->dim; side++) {
+                    int patch, *face = &l->face[6 * l->cell[index_of(s->n, i)] + side];
+                    long next = beyond(s, i, side, &patch);
+                    if (next >= 0 && patch != CYCLIC) patch = PATCHES;
+                    if (patch != wanted) continue;
+                    bool seen = patch == PATCHES && side % 2 == 0;
+                    *face = seen ? l->face[6 * l->cell[next] + side + 1] : m->nfaces++;
+                }
+}
+
+static void scene_make(const struct scene *s, struct lattice *l, struct polymesh *m) {
+    static char wall[] = "wall", cyclic[] = "cyclic";
+    *l = (struct lattice){.dim = s->dim, .axis = {0, 1, 2}, .thickness = 1};
+    if (s->dim == 2) l->axis[1] = 2, l->axis[2] = 1; /* x and z */
+    *m = (struct polymesh){.npatches = PATCHES};
+    for (int k = 0; k < 3; k++) {
+        l->n[k] = s->n[k];
+        l->origin[k] = -1.0 - k;
+        l->width[k] = 0.1 * (k + 1);
+        l->periodic[k] = s->periodic[k];
+    }
+    make_cells(s, l, m);
+    l->face = malloc(6 * (size_t)m->ncells * sizeof *l->face);
+    for (int i = 0; i < 6 * m->ncells; i++) l->face[i] = -1;
+    number_faces(s, l, m, PATCHES);
+    m->ninternal = m->nfaces;
+    m->patch = calloc(PATCHES, sizeof *m->patch);
+    for (int p = 0; p < PATCHES; p++) {
+        m->patch[p].start = m->nfaces;
+        m->patch[p].type = p == CYCLIC ? cyclic : wall;
+        number_faces(s, l, m, p);
+        m->patch[p].nfaces = m->nfaces - m->patch[p].start;
+    }
+}
+
+static void scene_free(struct lattice *l, struct polymesh *m) {
+    free(l->cell);
+    free(l->face);
+    free(m->patch);
+}
+
+struct fixture {
+    const struct scene *scene;
+    struct lattice l;
+    struct polymesh m;
+    struct forest *f;
+    int nvar, layers; /* that are to be filled */
+    bool derivatives;
+    double **data;
+};
+
+static void begin(struct fixture *x, const struct scene *s, int nvar) {
+    *x = (struct fixture){.scene = s, .nvar = nvar, .layers = GHOSTS};
+    scene_make(s, &x->l, &x->m);
+    status fault = forest_make(&x->l, &x->m, world, s->tile_size, &x->f);
+    if (fault) fail_msg("%s: %s", s->name, status_text(fault));
+    x->data = calloc((size_t)x->f->ntiles + 1, sizeof *x->data);
+    for (int t = 0; t < x->f->ntiles; t++) {
+        x->data[t] = malloc((size_t)(nvar * x->f->size) * sizeof **x->data);
+        for (long i = 0; i < nvar * x->f->size; i++) x->data[t][i] = absent;
+    }
+}
+
+static void end(struct fixture *x) {
+    for (int t = 0; t < x->f->ntiles; t++) free(x->data[t]);
+    free(x->data);
+    forest_free(x->f);
+    scene_free(&x->l, &x->m);
+}
+
+static double value(const struct fixture *x, const int i[3], int v) {
+    return 1000000.0 * v + (double)index_of(x->scene->n, i) + 0.5;
+}
+
+static long offset_of(const struct forest *f, int i, int j, int k) {
+    return f->first + i * f->stride[0] + j * f->stride[1] + k * f->stride[2];
+}
+
+static void set_cells(struct fixture *x) {
+    for (int t = 0; t < x->f->ntiles; t++) {
+        const struct tile *tile = &x->f->tile[t];
+        for (int v = 0; v < x->nvar; v++)
+            for (int k = 0; k < tile->n[2]; k++)
+                for (int j = 0; j < tile->n[1]; j++)
+                    for (int i = 0; i < tile->n[0]; i++) {
+                        int at[3] = {tile->low[0] + i, tile->low[1] + j, tile->low[2] + k};
+                        x->data[t][v * x->f->size + offset_of(x->f, i, j, k)] = value(x, at, v);
+                    }
+    }
+}
+
+/* What must stand at a place of a block after the fill: beyond sides with a patch, at corners and in the padding
+ * nothing was written. */
+static double expected(const struct fixture *x, const struct tile *tile, const int i[3], int v) {
+    int at[3], outside = 0, side = -1;
+    for (int k = 0; k < 3; k++) {
+        at[k] = tile->low[k] + i[k];
+        if (i[k] >= 0 && i[k] < tile->n[k]) continue;
+        outside++;
+        side = 2 * k + (i[k] >= 0);
+        if (k >= x->f->dim || i[k] < -x->layers || i[k] >= tile->n[k] + x->layers) return absent;
+    }
+    if (outside > 1) return absent;
+    if (outside == 0) return value(x, at, v);
+    if (x->derivatives && v / x->f->dim == side / 2) return absent;
+    int n = x->scene->n[side / 2];
+    at[side / 2] = (at[side / 2] + GHOSTS * n) % n;
+    return tile->side[side].patch >= 0 ? absent : value(x, at, v);
+}
+
+static void check_block(const struct fixture *x, int t) {
+    const struct forest *f = x->f;
+    const long rows = f->stride[2] / f->stride[1], planes = f->size / f->stride[2];
+    for (int v = 0; v < x->nvar; v++)
+        for (long place = 0; place < f->size; place++) {
+            long in_rows = place - f->first % f->stride[1] + GHOSTS; /* a row begins with its low ghosts */
+            long row = in_rows < 0 ? -1 : in_rows / f->stride[1];
+            int i[3] = {(int)(in_rows - row * f->stride[1]) - GHOSTS, (int)(row % rows), (int)(row / rows)};
+            if (f->dim > 1) i[1] -= GHOSTS;
+            if (f->dim > 2) i[2] -= GHOSTS;
+            double wanted = row < 0 || row >= rows * planes ? absent : expected(x, &f->tile[t], i, v);
+            double found = x->data[t][v * f->size + place];
+            if (found != wanted)
+                fail_msg("%s: tile %d variable %d at (%d, %d, %d): %.17g, not %.17g", x->scene->name, f->tile[t].id, v,
+                         i[0], i[1], i[2], found, wanted);
+        }
+}
+
+static void ghost_layers_hold_the_cells_beyond(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++)
+        for (int nvar = 1; nvar <= FILL_VARIABLES; nvar += s % 2 ? 4 : 7) {
+            struct fixture x;
+            begin(&x, &scenes[s], nvar);
+            set_cells(&x);
+            for (int round = 0; round < GHOSTS + 1; round++) {
+                x.layers = round < GHOSTS ? round + 1 : GHOSTS;
+                if (round < GHOSTS)
+                    forest_fill_layers(x.f, x.layers, nvar, x.data);
+                else
+                    forest_fill(x.f, nvar, x.data);
+                for (int t = 0; t < x.f->ntiles; t++) check_block(&x, t);
+            }
+            end(&x);
+        }
+}
+
+static void derivatives_stay_beyond_sides_of_their_axis(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 9);
+        x.nvar = x.f->dim * x.f->dim;
+        x.layers = 1;
+        x.derivatives = true;
+        set_cells(&x);
+        forest_fill_derivatives(x.f, x.data);
+        for (int t = 0; t < x.f->ntiles; t++) check_block(&x, t);
+        end(&x);
+    }
+}
+
+static void only_remote_tiles_wait_for_finish(void **state) {
+    (void)state;
+    struct fixture x;
+    begin(&x, &scenes[8], 2);
+    set_cells(&x);
+    forest_fill_start(x.f, 2, x.data);
+    long nremote = 0;
+    for (int t = 0; t < x.f->ntiles; t++) {
+        nremote += x.f->tile[t].remote;
+        if (x.f->tile[t].remote) continue;
+        forest_fill_tile(x.f, t, NULL);
+        check_block(&x, t);
+    }
+    forest_fill_finish(x.f);
+    for (int t = 0; t < x.f->ntiles; t++) {
+        if (x.f->tile[t].remote) forest_fill_tile(x.f, t, NULL);
+        check_block(&x, t);
+    }
+    comm_sum_long(world, &nremote, 1);
+    assert_int_equal(nremote > 0, comm_size(world) > 1);
+    end(&x);
+}
+
+static void check_side(const struct fixture *x, const struct tile *tile, int side) {
+    const int *face = tile->side[side].face;
+    int k = side / 2, patch, low[3], high[3];
+    for (int a = 0; a < 3; a++) {
+        low[a] = a == k && side % 2 ? tile->n[a] - 1 : 0;
+        high[a] = a == k ? low[a] + 1 : tile->n[a];
+    }
+    if (k >= x->f->dim) {
+        assert_true(tile->side[side].patch == -1 && !face);
+        return;
+    }
+    for (int i[3] = {low[0], low[1], low[2]}; i[2] < high[2]; i[2]++)
+        for (i[1] = low[1]; i[1] < high[1]; i[1]++)
+            for (i[0] = low[0]; i[0] < high[0]; i[0]++) {
+                int at[3] = {tile->low[0] + i[0], tile->low[1] + i[1], tile->low[2] + i[2]};
+                int cell = tile->cell[index_of(tile->n, i)];
+                assert_int_equal(cell, x->l.cell[index_of(x->l.n, at)]);
+                long next = beyond(x->scene, at, side, &patch);
+                assert_int_equal(tile->side[side].patch, next < 0 ? patch : -1);
+                if (next < 0)
+                    assert_int_equal(x->m.patch[patch].start + *face++, x->l.face[6 * cell + side]);
+                else
+                    assert_null(face);
+            }
+}
+
+static void tiles_cover_the_lattice(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 1);
+        const struct forest *f = x.f;
+        long ncells = 0, ntiles = f->ntiles;
+        for (int t = 0; t < f->ntiles; t++) {
+            const struct tile *tile = &f->tile[t];
+            ncells += (long)tile->n[0] * tile->n[1] * tile->n[2];
+            for (int k = 0; k < 3; k++) assert_in_range(tile->n[k], 1, scenes[s].tile_size + 2);
+            assert_int_equal(tile->id, f->tile[0].id + t);
+            for (int side = 0; side < 6; side++) check_side(&x, tile, side);
+        }
+        comm_sum_long(world, &ncells, 1);
+        comm_sum_long(world, &ntiles, 1);
+        assert_int_equal(ncells, x.m.ncells);
+        assert_int_equal(f->ncells_all, x.m.ncells);
+        assert_int_equal(ntiles, f->ntiles_all);
+        if (f->ntiles_all != scenes[s].tiles) fail_msg("%s: %d tiles", scenes[s].name, f->ntiles_all);
+        assert_true(f->first % 8 == 0 && f->stride[1] % 8 == 0 && f->size % 8 == 0 && f->stride[0] == 1);
+        assert_true(fabs(f->volume - 0.006) < 1e-15);
+        end(&x);
+    }
+}
+
+static void gather_undoes_scatter(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 2);
+        size_t n = (size_t)x.m.ncells;
+        double *all = malloc(n * sizeof *all), *back = calloc(n, sizeof *back),
+               *target = comm_root(world) ? back : NULL;
+        for (size_t c = 0; c < n; c++) all[c] = sqrt((double)c + 1);
+        forest_scatter(x.f, all, 1, x.data);
+        assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
+        if (target) assert_memory_equal(all, back, n * sizeof *all);
+        for (int t = 0; t < x.f->ntiles; t++)
+            for (long i = 0; i < x.f->size; i++) assert_true(x.data[t][i] == absent);
+        set_cells(&x); /* by place on the lattice: ties the order to the cells, not only to its own inverse */
+        assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
+        for (long place = 0; target && place < (long)x.l.n[0] * x.l.n[1] * x.l.n[2]; place++)
+            if (x.l.cell[place] >= 0) assert_true(back[x.l.cell[place]] == 1000000.5 + (double)place);
+        free(all);
+        free(back);
+        end(&x);
+    }
+}
+
+static void sums_have_the_same_bits_on_any_number_of_ranks(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 1);
+        double *mine = malloc(((size_t)x.f->ntiles + 1) * sizeof *mine), serial = 0, sum;
+        for (int t = 0; t < x.f->ntiles; t++) mine[t] = sin(1e4 * x.f->tile[t].id) / 3;
+        for (int id = 0; id < x.f->ntiles_all; id++) serial += sin(1e4 * id) / 3;
+        assert_null(forest_sum(x.f, mine, &sum));
+        assert_memory_equal(&sum, &serial, sizeof sum);
+        free(mine);
+        end(&x);
+    }
+}
+
+/* How many ranks have the point s (in cells from the origin), and, if one, the lattice index of its cell. */
+static long locate(const struct fixture *x, const double s[3], long *index) {
+    double point[3] = {0};
+    for (int k = 0; k < x->f->dim; k++) point[x->f->axis[k]] = x->f->origin[k] + s[k] * x->f->width[k];
+    int tile;
+    long offset, owner[2] = {0};
+    forest_locate(x->f, point, &tile, &offset);
+    if (tile >= 0) {
+        owner[0] = 1;
+        owner[1] = (long)(x->data[tile][offset] - 0.5);
+    }
+    comm_sum_long(world, owner, 2);
+    *index = owner[1];
+    return owner[0];
+}
+
+static void points_are_found_by_one_rank(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 1);
+        set_cells(&x);
+        const int *n = x.scene->n;
+        long index;
+        for (long place = 0; place < (long)n[0] * n[1] * n[2]; place += 3) {
+            int i[3] = {(int)(place % n[0]), (int)(place / n[0] % n[1]), (int)(place / n[0] / n[1])};
+            const double inside[3] = {i[0] + 0.3, i[1] + 0.7, i[2] + 0.5}, corner[3] = {i[0], i[1], i[2]};
+            assert_int_equal(locate(&x, inside, &index), is_solid(x.scene, i));
+            assert_true(!is_solid(x.scene, i) || index == place);
+            long found = locate(&x, corner, &index);
+            assert_in_range(found, 0, 1);
+            assert_true(!is_solid(x.scene, i) || (found == 1 && index == place));
+        }
+        const double top[3] = {n[0], n[1], n[2]}, outside[3] = {n[0] + 0.1, 0.5, 0.5}, nowhere[3] = {NAN, 0, 0};
+        const int last[3] = {n[0] - 1, n[1] - 1, n[2] - 1};
+        assert_int_equal(locate(&x, top, &index), is_solid(x.scene, last));
+        assert_true(!is_solid(x.scene, last) || index == index_of(n, last));
+        assert_int_equal(locate(&x, outside, &index), 0);
+        assert_int_equal(locate(&x, nowhere, &index), 0);
+        end(&x);
+    }
+}
+
+static void check_refusal(const struct scene *s, int tile_size, const char *const *words) {
+    struct lattice l;
+    struct polymesh m;
+    struct forest *f;
+    scene_make(s, &l, &m);
+    status fault = forest_make(&l, &m, world, tile_size, &f);
+    assert_non_null(fault);
+    assert_null(f);
+    assert_int_equal(status_kind(fault), ERR_INPUT);
+    for (; *words; words++)
+        if (!strstr(status_text(fault), *words)) fail_msg("no \"%s\" in: %s", *words, status_text(fault));
+    status_free(fault);
+    scene_free(&l, &m);
+}
+
+static void what_cannot_be_cut_is_refused(void **state) {
+    (void)state;
+    const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0};
+    const char *const thin[] = {"2 cells along z", "z = -2 and z = -1.6", "at least 3", "factor of 2", NULL};
+    check_refusal(&step, 8, thin);
+    const struct scene change = {"thin patch", 2, {30, 16, 1}, 8, {false}, {0}, {0}, 1, 0};
+    const char *const one[] = {"1 cell along x", "x = -1 and x = -0.9", "factor of 3", NULL};
+    check_refusal(&change, 8, one);
+    const struct scene half = {"hole at one periodic edge", 2, {30, 16, 1}, 8, {true}, {25, 8, 0}, {30, 16, 1}, 0, 0};
+    const char *const image[] = {"cyclic", "x = -1", "opposite", NULL};
+    check_refusal(&half, 8, image);
+    const char *const size[] = {"tile size 2", "at least 3", NULL};
+    check_refusal(&scenes[0], 2, size);
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return status_print(s, true);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ghost_layers_hold_the_cells_beyond),
+        cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
+        cmocka_unit_test(only_remote_tiles_wait_for_finish),
+        cmocka_unit_test(tiles_cover_the_lattice),
+        cmocka_unit_test(gather_undoes_scatter),
+        cmocka_unit_test(sums_have_the_same_bits_on_any_number_of_ranks),
+        cmocka_unit_test(points_are_found_by_one_rank),
+        cmocka_unit_test(what_cannot_be_cut_is_refused),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}

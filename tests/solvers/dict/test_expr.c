@@ -1,0 +1,114 @@
+#include "solvers/dict/expr.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h> /* last: it needs the standard headers, and its macro `fail` would hide ours */
+
+static void gives(const char *text, double expected) {
+    struct expr *e;
+    status s = expr_compile(text, &e);
+    if (s) fail_msg("%s", status_text(s));
+    double v = expr_value(e, 2, 3, 5, 7);
+    if (!(v == expected)) fail_msg("%s = %.17g, not %.17g", text, v, expected);
+    expr_free(e);
+}
+
+static void refused(const char *text, const char *column, const char *what) {
+    struct expr *e;
+    status s = expr_compile(text, &e);
+    if (!s) fail_msg("'%s' was taken", text);
+    if (!strstr(status_text(s), column) || !strstr(status_text(s), what)) fail_msg("%s", status_text(s));
+    status_free(s);
+}
+
+static void test_values(void **state) {
+    (void)state;
+    volatile double two = 2, half = 0.5, one = 1; /* so that the library, not the compiler, takes the functions */
+    gives("1 + 2*3 - 4/8", 6.5);
+    gives("8/4/2", 1);
+    gives("8-4-2", 2);
+    gives("-2^2", -4);
+    gives("2^3^2", 512);
+    gives("2^-1", 0.5);
+    gives("2--1", 3);
+    gives("7 % 4", 3);
+    gives("(1+2)*3", 9);
+    gives("x + 10*y + 100*z + 1000*t", 7532);
+    gives("1e-3*.5e+3+2.", 2.5);
+    gives("x < y && y <= 3 || 0", 1);
+    gives("!(x > y) + (x != y) + (x == 2) + (1 >= 2)", 3);
+    gives("x > y ? 1 : y > x ? 2 : 3", 2);
+    gives("x < 1 || x > 1 ? 4 : 5", 4);
+    gives("pi", acos(-one));
+    gives("e", exp(one));
+    gives("min(x, y) + max(x, y) + abs(-1) + mod(7, 4)", 9);
+    gives("floor(1.5) + ceil(1.5) + round(1.6) + sign(-3) + sign(0) + pos(2) + pos(0) + neg(-1)", 7);
+    gives("sqrt(16) + cbrt(27) + hypot(3, 4) + log10(100)", 14);
+    gives("sin(x)+cos(x)", sin(two) + cos(two));
+    gives("tan(x)", tan(two));
+    gives("asin(.5)", asin(half));
+    gives("acos(.5)", acos(half));
+    gives("atan(x)", atan(two));
+    gives("atan2(x, y)", atan2(two, 3));
+    gives("sinh(x)", sinh(two));
+    gives("cosh(x)", cosh(two));
+    gives("tanh(x)", tanh(two));
+    gives("pow(x, y)", 8);
+    gives("exp(log(1))", 1);
+}
+
+static void test_errors(void **state) {
+    (void)state;
+    refused("1 + foo", "column 5", "found 'foo'; known are x y z t");
+    refused("1 +", "column 4", "expected a number");
+    refused("(1", "column 3", "')'");
+    refused("1)", "column 2", "')'");
+    refused("1 2", "column 3", "operator");
+    refused("sin 1", "column 5", "'('");
+    refused("pow(1)", "column 6", "','");
+    refused("sin(1,2)", "column 6", "')'");
+    refused("1 ? 2", "column 6", "':'");
+    refused("0x10", "", "0x10");
+    refused("1d3", "", "1d3");
+    refused("nan", "column 1", "nan");
+    refused("1e999", "column 1", "no number");
+    refused("", "column 1", "expected");
+    refused("system(1)", "column 1", "system");
+    char deep[6000];
+    memset(deep, '(', sizeof deep);
+    deep[1000] = 0;
+    refused(deep, "", "too deeply");
+    memset(deep, '-', 1000);
+    refused(deep, "", "too deeply");
+    memset(deep, '1', sizeof deep);
+    deep[5000] = 0;
+    refused(deep, "", "longer");
+    for (int i = 0; i < 1000; i++) memcpy(deep + 2 * i, "1^", 2);
+    deep[2000] = 0;
+    refused(deep, "", "too deeply");
+}
+
+static void test_constant(void **state) {
+    (void)state;
+    double v = 0;
+    assert_null(expr_constant("2*3", &v));
+    assert_true(v == 6);
+    status s = expr_constant("2*t", &v);
+    assert_non_null(s);
+    assert_non_null(strstr(status_text(s), "constant"));
+    status_free(s);
+    s = expr_constant("sqrt(-1)", &v);
+    assert_non_null(s);
+    status_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_values), cmocka_unit_test(test_errors),
+                                       cmocka_unit_test(test_constant)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,601 @@
+"""The mistakes of test_bad_input.py: what is changed in a sound case, and what the programs must say of it."""
+import os
+import re
+import shutil
+
+from tests.cases.harness import boxes
+from tests.solvers.programs import bad_case
+
+
+class Row:
+    """One mistake. change: (file, old, new) of a text that stands there once, or a function of the case folder.
+    says: what the message must hold. at: the text, unique in the file, whose line must be named; default: the line of
+    the change; "": the file without a line. where: the file that is to be named, if not the changed one."""
+
+    def __init__(self, name, change, *says, at=None, where=None, base="box"):
+        self.name, self.says, self.at, self.where, self.base = name, says, at, where, base
+        self.file, self.old, self.new = change if isinstance(change, tuple) else (None, None, None)
+        self.apply = None if isinstance(change, tuple) else change
+
+    def spoil(self, case):
+        """Makes the mistake; returns the place that the message must name."""
+        line = None
+        if self.apply:
+            self.apply(case)
+        else:
+            path = os.path.join(case, self.file)
+            with open(path) as f:
+                text = f.read()
+            assert text.count(self.old) == 1, f"{self.name}: '{self.old}' stands {text.count(self.old)} times"
+            start = text.index(self.old)
+            text = text.replace(self.old, self.new)
+            with open(path, "w") as f:
+                f.write(text)
+            start += len(self.new) - len(self.new.lstrip())
+            line = text.count("\n", 0, start) + 1
+        file = self.where or self.file
+        if self.at == "" or (self.apply and not self.at) or not file:
+            return file and os.path.join(case, file)
+        if self.at:
+            with open(os.path.join(case, file)) as f:
+                text = f.read()
+            assert text.count(self.at) == 1, f"{self.name}: '{self.at}' stands {text.count(self.at)} times"
+            line = text.count("\n", 0, text.index(self.at)) + 1
+        return f"{os.path.join(case, file)}:{line}:"
+
+
+CONTROL, SCHEMES, SOLUTION = "system/controlDict", "system/fvSchemes", "system/fvSolution"
+PROPERTIES, GRAVITY, SHAKING = "constant/granularProperties", "constant/g", "constant/shaking"
+MESH = "constant/polyMesh/"
+
+
+def remove(path):
+    return lambda case: os.remove(os.path.join(case, path))
+
+
+def folder_instead(path):
+    def change(case):
+        os.remove(os.path.join(case, path))
+        os.makedirs(os.path.join(case, path))
+    return change
+
+
+def write(path, text):
+    def change(case):
+        with open(os.path.join(case, path), "w") as f:
+            f.write(text)
+    return change
+
+
+def cut(path, share):
+    def change(case):
+        path_ = os.path.join(case, path)
+        os.truncate(path_, int(share * os.path.getsize(path_)))
+    return change
+
+
+def cut_list(path):
+    """Ends the file within the bytes of its list."""
+    def change(case):
+        with open(os.path.join(case, path), "rb") as f:
+            start = f.read().index(b"\n24\n(")
+        os.truncate(os.path.join(case, path), start + 5 + 24 * 4)
+    return change
+
+
+def both(*changes):
+    def change(case):
+        for one in changes:
+            one(case)
+    return change
+
+
+def change_bytes(path, old, new, dropped=0):
+    """`dropped` bytes behind `old` go, too."""
+    def change(case):
+        with open(os.path.join(case, path), "rb") as f:
+            data = f.read()
+        start = data.index(old)
+        with open(os.path.join(case, path), "wb") as f:
+            f.write(data[:start] + new + data[start + len(old) + dropped:])
+    return change
+
+
+def append(path, text):
+    def change(case):
+        with open(os.path.join(case, path), "a") as f:
+            f.write(text)
+    return change
+
+
+def replace(path, old, new):
+    return lambda case: Row("", (path, old, new)).spoil(case)
+
+
+def mesh(n=bad_case.CELLS, types=None):
+    def change(case):
+        shutil.rmtree(os.path.join(case, MESH))
+        boxes.write_mesh(case, n, bad_case.SIZE, types or bad_case.TYPES)
+    return change
+
+
+DICTIONARIES = [
+    # a missing ';' in each dictionary
+    Row("no ; in controlDict", (CONTROL, "maxCo 0.5;", "maxCo 0.5"), "missing ';'", "'maxCo'", "'maxDeltaT'"),
+    Row("no ; in a function object", (CONTROL, "nPoints 5;", "nPoints 5"), "missing ';'", "'nPoints'"),
+    Row("no ; in fvSchemes", (SCHEMES, "reconstruct PHM;", "reconstruct PHM"), "missing ';'", "'timeScheme'"),
+    Row("no ; in fvSolution", (SOLUTION, "1e-3;", "1e-3"), "missing ';'", "'minDeltaTFraction'"),
+    Row("no ; in granularProperties", (PROPERTIES, "mass 1;", "mass 1"), "missing ';'", "'mass'", "'restitution'"),
+    Row("no ; at the end of granularProperties", (PROPERTIES, "transport none;\n", "transport none\n"), "missing ';'"),
+    Row("no ; in g", (GRAVITY, "value (1 -2 0);", "value (1 -2 0)"), "missing ';'", "'value'"),
+    Row("no ; after dimensions of g", (GRAVITY, "0 0 0];", "0 0 0]"), "missing ';'", "'dimensions'"),
+    Row("no ; in shaking", (SHAKING, "amplitude 3;", "amplitude 3"), "missing ';'", "'amplitude'"),
+    Row("no ; in a patch", ("0/T", "value uniform 25;", "value uniform 25"), "missing ';'", "'value'"),
+    Row("no ; after a list", ("0/alpha", ")\n;\n", ")\n"), "missing ';'", "'internalField'", at="internalField"),
+    Row("no ; in FoamFile", (CONTROL, "object      controlDict;", "object      controlDict"), "';'"),
+    # keys that nothing reads, at every level
+    Row("unknown key in controlDict", (CONTROL, "maxCo 0.5;", "maxC0 0.5;"), "'maxC0' is not used",
+        "did you mean 'maxCo'?"),
+    Row("unknown key in functions", (CONTROL, "writeInterval 1;", "writeIntervall 1;"), "'writeIntervall'",
+        "did you mean 'writeInterval'?"),
+    Row("unknown key in probes", (CONTROL, "probeLocations", "probeLocation"), "'probeLocation",
+        "did you mean 'probeLocations'?"),
+    Row("unknown key in a line of sets", (CONTROL, "nPoints 5;", "nPoints 5; npoints 6;"), "'npoints' is not used",
+        "did you mean 'nPoints'?"),
+    Row("unknown key in fieldMinMax", (CONTROL, "log false;", "logg false;"), "'logg'", "did you mean 'log'?"),
+    Row("unknown key in volFieldValue", (CONTROL, "operation volIntegrate;", "operation sum; regiontype all;"),
+        "'regiontype' is not used", "did you mean 'regionType'?"),
+    Row("unknown key in vtk", (CONTROL, "type vtk;", "type vtk; writeformat ascii;"), "'writeformat'",
+        "did you mean 'writeFormat'?"),
+    Row("unknown key in fvSchemes", (SCHEMES, "timeScheme SSPRK3;", "timeSchemes SSPRK3;"), "'timeSchemes' is not used",
+        "did you mean 'timeScheme'?"),
+    Row("unknown key in fvSolution", (SOLUTION, "limits", "limit"), "'limit' is not used", "did you mean 'limits'?"),
+    Row("unknown key in limits", (SOLUTION, "minDeltaTFraction", "minDeltaFraction"), "'minDeltaFraction' is not used",
+        "did you mean 'minDeltaTFraction'?"),
+    Row("unknown key in granularProperties", (PROPERTIES, "transport none;", "transport none; colour red;"),
+        "'colour' is not used", "known here:"),
+    Row("unknown key in grain", (PROPERTIES, "mass 1;", "mas 1;"), "'mas' is not used", "did you mean 'mass'?"),
+    Row("misspelt required key in grain", (PROPERTIES, "diameter 0.1;", "diametre 0.1;"),
+        "'diameter' is missing", "did you mean 'diameter'?", "(grain diameter)"),
+    Row("unknown key in Coeffs", (PROPERTIES, "alphaMax", "alphamax"), "'alphamax' is not used",
+        "did you mean 'alphaMax'?"),
+    Row("misspelt Coeffs", (PROPERTIES, "GoldshteinShapiroCoeffs", "GoldshteinShapiroCoefs"),
+        "'GoldshteinShapiroCoefs' is not used", "did you mean 'GoldshteinShapiroCoeffs'?"),
+    Row("unknown key in g", (GRAVITY, "value", "values"), "'value' is missing", "did you mean 'value'?"),
+    Row("unknown key in shaking", (SHAKING, "phase 0;", "phasis 0;"), "'phasis' is not used", "did you mean 'phase'?"),
+    Row("unknown key in a field", ("0/T", "internalField", "referenceLevel 0;\ninternalField"),
+        "'referenceLevel' is not used"),
+    Row("unknown key in a patch", ("0/T", "value uniform 25;", "value uniform 25; valeu 3;"), "'valeu' is not used",
+        "did you mean 'value'?"),
+    # names of models
+    Row("unknown equation of state", (PROPERTIES, "equationOfState GoldshteinShapiro", "equationOfState Goldstein"),
+        "Goldstein", "allowed are", "GoldshteinShapiro, perfectGas"),
+    Row("no equation of state", (PROPERTIES, "equationOfState GoldshteinShapiro;\n", ""), "'equationOfState' is missing",
+        "GoldshteinShapiro, perfectGas", at=""),
+    Row("unknown cooling", (PROPERTIES, "cooling Haff", "cooling haff"), "allowed are: none, Haff",
+        "did you mean 'Haff'?"),
+    Row("no cooling with e < 1", (PROPERTIES, "cooling Haff;\n", ""), "'cooling' is missing", "cooling Haff;", at=""),
+    Row("unknown transport", (PROPERTIES, "transport none", "transport Jenkins"), "Jenkins", "allowed are: none"),
+    Row("unknown flux", (SCHEMES, "fluxScheme common;", "fluxScheme Marqina;"), "Marqina", "allowed are: common, ",
+        "did you mean 'Marquina'?"),
+    Row("unknown reconstruct", (SCHEMES, "reconstruct PHM", "reconstruct WENO6"), "WENO6", "allowed are",
+        "did you mean 'WENO5'?"),
+    Row("unknown timeScheme", (SCHEMES, "timeScheme SSPRK3", "timeScheme RK4"), "RK4", "allowed are", "SSPRK3"),
+    Row("unknown shaking", (SHAKING, "type sinusoidal;", "type sinusodal;"), "sinusodal", "did you mean 'sinusoidal'?"),
+    Row("unknown function object", (CONTROL, "type fieldMinMax;", "type fieldMinMac;"), "fieldMinMac", "allowed are",
+        "did you mean 'fieldMinMax'?"),
+    Row("unknown field of a function object", (CONTROL, "fields (p);", "fields (p alpa);"), "no field 'alpa'",
+        "did you mean 'alpha'?"),
+    Row("field listed twice", (CONTROL, "fields (p);", "fields (p p);"), "'p' is listed twice"),
+    Row("no fields", (CONTROL, "fields (p); ", ""), "'fields' is missing in 'functions.extremes'", "rho alpha U T p c Ma",
+        at="extremes { type fieldMinMax;"),
+    Row("unknown operation", (CONTROL, "operation volIntegrate;", "operation volIntegral;"), "volIntegral",
+        "did you mean 'volIntegrate'?"),
+    Row("a function object that is no dictionary", (CONTROL, "    vtk {", "    extra 3;\n    vtk {"), "'extra'",
+        "{ ... }"),
+    # values: type
+    Row("word for a number", (CONTROL, "maxCo 0.5;", "maxCo half;"), "'maxCo' is half", "expected a number"),
+    Row("two numbers for one", (CONTROL, "maxCo 0.5;", "maxCo 0.5 0.6;"), "0.5 0.6", "expected one number"),
+    Row("no value", (CONTROL, "maxCo 0.5;", "maxCo;"), "'maxCo' is empty", "expected a number"),
+    Row("number for a switch", (CONTROL, "adjustTimeStep no;", "adjustTimeStep 0;"), "'adjustTimeStep' is 0", "yes",
+        "no"),
+    Row("number for a word", (CONTROL, "startFrom latestTime;", "startFrom 0;"), "'startFrom' is 0", "latestTime"),
+    Row("fraction for a count", (CONTROL, "purgeWrite 0;", "purgeWrite 1.5;"), "1.5", "whole number"),
+    Row("dictionary for a number", (CONTROL, "maxCo 0.5;", "maxCo { value 0.5; }"), "'maxCo'", "not a dictionary"),
+    Row("value for a dictionary", (SOLUTION, "limits\n{\n    minDeltaTFraction 1e-3;\n}", "limits 3;"), "'limits' is 3",
+        "limits { ... }"),
+    Row("scalar for a vector", (GRAVITY, "(1 -2 0)", "-2"), "'value' is -2", "(x y z)"),
+    Row("vector of two", (GRAVITY, "(1 -2 0)", "(1 -2)"), "(1 -2)", "(x y z)"),
+    Row("0x10", (CONTROL, "purgeWrite 0;", "purgeWrite 0x10;"), "0x10", "expected a number"),
+    Row("decimal comma", (CONTROL, "maxCo 0.5;", "maxCo 0,5;"), "0 , 5", "expected one number"),
+    Row("nan", (CONTROL, "maxCo 0.5;", "maxCo nan;"), "nan", "expected a number"),
+    Row("inf", (PROPERTIES, "diameter 0.1;", "diameter inf;"), "inf", "expected a number"),
+    Row("1e999", (PROPERTIES, "diameter 0.1;", "diameter 1e999;"), "1e999", "out of range"),
+    # values: range
+    Row("restitution 1.2", (PROPERTIES, "restitution 0.9;", "restitution 1.2;"), "restitution is 1.2", "0 .. 1"),
+    Row("diameter < 0", (PROPERTIES, "diameter 0.1;", "diameter -0.1;"), "diameter is -0.1", "allowed is"),
+    Row("mass 0", (PROPERTIES, "mass 1;", "mass 0;"), "mass is 0", "allowed is"),
+    Row("alphaMax 0", (PROPERTIES, "alphaMax 0.65;", "alphaMax 0;"), "alphaMax is 0", "allowed is"),
+    Row("gamma 1", (PROPERTIES, "gamma 1.6666666666666667;", "gamma 1;"), "gamma is 1", "allowed is 1 .. 3"),
+    Row("maxCo -1", (CONTROL, "maxCo 0.5;", "maxCo -1;"), "maxCo is -1", "allowed is"),
+    Row("maxCo 1.5", (CONTROL, "maxCo 0.5;", "maxCo 1.5;"), "SSPRK3 allows 1 at most"),
+    Row("deltaT 0", (CONTROL, "deltaT 0.001;", "deltaT 0;"), "deltaT is 0", "greater than 0"),
+    Row("no deltaT", (CONTROL, "deltaT 0.001;\n", ""), "time step must be given", "add  deltaT <seconds>;", at="adjustTimeStep no;"),
+    Row("writePrecision 99", (CONTROL, "writePrecision 17;", "writePrecision 99;"), "99", "1 .. 17"),
+    Row("writeFormat", (CONTROL, "writeFormat ascii;", "writeFormat asci;"), "asci", "did you mean 'ascii'?"),
+    Row("writeControl", (CONTROL, "writeControl adjustableRunTime;", "writeControl adjustableRuntime;"),
+        "did you mean 'adjustableRunTime'?"),
+    Row("writeInterval 0", (CONTROL, "writeInterval 0.001;", "writeInterval 0;"), "'writeInterval' is 0",
+        "greater than 0"),
+    Row("no writeInterval", (CONTROL, "writeInterval 0.001;\n", ""), "'writeInterval' is missing", at=""),
+    Row("fraction of a step", (CONTROL, "writeControl adjustableRunTime;", "writeControl timeStep;"), "0.001",
+        "whole number of steps", at="writeInterval 0.001;"),
+    Row("endTime before startTime", (CONTROL, "endTime 0.002;", "endTime -1;"), "'endTime' is -1", "from time 0"),
+    Row("no endTime", (CONTROL, "endTime 0.002;\n", ""), "'endTime' is missing", "endTime <seconds>;", at=""),
+    Row("start at a time that is not there", (CONTROL, "startFrom latestTime;\nstartTime 0;",
+                                              "startFrom startTime;\nstartTime 0.0005;"),
+        "no such time folder", "there are: 0", at="startTime 0.0005;"),
+    Row("amplitude missing", (SHAKING, "amplitude 3;\n", ""), "'amplitude' is missing", at=""),
+    Row("table that is none", (SHAKING, "amplitude 3;", "amplitude table (0 3 1 2);"), "table ((t v) (t v) ...)"),
+    Row("table without pairs", (SHAKING, "amplitude 3;", "amplitude table ();"), "one pair at least"),
+    Row("table back in time", (SHAKING, "amplitude 3;", "amplitude table ((0 3) (0.1 2) (0.1 1));"), "0.1 follows 0.1"),
+    Row("ramp of the frequency", (SHAKING, "frequency 20;", "frequency table ((0 20) (1 30));"), "expected a number"),
+    Row("frequency < 0", (SHAKING, "frequency 20;", "frequency -20;"), "frequency is -20", "greater than 0"),
+    Row("minDeltaTFraction 2", (SOLUTION, "1e-3;", "2;"), "minDeltaTFraction is 2", "allowed is 0 .. 1"),
+    Row("shaking without g", remove(GRAVITY), "constant/g is missing", where=SHAKING, at="type sinusoidal;"),
+    Row("probe outside", (CONTROL, "(3 2 0.5)", "(30 2 0.5)"), "(30 2 0.5)", "outside the mesh", "allowOutside yes;"),
+    Row("probes of two numbers", (CONTROL, "(3 2 0.5)", "(3 2)"), "'probeLocations'", "((x y z) ...)"),
+    Row("line outside", (CONTROL, "start (0.5 1 0.5);\n                end (5 1 0.5);",
+                         "start (0.5 9 0.5);\n                end (5 9 0.5);"), "no point of the line", "mesh"),
+    Row("nPoints 1", (CONTROL, "nPoints 5;", "nPoints 1;"), "'nPoints' is 1", "from 2"),
+    # dimensions
+    Row("unit of g", (GRAVITY, "[0 1 -2 0 0 0 0]", "[0 1 -1 0 0 0 0]"), "[0 1 -1 0 0 0 0]", "[0 1 -2 0 0 0 0]"),
+    Row("unit of the value of g", (GRAVITY, "value (1", "value [0 1 0 0 0 0 0] (1"), "[0 1 -2 0 0 0 0]"),
+    Row("unit of a diameter", (PROPERTIES, "diameter 0.1;", "diameter [1 0 0 0 0 0 0] 0.1;"), "[0 1 0 0 0 0 0]"),
+    Row("unit of a number without one", (PROPERTIES, "restitution 0.9;", "restitution [0 0 1 0 0 0 0] 0.9;"),
+        "[0 0 0 0 0 0 0]"),
+    Row("gravity along an empty axis", (GRAVITY, "(1 -2 0)", "(1 -2 9.81)"), "z component must be 0", "'empty'"),
+    # grammar
+    Row("brace not closed", (PROPERTIES, "restitution 0.9;\n}", "restitution 0.9;\n"), "'{'", "not closed",
+        at="{\n    diameter"),
+    Row("brace too many", (SCHEMES, "timeScheme SSPRK3;", "} timeScheme SSPRK3;"), "found '}'", "no '{' is open"),
+    Row("bracket not closed", (CONTROL, "probeLocations ((0.5", "probeLocations (((0.5"), "'('", "is open"),
+    Row("bracket too many", (CONTROL, "(3 2 0.5));", "(3 2 0.5)));"), "')'", "no bracket is open"),
+    Row("string not closed", (CONTROL, "application granularGas;", 'application "granularGas;'), "not closed"),
+    Row("comment not closed", (CONTROL, "deltaT 0.001;", "/* deltaT 0.001;"), "/* is not closed"),
+    Row("include loop", both(append(CONTROL, '#include "more"\n'), write("system/more", '\n#include "controlDict"\n')),
+        "includes itself", where="system/more", at='#include "controlDict"'),
+    Row("included file not there", (CONTROL, "maxCo 0.5;", '#include "Courant"'), "no file", "system/Courant"),
+    Row("mistake in an included file", both(replace(CONTROL, "maxCo 0.5;", '#include "Courant"'),
+                                            write("system/Courant", "// more\nmaxC0 0.5;\n")),
+        "did you mean 'maxCo'?", where="system/Courant", at="maxC0"),
+    Row("macro that is not there", (CONTROL, "maxCo 0.5;", "maxCo $Co;"), "$Co", "stands before it"),
+    Row("eval: syntax", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 2 * };"), "2 *"),
+    Row("eval: unknown name", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 2 * limit };"), "limit"),
+    Row("eval: division by zero", (CONTROL, "maxCo 0.5;", "maxCo #eval{ 1 / 0 };"), "1 / 0"),
+    Row("shell", (CONTROL, "type fieldMinMax;", "type systemCall; executeCalls (\"ls\");"), "systemCall", "allowed are"),
+    Row("code", (CONTROL, "maxCo 0.5;", "maxCo #codeStream { code #{ return 1; #}; };"), "no code is run"),
+    Row("#if without #endif", (CONTROL, "maxCo 0.5;", "#if yes\nmaxCo 0.5;"), "#if has no #endif", at=""),
+    Row("a binary file as a dictionary", write(SCHEMES, "\x01\x02\x03 fluxScheme common;"), "byte 0x01", where=SCHEMES),
+    # files
+    Row("no controlDict", remove(CONTROL), "No such file", where=CONTROL),
+    Row("no fvSchemes", remove(SCHEMES), "No such file", where=SCHEMES),
+    Row("no fvSolution", remove(SOLUTION), "No such file", where=SOLUTION),
+    Row("no granularProperties", remove(PROPERTIES), "No such file", where=PROPERTIES),
+    Row("folder for a file", folder_instead(SCHEMES), "is no file", where=SCHEMES),
+    Row("folder for a field", folder_instead("0/T"), "is no file", where="0/T"),
+    Row("no time folder", lambda case: shutil.rmtree(os.path.join(case, "0")), "no time folder", "/0"),
+    Row("broken gzip", both(remove(SCHEMES), write(SCHEMES + ".gz", "\x1f\x8b broken")), SCHEMES + ".gz"),
+]
+
+FIELDS = [
+    Row("wrong dimensions of a field", ("0/T", "[0 2 -2 0 0 0 0]", "[0 0 0 1 0 0 0]"), "[0 0 0 1 0 0 0]",
+        "[0 2 -2 0 0 0 0]"),
+    Row("no dimensions", ("0/T", "dimensions [0 2 -2 0 0 0 0];\n", ""), "'dimensions' is missing", at=""),
+    Row("dimensions of four numbers", ("0/T", "[0 2 -2 0 0 0 0]", "[0 2 -2 0]"), "5 or 7 numbers"),
+    Row("rho and alpha", lambda case: shutil.copy(os.path.join(case, "0/alpha"), os.path.join(case, "0/rho")),
+        "both rho and alpha", "remove one", where="0"),
+    Row("T and p", lambda case: shutil.copy(os.path.join(case, "0/T"), os.path.join(case, "0/p")), "both T and p",
+        "remove one", where="0"),
+    Row("neither rho nor alpha", remove("0/alpha"), "neither rho nor alpha", "give one", where="0"),
+    Row("neither T nor p", remove("0/T"), "neither T nor p", "give one", where="0"),
+    Row("no U", remove("0/U"), "no such file", where="0/U"),
+    Row("nan uniform", ("0/T", "uniform 25;\nboundary", "uniform nan;\nboundary"), "'nan'", "finite"),
+    Row("inf in a list", ("0/alpha", "0.207", "inf"), "'inf'", "expected a number"),
+    Row("nan in a list", ("0/alpha", "0.207", "nan"), "'nan'", "expected a number"),
+    Row("T < 0", ("0/T", "uniform 25;\nboundary", "uniform -25;\nboundary"), "cell 0 at (0.5 0.5 0.5): T is -25",
+        "greater than 0"),
+    Row("T = 0", ("0/T", "uniform 25;\nboundary", "uniform 0;\nboundary"), "T is 0", "greater than 0"),
+    Row("T < 0 at a patch", ("0/T", "value uniform 25;", "value uniform -25;"), "patch xLow", "-25",
+        at="value uniform -25;"),
+    Row("alpha > alphaMax in one cell", ("0/alpha", "0.207", "0.7"), "cell 7 at (1.5 1.5 0.5): alpha is 0.7",
+        "between 0 and 0.65"),
+    Row("alpha = alphaMax", ("0/alpha", "0.207", "0.65"), "alpha is 0.65", "between 0 and 0.65"),
+    Row("alpha > alphaMax uniform", write("0/alpha", bad_case.FILES["0/alpha"][1].replace(
+        bad_case.LIST, "uniform 0.7;\n")), "cell 0 at", "alpha is 0.7", where="0/alpha", at="uniform 0.7;"),
+    Row("alpha > alphaMax from an expression",
+        ("0/alpha", "internalField", 'expression "0.2 + 0.1*x";\ninternalField'), "cell 4 at (4.5 0.5 0.5)",
+        "alpha is 0.65"),
+    Row("alpha > alphaMax at a patch", ("0/alpha", "value uniform 0.2;", "value uniform 0.66;"), "patch xLow", "0.66",
+        "0.65", at="value uniform 0.66;"),
+    Row("expression: syntax", ("0/T", "internalField", 'expression "25 + * x";\ninternalField'), "25 + * x", "column"),
+    Row("expression: function", ("0/T", "internalField", 'expression "25 + sinn(x)";\ninternalField'), "'sinn'",
+        "did you mean 'sin'?"),
+    Row("expression: variable", ("0/T", "internalField", 'expression "25 + r";\ninternalField'), "'r'", "x y z t"),
+    Row("expression: not finite", ("0/T", "internalField", 'expression "25/(x - 1.5)";\ninternalField'), "cell 1 at",
+        "gives inf"),
+    Row("expression: one for a vector", ("0/U", "internalField", 'expression "x";\ninternalField'), "1 expression",
+        "3 components"),
+    Row("wrong count", ("0/alpha", "24\n(", "25\n("), "25 entries", "has 24", at=""),
+    Row("too few values", ("0/alpha", "24\n(\n0.2\n", "23\n(\n"), "23 values", "24", at="internalField"),
+    Row("one value too many", ("0/alpha", "0.207", "0.207 0.208"), "24 entries", "has more", at=""),
+    Row("vector in a scalar field", ("0/T", "uniform 25;\nboundary", "uniform (1 0 0);\nboundary"), "'('", "finite number"),
+    Row("scalar in a vector field", ("0/U", "uniform (1 0.5 0);\nboundary", "uniform 1;\nboundary"), "'1'", "'('"),
+    Row("vector of two in U", ("0/U", "uniform (1 0.5 0);\nboundary", "uniform (1 0.5);\nboundary"), "')'", "number"),
+    Row("vector of four in U", ("0/U", "uniform (1 0.5 0);\nboundary", "uniform (1 0.5 0 0);\nboundary"), "')'"),
+    Row("List<vector> in a scalar field", ("0/alpha", "List<scalar>", "List<vector>"), "List<vector>", "List<scalar>"),
+    Row("neither uniform nor nonuniform", ("0/T", "uniform 25;\nboundary", "constant 25;\nboundary"), "'constant'",
+        "uniform VALUE;"),
+    Row("no internalField", ("0/T", "internalField uniform 25;\n", ""), "'internalField' is missing", at=""),
+    Row("velocity along an empty axis", ("0/U", "uniform (1 0.5 0);\nboundary", "uniform (1 0.5 3);\nboundary"),
+        "z component must be 0", "'empty'"),
+    Row("field cut short", cut("0/alpha", 0.5), where="0/alpha"),
+    Row("empty field file", write("0/T", ""), "'dimensions' is missing", where="0/T"),
+    Row("no boundaryField", ("0/T", "boundaryField", "boundaryfield"), "'boundaryField' is missing",
+        "did you mean 'boundaryField'?", at="boundaryfield"),
+    # patches
+    Row("patch without entry", ("0/T", "    xHigh\n    {\n        type slip;\n    }\n", ""), "no entry for patch 'xHigh'",
+        at="boundaryField"),
+    Row("misspelt patch", ("0/T", "xHigh", "xHihg"), "no entry for patch 'xHigh'", "did you mean 'xHigh'?"),
+    Row("entry for no patch", ("0/T", "    xHigh\n", "    top { type slip; }\n    xHigh\n"), "'top'", "xLow"),
+    Row("unknown boundary type", ("0/T", "type slip;", "type slipp;"), "slipp", "allowed are", "did you mean 'slip'?"),
+    Row("noSlip on a scalar", ("0/T", "type slip;", "type noSlip;"), "noSlip", "allowed are", "zeroGradient"),
+    Row("moving wall without viscosity", ("0/U", "type slip;", "type translatingWallVelocity; U (0 1 0);"),
+        "'translatingWallVelocity'", "transport"),
+    Row("moving wall without U", ("0/U", "type slip;", "type translatingWallVelocity; u (0 1 0);"), "'U' is missing", at="    xHigh"),
+    Row("moving wall that is a number", ("0/U", "type slip;", "type translatingWallVelocity; U 1;"), "'U'", "(x y z)"),
+    Row("misspelt moving wall", ("0/U", "type slip;", "type translatingwallvelocity; U (0 1 0);"),
+        "did you mean 'translatingWallVelocity'?"),
+    Row("wall that takes heat without conduction", ("0/T", "type slip;", "type granularWall; restitution 0.9;"),
+        "T is 'granularWall'", "transport"),
+    Row("calculated on U", ("0/U", "type slip;", "type calculated;"), "calculated", "allowed are"),
+    Row("calculated that says nothing", ("0/T", "type slip;", "type calculated;"), "'calculated'", "give its type"),
+    Row("no type", ("0/T", "type slip;", ""), "'type' is missing", at="    xHigh"),
+    Row("empty on a patch that is not", ("0/T", "type slip;", "type empty;"), "of type wall", "constant/polyMesh/boundary"),
+    Row("not empty on a patch that is", ("0/T", "type empty;", "type slip;"), "of type empty", "must have type empty"),
+    Row("cyclic on a patch that is not", ("0/U", "type slip;", "type cyclic;"), "of type wall", "cyclic"),
+    Row("not cyclic on a patch that is", ("0/U", "yLow\n    {\n        type cyclic;",
+                                          "yLow\n    {\n        type zeroGradient;"), "must have type cyclic",
+        at="        type zeroGradient;"),
+    Row("symmetryPlane on a wall", ("0/U", "type slip;", "type symmetryPlane;"), "of type wall", "symmetryPlane"),
+    Row("fixedValue without value", ("0/T", "        value uniform 25;\n", ""), "'value' is missing", at="    xLow"),
+    Row("inletOutlet without inletValue", ("0/T", "type fixedValue;", "type inletOutlet;"), "'inletValue' is missing",
+        at="    xLow"),
+    Row("scalar value in a vector patch", ("0/U", "value uniform (1 0.5 0);", "value uniform 1;"), "'1'", "'('"),
+    Row("list of the wrong length on a patch", ("0/T", "value uniform 25;", "value nonuniform List<scalar> 3(25 25 25);"),
+        "3 values", "4"),
+    Row("fixed T at a slip wall", ("0/T", "type slip;", "type fixedValue; value uniform 25;"), "patch xHigh", "wall",
+        "zeroGradient"),
+]
+
+BOX_MESH = [
+    Row("no " + name, remove(MESH + name), "No such file", where=MESH + name)
+    for name in ("points", "faces", "owner", "neighbour", "boundary")
+] + [
+    Row("cut " + name, cut(MESH + name, 0.7), where=MESH + name)
+    for name in ("points", "faces", "owner", "neighbour", "boundary")
+] + [
+    Row("no mesh", lambda case: shutil.rmtree(os.path.join(case, MESH)), "gmshToCase", where=MESH[:-1]),
+    Row("bad point", (MESH + "points", "(6 4 1)", "(6 four 1)"), "'four'", "number"),
+    Row("nan point", (MESH + "points", "(6 4 1)", "(6 nan 1)"), "'nan'", "number"),
+    Row("point too many", (MESH + "points", "(6 4 1)", "(6 4 1)\n(7 4 1)"), "70 entries", "has more", at="(7 4 1)"),
+    Row("index of no point", (MESH + "faces", "4(1 8 43 36)", "4(1 8 70 36)"), "point 70", "0 to 69"),
+    Row("face of two points", (MESH + "faces", "4(1 8 43 36)", "2(1 8)"), "2 points", "at least 3"),
+    Row("point twice in a face", (MESH + "faces", "4(1 8 43 36)", "4(1 8 8 36)"), "point 8 twice"),
+    Row("owner of no cell", lambda case: line_of(case, "owner", 3, "7777"), "7777", where=MESH + "owner", at="7777"),
+    Row("owner < 0", lambda case: line_of(case, "owner", 3, "-7"), "cell -7", where=MESH + "owner", at="-7"),
+    Row("owner leaves a gap", lambda case: line_of(case, "owner", 105, "90"), "cell 24", "up to 90", where=MESH[:-1]),
+    Row("not upper triangular", lambda case: swap(case), "sorted by owner", "renumberMesh", where=MESH + "neighbour"),
+    Row("neighbour not above owner", lambda case: line_of(case, "neighbour", 0, "0"), "neighbour 0, owner 0",
+        where=MESH + "neighbour"),
+    Row("neighbour of no cell", lambda case: line_of(case, "neighbour", 37, "50"), "cell 24", "up to 50", where=MESH[:-1]),
+    Row("unknown patch type", (MESH + "boundary", "type wall", "type wal"), "'wal'", "allowed are patch wall"),
+    Row("patches overlap", (MESH + "boundary", "startFace 42", "startFace 41"), "startFace 41", "allowed is 42"),
+    Row("too many faces in a patch", (MESH + "boundary", "nFaces 48", "nFaces 49"), "49", "106"),
+    Row("patch twice", (MESH + "boundary", "xHigh {", "xLow {"), "second patch", "xLow", at="xLow { type wall"),
+    Row("wrong number of patches", (MESH + "boundary", "5\n(", "6\n("), "5 patches", "6", at=""),
+    Row("cyclic without neighbourPatch", (MESH + "boundary", "neighbourPatch yHigh;", ""), "neighbourPatch", "yLow"),
+    Row("cyclic halves that do not name each other", (MESH + "boundary", "neighbourPatch yLow;", "neighbourPatch yHigh;"),
+        "each half must name the other", at=""),
+    Row("cyclic with a patch that is not there", (MESH + "boundary", "neighbourPatch yHigh;", "neighbourPatch why;"),
+        "'why'", at=""),
+    Row("cyclic halves of different size", both(
+        replace(MESH + "boundary", "xLow { type patch;", "xLow { type cyclic; neighbourPatch yLow;"),
+        replace(MESH + "boundary", "neighbourPatch yHigh;", "neighbourPatch xLow;"),
+        replace(MESH + "boundary", "yHigh { type cyclic;", "yHigh { type patch;")), "4 and 6 faces", where=MESH[:-1]),
+    Row("cyclic halves that do not match", both(
+        replace(MESH + "boundary", "xLow { type patch;", "xLow { type cyclic; neighbourPatch xHigh;"),
+        replace(MESH + "boundary", "xHigh { type wall;", "xHigh { type cyclic; neighbourPatch xLow;"),
+        replace(MESH + "points", "(6 2 0)", "(6 2.3 0)"), replace(MESH + "points", "(6 2 1)", "(6 2.3 1)")),
+        "cyclic faces do not match", "'xLow'", where=MESH[:-1]),
+    Row("two layers between empty patches", mesh((6, 4, 2)), "cell 0 at", "one cell thick", "Layers{1}",
+        where=MESH[:-1]),
+    Row("more patches than announced", (MESH + "boundary", "zEmpty { type empty; nFaces 48; startFace 58; }",
+                                                   "zEmpty { type empty; nFaces 40; startFace 58; }\n"
+                                                   "rest { type patch; nFaces 8; startFace 98; }"),
+        "more than the 5 patches", at="rest { type patch"),
+    Row("defaultFaces", replace(MESH + "boundary", "xHigh {", "defaultFaces {"), "'defaultFaces' holds 4 faces", "name",
+        where=MESH[:-1]),
+    Row("cells inside out", replace(MESH + "points", "(3 2 1)", "(3 2 -5)"), "cell", "at (", where=MESH[:-1]),
+    Row("class of a mesh file", (MESH + "owner", "labelList", "scalarField"), "scalarField", "labelList", at=""),
+]
+
+
+def line_of(case, name, entry, text):
+    """Replaces entry number `entry` of a list with one entry in a line."""
+    path = os.path.join(case, MESH, name)
+    with open(path) as f:
+        lines = f.read().splitlines()
+    lines[lines.index("(") + 1 + entry] = text
+    with open(path, "w") as f:
+        f.write("\n".join(lines) + "\n")
+
+
+def swap(case):
+    """The first two inner faces of the mesh change places: 0-1 and 0-6."""
+    for name in ("faces", "neighbour"):
+        path = os.path.join(case, MESH, name)
+        with open(path) as f:
+            lines = f.read().splitlines()
+        at = lines.index("(") + 1
+        lines[at], lines[at + 1] = lines[at + 1], lines[at]
+        with open(path, "w") as f:
+            f.write("\n".join(lines) + "\n")
+
+
+RESTART = [
+    Row("restart: cut field", cut_list("0.002/rho"), "binary list of 24 entries", "the file was cut", where="0.002/rho", base="binary"),
+    Row("restart: cut conserved field", cut_list("0.002/rhoE"), "binary list of 24 entries", where="0.002/rhoE", base="binary"),
+    Row("restart: wrong count of a binary list", change_bytes("0.002/U", b"\n24\n(", b"\n25\n("),
+        "binary list of 25 entries", "count", where="0.002/U", base="binary"),
+    Row("restart: nan in a binary list", change_bytes("0.002/T", b"\n24\n(", b"\n24\n(\0\0\0\0\0\0\xf8\x7f", 8),
+        "entry 0 of the binary list is nan", "finite", where="0.002/T", base="binary"),
+    Row("restart: ascii header on a binary file", change_bytes("0.002/p", b"binary;", b"ascii;"), "format",
+        where="0.002/p", base="binary"),
+    Row("restart: cut ascii field", cut("0.002/U", 0.5), where="0.002/U", base="ascii"),
+    Row("restart: no uniform/time", remove("0.002/uniform/time"), "uniform/time is missing", "start from another time",
+        where="0.002", base="ascii"),
+    Row("restart: cut uniform/time", cut("0.002/uniform/time", 0.8), where="0.002/uniform/time", base="ascii"),
+    Row("restart: empty uniform/time", write("0.002/uniform/time", ""), "'value' is missing",
+        where="0.002/uniform/time", base="ascii"),
+    Row("restart: index that is none", ("0.002/uniform/time", "index           2;", "index           two;"), "two",
+        "expected a number", base="ascii"),
+    Row("restart: index beyond all numbers", ("0.002/uniform/time", "index           2;", "index           1e300;"), "1e300",
+        "whole number", base="ascii"),
+    Row("restart: digits beyond all numbers", ("0.002/uniform/time", "writePrecision  17;", "writePrecision  2000000000;"),
+        "1 to 17", base="ascii"),
+    Row("restart: another time inside", ("0.002/uniform/time", "value           0.002;", "value           0.9;"),
+        "0.9", "0.002", base="ascii"),
+    Row("restart: other number of cells", mesh((5, 4, 1)), "20 cells", "time 0.002", "24 cells", "put that mesh back",
+        where="constant/polyMesh", base="ascii"),
+    Row("restart: changed T", ("0.002/T", "internalField   nonuniform List<scalar>\n24\n(\n",
+                                "internalField   nonuniform List<scalar>\n24\n(\n30 //"), "remove rhoU and rhoE",
+        at="30 //", base="ascii"),
+    Row("restart: rhoU is lost", remove("0.002/rhoU"), "rhoU", where="0.002", base="ascii"),
+    Row("restart: nan in rhoE", lambda case: line_of_field(case, "0.002/rhoE", 4, "nan"), "'nan'", "expected a number",
+        where="0.002/rhoE", at="nan", base="ascii"),
+    Row("restart: negative energy", lambda case: line_of_field(case, "0.002/rhoE", 4, "-1"), "cell 4",
+        where="0.002/T", base="ascii"),
+]
+
+
+def line_of_field(case, path, cell, text):
+    path = os.path.join(case, path)
+    with open(path) as f:
+        lines = f.read().splitlines()
+    lines[lines.index("(") + 1 + cell] = text
+    with open(path, "w") as f:
+        f.write("\n".join(lines) + "\n")
+
+
+def two_layers(case):
+    """The squares of the file, made into two layers of boxes between patches that are to be empty."""
+    points = "".join(f"{1 + p + 6 * k} {p % 3} {p // 3} {k}\n" for k in range(3) for p in range(6))
+    cells, low, high, side = [], [], [], []
+    for k in range(2):
+        for a in (1, 2):
+            square = [a + 6 * k, a + 1 + 6 * k, a + 4 + 6 * k, a + 3 + 6 * k]
+            cells.append("5 2 4 1 " + " ".join(map(str, square + [p + 6 for p in square])))
+            low.append("3 2 1 1 " + " ".join(map(str, square)) if k == 0 else "")
+            high.append("3 2 2 2 " + " ".join(str(p + 6) for p in square) if k == 1 else "")
+        for a, b in ((1, 2), (2, 3), (4, 5), (5, 6), (1, 4), (3, 6)):
+            side.append("3 2 3 3 " + " ".join(str(p + 6 * k) for p in (a, b, b + 6, a + 6)))
+    elements = [e for e in low + high + side + cells if e]
+    write("mesh.msh", '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 "emptyLow"\n2 2 "emptyHigh"\n'
+          '2 3 "side"\n3 4 "gas"\n$EndPhysicalNames\n$Nodes\n18\n' + points + f"$EndNodes\n$Elements\n{len(elements)}\n"
+          + "".join(f"{i + 1} {e}\n" for i, e in enumerate(elements)) + "$EndElements\n")(case)
+
+
+MESH_FILE = [
+    Row("msh: no file", remove("mesh.msh"), "No such file", where="mesh.msh"),
+    Row("msh: no mesh at all", write("mesh.msh", "solid cube\n"), "is this a .msh file?", where="mesh.msh"),
+    Row("msh: empty", write("mesh.msh", ""), "empty", "2.2 or 4.1", where="mesh.msh"),
+    Row("msh: version 3", ("mesh.msh", "2.2 0 8", "3 0 8"), "3", "2.2", "4.1"),
+    Row("msh: version 4.0", ("mesh.msh", "2.2 0 8", "4 0 8"), "4", "2.2", "4.1"),
+    Row("msh: cut in the nodes", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("5 1 1 0"):], "5 1"), "6 nodes", "truncated",
+        at="6\n1 0 0 0"),
+    Row("msh: cut in the elements", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("8 3 2"):], "8 3 2"), "the file ends",
+        "truncated"),
+    Row("msh: no elements", ("mesh.msh", bad_case.MSH2[bad_case.MSH2.index("$Elements"):], ""), "no elements", at=""),
+    Row("msh: node that is not there", ("mesh.msh", "8 3 2 3 1 2 3 6 5", "8 3 2 3 1 2 3 6 9"), "node 9", "6 of $Nodes"),
+    Row("msh: node that is no number", ("mesh.msh", "5 1 1 0\n6 2", "5 one 1 0\n6 2"), "'one'", "number"),
+    Row("msh: nan", ("mesh.msh", "5 1 1 0\n6 2", "5 nan 1 0\n6 2"), "'nan'", "finite number"),
+    Row("msh: wrong count", ("mesh.msh", "$Nodes\n6", "$Nodes\n5"), "$EndNodes", "count", at="6 2 1 0"),
+    Row("msh: no physical groups", write("mesh.msh", re.sub(r" 2 (\d) \d ", r" 2 0 \1 ", re.sub(
+        r"\$PhysicalNames.*EndPhysicalNames\n", "", bad_case.MSH2, flags=re.S))), "no physical groups",
+        "Physical Curve", where="mesh.msh"),
+    Row("msh: part of the boundary without a group", ("mesh.msh", "4 1 2 2 3 2 3", "4 1 2 0 3 2 3"),
+        "1 of 10 boundary faces", "no physical group", "(1.5, 0, ", at=""),
+    Row("msh: group without a name", ("mesh.msh", '1 2 "sides"', '1 3 "sides"'), "no name", "Physical Curve", at=""),
+    Row("msh: name with a blank", ("mesh.msh", '"sides"', '"both sides"'), "letters, digits", "both_sides", at=""),
+    Row("msh: second order", ("mesh.msh", "3 1 2 2 3 1 2\n", "3 8 2 2 3 1 2 4\n"), "line of 3 nodes",
+        "Mesh.ElementOrder = 1"),
+    Row("msh: not in a plane", ("mesh.msh", "6 2 1 0", "6 2 1 0.5"), "plane", at=""),
+    Row("msh: two layers", two_layers, "one cell thick", "Layers{1}"),
+    Row("meshDict: unknown patch", write("system/meshDict", "patches\n{\n    side { type wall; }\n}\n"),
+        "no patch 'side'", "sides", where="system/meshDict", at="    side"),
+    Row("meshDict: unknown type", write("system/meshDict", "patches\n{\n    sides { type wal; }\n}\n"), "'wal'",
+        "allowed are patch wall", where="system/meshDict", at="    sides"),
+    Row("meshDict: no ;", write("system/meshDict", "patches\n{\n    sides { type wall }\n}\n"), "missing ';'",
+        where="system/meshDict", at="    sides"),
+    Row("meshDict: unpaired cyclic", write("system/meshDict",
+                                           "patches\n{\n    sides { type cyclic; neighbourPatch ends; }\n}\n"),
+        "cyclic", "'ends'"),
+    Row("meshDict: cyclic without its half", write("system/meshDict", "patches\n{\n    sides { type cyclic; }\n}\n"),
+        "neighbourPatch", where="system/meshDict", at="    sides"),
+    Row("meshDict: unknown key", write("system/meshDict", "patches\n{\n    sides { type wall; colour red; }\n}\n"),
+        "'colour' is not used", where="system/meshDict", at="    sides"),
+]
+
+# program and arguments (CASE: a sound case that has run; MSH: a sound mesh file), what the message holds
+COMMANDS = [
+    (["granularGas", "-cse", "CASE"], "'-cse'", "did you mean '-case'?"),
+    (["granularGas", "-case", "CASE", "-dryrun"], "'-dryrun'", "did you mean '-dry-run'?"),
+    (["granularGas", "-case"], "-case wants a value"),
+    (["granularGas", "CASE"], "unknown argument", "-case"),
+    (["granularGas", "-case", "CASE/nowhere"], "CASE/nowhere: no such folder"),
+    (["granularGas", "-case", "CASE/0/T"], "CASE/0/T: is no folder"),
+    (["granularGas", "-case", "CASE", "-np", "two"], "-np two", "whole number"),
+    (["granularGas", "-case", "CASE", "-np", "0"], "-np 0", "from 1"),
+    (["granularGas", "-case", "CASE", "-listModel"], "did you mean '-listModels'?"),
+    (["granularGas", "-case", "CASE/system"], "system/controlDict", "cannot open"),
+    (["checkCase"], "usage: checkCase DIR"),
+    (["checkCase", "CASE/nowhere"], "CASE/nowhere: no such folder"),
+    (["checkCase", "-hepl"], "'-hepl'", "did you mean '-help'?"),
+    (["checkCase", "CASE", "CASE"], "unknown argument"),
+    (["gmshToCase"], "usage: gmshToCase MESH.msh -case DIR"),
+    (["gmshToCase", "MSH"], "usage: gmshToCase MESH.msh -case DIR"),
+    (["gmshToCase", "MSH", "-case"], "-case wants a value"),
+    (["gmshToCase", "MSH", "-case", "CASE/nowhere"], "no such folder"),
+    (["gmshToCase", "MSH", "-case", "CASE", "-binry"], "'-binry'", "did you mean '-binary'?"),
+    (["gmshToCase", "CASE/0/T", "-case", "CASE"], "CASE/0/T:1:", ".msh"),
+    (["gmshToCase", "CASE", "-case", "CASE"], "CASE: is no file"),
+    (["caseToVTK"], "usage: caseToVTK DIR"),
+    (["caseToVTK", "CASE/nowhere"], "no such folder"),
+    (["caseToVTK", "CASE/system"], "no time folders"),
+    (["caseToVTK", "CASE", "-tim", "0"], "'-tim'", "did you mean '-time'?"),
+    (["caseToVTK", "CASE", "-time"], "-time wants a value"),
+    (["caseToVTK", "CASE", "-time", "7"], "no time '7'", "there are: 0 0.001 0.002"),
+    (["caseToVTK", "CASE", "-time", "last"], "no time 'last'"),
+    (["caseToVTK", "CASE", "-fields", "alpa"], "0/alpa: no such field", "did you mean 'alpha'?"),
+]
+
+CONVERSION = [
+    Row("VTK: no mesh", remove(MESH + "faces"), "No such file", where=MESH + "faces", base="ascii"),
+    Row("VTK: cut field", cut("0/alpha", 0.5), where="0/alpha", base="ascii"),
+    Row("VTK: wrong count", ("0/alpha", "24\n(", "25\n("), "25 entries", "has 24", at="", base="ascii"),
+    Row("VTK: nan", ("0/alpha", "0.207", "nan"), "'nan'", "expected a number", base="ascii"),
+    Row("VTK: class of a field", ("0/T", "volScalarField", "surfaceScalarField"), "surfaceScalarField", "volScalarField",
+        at="", base="ascii"),
+    Row("VTK: other number of cells", mesh((5, 4, 1)), "24 values", "20", where="0/alpha", base="ascii"),
+]
