@@ -22,4 +22,12 @@ struct param {
     const char *meaning; /* one line */
 };
 
+/* What every row of a table of models begins with (equation of state, transport, cooling, source, wall, ..): its name
+ * in the dictionaries, one line for -listModels, and the parameters of its NAMECoeffs. */
+struct model {
+    const char *name, *about;
+    const struct param *param;
+    int nparam;
+};
+
 #endif
