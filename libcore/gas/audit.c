@@ -1,6 +1,6 @@
 #include "libcore/gas/audit.h"
 
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
 
@@ -68,7 +68,7 @@ void audit_mark(struct gas *g, bool back) {
 static double look(struct gas *g, const struct state *now) {
     struct audit *a = g->audit;
     const double before = a->now.totals[g->dim + 1];
-    status e = g->engine->totals(g, now, a->now.totals);
+    status e = g->engine->state.totals(g, now, a->now.totals);
     if (a->failed)
         status_free(e);
     else

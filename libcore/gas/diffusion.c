@@ -19,7 +19,7 @@
  * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is
  * done again with none of those derivatives on its faces, and no sink, which is as conservative, then in ever smaller
  * super steps; if all that does not help the time step is halved. */
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 
 enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
 
@@ -99,6 +99,44 @@ const struct diffusion *diffusion_find(const char *name) {
     return NULL;
 }
 
+struct rise { /* what rise_row needs to compare T in two states */
+    struct gas *g;
+    const struct state *from, *to;
+    bool friction; /* g->friction is wanted, else g->cooled */
+};
+
+static void rise_row(void *rise, const struct row *row) {
+    const struct rise *r = rise;
+    double before[BATCH], after[BATCH];
+    double *friction = r->g->friction[row->block] + row->at, *cooled = r->g->cooled[row->block] + row->at;
+    temperature_row(r->g, row->n, r->from->block[row->block] + row->at, before);
+    temperature_row(r->g, row->n, r->to->block[row->block] + row->at, after);
+    if (!r->friction)
+        for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], 0);
+    else if (r->g->engine->diffusion.cooled_first)
+        for (int i = 0; i < row->n; i++) friction[i] = after[i] - (before[i] + cooled[i]);
+    else
+        for (int i = 0; i < row->n; i++) friction[i] = after[i] - before[i] - cooled[i];
+}
+
+void note_cooled(struct gas *g, const struct state *from, const struct state *to) {
+    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, false});
+}
+
+static void note_friction(struct gas *g, const struct state *from, const struct state *to) {
+    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, true});
+}
+
+static void forget_row(void *gas, const struct row *row) {
+    const struct gas *g = gas;
+    memset(g->cooled[row->block] + row->at, 0, (size_t)row->n * sizeof(double));
+}
+
+/* Cooling took nothing from here on. */
+static void forget_cooled(struct gas *g) {
+    g->engine->state.rows(g, EVERY_CELL, &g->U, forget_row, g);
+}
+
 /* One super step of one kind from Y0 to `to`, which may be the same; returns this rank's number of inadmissible cells.
  */
 static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
@@ -106,25 +144,25 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
     double c[5], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
     g->models.diffusion->stage(stages, 1, c);
     weight[0] = c[2] * l->dt;
-    g->engine->diffusion_begin(g, what, Y0, weight[0], l->rest);
+    g->engine->diffusion.begin(g, what, Y0, weight[0], l->rest);
     for (int j = 2; j <= stages; j++) {
         g->models.diffusion->stage(stages, j, c);
         if (j == 2) c[1] = 0; /* S_0 = 0 */
         c[2] *= l->dt;
         c[3] *= l->dt;
         c[4] = c[2] * l->part * weight[0] / l->dt;
-        g->engine->diffusion_stage(g, what, Y0, c, weight[0]);
+        g->engine->diffusion.stage(g, what, Y0, c, weight[0]);
         const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
         weight[1] = weight[0];
         weight[0] = next;
     }
     g->counts.stages[what] += stages;
-    return g->engine->diffusion_end(g, what, Y0, to, l->dt, weight[0]);
+    return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
 }
 
 /* Into how many super steps, of how many stages: no more than the engine can bear. */
 static long plan_steps(const struct gas *g, double ratio, int *stages) {
-    const int most = g->engine->diffusion_stages;
+    const int most = g->engine->diffusion.most_stages;
     for (long parts = 1;; parts *= 2) {
         const long steps = g->models.diffusion->plan(ratio / (double)parts, stages);
         if (most == 0 || *stages <= most) return parts * steps;
@@ -167,7 +205,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
             return bad;
         }
         g->counts.repeated++;
-        (void)g->engine->diffusion_flags(g, false);
+        (void)g->engine->diffusion.flags(g, false);
     }
 }
 
@@ -178,7 +216,7 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
     const struct lapse stress = {dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
-    g->engine->diffusion_friction(g, from, mid);
+    note_friction(g, from, mid);
     return conduct(g, mid, to, dt, rate[HEAT]);
 }
 
@@ -186,11 +224,11 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     double rate[2], most[3] = {bad > 0, 0, 0};
     g->ahead = g->ahead && second;
     g->late = second;
-    g->engine->diffusion_rates(g, from, rate);
+    g->engine->diffusion.rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
     if (most[0] > 0 || !isfinite(most[1] + most[2])) return false;
-    const bool first = !second && g->engine->diffusion_ahead;
+    const bool first = !second && g->engine->diffusion.ahead;
     g->ahead = false;
     long repeats = 0, plain = 0;
     audit_mark(g, false);
@@ -200,17 +238,17 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
         repeats++;
-        if (g->models.source.cooling) g->engine->diffusion_cooled(g, NULL, NULL);
+        if (g->models.source.cooling) forget_cooled(g);
         audit_mark(g, true);
-        plain = g->engine->diffusion_flags(g, true);
+        plain = g->engine->diffusion.flags(g, true);
     }
-    (void)g->engine->diffusion_flags(g, false);
-    if (repeats) g->engine->clear_flags(g);
+    (void)g->engine->diffusion.flags(g, false);
+    if (repeats) g->engine->stage.clear_flags(g);
     g->counts.halves += most[0] == 0;
     g->counts.repeated += repeats;
     g->counts.plain += plain;
     if (first && most[0] == 0) {
-        g->engine->diffusion_ahead(g, to);
+        g->engine->diffusion.ahead(g, to);
         g->ahead = true;
     }
     return most[0] == 0;

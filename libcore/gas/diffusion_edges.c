@@ -1,5 +1,5 @@
 /* What the sums S of diffusion.h are beyond a patch, by the rules of velocity and temperature: on both mesh engines. */
-#include "libcore/gas/state.h"
+#include "libcore/gas/patch.h"
 
 /* Reflecting velocities are reflected, all else is copied. */
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l) {

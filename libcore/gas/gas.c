@@ -1,47 +1,7 @@
 /* The gas, whatever mesh it is on: what gas.h promises, handed to the engine of the mesh. */
-#include "libcore/gas/state.h"
-
-#include "libcore/schemes/limit.h"
+#include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
-
-status floors_make(struct gas *g) {
-    TRY(allocate(&g->raised, g->nraised, sizeof(double), "the floors"));
-    for (int v = 0; v < 2 && g->least > 0; v++) TRY(allocate(&g->fill[v], g->nraised, sizeof(double), "the floors"));
-    return OK;
-}
-
-void floors_free(struct gas *g) {
-    free(g->raised);
-    for (int v = 0; v < 2; v++) free(g->fill[v]);
-}
-
-static void fill_cells(struct gas *g, int n, long size, double *U, double *bad, int place, int step) {
-    double added[2][BATCH];
-    g->filled += raise_density(n, g->dim, size, g->least, g->limit, U, bad, added);
-    for (int v = 0; v < 2; v++)
-        for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
-}
-
-long floors_apply(struct gas *g, int n, long size, double *U, int place, int step) {
-    double bad[BATCH], raised[BATCH];
-    long left = 0;
-    if (!find_bad(n, g->dim, size, g->least, g->limit, U, bad)) return 0;
-    if (g->least > 0) fill_cells(g, n, size, U, bad, place, step);
-    g->floored += raise_energy(n, g->dim, size, g->least, g->limit, U, bad, raised);
-    for (int i = 0; i < n; i++) {
-        g->raised[place + i * step] += raised[i];
-        left += bad[i] > 0;
-    }
-    return left;
-}
-
-const char *density_hint(const struct gas *g) {
-    return g->least > 0
-               ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the field, "
-                 "or lower alphaFloor"
-               : "";
-}
 
 static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
@@ -53,7 +13,7 @@ static status make(const struct gas *like, struct gas **out) {
     g->limit = density_limit(g->models.eos, &g->models.material);
     if (g->models.alpha_floor > 0)
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
-    status s = g->engine->make(g);
+    status s = g->engine->state.make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->implicit);
     if (s)
         gas_free(g);
@@ -91,7 +51,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
 void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->implicit);
-    g->engine->free(g);
+    g->engine->state.free(g);
     audit_free(g->audit);
     free(g);
 }
@@ -101,7 +61,7 @@ int gas_variables(const struct gas *g) {
 }
 
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    g->engine->set_conserved(g, U);
+    g->engine->state.set_conserved(g, U);
     g->speed_known = false;
     g->guarded = 0;
     g->slow = -1;
@@ -127,32 +87,63 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
 }
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
-    return g->engine->get_conserved(g, U);
+    return g->engine->state.get_conserved(g, U);
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    g->engine->block_field(g, block, field, out);
+    g->engine->state.block_field(g, block, field, out);
 }
 
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
-    return g->engine->field(g, field, out);
+    return g->engine->state.field(g, field, out);
+}
+
+struct first_bad { /* what bad_row looks for: the first cell that is not admissible */
+    const struct gas *g;
+    bool found;
+    struct row cell;
+};
+
+static void bad_row(void *first_bad, const struct row *row) {
+    struct first_bad *b = first_bad;
+    const double *U = b->g->U.block[row->block];
+    if (b->found || !row_inadmissible(b->g, U, row->at, row->n, NULL)) return;
+    for (int i = 0; i < row->n && !b->found; i++) {
+        b->cell = (struct row){row->block, row->at + i, 1};
+        b->found = row_inadmissible(b->g, U, b->cell.at, 1, NULL);
+    }
 }
 
 status gas_check(const struct gas *g) {
-    return g->engine->check(g);
+    struct first_bad b = {.g = g};
+    status s = OK;
+    g->engine->state.rows(g, EVERY_CELL, &g->U, bad_row, &b);
+    if (b.found) {
+        const double *U = g->U.block[b.cell.block] + b.cell.at;
+        double T, place[3];
+        temperature_row(g, 1, U, &T);
+        g->engine->state.place(g, b.cell.block, b.cell.at, place);
+        s = fail(ERR_STATE,
+                 "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
+                 place[0], place[1], place[2], U[0], g->least, g->limit, T,
+                 g->least > 0 ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the "
+                                "field, or lower alphaFloor"
+                              : "");
+    }
+    return comm_agree(g->comm, s);
 }
 
 void gas_speed(struct gas *g, struct gas_speed *speed) {
     if (!g->speed_known) {
         struct gas_speed mine;
-        g->engine->speed(g, &mine);
+        g->engine->state.speed(g, &mine);
         (void)speed_share(g, &mine, false);
     }
     *speed = g->speed;
 }
 
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    g->engine->fastest_place(g, speed, place);
+    g->engine->state.fastest_place(g, speed, place);
 }
 
 void first_place_share(const struct gas *g, const struct first_place *p, double place[3]) {
@@ -163,5 +154,5 @@ void first_place_share(const struct gas *g, const struct first_place *p, double 
 }
 
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
-    return g->engine->totals(g, &g->U, totals);
+    return g->engine->state.totals(g, &g->U, totals);
 }

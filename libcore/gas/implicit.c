@@ -1,6 +1,6 @@
 /* The steps of implicit.h, from the hooks of the engine, and the module that solves. */
 #define _GNU_SOURCE /* RTLD_NODELETE */
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -38,9 +38,9 @@ static void operate(const struct problem *p, const double *x, bool edges, double
     const double only[5] = {0, 0, 1, -1, 0}; /* L S/rho, without q_0 */
     struct gas *g = p->gas;
     for (int k = 0; k < p->system.rows; k++) y[k] = p->factor * x[k];
-    g->engine->implicit_move(g, p->what, y, true);
-    g->engine->diffusion_stage(g, p->what, p->Y0, only, edges ? p->factor : 0);
-    g->engine->implicit_move(g, p->what, y, false);
+    g->engine->implicit.move(g, p->what, y, true);
+    g->engine->diffusion.stage(g, p->what, p->Y0, only, edges ? p->factor : 0);
+    g->engine->implicit.move(g, p->what, y, false);
 }
 
 static void apply(const void *caller, const double *x, double *y) {
@@ -162,7 +162,7 @@ static status solver_make(struct implicit *m, struct problem *p) {
 
 static status make_parts(struct implicit *m, struct gas *g) {
     TRY(comm_agree(g->comm, status_note(module_load(&m->module), "diffusion implicit:")));
-    TRY(g->engine->implicit_pattern(g, &m->links));
+    TRY(g->engine->implicit.pattern(g, &m->links));
     const long cells = m->links.cells, rows = cells * g->dim;
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));
     TRY(allocate(&m->mass, cells, sizeof(double), "a linear system"));
@@ -203,7 +203,7 @@ void implicit_free(struct implicit *m) {
 static const char *prepare(struct implicit *m, struct problem *p) {
     struct gas *g = p->gas;
     const int links = m->links.first[m->links.cells] * p->system.unknowns;
-    g->engine->implicit_matrix(g, p->what, p->Y0, p->factor, m->mass, m->limit, m->weight);
+    g->engine->implicit.matrix(g, p->what, p->Y0, p->factor, m->mass, m->limit, m->weight);
     for (int i = 0; i < m->links.cells; i++) m->limit[i] = sqrt(2 * fabs(m->limit[i]) / m->mass[i]);
     memset(p->system.value, 0, (size_t)links * sizeof(double));
     for (int i = 0; i < links; i++) p->system.value[p->place[i]] += m->weight[i];
@@ -250,10 +250,10 @@ static bool stages(struct implicit *m, struct problem *p, double gamma, bool mon
 /* q_0 and the source. */
 static void take_start(struct implicit *m, struct problem *p, const struct lapse *l) {
     const struct engine *engine = p->gas->engine;
-    engine->diffusion_begin(p->gas, p->what, p->Y0, 1, 0);
-    engine->implicit_move(p->gas, p->what, m->source, false);
-    engine->diffusion_begin(p->gas, p->what, p->Y0, 1, l->rest);
-    engine->implicit_move(p->gas, p->what, m->q, false);
+    engine->diffusion.begin(p->gas, p->what, p->Y0, 1, 0);
+    engine->implicit.move(p->gas, p->what, m->source, false);
+    engine->diffusion.begin(p->gas, p->what, p->Y0, 1, l->rest);
+    engine->implicit.move(p->gas, p->what, m->q, false);
     for (int k = 0; k < p->system.rows; k++)
         m->source[k] = l->rest > 0 ? l->part / l->rest * (m->source[k] - m->q[k]) : 0;
 }
@@ -268,6 +268,6 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
     take_start(m, p, l);
     const bool solved = !prepare(m, p) && stages(m, p, gamma, monotone);
     for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? l->dt * m->mean[k] : NAN;
-    g->engine->implicit_move(g, what, m->mean, true);
-    return g->engine->diffusion_end(g, what, Y0, to, l->dt, l->dt);
+    g->engine->implicit.move(g, what, m->mean, true);
+    return g->engine->diffusion.end(g, what, Y0, to, l->dt, l->dt);
 }

@@ -5,7 +5,7 @@
  * no new one: flags only grow, so this ends. Then the flagged cells are admissible by the theorem and the others as
  * they were checked. Smooth flow costs nothing and keeps its order and its bits. Where the theorem's Courant number was
  * exceeded and a flagged cell is bad all the same, the step is rejected and halved, or made even shorter. */
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 
 enum {
     GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
@@ -18,7 +18,7 @@ static const double LEAST_SHARE = 1. / 16; /* of a rejected step: in shorter one
 static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
     double kick[MAX_DIM];
     source_kick(&g->models.source, t, dt, kick);
-    const long bad = g->engine->sources(g, dt, kick, from, to);
+    const long bad = sources_apply(g, dt, kick, from, to);
     audit_sources(g, kick, to);
     return bad;
 }
@@ -47,13 +47,14 @@ static double share_of(const struct stepper *s, int added) {
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
     long cells, before = 0;
-    for (; (cells = g->engine->share_flags(g)) > before; before = cells) g->engine->redo(g, U0, from, to, a, dt);
-    long count[2] = {g->faces, g->engine->floor(g, to)};
+    for (; (cells = g->engine->stage.share_flags(g)) > before; before = cells)
+        g->engine->stage.redo(g, U0, from, to, a, dt);
+    long count[2] = {g->faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
     g->counts.cells += cells;
     g->counts.faces += count[0];
-    g->engine->note_limited(g, g->counts.place);
-    g->engine->clear_flags(g);
+    g->engine->stage.note_limited(g, g->counts.place);
+    g->engine->stage.clear_flags(g);
     return count[1] == 0;
 }
 
@@ -67,7 +68,7 @@ static void swap(struct state *a, struct state *b) {
 static const struct state *after_stage(struct gas *g, const struct state *U0, int stage) {
     swap(&g->V, &g->W);
     if (stage + 1 != g->models.stepper->exchange) return U0;
-    g->engine->exchange(g, U0, &g->U0, &g->V);
+    g->engine->stage.exchange(g, U0, &g->U0, &g->V);
     return &g->U0;
 }
 
@@ -100,104 +101,81 @@ static bool second_diffusion(struct gas *g, double t, double dt, long bad) {
 static const struct state *first_halves(struct gas *g, double t, double dt, bool sources, bool guarded, long *bad) {
     const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
     *bad = 0;
-    if (guarded) {
-        g->floored = g->filled = 0;
-        g->share = 1;
-        memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
-        for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
-    }
+    if (guarded) floors_begin(g);
     if (sources) {
         *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
         if (guarded) {
-            *bad = g->engine->floor(g, before);
+            *bad = floors_apply(g, before);
             audit_part(g, GAS_FLOORS, before);
         }
         U0 = before;
-        if (g->models.transport && g->models.source.cooling) g->engine->diffusion_cooled(g, &g->U, before);
+        if (g->models.transport && g->models.source.cooling) note_cooled(g, &g->U, before);
     }
     if (!g->models.transport) return U0;
     return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;
 }
 
-/* The stages from U0 to V and the second half of the sources; `bad`: cells after the first half. Only then do the ranks
- * ask each other whether all cells are admissible, so that none waits for all others at every stage. false: some were
- * not, V is of no use, and the step is to be done again from its start, by guard_stages. */
-static bool try_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
-    const struct stepper *s = g->models.stepper;
-    struct ending ending = {.sources = sources, .dt = 0.5 * dt};
-    const bool at_once = g->engine->last_stage && !g->models.transport && !g->audit;
-    source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
-    for (int stage = 0; stage < s->stages; stage++) {
-        const struct state *from = stage ? &g->V : U0;
-        double a = s->a[stage], b = s->b[stage] * dt;
-        if (at_once && stage + 1 == s->stages)
-            bad += g->engine->last_stage(g, U0, from, &g->W, a, b, &ending);
-        else
-            bad += g->engine->stage(g, U0, from, &g->W, a, b);
-        U0 = after_stage(g, U0, stage);
-    }
-    audit_part(g, GAS_FLOW, &g->V);
-    if (g->models.transport && !second_diffusion(g, t, dt, bad)) bad++;
-    if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
-    if (!speed_share(g, &ending.speed, bad > 0)) {
+/* The end of a step that was not guarded: only here do the ranks ask each other whether all cells are admissible, so
+ * that none waits for all others at every stage. false: some were not, V is of no use, and the step is to be done again
+ * from its start, guarded. */
+static bool end_unguarded(struct gas *g, const struct ending *ending, long bad, bool at_once) {
+    if (!speed_share(g, &ending->speed, bad > 0)) {
         g->guarded = GUARDED;
-        g->engine->clear_flags(g);
+        g->engine->stage.clear_flags(g);
         return false;
     }
     g->speed_known = at_once;
     return true;
 }
 
-/* The same with a look after every stage, whose inadmissible cells are mended at once; the same bits where there are
- * none. false: some state could not be mended. */
-static bool guard_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, long bad) {
-    const struct stepper *s = g->models.stepper;
-    if (sources && any_rank(g, bad)) return false;
-    for (int stage = 0; stage < s->stages; stage++) {
-        const struct state *from = stage ? &g->V : U0;
-        double a = s->a[stage], b = s->b[stage] * dt;
-        if (any_rank(g, g->engine->stage(g, U0, from, &g->W, a, b))) {
-            g->guarded = GUARDED;
-            g->share = share_of(s, stage);
-            if (!mend_stage(g, U0, from, &g->W, a, b)) return false;
-        }
-        U0 = after_stage(g, U0, stage);
-    }
-    audit_part(g, GAS_FLOW, &g->V);
-    if (g->models.transport && !second_diffusion(g, t, dt, 0)) return false;
-    if (!sources) return true;
+/* The end of a guarded step, `bad` of whose cells the second half of the sources left inadmissible; the floors may mend
+ * them. */
+static bool end_guarded(struct gas *g, long bad) {
     g->share = 1;
-    bad = any_rank(g, apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V));
-    if (bad) bad = any_rank(g, g->engine->floor(g, &g->V));
+    bad = any_rank(g, bad);
+    if (bad) bad = any_rank(g, floors_apply(g, &g->V));
     audit_part(g, GAS_FLOORS, &g->V);
     return !bad;
 }
 
-static status count_fill(struct gas *g) {
-    double sum;
-    if (!(g->least > 0)) return OK;
-    comm_sum_long(g->comm, &g->filled, 1);
-    if (!g->filled) return OK;
-    for (int v = 0; v < 2; v++) {
-        TRY(g->engine->sum_raised(g, g->fill[v], &sum));
-        g->counts.fill[v] += sum;
-    }
-    g->counts.filled += g->filled;
+/* A stage left cells of some rank inadmissible. */
+static bool guard_stage(struct gas *g, int stage, const struct state *U0, const struct state *from, double a,
+                        double dt) {
     g->guarded = GUARDED;
-    return OK;
+    g->share = share_of(g->models.stepper, stage);
+    return mend_stage(g, U0, from, &g->W, a, dt);
 }
 
-/* What the floors did in a step that stands. */
-static status count_floor(struct gas *g) {
-    double energy;
-    TRY(count_fill(g));
-    comm_sum_long(g->comm, &g->floored, 1);
-    if (!g->floored) return OK;
-    TRY(g->engine->sum_raised(g, g->raised, &energy));
-    g->counts.floored += g->floored;
-    g->counts.energy += energy;
-    g->guarded = GUARDED;
-    return OK;
+/* The Runge-Kutta stages from U0 to V, and the second halves of diffusion and sources; `bad`: cells of this rank that
+ * the first halves left inadmissible. `guarded`: every stage is looked at, and its inadmissible cells are mended at
+ * once; where there are none, the bits are those of a step that is not. false: V is of no use. */
+static bool do_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, bool guarded,
+                      long bad) {
+    const struct stepper *s = g->models.stepper;
+    struct ending ending = {.sources = sources, .dt = 0.5 * dt};
+    const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit;
+    if (guarded && sources && any_rank(g, bad)) return false;
+    source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
+    for (int stage = 0; stage < s->stages; stage++) {
+        const struct state *from = stage ? &g->V : U0;
+        const double a = s->a[stage], b = s->b[stage] * dt;
+        const long found = at_once && stage + 1 == s->stages
+                               ? g->engine->stage.last_stage(g, U0, from, &g->W, a, b, &ending)
+                               : g->engine->stage.stage(g, U0, from, &g->W, a, b);
+        if (!guarded)
+            bad += found;
+        else if (any_rank(g, found) && !guard_stage(g, stage, U0, from, a, b))
+            return false;
+        U0 = after_stage(g, U0, stage);
+    }
+    if (guarded) bad = 0;
+    audit_part(g, GAS_FLOW, &g->V);
+    if (g->models.transport && !second_diffusion(g, t, dt, bad)) {
+        if (guarded) return false;
+        bad++;
+    }
+    if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
+    return !guarded ? end_unguarded(g, &ending, bad, at_once) : !sources || end_guarded(g, bad);
 }
 
 static bool can_collapse(const struct gas *g) {
@@ -232,7 +210,7 @@ static double shorter(struct gas *g, const struct state *U0, double dt, double m
     struct gas_speed after;
     if (!g->models.transport || !U0) return 0.5 * dt;
     swap(&g->U, &g->U0);
-    g->engine->speed(g, &after);
+    g->engine->state.speed(g, &after);
     swap(&g->U, &g->U0);
     comm_max(g->comm, &after.rate, 1);
     const double share = maxCo / (dt * after.rate);
@@ -254,7 +232,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         long bad;
         audit_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
-        if (U0 && (guarded ? guard_stages : try_stages)(g, U0, t, *dt, sources, bad)) break;
+        if (U0 && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
         if (!guarded) {
             g->guarded = GUARDED;
             continue;
@@ -268,7 +246,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
     g->slow_dt[1] = *dt;
     if (g->guarded > 0) {
-        TRY(count_floor(g));
+        TRY(floors_count(g));
+        if (g->filled || g->floored) g->guarded = GUARDED;
         g->guarded--;
     }
     swap(&g->U, &g->V);

@@ -1,5 +1,5 @@
 /* The gas on a forest of tiles: making and filling its state, and what the outside may ask of it. */
-#include "libcore/gas/state.h"
+#include "libcore/lattice/tiles.h"
 
 #include <stdlib.h>
 
@@ -18,7 +18,7 @@ void blocks_free(const struct forest *f, double **blocks) {
 }
 
 static status make_work(struct gas *g) {
-    struct work *w = &g->work;
+    struct work *w = &g->tiles->work;
     double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
@@ -30,7 +30,7 @@ static status make_work(struct gas *g) {
 }
 
 static status make_activity(struct gas *g) {
-    struct activity *a = &g->activity;
+    struct activity *a = &g->tiles->activity;
     int rows[2] = {0, 0};
     for (int t = 0; t < g->forest->ntiles; t++)
         for (int k = 0; k < 2; k++)
@@ -46,7 +46,8 @@ static status make_state(const struct gas *g, struct state *s) {
     const struct forest *f = g->forest;
     TRY(blocks_make(f, g->nvar, &s->block));
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
-    for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], g->activity.nspans, sizeof(struct span), "spans"));
+    for (int t = 0; t < f->ntiles; t++)
+        TRY(allocate(&s->varied[t], g->tiles->activity.nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
     return OK;
 }
@@ -63,38 +64,38 @@ static status tiles_make(struct gas *g) {
             return fail(ERR_SYSTEM, "a tile has rows of %d cells; at most %d fit a batch: choose smaller tiles",
                         g->forest->tile[i].n[0], BATCH - 1);
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    TRY(allocate(&g->tiles, 1, sizeof *g->tiles, "the gas"));
+    g->size = g->forest->size;
     TRY(make_activity(g));
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
-    TRY(blocks_make(g->forest, 1, &g->flag));
-    TRY(blocks_make(g->forest, 1, &g->limited));
+    TRY(blocks_make(g->forest, 1, &g->tiles->flag));
+    TRY(blocks_make(g->forest, 1, &g->tiles->limited));
     g->nraised = g->forest->ntiles;
     TRY(floors_make(g));
-    TRY(allocate(&g->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
-    TRY(allocate(&g->sums, g->forest->ntiles, sizeof(double), "tiles"));
+    TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
+    TRY(allocate(&g->tiles->sums, g->forest->ntiles, sizeof(double), "tiles"));
     TRY(make_work(g));
     return g->models.transport ? diffuser_make(g) : OK;
 }
 
 static void tiles_free(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
+    struct tiles *x = g->tiles;
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
-    diffuser_free(g);
-    blocks_free(g->forest, g->flag);
-    blocks_free(g->forest, g->limited);
     floors_free(g);
-    free(g->flagged);
-    free(g->sums);
-    free(g->activity.differ);
-    free(g->activity.active);
-    free(g->activity.needed);
-    free(g->activity.quiet);
-    double *single[] = {g->work.eps, g->work.p, g->work.c, g->work.gruneisen};
-    for (int i = 0; i < 4; i++) free(single[i]);
-    for (int k = 0; k < MAX_DIM; k++) free(g->work.velocity[k]);
+    if (!x) return;
+    diffuser_free(g);
+    blocks_free(g->forest, x->flag);
+    blocks_free(g->forest, x->limited);
+    void *single[] = {x->flagged,        x->sums,     x->activity.differ, x->activity.active, x->activity.needed,
+                      x->activity.quiet, x->work.eps, x->work.p,          x->work.c,          x->work.gruneisen};
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
+    for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {
-        free(g->work.flux[v]);
-        free(g->work.residual[v]);
+        free(x->work.flux[v]);
+        free(x->work.residual[v]);
     }
+    free(x);
 }
 
 static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
@@ -108,59 +109,50 @@ static status tiles_get_conserved(const struct gas *g, double *const U[MAX_VAR])
     return OK;
 }
 
-struct reading { /* of one field, row by row */
-    const struct gas *g;
-    double *U, *out[3];
-    enum gas_field field;
-    long at;
-    const struct tile *tile;
+struct hand_over { /* a run of cells of a tile, to a visitor of rows */
+    row_visitor *visit;
+    void *context;
+    int tile;
 };
 
-static void scale_row(int n, double factor, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = factor * q[i];
+static void hand_over(void *context, long offset, int n) {
+    const struct hand_over *h = context;
+    h->visit(h->context, &(struct row){h->tile, offset, n});
 }
 
-/* Only what the field needs: the equation of state costs most. */
+static void tiles_rows(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit,
+                       void *context) {
+    struct hand_over h = {.visit = visit, .context = context};
+    for (h.tile = 0; h.tile < g->forest->ntiles; h.tile++) {
+        if (extent == EVERY_CELL) {
+            activity_store_all(g, h.tile, s);
+            runs_visit(g->forest, &g->forest->tile[h.tile], 0, hand_over, &h);
+            continue;
+        }
+        if (extent == EACH_STATE && activity_find(g, h.tile, s)) hand_over(&h, 0, 1); /* the background */
+        spans_visit(g, h.tile, s->varied[h.tile], 0, hand_over, &h);
+    }
+}
+
+static void tiles_keep_as(const struct gas *g, const struct state *from, const struct state *to) {
+    const size_t bytes = (size_t)g->tiles->activity.nspans * sizeof(struct span);
+    for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++)
+        memcpy(to->varied[t], from->varied[t], bytes);
+}
+
+struct reading { /* of one field, run by run */
+    const struct gas *g;
+    const double *U;
+    double *out[3];
+    enum gas_field field;
+    long at;
+};
+
 static void field_visit(void *context, long offset, int n) {
     struct reading *r = context;
-    const struct gas *g = r->g;
-    const struct work *w = &g->work;
-    const struct material *m = &g->models.material;
-    double *out = r->out[0] + r->at;
-    if (r->field >= GAS_P)
-        primitives_of_row(g, r->U, offset, n);
-    else if (r->field >= GAS_U)
-        velocities_of_row(g, r->U, offset, n);
-    switch (r->field) {
-    case GAS_RHO:
-        scale_row(n, 1, r->U + offset, out);
-        break;
-    case GAS_ALPHA:
-        scale_row(n, packing_per_density(m), r->U + offset, out);
-        break;
-    case GAS_T:
-        scale_row(n, m->gamma - 1, w->eps + offset, out);
-        break;
-    case GAS_P:
-        scale_row(n, 1, w->p + offset, out);
-        break;
-    case GAS_C:
-        scale_row(n, 1, w->c + offset, out);
-        break;
-    case GAS_U:
-        for (int k = 0; k < g->dim; k++) scale_row(n, 1, w->velocity[k] + offset, r->out[k] + r->at);
-        break;
-    case GAS_MACH:
-        for (int i = 0; i < n; i++) {
-            double square = 0;
-            for (int k = 0; k < g->dim; k++) square += w->velocity[k][offset + i] * w->velocity[k][offset + i];
-            out[i] = sqrt(square) / w->c[offset + i];
-        }
-        break;
-    case GAS_LIMITED:
-    case GAS_FIELDS:
-        break;
-    }
+    double *out[3];
+    for (int k = 0; k < 3; k++) out[k] = r->out[k] ? r->out[k] + r->at : NULL;
+    field_row(r->g, r->field, n, r->g->size, r->U + offset, out);
     r->at += n;
 }
 
@@ -183,8 +175,8 @@ static void tiles_block_field(const struct gas *g, int tile, enum gas_field fiel
     const int *n = g->forest->tile[tile].n;
     double background[3];
     if (field == GAS_LIMITED) {
-        struct placing from = {.values = out[0], .block = g->limited[tile]};
-        rows_visit(g->forest, &g->forest->tile[tile], 0, take_visit, &from);
+        struct placing from = {.values = out[0], .block = g->tiles->limited[tile]};
+        runs_visit(g->forest, &g->forest->tile[tile], 0, take_visit, &from);
         return;
     }
     struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
@@ -195,12 +187,12 @@ static void tiles_block_field(const struct gas *g, int tile, enum gas_field fiel
     field_visit(&one, 0, 1);
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
-            struct span varied = *activity_row(&g->activity, g->U.varied[tile], j, k);
+            struct span varied = *activity_row(&g->tiles->activity, g->U.varied[tile], j, k);
             long row = n[0] * (j + (long)n[1] * k);
             for (int c = 0; c < components; c++)
                 for (int i = 0; i < n[0]; i++) out[c][row + i] = background[c];
             r.at = row + varied.low;
-            row_visit(g, g->U.varied[tile], j, k, field_visit, &r);
+            span_visit(g, g->U.varied[tile], j, k, field_visit, &r);
         }
 }
 
@@ -214,7 +206,7 @@ static status tiles_field(const struct gas *g, enum gas_field field, double *con
         tiles_block_field(g, t, field, lines);
         for (int c = 0; c < components; c++) {
             struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
-            rows_visit(f, &f->tile[t], 0, place_visit, &p);
+            runs_visit(f, &f->tile[t], 0, place_visit, &p);
         }
     }
     free(values);
@@ -223,8 +215,9 @@ static status tiles_field(const struct gas *g, enum gas_field field, double *con
     return OK;
 }
 
-void cell_place(const struct gas *g, const struct tile *t, long offset, double place[3]) {
+void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
     const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
     long rest = offset - f->first, at[3] = {0, 0, 0};
     for (int k = 2; k >= 0; k--) {
         if (t->n[k] == 1 && k >= g->dim) continue;
@@ -234,37 +227,6 @@ void cell_place(const struct gas *g, const struct tile *t, long offset, double p
     for (int k = 0; k < 3; k++) place[k] = 0;
     for (int k = 0; k < g->dim; k++)
         place[f->axis[k]] = f->origin[k] + f->width[k] * ((double)(t->low[k] + at[k]) + 0.5);
-}
-
-struct checking {
-    const struct gas *g;
-    double *U;
-    long bad; /* offset of the first bad cell, or -1 */
-};
-
-static void check_visit(void *context, long offset, int n) {
-    struct checking *c = context;
-    if (c->bad >= 0 || !row_inadmissible(c->g, c->U, offset, n, NULL)) return;
-    for (int i = 0; i < n && c->bad < 0; i++)
-        if (row_inadmissible(c->g, c->U, offset + i, 1, NULL)) c->bad = offset + i;
-}
-
-static status tiles_check(const struct gas *g) {
-    status s = OK;
-    for (int t = 0; t < g->forest->ntiles && !s; t++) {
-        struct checking c = {.g = g, .U = g->U.block[t], .bad = -1};
-        activity_store_all(g, t, &g->U);
-        rows_visit(g->forest, &g->forest->tile[t], 0, check_visit, &c);
-        if (c.bad < 0) continue;
-        double place[3];
-        cell_place(g, &g->forest->tile[t], c.bad, place);
-        primitives_of_row(g, c.U, c.bad, 1);
-        s = fail(ERR_STATE,
-                 "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
-                 place[0], place[1], place[2], c.U[c.bad], g->least, g->limit,
-                 (g->models.material.gamma - 1) * g->work.eps[c.bad], density_hint(g));
-    }
-    return comm_agree(g->forest->comm, s);
 }
 
 KERNEL static void rate_row(int n, double inverse, const double *restrict u, const double *restrict c,
@@ -294,7 +256,7 @@ KERNEL static void calm_row(int n, double limit, const double *restrict rho, dou
 void speed_visit(void *context, long offset, int n) {
     struct speeds *s = context;
     struct gas *g = s->g;
-    const struct work *w = &g->work;
+    const struct work *w = &g->tiles->work;
     double rate[BATCH] = {0}, fast[BATCH];
     primitives_of_row(g, s->U, offset, n);
     for (int k = 0; k < g->dim; k++) {
@@ -324,10 +286,10 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
         activity_store_all(g, t, &g->U);
-        rows_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
+        runs_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
         if (s.found < 0) continue;
         double here[3];
-        cell_place(g, &g->forest->tile[t], s.found, here);
+        tiles_place(g, t, s.found, here);
         first_place_offer(&first, here);
     }
     first_place_share(g, &first, place);
@@ -348,43 +310,41 @@ static status tiles_totals(const struct gas *g, const struct state *state, doubl
         for (int t = 0; t < g->forest->ntiles; t++) {
             struct summing s = {.q = state->block[t] + v * g->forest->size};
             activity_store_all(g, t, state);
-            rows_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
-            g->sums[t] = s.sum;
+            runs_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
+            g->tiles->sums[t] = s.sum;
         }
-        TRY(forest_sum(g->forest, g->sums, &totals[v]));
+        TRY(forest_sum(g->forest, g->tiles->sums, &totals[v]));
         totals[v] *= g->forest->volume;
     }
     return OK;
 }
 
-const struct engine engine_lattice = {.make = tiles_make,
-                                      .free = tiles_free,
-                                      .set_conserved = tiles_set_conserved,
-                                      .get_conserved = tiles_get_conserved,
-                                      .block_field = tiles_block_field,
-                                      .field = tiles_field,
-                                      .check = tiles_check,
-                                      .speed = tiles_speed,
-                                      .fastest_place = tiles_fastest_place,
-                                      .totals = tiles_totals,
-                                      .sources = tiles_sources,
-                                      .stage = tiles_stage,
-                                      .last_stage = tiles_last_stage,
-                                      .share_flags = tiles_share_flags,
-                                      .redo = tiles_redo,
-                                      .floor = tiles_floor,
-                                      .sum_raised = tiles_sum_raised,
-                                      .note_limited = tiles_note_limited,
-                                      .clear_flags = tiles_clear_flags,
-                                      .exchange = tiles_exchange,
-                                      .diffusion_rates = tiles_diffusion_rates,
-                                      .diffusion_ahead = tiles_diffusion_ahead,
-                                      .diffusion_cooled = tiles_diffusion_cooled,
-                                      .diffusion_friction = tiles_diffusion_friction,
-                                      .diffusion_begin = tiles_diffusion_begin,
-                                      .diffusion_stage = tiles_diffusion_stage,
-                                      .diffusion_end = tiles_diffusion_end,
-                                      .diffusion_flags = tiles_diffusion_flags,
-                                      .implicit_pattern = tiles_implicit_pattern,
-                                      .implicit_matrix = tiles_implicit_matrix,
-                                      .implicit_move = tiles_implicit_move};
+const struct engine engine_lattice = {
+    .state = {.make = tiles_make,
+              .free = tiles_free,
+              .set_conserved = tiles_set_conserved,
+              .get_conserved = tiles_get_conserved,
+              .rows = tiles_rows,
+              .keep_as = tiles_keep_as,
+              .place = tiles_place,
+              .block_field = tiles_block_field,
+              .field = tiles_field,
+              .speed = tiles_speed,
+              .fastest_place = tiles_fastest_place,
+              .totals = tiles_totals},
+    .stage = {.stage = tiles_stage,
+              .last_stage = tiles_last_stage,
+              .share_flags = tiles_share_flags,
+              .redo = tiles_redo,
+              .unfold_bad = tiles_unfold_bad,
+              .sum_raised = tiles_sum_raised,
+              .note_limited = tiles_note_limited,
+              .clear_flags = tiles_clear_flags,
+              .exchange = tiles_exchange},
+    .diffusion = {.rates = tiles_diffusion_rates,
+                  .ahead = tiles_diffusion_ahead,
+                  .begin = tiles_diffusion_begin,
+                  .stage = tiles_diffusion_stage,
+                  .end = tiles_diffusion_end,
+                  .flags = tiles_diffusion_flags},
+    .implicit = {.pattern = tiles_implicit_pattern, .matrix = tiles_implicit_matrix, .move = tiles_implicit_move}};

@@ -2,7 +2,7 @@
  * the same bits and -div F is exactly zero: such cells are left out, and the result has the same bits as without
  * leaving out. A tile's background is first found as a corner cell that equals its inward neighbours; from then on it
  * is moved as one cell, and what differs from it can only lie in what was computed. Each row keeps one span. */
-#include "libcore/gas/state.h"
+#include "libcore/lattice/tiles.h"
 
 enum { BLOCK = 8 }; /* spans start and end on whole vectors */
 
@@ -25,13 +25,13 @@ static long row_offset(const struct forest *f, int j, int k) {
 
 void activity_reset(const struct gas *g, const struct state *s) {
     for (int t = 0; t < g->forest->ntiles; t++)
-        for (int i = 0; i < g->activity.nspans; i++) s->varied[t][i] = (struct span){0, g->forest->tile[t].n[0]};
+        for (int i = 0; i < g->tiles->activity.nspans; i++) s->varied[t][i] = (struct span){0, g->forest->tile[t].n[0]};
 }
 
 static bool has_background(const struct gas *g, const struct tile *t, struct span *varied) {
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
-            struct span s = *activity_row(&g->activity, varied, j, k);
+            struct span s = *activity_row(&g->tiles->activity, varied, j, k);
             if (s.low > 0 || s.high < t->n[0]) return true;
         }
     return false;
@@ -102,7 +102,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     }
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
-            struct span *row = activity_row(&g->activity, s->varied[tile], j, k);
+            struct span *row = activity_row(&g->tiles->activity, s->varied[tile], j, k);
             *row = differing(g, U, row_offset(g->forest, j, k), *row);
         }
     return has_background(g, t, s->varied[tile]);
@@ -140,7 +140,7 @@ static struct layers layers_inside(const struct tile *t, int side) {
 static bool layers_calm(const struct gas *g, struct span *varied, struct layers l) {
     for (int k = l.low[2]; k < l.high[2]; k++)
         for (int j = l.low[1]; j < l.high[1]; j++) {
-            struct span s = *activity_row(&g->activity, varied, j, k);
+            struct span s = *activity_row(&g->tiles->activity, varied, j, k);
             if (!span_empty(overlap(s, (struct span){l.low[0], l.high[0]}))) return false;
         }
     return true;
@@ -150,7 +150,7 @@ static void store_layers(const struct gas *g, int tile, const struct state *s, s
     for (int k = l.low[2]; k < l.high[2]; k++)
         for (int j = l.low[1]; j < l.high[1]; j++)
             write_outside(g, s->block[tile], row_offset(g->forest, j, k), (struct span){l.low[0], l.high[0]},
-                          *activity_row(&g->activity, s->varied[tile], j, k));
+                          *activity_row(&g->tiles->activity, s->varied[tile], j, k));
 }
 
 void activity_store_all(const struct gas *g, int tile, const struct state *s) {
@@ -160,7 +160,8 @@ void activity_store_all(const struct gas *g, int tile, const struct state *s) {
 
 void activity_unfold(const struct gas *g, int tile, const struct state *s) {
     activity_store_all(g, tile, s);
-    for (int i = 0; i < g->activity.nspans; i++) s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
+    for (int i = 0; i < g->tiles->activity.nspans; i++)
+        s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
 }
 
 static bool is_quiet(const struct gas *g, const struct state *s, int tile, int side) {
@@ -173,7 +174,7 @@ static bool is_quiet(const struct gas *g, const struct state *s, int tile, int s
 
 void activity_prepare(struct gas *g, const struct state *s) {
     const struct forest *f = g->forest;
-    bool *quiet = g->activity.quiet;
+    bool *quiet = g->tiles->activity.quiet;
     for (int t = 0; t < f->ntiles; t++) (void)activity_find(g, t, s);
     for (int t = 0; t < f->ntiles; t++)
         for (int side = 0; side < 2 * f->dim; side++) quiet[6 * t + side] = is_quiet(g, s, t, side);
@@ -193,13 +194,13 @@ static int side_of_row(const struct tile *t, int j, int k) {
 static struct span differ_with_ghosts(const struct gas *g, int tile, const struct state *s, int j, int k) {
     const struct tile *t = &g->forest->tile[tile];
     const double *U = s->block[tile];
-    const bool *quiet = g->activity.quiet + 6 * tile;
+    const bool *quiet = g->tiles->activity.quiet + 6 * tile;
     bool out_j = j < 0 || j >= t->n[1], out_k = k < 0 || k >= t->n[2];
     long row = row_offset(g->forest, j, k);
     if (out_j && out_k) return SPAN_EMPTY;
     if (out_j || out_k)
         return quiet[side_of_row(t, j, k)] ? SPAN_EMPTY : differing(g, U, row, (struct span){0, t->n[0]});
-    struct span differ = *activity_row(&g->activity, s->varied[tile], j, k);
+    struct span differ = *activity_row(&g->tiles->activity, s->varied[tile], j, k);
     for (int m = 0; m < GHOSTS; m++)
         for (int high = 0; high < 2; high++) {
             int i = high ? t->n[0] + m : -1 - m;
@@ -213,7 +214,7 @@ static void find_differ(struct gas *g, int tile, const struct state *s) {
     int reach1 = g->dim > 1 ? GHOSTS : 0, reach2 = g->dim > 2 ? GHOSTS : 0;
     for (int k = -reach2; k < t->n[2] + reach2; k++)
         for (int j = -reach1; j < t->n[1] + reach1; j++)
-            *activity_row(&g->activity, g->activity.differ, j, k) = differ_with_ghosts(g, tile, s, j, k);
+            *activity_row(&g->tiles->activity, g->tiles->activity.differ, j, k) = differ_with_ghosts(g, tile, s, j, k);
 }
 
 static bool within(int i, int n, int margin) {
@@ -223,7 +224,7 @@ static bool within(int i, int n, int margin) {
 /* The spans within GHOSTS rows of row (j, k) along the axes above 0, joined; rows up to `margin` outside the tile
  * count. */
 static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
-    const struct activity *a = &g->activity;
+    const struct activity *a = &g->tiles->activity;
     struct span s = SPAN_EMPTY;
     for (int m = -GHOSTS; m <= GHOSTS; m++) {
         if (g->dim > 1 && within(j + m, t->n[1], margin) && within(k, t->n[2], 0))
@@ -236,7 +237,7 @@ static struct span gather(const struct gas *g, const struct tile *t, struct span
 
 /* The active span of a row: all of it where the tile has no background or is being redone. */
 static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
-    const struct activity *a = &g->activity;
+    const struct activity *a = &g->tiles->activity;
     struct span s = span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));
     s = overlap(span_join(s, *activity_row(a, start, j, k)), (struct span){0, t->n[0]});
     if (span_empty(s)) return s;
@@ -246,8 +247,8 @@ static struct span spread_row(const struct gas *g, const struct tile *t, struct 
 
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from) {
     const struct tile *t = &g->forest->tile[tile];
-    struct activity *a = &g->activity;
-    bool any = false, all = g->flagged[tile] || !has_background(g, t, from->varied[tile]);
+    struct activity *a = &g->tiles->activity;
+    bool any = false, all = g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
     if (!all) find_differ(g, tile, from);
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
@@ -266,34 +267,34 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     return any;
 }
 
-void row_visit(const struct gas *g, struct span *spans, int j, int k, row_visitor *visit, void *context) {
-    struct span s = *activity_row(&g->activity, spans, j, k);
+void span_visit(const struct gas *g, struct span *spans, int j, int k, run_visitor *visit, void *context) {
+    struct span s = *activity_row(&g->tiles->activity, spans, j, k);
     long row = row_offset(g->forest, j, k);
     for (int i = s.low; i < s.high; i += BATCH) visit(context, row + i, s.high - i < BATCH ? s.high - i : BATCH);
 }
 
-void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, row_visitor *visit, void *context) {
+void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, run_visitor *visit, void *context) {
     const struct tile *t = &g->forest->tile[tile];
     int reach1 = g->dim > 1 ? margin : 0, reach2 = g->dim > 2 ? margin : 0;
     for (int k = -reach2; k < t->n[2] + reach2; k++)
-        for (int j = -reach1; j < t->n[1] + reach1; j++) row_visit(g, spans, j, k, visit, context);
+        for (int j = -reach1; j < t->n[1] + reach1; j++) span_visit(g, spans, j, k, visit, context);
 }
 
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin) {
     const struct tile *t = &g->forest->tile[tile];
-    const bool *quiet = g->activity.quiet + 6 * tile;
+    const bool *quiet = g->tiles->activity.quiet + 6 * tile;
     double *U = s->block[tile];
     int n = t->n[0], reach1 = g->dim > 1 ? margin : 0, reach2 = g->dim > 2 ? margin : 0;
     for (int k = -reach2; k < t->n[2] + reach2; k++)
         for (int j = -reach1; j < t->n[1] + reach1; j++) {
-            struct span wanted = *activity_row(&g->activity, spans, j, k);
+            struct span wanted = *activity_row(&g->tiles->activity, spans, j, k);
             long row = row_offset(g->forest, j, k);
             if (!within(j, t->n[1], 0) || !within(k, t->n[2], 0)) {
                 if (quiet[side_of_row(t, j, k)]) write_row(g, U, row, wanted.low, wanted.high);
                 continue;
             }
             write_outside(g, U, row, overlap(wanted, (struct span){0, n}),
-                          *activity_row(&g->activity, s->varied[tile], j, k));
+                          *activity_row(&g->tiles->activity, s->varied[tile], j, k));
             if (quiet[0]) write_row(g, U, row, wanted.low, 0);
             if (quiet[1]) write_row(g, U, row, n, wanted.high);
         }

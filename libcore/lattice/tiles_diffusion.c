@@ -1,7 +1,8 @@
 /* Viscous stress and heat conduction on a forest of tiles, second order: fluxes on the faces from the jumps across
  * them, tangential derivatives of velocity as means of the two cells' central differences. These need the neighbours'
  * own neighbours, so the gradients get ghosts by a fill of their own, and at a wall by the wall's rule for velocity. */
-#include "libcore/gas/state.h"
+#include "libcore/gas/patch.h"
+#include "libcore/lattice/tiles.h"
 #include "libcore/lattice/tiles_faces.h"
 
 #include <stdlib.h>
@@ -16,7 +17,7 @@ static int padded(int n) {
 }
 
 status diffuser_make(struct gas *g) {
-    struct diffuser *d = &g->diffuser;
+    struct diffuser *d = &g->tiles->diffuser;
     double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
     for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
@@ -24,15 +25,15 @@ status diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, g->dim, &d->keep));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, 1, &d->mark));
-    TRY(blocks_make(g->forest, 1, &d->friction));
-    TRY(blocks_make(g->forest, 1, &d->cooled));
+    TRY(blocks_make(g->forest, 1, &g->friction));
+    TRY(blocks_make(g->forest, 1, &g->cooled));
     return blocks_make(g->forest, 1, &d->warm);
 }
 
 void diffuser_free(struct gas *g) {
-    struct diffuser *d = &g->diffuser;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start,    d->gradient, d->face,  d->light,
-                         d->mark,   d->warm,   d->friction, d->keep,     d->cooled};
+    struct diffuser *d = &g->tiles->diffuser;
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,  d->light,
+                         d->mark,   d->warm,   d->keep,  g->friction, g->cooled};
     for (int i = 0; i < 11; i++) blocks_free(g->forest, blocks[i]);
 }
 
@@ -49,14 +50,14 @@ struct coefficients { /* what its row visitor needs */
 /* T of a row of U; velocity and eps go to the workspace. */
 static void temperature_of_row(const struct gas *g, const double *U, long offset, int n, double T[BATCH]) {
     velocities_of_row(g, U, offset, n);
-    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * g->work.eps[offset + i];
+    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i];
 }
 
 /* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
 static void coefficient_visit(void *context, long offset, int n) {
     const struct coefficients *v = context;
     const struct gas *g = v->g;
-    const struct work *w = &g->work;
+    const struct work *w = &g->tiles->work;
     double T[BATCH], *warm = v->warm + offset;
     temperature_of_row(g, v->U, offset, n, T);
     for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
@@ -89,10 +90,10 @@ static long row_at(const struct forest *f, int j, int k) {
 static void tile_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
-    const struct work *w = &g->work;
+    const struct work *w = &g->tiles->work;
     const double trace = g->models.material.disks ? 1 : 2. / 3;
     for (int axis = 0; axis < g->dim; axis++) {
-        double *face = g->diffuser.face[tile] + FACE_LINES * axis * f->size;
+        double *face = g->tiles->diffuser.face[tile] + FACE_LINES * axis * f->size;
         for (int k = 0; k < n[2] + (axis == 2); k++)
             for (int j = 0; j < n[1] + (axis == 1); j++) {
                 long at = row_at(f, j, k);
@@ -115,14 +116,14 @@ static void tile_rates(const struct gas *g, int tile, const double *rho, double 
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
     const double factor[2] = {1, g->models.material.gamma - 1};
-    double *light = g->diffuser.light[tile];
+    double *light = g->tiles->diffuser.light[tile];
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
             double sum[2][BATCH] = {{0}};
             const long at = row_at(f, j, k);
             for (int axis = 0; axis < g->dim; axis++)
-                add_rates(n[0], f->stride[axis], f->size, g->diffuser.face[tile] + FACE_LINES * axis * f->size + at,
-                          sum);
+                add_rates(n[0], f->stride[axis], f->size,
+                          g->tiles->diffuser.face[tile] + FACE_LINES * axis * f->size + at, sum);
             for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
             for (int what = 0; what < 2; what++)
                 for (int i = 0; i < n[0]; i++)
@@ -174,14 +175,15 @@ static void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void
 static void conduction_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
     const double width = f->width[e->normal], *U = context;
-    double *faces = g->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
+    double *faces = g->tiles->diffuser.face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
     double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], heat[BATCH], share[BATCH];
     const long face = e->to > e->from ? e->to : e->from;
     if (!wall_conducts(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step;
         rho[i] = U[at];
-        T[i] = (g->models.material.gamma - 1) * g->work.eps[at] * (g->ahead ? g->diffuser.warm[tile][at] : 1);
+        T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[at] *
+               (g->ahead ? g->tiles->diffuser.warm[tile][at] : 1);
         push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
         d[i] = width;
         heat[i] = width * width * faces[face + i * e->step];
@@ -193,12 +195,12 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
-    g->diffuser.plain = false;
+    g->tiles->diffuser.plain = false;
     forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {g, Y0->block[t], g->diffuser.warm[t]};
+        struct coefficients v = {g, Y0->block[t], g->tiles->diffuser.warm[t]};
         ghosts_of_patches(g, t, Y0->block[t]);
-        rows_visit(f, &f->tile[t], 1, coefficient_visit, &v);
+        runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t);
         edges_visit(g, t, conduction_edge, Y0->block[t]);
         tile_rates(g, t, Y0->block[t], most);
@@ -216,9 +218,9 @@ void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
     const struct forest *f = g->forest;
     forest_fill_layers(g->forest, 1, g->nvar, to->block);
     for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {g, to->block[t], g->diffuser.warm[t]};
+        struct coefficients v = {g, to->block[t], g->tiles->diffuser.warm[t]};
         ghosts_of_patches(g, t, to->block[t]);
-        rows_visit(f, &f->tile[t], 1, ahead_visit, &v);
+        runs_visit(f, &f->tile[t], 1, ahead_visit, &v);
     }
 }
 
@@ -240,43 +242,10 @@ static void begin_visit(void *context, long offset, int n) {
     const long size = g->forest->size;
     velocities_of_row(g, b->U, offset, n);
     for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
-        memcpy(b->start + v * size + offset, g->work.velocity[v] + offset, (size_t)n * sizeof(double));
+        memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
-        b->start[offset + i] = (g->models.material.gamma - 1) * g->work.eps[offset + i] -
+        b->start[offset + i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i] -
                                b->rest * b->friction[offset + i] - (g->late ? b->cooled[offset + i] : 0);
-}
-
-struct rising { /* what its row visitor needs */
-    const struct gas *g;
-    const double *from, *to;
-    double *friction;
-    const double *cooled; /* NULL: it is what is asked for */
-};
-
-static void friction_visit(void *context, long offset, int n) {
-    const struct rising *r = context;
-    double before[BATCH], after[BATCH];
-    temperature_of_row(r->g, r->from, offset, n, before);
-    temperature_of_row(r->g, r->to, offset, n, after);
-    for (int i = 0; i < n && r->cooled; i++) r->friction[offset + i] = after[i] - before[i] - r->cooled[offset + i];
-    for (int i = 0; i < n && !r->cooled; i++) r->friction[offset + i] = larger(before[i] - after[i], 0);
-}
-
-void tiles_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to) {
-    const struct forest *f = g->forest;
-    for (int t = 0; t < f->ntiles; t++)
-        if (from)
-            rows_visit(f, &f->tile[t], 0, friction_visit,
-                       &(struct rising){g, from->block[t], to->block[t], g->diffuser.cooled[t], NULL});
-        else
-            memset(g->diffuser.cooled[t], 0, (size_t)f->size * sizeof(double));
-}
-
-void tiles_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
-    const struct forest *f = g->forest;
-    for (int t = 0; t < f->ntiles; t++)
-        rows_visit(f, &f->tile[t], 0, friction_visit,
-                   &(struct rising){g, from->block[t], to->block[t], g->diffuser.friction[t], g->diffuser.cooled[t]});
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -297,12 +266,12 @@ static bool beyond_counts(const struct gas *g, const struct tile *t) {
 
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     const struct forest *f = g->forest;
-    struct diffuser *d = &g->diffuser;
+    struct diffuser *d = &g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, d->friction[t], d->cooled[t]};
+        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, g->friction[t], g->cooled[t]};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t]);
-        rows_visit(f, &f->tile[t], beyond, begin_visit, &b);
+        runs_visit(f, &f->tile[t], beyond, begin_visit, &b);
         first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
     }
 }
@@ -316,12 +285,12 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     const struct fill *fill = context;
     const long size = g->forest->size;
     const int lines = lines_of(g, fill->what);
-    double *S = g->diffuser.sum[g->diffuser.last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
+    double *S = g->tiles->diffuser.sum[g->tiles->diffuser.last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
            ghost[MAX_DIM][BATCH];
     struct sum_line line = {e->n,  lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, inner,
                             start, ghost};
     take_edge(size, e->from, e, lines, S, inner);
-    take_edge(size, e->to, e, lines, g->diffuser.start[tile], start);
+    take_edge(size, e->to, e, lines, g->tiles->diffuser.start[tile], start);
     sums_beyond(e->rules, fill->what, &line);
     carry_sums(e->rules, fill->what, &line);
     put_edge(size, e, lines, ghost, S);
@@ -335,7 +304,7 @@ static void gradient_edge(struct gas *g, int tile, const struct edge *e, const v
         .n = e->n, .components = g->dim, .normal = e->normal, .face = e->face, .inner = inner, .ghost = ghost};
     (void)context;
     for (int along = 0; along < g->dim; along++) {
-        double *derivatives = g->diffuser.gradient[tile] + along * g->dim * size;
+        double *derivatives = g->tiles->diffuser.gradient[tile] + along * g->dim * size;
         if (along == e->normal) continue;
         take_edge(size, e->from, e, g->dim, derivatives, inner);
         reflect_sums(e->rules, &line);
@@ -369,7 +338,7 @@ static void side_gradients(const struct forest *f, const struct tile *t, const d
 
 static void find_gradients(struct gas *g) {
     const struct forest *f = g->forest;
-    struct diffuser *d = &g->diffuser;
+    struct diffuser *d = &g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++) side_gradients(f, &f->tile[t], d->sum[d->last][t], d->gradient[t]);
     forest_fill_derivatives(g->forest, d->gradient);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
@@ -378,7 +347,7 @@ static void find_gradients(struct gas *g) {
 static void fill_sums(struct gas *g, enum diffusing what, double weight) {
     const struct forest *f = g->forest;
     const struct fill fill = {what, weight};
-    forest_fill_layers(g->forest, 1, lines_of(g, what), g->diffuser.sum[g->diffuser.last]);
+    forest_fill_layers(g->forest, 1, lines_of(g, what), g->tiles->diffuser.sum[g->tiles->diffuser.last]);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
     if (what == VISCOUS && g->dim > 1) find_gradients(g);
 }
@@ -418,7 +387,7 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
         if (changes || s->to != s->Y0)
             memcpy(s->to + v * size + at, changes ? moved : from, (size_t)n * sizeof(double));
     }
-    s->bad += row_inadmissible(g, s->to, at, n, g->diffuser.mark[s->tile]);
+    s->bad += row_inadmissible(g, s->to, at, n, g->tiles->diffuser.mark[s->tile]);
 }
 
 /* S of the next stage, in place of the one before the last. c: of S, of that, of the gain over rho, of q_0. */
@@ -453,7 +422,7 @@ ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, con
 
 ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
     const struct forest *f = s->g->forest;
-    const struct diffuser *d = &s->g->diffuser;
+    const struct diffuser *d = &s->g->tiles->diffuser;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]);
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
@@ -462,7 +431,7 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
             double M[1][BATCH];
             if (s->c) {
                 heat_next(vectors, dim, f->stride, f->size, s->c, face, d->light[s->tile] + at, d->start[s->tile] + at,
-                          d->friction[s->tile] + at, s->S + at, s->next + at);
+                          s->g->friction[s->tile] + at, s->S + at, s->next + at);
             } else {
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
                 end_row(s, at, n[0], M);
@@ -549,7 +518,7 @@ ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const doub
 /* Gradients of a row, and faces below it along axis 1, serve two rows: those of odd and even rows in turn. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain) {
     const struct forest *f = s->g->forest;
-    const struct diffuser *d = &s->g->diffuser;
+    const struct diffuser *d = &s->g->tiles->diffuser;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = dim + ends;
     const long size = f->size, *stride = f->stride;
     _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
@@ -602,7 +571,7 @@ SWEEP(2)
 SWEEP(3)
 
 static void sweep_tile(struct sweep *s) {
-    const struct diffuser *d = &s->g->diffuser;
+    const struct diffuser *d = &s->g->tiles->diffuser;
     s->S = d->sum[d->last][s->tile];
     s->next = d->sum[1 - d->last][s->tile];
     (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s, d->plain);
@@ -616,7 +585,7 @@ void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
     fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++)
         sweep_tile(&(struct sweep){.g = g, .what = what, .tile = t, .c = factor});
-    g->diffuser.last = 1 - g->diffuser.last;
+    g->tiles->diffuser.last = 1 - g->tiles->diffuser.last;
 }
 
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
@@ -628,16 +597,16 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         sweep_tile(&s);
         bad += s.bad;
     }
-    g->diffuser.marked |= bad > 0;
+    g->tiles->diffuser.marked |= bad > 0;
     return bad;
 }
 
 /* Leaves the tangential derivatives out of the stress on the faces of flagged cells. */
 static void plain_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
-    const double *flag = g->flag[tile];
+    const double *flag = g->tiles->flag[tile];
     for (int axis = 0; axis < g->dim; axis++) {
-        double *keep = g->diffuser.keep[tile] + axis * f->size;
+        double *keep = g->tiles->diffuser.keep[tile] + axis * f->size;
         for (long i = f->stride[axis]; i < f->size; i++) keep[i] = flag[i - f->stride[axis]] + flag[i] > 0 ? 0 : 1;
     }
 }
@@ -645,14 +614,14 @@ static void plain_faces(struct gas *g, int tile) {
 /* Flags count from here on, the same on both sides of a face. */
 long tiles_diffusion_flags(struct gas *g, bool keep) {
     const size_t bytes = (size_t)g->forest->size * sizeof(double);
-    for (int t = 0; t < g->forest->ntiles && g->diffuser.marked; t++) {
-        for (long i = 0; keep && i < g->forest->size; i++) g->flag[t][i] += g->diffuser.mark[t][i];
-        memset(g->diffuser.mark[t], 0, bytes);
+    for (int t = 0; t < g->forest->ntiles && g->tiles->diffuser.marked; t++) {
+        for (long i = 0; keep && i < g->forest->size; i++) g->tiles->flag[t][i] += g->tiles->diffuser.mark[t][i];
+        memset(g->tiles->diffuser.mark[t], 0, bytes);
     }
-    g->diffuser.marked = false;
+    g->tiles->diffuser.marked = false;
     if (!keep) return 0;
     const long flagged = tiles_share_flags(g);
     for (int t = 0; t < g->forest->ntiles; t++) plain_faces(g, t);
-    g->diffuser.plain = true;
+    g->tiles->diffuser.plain = true;
     return flagged;
 }

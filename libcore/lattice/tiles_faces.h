@@ -1,4 +1,4 @@
-/* The lines of coefficients in struct diffuser's `face` (libcore/gas/state.h). */
+/* The lines of coefficients in struct diffuser's `face` (libcore/lattice/tiles.h). */
 #ifndef LIBCORE_TILES_FACES_H
 #define LIBCORE_TILES_FACES_H
 

@@ -1,65 +1,6 @@
-/* Ghost cells at patches: the boundary types applied to lines of cells along a side. */
-#include "libcore/gas/state.h"
-
-static void apply(const struct rule *rule, const struct patch_line *l, int components, int normal,
-                  double (*inner)[BATCH], double (*ghost)[BATCH]) {
-    struct ghost_line line = {
-        .n = l->n, .components = components, .face = l->face, .outflow = l->outflow, .normal = normal};
-    for (int c = 0; c < components; c++) {
-        line.inner[c] = inner[c];
-        line.ghost[c] = ghost[c];
-    }
-    rule->type->ghost(rule, &line);
-}
-
-/* rho, rho u, E -> rho, u, T (or p), in place */
-static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->dim + 1];
-    for (int k = 1; k <= g->dim; k++)
-        for (int i = 0; i < n; i++) {
-            q[k][i] /= q[0][i];
-            kinetic[i] += 0.5 * q[k][i] * q[k][i];
-        }
-    for (int i = 0; i < n; i++) energy[i] = energy[i] / q[0][i] - kinetic[i]; /* eps */
-    g->models.eos->state(&g->models.material, n, q[0], energy, p, c2, gruneisen);
-    for (int i = 0; i < n; i++) energy[i] = pressure ? p[i] : (g->models.material.gamma - 1) * energy[i];
-}
-
-static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double p[BATCH], c2[BATCH], gruneisen[BATCH], one[BATCH] = {0}, *energy = q[g->dim + 1];
-    for (int i = 0; i < n; i++) one[i] = 1;
-    g->models.eos->state(&g->models.material, n, q[0], one, p, c2, gruneisen);
-    for (int i = 0; i < n; i++) {
-        double eps = pressure ? energy[i] / p[i] : energy[i] / (g->models.material.gamma - 1); /* p is linear in eps */
-        double kinetic = 0;
-        for (int k = 1; k <= g->dim; k++) kinetic += 0.5 * q[k][i] * q[k][i];
-        energy[i] = q[0][i] * (eps + kinetic);
-        for (int k = 1; k <= g->dim; k++) q[k][i] *= q[0][i];
-    }
-}
-
-bool patch_needs_values(const struct patch_rules *r) {
-    if (r->velocity.type->reflects) return false; /* the temperature of a wall is felt by conduction only */
-    return r->density.type->value || r->velocity.type->value || r->temperature.type->value;
-}
-
-void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
-                  double (*ghost)[BATCH]) {
-    int last = g->dim + 1;
-    if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
-        memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
-        const struct rule mirror = {.type = boundary_mirror};
-        apply(g->models.transport && r->velocity.type->reflects ? &mirror : &r->velocity, l, g->dim, l->normal,
-              inner + 1, ghost + 1);
-        memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
-        return;
-    }
-    to_primitive(g, r->pressure, l->n, inner);
-    apply(&r->density, l, 1, -1, inner, ghost);
-    apply(&r->velocity, l, g->dim, l->normal, inner + 1, ghost + 1);
-    apply(&r->temperature, l, 1, -1, inner + last, ghost + last);
-    to_conserved(g, r->pressure, l->n, ghost);
-}
+/* Ghost cells of a tile at its sides that are patches. */
+#include "libcore/gas/patch.h"
+#include "libcore/lattice/tiles.h"
 
 struct line { /* a run of cells along a side of a tile */
     struct patch_line patch;

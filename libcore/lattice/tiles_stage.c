@@ -1,8 +1,8 @@
 /* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. In 2D
  * row by row. */
-#include "libcore/gas/state.h"
+#include "libcore/lattice/tiles.h"
 
-void rows_visit(const struct forest *f, const struct tile *tile, int margin, row_visitor *visit, void *context) {
+void runs_visit(const struct forest *f, const struct tile *tile, int margin, run_visitor *visit, void *context) {
     int reach[MAX_DIM] = {0};
     for (int k = 0; k < f->dim; k++) reach[k] = margin;
     for (int k = -reach[2]; k < tile->n[2] + reach[2]; k++)
@@ -15,47 +15,14 @@ void rows_visit(const struct forest *f, const struct tile *tile, int margin, row
         }
 }
 
-/* The squares are summed from the last axis so that two of three commute under a swap of axes. */
-KERNEL static void find_velocity(int n, int dim, long size, const double *restrict U, double *const *velocity,
-                                 double *restrict eps) {
-    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
-    double inverse[BATCH], square[BATCH];
-    for (int i = 0; i < n; i++) {
-        inverse[i] = 1 / rho[i];
-        square[i] = 0;
-    }
-    for (int k = dim - 1; k >= 0; k--) {
-        const double *restrict mom = U + (k + 1) * size;
-        double *restrict u = velocity[k];
-        for (int i = 0; i < n; i++) {
-            double uk = mom[i] * inverse[i];
-            u[i] = uk;
-            square[i] += uk * uk;
-        }
-    }
-    for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
-}
-
-KERNEL static void take_roots(int n, double *restrict c) {
-    for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
-}
-
-/* What other files call has no clones of its own: clang leaves such names undefined. */
-void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
-    find_velocity(n, dim, size, U, velocity, eps);
-}
-void root_row(int n, double *restrict c) {
-    take_roots(n, c);
-}
-
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n) {
     double *velocity[MAX_DIM];
-    for (int k = 0; k < g->dim; k++) velocity[k] = g->work.velocity[k] + offset;
-    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, g->work.eps + offset);
+    for (int k = 0; k < g->dim; k++) velocity[k] = g->tiles->work.velocity[k] + offset;
+    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, g->tiles->work.eps + offset);
 }
 
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n) {
-    const struct work *w = &g->work;
+    const struct work *w = &g->tiles->work;
     velocities_of_row(g, U, offset, n);
     g->models.eos->state(&g->models.material, n, U + offset, w->eps + offset, w->p + offset, w->c + offset,
                          w->gruneisen + offset);
@@ -94,9 +61,9 @@ static void nodal_visit(void *context, long offset, int n) {
     const struct pass *pass = context;
     const struct gas *g = pass->g;
     double *flux[MAX_VAR];
-    for (int v = 0; v < g->nvar; v++) flux[v] = g->work.flux[v] + offset;
-    nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->work.velocity[pass->axis] + offset,
-              g->work.p + offset, flux);
+    for (int v = 0; v < g->nvar; v++) flux[v] = g->tiles->work.flux[v] + offset;
+    nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->tiles->work.velocity[pass->axis] + offset,
+              g->tiles->work.p + offset, flux);
 }
 
 /* A line is computed in whole vectors of 8; what lies behind its end reads the padding of the rows and is thrown away.
@@ -109,7 +76,7 @@ static int whole_vectors(int n) {
  * from `column` on. */
 static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
                              int column) {
-    const struct work *w = &g->work;
+    const struct work *w = &g->tiles->work;
     struct faces f = {.n = whole_vectors(n),
                       .dim = g->dim,
                       .stride = g->forest->stride[axis],
@@ -144,7 +111,7 @@ static bool is_counted(const struct gas *g, const struct strip *s, int i) {
 static void limit_flagged(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     double limited[MAX_VAR][BATCH], theta[BATCH];
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, limited, 0);
-    const double *flag = g->flag[s->tile] + s->offset;
+    const double *flag = g->tiles->flag[s->tile] + s->offset;
     bool any = false;
     for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
     if (!any) return;
@@ -179,7 +146,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
     g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
-    if (g->flagged[s->tile]) limit_flagged(g, U, s, out, column);
+    if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
 
 KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
@@ -188,30 +155,6 @@ KERNEL static void difference_row(int n, double inverse, const double *restrict 
         for (int i = 0; i < n; i++) residual[i] += (low[i] - high[i]) * inverse;
     else
         for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
-}
-
-KERNEL static void update_line(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                               const double *restrict residual, double *restrict to) {
-    for (int i = 0; i < n; i++) {
-        double moved = from[i] + dt * residual[i];
-        to[i] = moved + a * (U0[i] - moved);
-    }
-}
-
-void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                const double *restrict residual, double *restrict to) {
-    update_line(n, a, dt, U0, from, residual, to);
-}
-
-int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
-    double bad[BATCH];
-    int count = 0;
-    if (!find_bad(n, g->dim, g->forest->size, g->least, g->limit, U + offset, bad)) return 0;
-    for (int i = 0; i < n; i++) {
-        count += bad[i] > 0;
-        if (marks) marks[offset + i] += bad[i];
-    }
-    return count;
 }
 
 struct update {
@@ -227,8 +170,8 @@ static void update_visit(void *context, long offset, int n) {
     const struct gas *g = u->g;
     long size = g->forest->size;
     for (int v = 0; v < g->nvar; v++)
-        update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset, g->work.residual[v] + offset,
-                   u->to + v * size + offset);
+        update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset,
+                   g->tiles->work.residual[v] + offset, u->to + v * size + offset);
     u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
     u->g->computed += n;
 }
@@ -245,13 +188,13 @@ static void settle_background(const struct update *u) {
 static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
     const struct forest *f = g->forest;
     double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
-    struct span s = *activity_row(&g->activity, g->activity.active, j, k);
+    struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.active, j, k);
     if (span_empty(s)) return;
     long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
     const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
     face_fluxes(g, U, &strip, faces, 0);
     for (int v = 0; v < g->nvar; v++)
-        difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->work.residual[v] + offset);
+        difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
 }
 
 struct column { /* of rows along another axis, at place `outer` of the third one */
@@ -260,7 +203,7 @@ struct column { /* of rows along another axis, at place `outer` of the third one
 };
 
 static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
-    const struct activity *a = &g->activity;
+    const struct activity *a = &g->tiles->activity;
     if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
     return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
 }
@@ -277,15 +220,15 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
     if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
     for (int v = 0; v < g->nvar && !span_empty(mine); v++)
         difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
-                       g->work.residual[v] + row + mine.low);
+                       g->tiles->work.residual[v] + row + mine.low);
 }
 
 /* All rows, axis by axis. */
 static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
     const int *n = g->forest->tile[tile].n;
-    spans_visit(g, tile, g->activity.needed, GHOSTS, primitive_visit, pass);
+    spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
     for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
-        spans_visit(g, tile, g->activity.needed, GHOSTS, nodal_visit, pass);
+        spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
         int outer = pass->axis == 2 ? 1 : 2, along = 3 - outer;
         struct column column = {.axis = along};
         for (column.outer = 0; column.outer < n[outer]; column.outer++)
@@ -295,27 +238,27 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
                 else
                     sweep_column(g, tile, pass->U, &column, j);
     }
-    spans_visit(g, tile, g->activity.active, 0, update_visit, update);
+    spans_visit(g, tile, g->tiles->activity.active, 0, update_visit, update);
 }
 
 /* The same for two axes, row by row while a row is in L1: what it needs for both axes, its faces along axis 0, then the
  * faces along axis 1 whose stencil it completes, and the update of the row below them. */
 static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update *update) {
-    struct activity *a = &g->activity;
+    struct activity *a = &g->tiles->activity;
     struct column column = {.axis = 1};
     int n = g->forest->tile[tile].n[1];
     for (int top = -GHOSTS; top < n + GHOSTS; top++) {
         int j = top - GHOSTS;
-        row_visit(g, a->needed, top, 0, primitive_visit, pass);
+        span_visit(g, a->needed, top, 0, primitive_visit, pass);
         if (top >= 0 && top < n) {
             pass->axis = 0;
-            row_visit(g, a->needed, top, 0, nodal_visit, pass);
+            span_visit(g, a->needed, top, 0, nodal_visit, pass);
             sweep_row(g, tile, pass->U, top, 0);
         }
         pass->axis = 1;
-        row_visit(g, a->needed, top, 0, nodal_visit, pass);
+        span_visit(g, a->needed, top, 0, nodal_visit, pass);
         if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
-        if (j >= 0) row_visit(g, a->active, j, 0, update_visit, update);
+        if (j >= 0) span_visit(g, a->active, j, 0, update_visit, update);
     }
 }
 
@@ -326,10 +269,10 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .U0 = U0->block[tile],
                             .from = from->block[tile],
                             .to = to->block[tile],
-                            .flag = g->flag[tile],
+                            .flag = g->tiles->flag[tile],
                             .a = a,
                             .dt = dt};
-    struct activity *active = &g->activity;
+    struct activity *active = &g->tiles->activity;
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);

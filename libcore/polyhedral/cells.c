@@ -1,5 +1,6 @@
 /* The gas on polyhedra: making and filling its state, sources, and what the outside may ask of it. */
 #include "libcore/polyhedral/cells.h"
+#include "libcore/gas/patch.h"
 
 #include <stdlib.h>
 
@@ -18,6 +19,7 @@ static status make_lines(struct gas *g) {
     for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
     g->nraised = m->nown;
+    g->raised_step = 1;
     double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
@@ -65,6 +67,7 @@ static status cells_make(struct gas *g) {
     TRY(allocate(&c, 1, sizeof *c, "the gas"));
     g->cells = c;
     c->polyhedra = g->grid->polyhedra;
+    g->size = c->polyhedra->size;
     for (int f = 0; f < c->polyhedra->face.n; f++)
         if (c->polyhedra->face.point_start[f + 1] - c->polyhedra->face.point_start[f] > BATCH)
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
@@ -82,6 +85,11 @@ static void cells_free(struct gas *g) {
         free(states[i]->block);
     }
     floors_free(g);
+    double **by_diffusion[] = {g->friction, g->cooled};
+    for (int i = 0; i < 2; i++) {
+        if (by_diffusion[i]) free(by_diffusion[i][0]);
+        free(by_diffusion[i]);
+    }
     if (!c) return;
     fit_free(c->fit);
     cells_diffuser_free(c->diffuser);
@@ -119,35 +127,18 @@ static status cells_get_conserved(const struct gas *g, double *const U[MAX_VAR])
     return OK;
 }
 
-struct primitives { /* of a batch */
-    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
-};
-
-static void find_primitives(const struct gas *g, int n, long size, const double *U, bool thermal,
-                            struct primitives *q) {
-    double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
-    velocity_row(n, g->dim, size, U, velocity, q->eps);
-    if (!thermal) return;
-    g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
-    root_row(n, q->c);
+static void cells_rows(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit,
+                       void *context) {
+    const int nown = g->cells->polyhedra->nown;
+    (void)extent; /* every cell has a state of its own */
+    (void)s;
+    for (int at = 0; at < nown; at += BATCH)
+        visit(context, &(struct row){0, at, nown - at < BATCH ? nown - at : BATCH});
 }
 
-static void field_of_batch(const struct gas *g, enum gas_field field, int n, const double *rho,
-                           const struct primitives *q, double *const out[3]) {
-    const struct material *m = &g->models.material;
-    for (int i = 0; i < n; i++) {
-        double square = 0;
-        for (int k = 0; k < g->dim; k++) {
-            square += q->velocity[k][i] * q->velocity[k][i];
-            if (field == GAS_U) out[k][i] = q->velocity[k][i];
-        }
-        if (field == GAS_RHO) out[0][i] = rho[i];
-        if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * rho[i];
-        if (field == GAS_T) out[0][i] = (m->gamma - 1) * q->eps[i];
-        if (field == GAS_P) out[0][i] = q->p[i];
-        if (field == GAS_C) out[0][i] = q->c[i];
-        if (field == GAS_MACH) out[0][i] = sqrt(square) / q->c[i];
-    }
+static void cells_place(const struct gas *g, int block, long at, double place[3]) {
+    (void)block;
+    memcpy(place, g->grid->centre + 3L * g->cells->polyhedra->cell[at], 3 * sizeof *place);
 }
 
 static void cells_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
@@ -158,14 +149,12 @@ static void cells_block_field(const struct gas *g, int block, enum gas_field fie
     for (int i = start; field == GAS_LIMITED && i < end; i++) out[0][i - start] = g->cells->limited[m->block_cell[i]];
     if (field == GAS_LIMITED) return;
     for (int from = start; from < end; from += BATCH) {
-        struct primitives q;
         int n = end - from < BATCH ? end - from : BATCH;
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < n; i++) U[v][i] = line[v][m->block_cell[from + i]];
-        find_primitives(g, n, BATCH, U[0], field >= GAS_P, &q);
         double *at[3] = {out[0] + (from - start), NULL, NULL};
         for (int k = 1; k < 3 && field == GAS_U && k < g->dim; k++) at[k] = out[k] + (from - start);
-        field_of_batch(g, field, n, U[0], &q, at);
+        field_row(g, field, n, BATCH, U[0], at);
     }
 }
 
@@ -190,27 +179,15 @@ static status cells_field(const struct gas *g, enum gas_field field, double *con
     return s;
 }
 
-static status cells_check(const struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double bad[BATCH];
-    status s = OK;
-    for (int from = 0; from < m->nown && !s; from += BATCH) {
-        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
-        const double *U = g->U.block[0] + from;
-        if (!find_bad(n, g->dim, m->size, g->least, g->limit, U, bad)) continue;
-        for (int i = 0; i < n && !s; i++) {
-            struct primitives q;
-            if (bad[i] == 0) continue;
-            const double *at = g->grid->centre + 3L * m->cell[from + i];
-            find_primitives(g, 1, m->size, U + i, false, &q);
-            s = fail(
-                ERR_STATE,
-                "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
-                at[0], at[1], at[2], U[i], g->least, g->limit, (g->models.material.gamma - 1) * q.eps[0],
-                density_hint(g));
-        }
-    }
-    return comm_agree(g->comm, s);
+struct primitives { /* of a batch */
+    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
+};
+
+static void find_primitives(const struct gas *g, int n, const double *U, struct primitives *q) {
+    double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
+    velocity_row(n, g->dim, g->size, U, velocity, q->eps);
+    g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
+    root_row(n, q->c);
 }
 
 /* sum_k |u_k| girth_k + c total_girth: not below sum over faces of (|u_n| + c) A / (2 V); on boxes the tiles' rate. */
@@ -235,7 +212,7 @@ static void rate_batch(const struct gas *g, int from, int n, double *rate, doubl
     struct primitives q;
     double *girth[MAX_DIM];
     for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
-    find_primitives(g, n, c->polyhedra->size, g->U.block[0] + from, true, &q);
+    find_primitives(g, n, g->U.block[0] + from, &q);
     rate_line(n, g->dim, &q, girth, c->total_girth + from, rate, fast);
 }
 
@@ -289,38 +266,6 @@ static status cells_totals(const struct gas *g, const struct state *s, double to
     return OK;
 }
 
-static long cells_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
-                          const struct state *to) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *in[MAX_VAR], *out[MAX_VAR], bad[BATCH];
-    long count = 0;
-    cells_lines(g, from, in);
-    cells_lines(g, to, out);
-    for (int at = 0; at < m->nown; at += BATCH) {
-        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        for (int v = 0; v < g->nvar; v++) {
-            if (in[v] != out[v]) memcpy(out[v] + at, in[v] + at, (size_t)n * sizeof(double));
-        }
-        double *U[MAX_VAR];
-        for (int v = 0; v < g->nvar; v++) U[v] = out[v] + at;
-        source_apply(&g->models.source, g->models.eos, &g->models.material, n, g->dim, dt, kick, U);
-        count += find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad);
-    }
-    return count;
-}
-
-static long cells_floor(struct gas *g, const struct state *s) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *U[MAX_VAR];
-    long count = 0;
-    cells_lines(g, s, U);
-    for (int at = 0; at < m->nown; at += BATCH) {
-        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        count += floors_apply(g, n, m->size, U[0] + at, at, 1);
-    }
-    return count;
-}
-
 static status cells_sum_raised(const struct gas *g, double *raised, double *sum) {
     return integrate(g, raised, sum);
 }
@@ -348,34 +293,31 @@ static void cells_exchange(struct gas *g, const struct state *start, const struc
         for (int i = 0; i < g->cells->polyhedra->nown; i++) stepper_exchange(a[v][i], &b[v][i], &c[v][i]);
 }
 
-const struct engine engine_polyhedral = {.make = cells_make,
-                                         .free = cells_free,
-                                         .set_conserved = cells_set_conserved,
-                                         .get_conserved = cells_get_conserved,
-                                         .block_field = cells_block_field,
-                                         .field = cells_field,
-                                         .check = cells_check,
-                                         .speed = cells_speed,
-                                         .fastest_place = cells_fastest_place,
-                                         .totals = cells_totals,
-                                         .sources = cells_sources,
-                                         .stage = cells_stage,
-                                         .share_flags = cells_share_flags,
-                                         .redo = cells_redo,
-                                         .floor = cells_floor,
-                                         .sum_raised = cells_sum_raised,
-                                         .note_limited = cells_note_limited,
-                                         .clear_flags = cells_clear_flags,
-                                         .exchange = cells_exchange,
-                                         .diffusion_stages = CELLS_STAGES,
-                                         .diffusion_rates = cells_diffusion_rates,
-                                         .diffusion_ahead = cells_diffusion_ahead,
-                                         .diffusion_cooled = cells_diffusion_cooled,
-                                         .diffusion_friction = cells_diffusion_friction,
-                                         .diffusion_begin = cells_diffusion_begin,
-                                         .diffusion_stage = cells_diffusion_stage,
-                                         .diffusion_end = cells_diffusion_end,
-                                         .diffusion_flags = cells_diffusion_flags,
-                                         .implicit_pattern = cells_implicit_pattern,
-                                         .implicit_matrix = cells_implicit_matrix,
-                                         .implicit_move = cells_implicit_move};
+const struct engine engine_polyhedral = {
+    .state = {.make = cells_make,
+              .free = cells_free,
+              .set_conserved = cells_set_conserved,
+              .get_conserved = cells_get_conserved,
+              .rows = cells_rows,
+              .place = cells_place,
+              .block_field = cells_block_field,
+              .field = cells_field,
+              .speed = cells_speed,
+              .fastest_place = cells_fastest_place,
+              .totals = cells_totals},
+    .stage = {.stage = cells_stage,
+              .share_flags = cells_share_flags,
+              .redo = cells_redo,
+              .sum_raised = cells_sum_raised,
+              .note_limited = cells_note_limited,
+              .clear_flags = cells_clear_flags,
+              .exchange = cells_exchange},
+    .diffusion = {.most_stages = CELLS_STAGES,
+                  .cooled_first = true,
+                  .rates = cells_diffusion_rates,
+                  .ahead = cells_diffusion_ahead,
+                  .begin = cells_diffusion_begin,
+                  .stage = cells_diffusion_stage,
+                  .end = cells_diffusion_end,
+                  .flags = cells_diffusion_flags},
+    .implicit = {.pattern = cells_implicit_pattern, .matrix = cells_implicit_matrix, .move = cells_implicit_move}};

@@ -2,7 +2,7 @@
 #ifndef LIBCORE_CELLS_H
 #define LIBCORE_CELLS_H
 
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 #include "libcore/schemes/polynomial.h"
 
 /* Of diffusion in one super step. Modes turn by a part of the largest rate, and of the fastest ones some grow from
@@ -59,8 +59,6 @@ status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void cells_diffusion_ahead(struct gas *g, const struct state *to);
-void cells_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to);
-void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);

@@ -7,8 +7,6 @@
 struct cells_diffuser {                  /* lines of [size], a batch longer, or of [faces] */
     double *sum[2][MAX_DIM];             /* S of the last stage, and of the one before */
     double *start[MAX_DIM];              /* q_0 */
-    double *friction;                    /* T that the stress of this half step made, less cooled */
-    double *cooled;                      /* T that cooling took in the first half; both 0 in ghosts and mirrors */
     double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* of the coefficients */

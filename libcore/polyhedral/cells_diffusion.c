@@ -71,8 +71,10 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
-    TRY(lines_allocate(&d->friction, 1, size));
-    TRY(lines_allocate(&d->cooled, 1, size));
+    TRY(allocate(&g->friction, 1, sizeof *g->friction, "diffusion"));
+    TRY(allocate(&g->cooled, 1, sizeof *g->cooled, "diffusion"));
+    TRY(lines_allocate(g->friction, 1, size));
+    TRY(lines_allocate(g->cooled, 1, size));
     TRY(lines_allocate(&d->wall, 1, m->mirror.n));
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
@@ -93,8 +95,6 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->rest, MAX_DIM);
     free(d->T);
     free(d->warm);
-    free(d->friction);
-    free(d->cooled);
     free(d->wall);
     free(d->mark);
     free(d->inverse);
@@ -199,38 +199,6 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
 /* ---- S and its gradients ------------------------------------------------------------------------------------------
  */
 
-void cells_diffusion_cooled(struct gas *g, const struct state *from, const struct state *to) {
-    struct cells_diffuser *d = g->cells->diffuser;
-    const int nown = g->cells->polyhedra->nown;
-    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH], after[BATCH];
-    if (!from) {
-        memset(d->cooled, 0, (size_t)nown * sizeof *d->cooled);
-        return;
-    }
-    cells_lines(g, from, in);
-    cells_lines(g, to, out);
-    for (int at = 0; at < nown; at += BATCH) {
-        const int n = nown - at < BATCH ? nown - at : BATCH;
-        find_temperature(g, n, in[0] + at, before);
-        find_temperature(g, n, out[0] + at, after);
-        for (int i = 0; i < n; i++) d->cooled[at + i] = larger(before[i] - after[i], 0);
-    }
-}
-
-void cells_diffusion_friction(struct gas *g, const struct state *from, const struct state *to) {
-    struct cells_diffuser *d = g->cells->diffuser;
-    const int nown = g->cells->polyhedra->nown;
-    double *in[MAX_VAR], *out[MAX_VAR], before[BATCH];
-    cells_lines(g, from, in);
-    cells_lines(g, to, out);
-    for (int at = 0; at < nown; at += BATCH) {
-        const int n = nown - at < BATCH ? nown - at : BATCH;
-        find_temperature(g, n, in[0] + at, before);
-        find_temperature(g, n, out[0] + at, d->friction + at);
-        for (int i = 0; i < n; i++) d->friction[at + i] -= before[i] + d->cooled[at + i];
-    }
-}
-
 /* In ghosts and mirrors, too: rules may take q_0 from beyond, and the mirrors of ghosts from these. */
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     struct cells_diffuser *d = g->cells->diffuser;
@@ -244,8 +212,8 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
                 q[i] = what == VISCOUS ? velocity[v][i]
-                                       : (g->models.material.gamma - 1) * eps[i] - rest * d->friction[at + i] -
-                                             (g->late ? d->cooled[at + i] : 0);
+                                       : (g->models.material.gamma - 1) * eps[i] - rest * g->friction[0][at + i] -
+                                             (g->late ? g->cooled[0][at + i] : 0);
             for (int i = 0; i < n; i++) S[i] = factor * q[i];
         }
     }
@@ -414,7 +382,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
             double *next = d->sum[1 - d->last][v] + at;
             sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
-            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * d->friction[at + i];
+            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->friction[0][at + i];
         }
     }
     d->last = 1 - d->last;

@@ -1,5 +1,6 @@
 /* The edge of polyhedra: mirror cells for the stencils, and the states beyond the faces of patches. Reflecting rules
  * act in the frame of the face, others in the axes of the polyhedra, in which their values are given. */
+#include "libcore/gas/patch.h"
 #include "libcore/polyhedral/cells.h"
 
 struct frame { /* of one face: normal, tangents */

@@ -1,7 +1,7 @@
 /* Nanoseconds a cell and stage of viscous stress and of heat conduction on tiles, of what a super step of 25 stages has
  * at its ends, and of a whole half step, on one core: bench_diffusion [rounds]. Disks between two walls, periodic
  * along them, disturbed everywhere. CPU time of the process, the best of the rounds. */
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
 
@@ -30,15 +30,15 @@ static double time_stages(struct gas *g, enum diffusing what, int super, int sta
     const double start = cpu_seconds();
     for (int i = 0; i < super; i++) {
         double c[5];
-        g->engine->diffusion_begin(g, what, &g->U, dt, 0);
+        g->engine->diffusion.begin(g, what, &g->U, dt, 0);
         for (int j = 2; j <= stages; j++) {
             g->models.diffusion->stage(STAGES, j, c);
             c[2] *= dt;
             c[3] *= dt;
             c[4] = 0;
-            g->engine->diffusion_stage(g, what, &g->U, c, dt);
+            g->engine->diffusion.stage(g, what, &g->U, c, dt);
         }
-        (void)g->engine->diffusion_end(g, what, &g->U, &g->U0, dt, dt);
+        (void)g->engine->diffusion.end(g, what, &g->U, &g->U0, dt, dt);
     }
     return cpu_seconds() - start;
 }
@@ -73,7 +73,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
     double best[4] = {1, 1, 1, 1}, rate[2];
     for (int i = 0; i < rounds; i++) {
         const double start = cpu_seconds();
-        g->engine->diffusion_rates(g, &g->U, rate);
+        g->engine->diffusion.rates(g, &g->U, rate);
         best[3] = smaller(best[3], cpu_seconds() - start);
         const double dt = 1 / larger(rate[0], rate[1]);
         for (int what = 0; what < 2; what++) {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct row {
+struct oracle_row {
     int n;
     char *word[16];
     char text[1024];
@@ -29,14 +29,14 @@ static inline FILE *oracle_open(const char *name) {
     return f;
 }
 
-static inline int oracle_row(FILE *f, struct row *r) {
+static inline int oracle_row(FILE *f, struct oracle_row *r) {
     if (!fgets(r->text, sizeof r->text, f)) return 0;
     r->n = 0;
     for (char *w = strtok(r->text, ",\n\r"); w && r->n < 16; w = strtok(NULL, ",\n\r")) r->word[r->n++] = w;
     return 1;
 }
 
-static inline double oracle_number(const struct row *r, int i) {
+static inline double oracle_number(const struct oracle_row *r, int i) {
     return strtod(r->word[i], NULL);
 }
 

@@ -2,19 +2,19 @@
 
 #include <stdlib.h>
 
-static struct row *find_row(struct table *t, const char *scheme, int family) {
+static struct oracle_row *find_row(struct table *t, const char *scheme, int family) {
     for (int i = 0; i < t->rows; i++)
         if (t->row[i].family == family && !strcmp(t->row[i].scheme, scheme)) return &t->row[i];
-    struct row *more = realloc(t->row, (size_t)(t->rows + 1) * sizeof *more);
+    struct oracle_row *more = realloc(t->row, (size_t)(t->rows + 1) * sizeof *more);
     if (!more) abort();
     t->row = more;
-    struct row *r = &t->row[t->rows++];
-    *r = (struct row){.family = family, .least = 1, .relative = {-1, -1, -1}, .drift = {-1, -1, -1}};
+    struct oracle_row *r = &t->row[t->rows++];
+    *r = (struct oracle_row){.family = family, .least = 1, .relative = {-1, -1, -1}, .drift = {-1, -1, -1}};
     snprintf(r->scheme, sizeof r->scheme, "%s", scheme);
     return r;
 }
 
-static void add(struct row *r, const struct scheme *s, const struct outcome *o) {
+static void add(struct oracle_row *r, const struct scheme *s, const struct outcome *o) {
     r->runs++;
     r->verdicts[o->verdict]++;
     r->steps += o->steps;
@@ -44,7 +44,7 @@ void table_print(FILE *f, const struct table *t) {
                "floored,rejected,"
                "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound\n");
     for (int i = 0; i < t->rows; i++) {
-        const struct row *r = &t->row[i];
+        const struct oracle_row *r = &t->row[i];
         fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme, family_table[r->family].name,
                 r->runs, r->verdicts[FINISHED], r->verdicts[CAPPED], r->verdicts[COLLAPSED], r->verdicts[FAILED],
                 r->steps, r->cell_stages, r->counts.cells, r->counts.faces, r->counts.floored, r->counts.rejected,

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-struct row {
+struct oracle_row {
     char scheme[128];
     int family;
     long runs, verdicts[4], steps, cell_stages;
@@ -15,7 +15,7 @@ struct row {
 };
 struct table {
     int rows;
-    struct row *row;
+    struct oracle_row *row;
 };
 void table_add(struct table *t, const struct problem *p, const struct scheme *s, const struct outcome *o);
 void table_print(FILE *f, const struct table *t);

@@ -1,5 +1,6 @@
 #include "tests/stress/watch.h"
 
+#include "libcore/lattice/tiles.h"
 #include "libcore/polyhedral/cells.h"
 
 #include <stdio.h>
@@ -184,17 +185,23 @@ static void after_visit(void *context, long cell, double volume, const double U[
     s->gained[last] += volume * ((long double)U[last] - old[last]);
 }
 
-static long watched_sources(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
-                            const struct state *to) {
+/* The sources go through all rows by source_row: before and after that every cell is looked at. */
+static void watched_rows(const struct gas *g, enum extent extent, const struct state *from, row_visitor *visit,
+                         void *context) {
     struct watch *w = (struct watch *)(uintptr_t)g->engine;
-    struct sourced s = {.w = w, .g = g, .dt = dt, .kick = kick, .gained = w->budget.gained[from != &g->U]};
+    const struct half_step *h = context;
+    if (visit != source_row) {
+        w->inner->state.rows(g, extent, from, visit, context);
+        return;
+    }
+    struct sourced s = {.w = w, .g = g, .dt = h->dt, .kick = h->kick, .gained = w->budget.gained[from != &g->U]};
     for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
     if (from == &g->U) w->trial = 0;
-    if (from != &g->U) look_on(w, g, from); /* what the last stage left */
+    if (from != &g->U) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */
     watch_cells(g, from, before_visit, &s);
-    long said = w->inner->sources(g, dt, kick, from, to);
-    watch_cells(g, to, after_visit, &s);
-    return said;
+    w->inner->state.rows(g, extent, from, visit, context);
+    if (w->inner->state.keep_as) w->inner->state.keep_as(g, from, h->to);
+    watch_cells(g, h->to, after_visit, &s);
 }
 
 static long watched_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
@@ -202,15 +209,15 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
     struct watch *w = (struct watch *)(uintptr_t)g->engine;
     if (U0 == from) w->bad = 0;
     look_on(w, g, from);
-    return w->inner->stage(g, U0, from, to, a, dt);
+    return w->inner->stage.stage(g, U0, from, to, a, dt);
 }
 
 status watch_start(struct watch *w, struct gas *g) {
     *w = (struct watch){.engine = *g->engine, .inner = g->engine};
     TRY(allocate(&w->before, (long)MAX_VAR * g->ncells_all, sizeof *w->before, "the watch"));
-    w->engine.stage = watched_stage;
-    w->engine.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
-    w->engine.sources = watched_sources;
+    w->engine.stage.stage = watched_stage;
+    w->engine.stage.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
+    w->engine.state.rows = watched_rows;
     g->engine = &w->engine;
     tally(w, g);
     memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);

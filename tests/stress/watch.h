@@ -3,7 +3,7 @@
 #ifndef STRESS_WATCH_H
 #define STRESS_WATCH_H
 
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 
 struct budget { /* sums over the domain of mass, momentum, energy */
     long double now[MAX_VAR], start[MAX_VAR];

@@ -1,5 +1,6 @@
 /* The theorem of libcore/schemes/limit.h on both mesh engines: one limited Euler stage from random admissible cells
  * with K <= 1 is admissible everywhere, conserves, and has the same bits on all ranks; smooth flow keeps its order. */
+#include "libcore/lattice/tiles.h"
 #include "libcore/polyhedral/cells.h"
 
 #include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */
@@ -88,7 +89,7 @@ static double largest_step(struct gas *g) {
     struct rates r = {.g = g};
     for (int t = 0; g->forest && t < g->forest->ntiles; t++) {
         r.U = g->U.block[t];
-        rows_visit(g->forest, &g->forest->tile[t], 0, rate_visit, &r);
+        runs_visit(g->forest, &g->forest->tile[t], 0, rate_visit, &r);
     }
     if (g->cells) {
         const struct polyhedra *m = g->cells->polyhedra;
@@ -110,9 +111,9 @@ static double largest_step(struct gas *g) {
 
 static void flag_all(struct gas *g) {
     for (int t = 0; g->forest && t < g->forest->ntiles; t++)
-        for (long i = 0; i < g->forest->size; i++) g->flag[t][i] = 1;
+        for (long i = 0; i < g->forest->size; i++) g->tiles->flag[t][i] = 1;
     for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->cells->flag[i] = 1;
-    (void)g->engine->share_flags(g);
+    (void)g->engine->stage.share_flags(g);
 }
 
 /* U <- an Euler stage from U (a, U0: of a Runge-Kutta stage) with every face limited; dt 0: as large as K <= 1 allows.
@@ -121,11 +122,11 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     struct gas_speed speed;
     gas_speed(g, &speed);
     for (int k = 0; k < 3; k++) g->fastest[k] = speed.axis[k];
-    (void)g->engine->stage(g, U0, &g->U, &g->W, a, dt);
+    (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt);
     if (dt == 0) dt = largest_step(g);
     flag_all(g);
-    g->engine->redo(g, U0, &g->U, &g->W, a, dt);
-    g->engine->clear_flags(g);
+    g->engine->stage.redo(g, U0, &g->U, &g->W, a, dt);
+    g->engine->stage.clear_flags(g);
     struct state old = g->U;
     g->U = g->W;
     g->W = old;
@@ -224,7 +225,7 @@ static double wave_error(int n, double a, bool force, long *moved) {
             struct state *U0 = &s.gas->U0; /* a copy: stages only swap U and W */
             for (int b = 0; b < s.forest->ntiles; b++) {
                 memcpy(U0->block[b], s.gas->U.block[b], (size_t)(3 * s.forest->size) * sizeof(double));
-                memcpy(U0->varied[b], s.gas->U.varied[b], (size_t)s.gas->activity.nspans * sizeof(struct span));
+                memcpy(U0->varied[b], s.gas->U.varied[b], (size_t)s.gas->tiles->activity.nspans * sizeof(struct span));
             }
             for (int stage = 0; stage < 3; stage++) *moved += limited_stage(s.gas, U0, s.models.stepper->a[stage], dt);
         } else

@@ -2,7 +2,7 @@
 #ifndef TESTS_LIBCORE_VISCOUS_H
 #define TESTS_LIBCORE_VISCOUS_H
 
-#include "libcore/gas/state.h"
+#include "libcore/gas/gas_private.h"
 #include "tests/libcore/gas/manufactured.h"
 
 #include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
@@ -87,7 +87,7 @@ static inline void go(struct scene *s, int count, double dt) {
 /* An Euler step of the faster kind of diffusion is just stable with the inverse of this. */
 static inline double fastest(struct scene *s, const struct comm *c) {
     double rate[2];
-    s->gas->engine->diffusion_rates(s->gas, &s->gas->U, rate);
+    s->gas->engine->diffusion.rates(s->gas, &s->gas->U, rate);
     comm_max(c, rate, 2);
     return larger(rate[0], rate[1]);
 }

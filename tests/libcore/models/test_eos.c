@@ -34,7 +34,7 @@ static void exponential_and_logarithm_are_libm(void **state) {
 static void reference_values(void **state) {
     (void)state;
     FILE *f = oracle_open("gs_eos.csv");
-    struct row r;
+    struct oracle_row r;
     int rows = 0;
     const struct eos *gs = eos_find("GoldshteinShapiro");
     for (oracle_row(f, &r); oracle_row(f, &r); rows++) {
@@ -59,7 +59,7 @@ static void reference_values(void **state) {
 static void initial_states(void **state) {
     (void)state;
     FILE *f = oracle_open("gs_states.csv");
-    struct row r;
+    struct oracle_row r;
     const struct eos *gs = eos_find("GoldshteinShapiro");
     int rows = 0;
     for (oracle_row(f, &r); oracle_row(f, &r); rows++) {
@@ -140,7 +140,7 @@ static void batch_is_a_loop(void **state) {
 static void torquato_values(void **state) {
     (void)state;
     FILE *f = oracle_open("torquato_chi.csv");
-    struct row r;
+    struct oracle_row r;
     int rows = 0;
     for (oracle_row(f, &r); oracle_row(f, &r); rows++) {
         const int d = (int)oracle_number(&r, 0);
@@ -167,7 +167,7 @@ static void torquato_values(void **state) {
 static void gas_of_disks(void **state) {
     (void)state;
     FILE *f = oracle_open("carrillo_2d.csv");
-    struct row r;
+    struct oracle_row r;
     const struct eos *eos = eos_find("TorquatoDisks");
     int rows = 0;
     for (oracle_row(f, &r); oracle_row(f, &r); rows++) {

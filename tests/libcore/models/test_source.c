@@ -20,7 +20,7 @@ static const struct material DISKS = {.diameter = 0.01,
 static void homogeneous_cooling(void **state) {
     (void)state;
     FILE *f = oracle_open("hcs.csv");
-    struct row r;
+    struct oracle_row r;
     int rows = 0;
     const struct eos *gs = eos_find("GoldshteinShapiro"), *torquato = eos_find("TorquatoDisks");
     for (oracle_row(f, &r); oracle_row(f, &r);) {

@@ -9,7 +9,7 @@ static const struct transport_numbers NUMBERS = {.alpha_min = 1e-4, .bulk_factor
 static void reference_values(void **state) {
     (void)state;
     FILE *f = oracle_open("carrillo_2d.csv");
-    struct row r;
+    struct oracle_row r;
     const struct eos *eos = eos_find("TorquatoDisks");
     const struct transport *t = transport_find("JenkinsRichman");
     int rows = 0;

@@ -24,9 +24,9 @@ static void open_cells(struct scene *s, const struct comm *c, const struct cells
 static void shear(struct scene *s, double dt) {
     struct gas *g = s->gas;
     double rate[2];
-    g->engine->diffusion_rates(g, &g->U, rate);
-    g->engine->diffusion_begin(g, VISCOUS, &g->U, dt, 0);
-    assert_true(g->engine->diffusion_end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
+    g->engine->diffusion.rates(g, &g->U, rate);
+    g->engine->diffusion.begin(g, VISCOUS, &g->U, dt, 0);
+    assert_true(g->engine->diffusion.end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
 }
 
 /* dt at which an Euler step of the faster of both kinds is just stable */

@@ -45,7 +45,7 @@ static void check_matrices(const char *name, int dim, int direction, double matr
 static void eigenvectors_match_the_references(void **state) {
     (void)state;
     FILE *f = oracle_open("eigenmatrices.csv");
-    struct row r;
+    struct oracle_row r;
     double matrix[3][MAX_VAR][MAX_VAR]; /* R, L, J */
     int checked = 0;
     for (oracle_row(f, &r); oracle_row(f, &r);) {
@@ -64,7 +64,7 @@ static void eigenvectors_match_the_references(void **state) {
 static void eigenvalues_match_the_references(void **state) {
     (void)state;
     FILE *f = oracle_open("eigensystems.csv");
-    struct row r;
+    struct oracle_row r;
     int checked = 0;
     for (oracle_row(f, &r); oracle_row(f, &r);) {
         if (strncmp(r.word[0], "GS", 2) != 0) continue;

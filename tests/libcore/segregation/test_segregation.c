@@ -45,7 +45,7 @@ static double kink(double y, double t) {
 static void kink_of_the_oracle(void **state) {
     (void)state;
     FILE *f = oracle_open("kink.csv");
-    struct row r;
+    struct oracle_row r;
     int rows = 0;
     for (oracle_row(f, &r); oracle_row(f, &r); rows++)
         assert_near(kink(oracle_number(&r, 0), oracle_number(&r, 1)), oracle_number(&r, 2), 1e-14);
@@ -113,7 +113,7 @@ static void table_of_the_kink(void **state) {
 /* Largest difference to the exact solution at t in the nodes that the oracle has. */
 static double against_exact(const struct line *l, double D, double t) {
     FILE *f = oracle_open("gray_chugunov_exact.csv");
-    struct row r;
+    struct oracle_row r;
     double most = 0;
     int rows = 0;
     for (oracle_row(f, &r); oracle_row(f, &r);) {

@@ -1,0 +1,145 @@
+/* An engine of the gas: how one kind of mesh, a lattice or polyhedra, holds the state, and its part of a time step. */
+#ifndef LIBCORE_ENGINE_H
+#define LIBCORE_ENGINE_H
+
+#include "libcore/gas/gas.h"
+
+enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
+
+struct span; /* of the lattice: libcore/lattice/tiles.h */
+/* The conserved variables of this rank's cells, in blocks: the tiles of a lattice, or one block for all polyhedra. A
+ * tile has a background, the values that many of its cells share (libcore/lattice/tiles_activity.c), and a span for
+ * each of its rows: the cells outside the span equal the background, and their memory is not kept up. */
+struct state {
+    double **block;       /* [blocks] of [nvar][g->size]; in a tile offset 0 belongs to no cell: the background */
+    struct span **varied; /* [ntiles] of [nspans]; NULL on polyhedra */
+};
+
+struct row { /* n <= BATCH cells that lie one behind the other in a block's lines */
+    int block;
+    long at; /* the first cell's place in each line; the lines of a state's variables are g->size apart */
+    int n;
+};
+typedef void row_visitor(void *context, const struct row *row);
+enum extent {
+    EVERY_CELL,  /* all cells of this rank, one by one; backgrounds are written out to their cells first */
+    EACH_STATE,  /* every state that occurs: spans are narrowed, then their cells are visited, and each background once
+                  */
+    VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
+};
+
+struct ending {               /* what follows the last stage of a step */
+    bool sources;             /* are there any? */
+    double dt, kick[MAX_DIM]; /* of the second half of the sources */
+    struct gas_speed speed;   /* out: of the final state, of this rank's cells */
+};
+
+enum diffusing { VISCOUS, HEAT };
+
+struct links { /* between this rank's cells and those across their faces */
+    int cells;
+    int *first;     /* [cells + 1] into `column` */
+    int *column;    /* numbers over all ranks: of the cell itself, then of those it is linked to, perhaps twice */
+    bool symmetric; /* is the operator of heat symmetric, on all ranks? */
+};
+
+struct state_hooks {
+    /* Makes the states and the work memory of g, all else being set; free undoes a make that may have failed. */
+    status (*make)(struct gas *g);
+    void (*free)(struct gas *g);
+    /* State from and to arrays in polyMesh order, as gas_set_conserved and gas_get_conserved. */
+    void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
+    status (*get_conserved)(const struct gas *g, double *const U[MAX_VAR]);
+    /* Calls visit(context, row) for the rows of s, in the same order on every call. */
+    void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
+    /* `to` keeps its cells in the same spans as `from`, whose rows were written to it. NULL: there are no spans. */
+    void (*keep_as)(const struct gas *g, const struct state *from, const struct state *to);
+    /* Centre of the cell at `at` of a block, m. */
+    void (*place)(const struct gas *g, int block, long at, double place[3]);
+    /* As gas_block_field and gas_field. */
+    void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
+    status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
+    /* Wave speeds of this rank's cells; then the place of the cell that has speed->rate, as gas_fastest_place. */
+    void (*speed)(struct gas *g, struct gas_speed *speed);
+    void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
+    /* totals[v] <- sum over the domain of volume * variable v */
+    status (*totals)(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
+};
+
+struct stage_hooks {
+    /* to <- W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of the
+     * cells that are not admissible, and returns their number. */
+    long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                  double dt);
+    /* The last stage of a step with the step's ending, block by block while a block is in the cache. Like stage, it
+     * does no harm when `from` holds inadmissible cells or NaN: all is thrown away then. NULL: step.c does the
+     * ending. */
+    long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                       double a, double dt, struct ending *ending);
+    /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
+    long (*share_flags)(struct gas *g);
+    /* The stage again where flags are near, with the fluxes of flagged cells limited (libcore/schemes/limit.h), whose
+     * faces are counted in g->faces. Flags what is not admissible then. */
+    void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt);
+    /* Cells of a background that is not admissible become varied cells, so that each of them is mended and counted by
+     * itself. NULL: there are no backgrounds. */
+    void (*unfold_bad)(struct gas *g, const struct state *s);
+    /* sum <- integral over the domain of g->raised or g->fill */
+    status (*sum_raised)(const struct gas *g, double *raised, double *sum);
+    /* Counts the flags in the field `limited`; place <- the first flagged cell. */
+    void (*note_limited)(struct gas *g, double place[3]);
+    void (*clear_flags)(struct gas *g);
+    /* The exchange of struct stepper: next <- 0.1 start + 0.9 state, state <- 0.6 start + 0.4 state; next may be
+     * start. */
+    void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
+};
+
+/* One super step of diffusion (libcore/gas/diffusion.h): S_0 = 0, q_0 = u or T of Y0, q_j = L(S_j)/dt + q_0 ..; what
+ * moves the state in the end is div of the fluxes of the last S. */
+struct diffusion_hooks {
+    int most_stages;   /* in one super step, where the operator is not quite symmetric; 0: any number */
+    bool cooled_first; /* friction is T(to) - (T(from) + cooled), else (T(to) - T(from)) - cooled: its last bit */
+    /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS], most[HEAT] <- the largest rates of this
+     * rank's cells, 1/s. */
+    void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
+    /* warm <- T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at
+     * T warm. NULL: g->ahead is never set. */
+    void (*ahead)(struct gas *g, const struct state *to);
+    /* q_0 <- u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0;  S_1 <- factor q_0 */
+    void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+    /* S_j <- c[0] S_(j-1) + c[1] S_(j-2) + c[2] (L S_(j-1) + q_0) + c[3] q_0 + c[4] friction; c[2] and c[3] hold dt.
+     * weight: what S_(j-1) would be if q were 1 throughout, for S beyond patches that hold a value. */
+    void (*stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5], double weight);
+    /* to <- Y0 + div of the flux of the last S, with the work of the stress; `to` may be Y0. Marks the cells that are
+     * not admissible, and returns their number. */
+    long (*end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                double weight);
+    /* keep: makes the marks flags, on whose faces the stress goes without tangential derivatives from here on (on
+     * polyhedra all fluxes with the jumps across the faces alone); else drops the marks. Returns the number of flagged
+     * cells of all ranks. */
+    long (*flags)(struct gas *g, bool keep);
+};
+
+/* The systems of implicit diffusion (libcore/gas/implicit.h). */
+struct implicit_hooks {
+    /* Cells of this rank, and those that each is linked to. */
+    status (*pattern)(struct gas *g, struct links *out);
+    /* A = diag(mass) - factor V L, without what couples the components of a velocity: mass [cells], E [cells] (energy
+     * of a cell), weight [unknowns][links]: for each unknown, for each cell, the entry of the cell itself, then those
+     * of its links. The lattice, whose volumes V are all the same, leaves V out. */
+    void (*matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass, double *E,
+                   double *weight);
+    /* x [cells][unknowns] to the last S, or from it. */
+    void (*move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
+};
+
+struct engine {
+    struct state_hooks state;
+    struct stage_hooks stage;
+    struct diffusion_hooks diffusion;
+    struct implicit_hooks implicit;
+};
+extern const struct engine engine_lattice, engine_polyhedral;
+
+#endif

@@ -1,0 +1,78 @@
+/* The floors of density and of energy (libcore/schemes/limit.h) on the whole state, and the account of what they add.
+ */
+#include "libcore/gas/gas_private.h"
+
+#include <stdlib.h>
+
+status floors_make(struct gas *g) {
+    TRY(allocate(&g->raised, g->nraised, sizeof(double), "the floors"));
+    for (int v = 0; v < 2 && g->least > 0; v++) TRY(allocate(&g->fill[v], g->nraised, sizeof(double), "the floors"));
+    return OK;
+}
+
+void floors_free(struct gas *g) {
+    free(g->raised);
+    for (int v = 0; v < 2; v++) free(g->fill[v]);
+}
+
+void floors_begin(struct gas *g) {
+    g->floored = g->filled = 0;
+    g->share = 1;
+    memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
+    for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
+}
+
+struct flooring { /* what floor_row needs and counts */
+    struct gas *g;
+    const struct state *s;
+    long bad;
+};
+
+static void floor_row(void *flooring, const struct row *row) {
+    struct flooring *f = flooring;
+    struct gas *g = f->g;
+    double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
+    const int n = row->n, step = g->raised_step, place = row->block + step * (int)row->at;
+    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U, bad)) return;
+    if (g->least > 0) {
+        g->filled += raise_density(n, g->dim, g->size, g->least, g->limit, U, bad, added);
+        for (int v = 0; v < 2; v++)
+            for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
+    }
+    g->floored += raise_energy(n, g->dim, g->size, g->least, g->limit, U, bad, raised);
+    for (int i = 0; i < n; i++) {
+        g->raised[place + i * step] += raised[i];
+        f->bad += bad[i] > 0;
+    }
+}
+
+long floors_apply(struct gas *g, const struct state *s) {
+    struct flooring f = {.g = g, .s = s};
+    if (g->engine->stage.unfold_bad) g->engine->stage.unfold_bad(g, s);
+    g->engine->state.rows(g, VARIED_CELLS, s, floor_row, &f);
+    return f.bad;
+}
+
+static status count_fill(struct gas *g) {
+    double sum;
+    if (!(g->least > 0)) return OK;
+    comm_sum_long(g->comm, &g->filled, 1);
+    if (!g->filled) return OK;
+    for (int v = 0; v < 2; v++) {
+        TRY(g->engine->stage.sum_raised(g, g->fill[v], &sum));
+        g->counts.fill[v] += sum;
+    }
+    g->counts.filled += g->filled;
+    return OK;
+}
+
+status floors_count(struct gas *g) {
+    double energy;
+    TRY(count_fill(g));
+    comm_sum_long(g->comm, &g->floored, 1);
+    if (!g->floored) return OK;
+    TRY(g->engine->stage.sum_raised(g, g->raised, &energy));
+    g->counts.floored += g->floored;
+    g->counts.energy += energy;
+    return OK;
+}

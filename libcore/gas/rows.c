@@ -1,0 +1,111 @@
+/* What is done to rows of cells alike on a lattice and on polyhedra: velocities and temperatures, the fields that the
+ * outside asks for, sources, the check of admissibility. */
+#include "libcore/gas/gas_private.h"
+
+/* The squares are summed from the last axis so that two of three commute under a swap of axes. */
+KERNEL static void find_velocity(int n, int dim, long size, const double *restrict U, double *const *velocity,
+                                 double *restrict eps) {
+    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
+    double inverse[BATCH], square[BATCH];
+    for (int i = 0; i < n; i++) {
+        inverse[i] = 1 / rho[i];
+        square[i] = 0;
+    }
+    for (int k = dim - 1; k >= 0; k--) {
+        const double *restrict mom = U + (k + 1) * size;
+        double *restrict u = velocity[k];
+        for (int i = 0; i < n; i++) {
+            double uk = mom[i] * inverse[i];
+            u[i] = uk;
+            square[i] += uk * uk;
+        }
+    }
+    for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
+}
+
+KERNEL static void take_roots(int n, double *restrict c) {
+    for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
+}
+
+/* What other files call has no clones of its own: clang leaves such names undefined. */
+void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
+    find_velocity(n, dim, size, U, velocity, eps);
+}
+void root_row(int n, double *restrict c) {
+    take_roots(n, c);
+}
+
+KERNEL static void update_line(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                               const double *restrict residual, double *restrict to) {
+    for (int i = 0; i < n; i++) {
+        double moved = from[i] + dt * residual[i];
+        to[i] = moved + a * (U0[i] - moved);
+    }
+}
+
+void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
+                const double *restrict residual, double *restrict to) {
+    update_line(n, a, dt, U0, from, residual, to);
+}
+
+int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
+    double bad[BATCH];
+    int count = 0;
+    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U + offset, bad)) return 0;
+    for (int i = 0; i < n; i++) {
+        count += bad[i] > 0;
+        if (marks) marks[offset + i] += bad[i];
+    }
+    return count;
+}
+
+void temperature_row(const struct gas *g, int n, const double *U, double *T) {
+    double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    velocity_row(n, g->dim, g->size, U, u, T);
+    for (int i = 0; i < n; i++) T[i] *= g->models.material.gamma - 1;
+}
+
+/* Only what the field needs is computed, because the equation of state costs most. */
+void field_row(const struct gas *g, enum gas_field field, int n, long size, const double *U, double *const out[3]) {
+    const struct material *m = &g->models.material;
+    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
+    double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    if (field >= GAS_U) velocity_row(n, g->dim, size, U, u, eps);
+    if (field >= GAS_P) {
+        g->models.eos->state(m, n, U, eps, p, c, gruneisen);
+        root_row(n, c);
+    }
+    for (int k = 0; k < g->dim && field == GAS_U; k++) memcpy(out[k], u[k], (size_t)n * sizeof(double));
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < g->dim && field == GAS_MACH; k++) square += u[k][i] * u[k][i];
+        if (field == GAS_RHO) out[0][i] = U[i];
+        if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * U[i];
+        if (field == GAS_T) out[0][i] = (m->gamma - 1) * eps[i];
+        if (field == GAS_P) out[0][i] = p[i];
+        if (field == GAS_C) out[0][i] = c[i];
+        if (field == GAS_MACH) out[0][i] = sqrt(square) / c[i];
+    }
+}
+
+void source_row(void *half_step, const struct row *row) {
+    struct half_step *h = half_step;
+    const struct gas *g = h->g;
+    const double *from = h->from->block[row->block];
+    double *to = h->to->block[row->block], *U[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) {
+        U[v] = to + v * g->size + row->at;
+        if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
+    }
+    source_apply(&g->models.source, g->models.eos, &g->models.material, row->n, g->dim, h->dt, h->kick, U);
+    h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
+}
+
+long sources_apply(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
+                   const struct state *to) {
+    struct half_step h = {.g = g, .from = from, .to = to, .dt = dt};
+    memcpy(h.kick, kick, sizeof h.kick);
+    g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
+    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
+    return h.bad;
+}

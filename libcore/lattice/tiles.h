@@ -1,0 +1,136 @@
+/* Inside of the gas on a lattice: what libcore/lattice/tiles_*.c share. The lattice is cut into tiles (struct forest);
+ * a tile is the unit of cache, of skipping and of communication. */
+#ifndef LIBCORE_TILES_H
+#define LIBCORE_TILES_H
+
+#include "libcore/gas/gas_private.h"
+#include "mesh/lattice/forest.h"
+
+struct work { /* scratch of the tile in hand, [size] each: it stays in L2 through a stage */
+    double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
+    double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
+    double *residual[MAX_VAR]; /* -div F */
+};
+struct span { /* columns low <= i < high of a row */
+    int low, high;
+};
+#define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
+static inline bool span_empty(struct span s) {
+    return s.low >= s.high;
+}
+static inline struct span span_join(struct span a, struct span b) {
+    return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
+struct activity { /* of the tile in hand: what differs from its background, what a stage computes, what that needs */
+    int rows;     /* of a tile with its ghosts, along axis 1 */
+    int nspans;   /* rows * rows along axis 2 */
+    struct span *differ, *active, *needed;
+    bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
+};
+
+struct diffuser {      /* of diffusion: [ntiles] of so many lines of [size] */
+    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
+    double **start;    /* dim: q_0, the same */
+    double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
+    double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
+    double **light;    /* 1/rho */
+    double **keep;     /* of each axis, if `plain`: 0 where the tangential derivatives do not count, else 1 */
+    double **mark;     /* 1: cells that were not admissible */
+    double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
+    bool marked;       /* any? */
+    bool plain;        /* until the next rates */
+    int last;          /* sum of the last stage */
+};
+
+/* What the engine of the lattice owns: g->tiles. */
+struct tiles {
+    double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
+    double **limited; /* [ntiles] of [size]: how often that was so */
+    bool *flagged;    /* [ntiles] does the tile, or its ghost layer, hold a flag? */
+    double *sums;     /* [ntiles] */
+    struct work work;
+    struct activity activity;
+    struct diffuser diffuser; /* empty without transport */
+};
+
+long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                 double dt);
+long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                      double dt, struct ending *ending);
+long tiles_share_flags(struct gas *g);
+void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
+                double dt);
+status tiles_sum_raised(const struct gas *g, double *raised, double *sum);
+void tiles_note_limited(struct gas *g, double place[3]);
+void tiles_clear_flags(struct gas *g);
+void tiles_unfold_bad(struct gas *g, const struct state *s);
+void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
+
+status diffuser_make(struct gas *g);
+void diffuser_free(struct gas *g);
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void tiles_diffusion_ahead(struct gas *g, const struct state *to);
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
+                           double weight);
+long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                         double weight);
+long tiles_diffusion_flags(struct gas *g, bool keep);
+status tiles_implicit_pattern(struct gas *g, struct links *out);
+void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
+                           double *E, double *weight);
+void tiles_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
+
+status blocks_make(const struct forest *f, int nvar, double ***out);
+void blocks_free(const struct forest *f, double **blocks);
+
+/* Calls visit(context, offset, n), n <= BATCH, for the runs of cells of a tile along axis 0. margin: ghost cells to
+ * include on each active axis, but no corners. */
+typedef void run_visitor(void *context, long offset, int n);
+void runs_visit(const struct forest *f, const struct tile *tile, int margin, run_visitor *visit, void *context);
+
+/* Nothing is background: all cells are in memory. */
+void activity_reset(const struct gas *g, const struct state *s);
+/* Narrows the spans of a tile to the cells that differ; finds a background if there was none. Is there any? */
+bool activity_find(const struct gas *g, int tile, const struct state *s);
+/* Before a ghost fill: finds the quiet sides, and writes the layers that others will read. */
+void activity_prepare(struct gas *g, const struct state *s);
+/* After the ghost fill of `from`: the cells that differ from their stencil somewhere, or in U0 (active), and the cells
+ * that the fluxes of those need. Returns false if there are none. */
+bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from);
+/* Turns the cells of a tile that are background into cells in memory, so that they may change one by one. */
+void activity_unfold(const struct gas *g, int tile, const struct state *s);
+/* Writes the background where it is to be read: in the spans of rows (margin: with ghosts), or in the whole tile. */
+void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
+void activity_store_all(const struct gas *g, int tile, const struct state *s);
+struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
+/* As runs_visit, for the span of one row of a tile, or for the spans of all its rows. */
+void span_visit(const struct gas *g, struct span *spans, int j, int k, run_visitor *visit, void *context);
+void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, run_visitor *visit, void *context);
+
+/* Velocity and eps of n cells at `offset` of a block U go to the workspace; with primitives_of_row p, c and gruneisen,
+ * too. */
+void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
+void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
+
+struct speeds { /* wave speeds that speed_visit gathers on this rank */
+    struct gas *g;
+    double *U; /* the tile's block */
+    struct gas_speed most;
+    double wanted; /* if > 0, the rate of the cell that is looked for */
+    long found;    /* the offset of that cell; -1: none yet */
+};
+void speed_visit(void *speeds, long offset, int n);
+
+/* Centre of the cell at `offset` of a tile, m */
+void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
+
+/* Ghost layers of one tile's sides that are patches. */
+void ghosts_of_patches(const struct gas *g, int tile, double *U);
+
+/* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
+ * admissible and raises their flags. */
+int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
+                  double a, double dt);
+
+#endif
