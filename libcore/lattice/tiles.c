@@ -75,7 +75,7 @@ static status tiles_make(struct gas *g) {
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->tiles->sums, g->forest->ntiles, sizeof(double), "tiles"));
     TRY(make_work(g));
-    return g->models.transport ? diffuser_make(g) : OK;
+    return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
 static void tiles_free(struct gas *g) {
@@ -84,7 +84,7 @@ static void tiles_free(struct gas *g) {
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
     floors_free(g);
     if (!x) return;
-    diffuser_free(g);
+    tiles_diffuser_free(g);
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     void *single[] = {x->flagged,        x->sums,     x->activity.differ, x->activity.active, x->activity.needed,

@@ -28,20 +28,6 @@ struct activity { /* of the tile in hand: what differs from its background, what
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
 
-struct diffuser {      /* of diffusion: [ntiles] of so many lines of [size] */
-    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
-    double **start;    /* dim: q_0, the same */
-    double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
-    double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
-    double **light;    /* 1/rho */
-    double **keep;     /* of each axis, if `plain`: 0 where the tangential derivatives do not count, else 1 */
-    double **mark;     /* 1: cells that were not admissible */
-    double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
-    bool marked;       /* any? */
-    bool plain;        /* until the next rates */
-    int last;          /* sum of the last stage */
-};
-
 /* What the engine of the lattice owns: g->tiles. */
 struct tiles {
     double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
@@ -50,7 +36,7 @@ struct tiles {
     double *sums;     /* [ntiles] */
     struct work work;
     struct activity activity;
-    struct diffuser diffuser; /* empty without transport */
+    struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
 };
 
 long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
@@ -66,8 +52,8 @@ void tiles_clear_flags(struct gas *g);
 void tiles_unfold_bad(struct gas *g, const struct state *s);
 void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 
-status diffuser_make(struct gas *g);
-void diffuser_free(struct gas *g);
+status tiles_diffuser_make(struct gas *g);
+void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void tiles_diffusion_ahead(struct gas *g, const struct state *to);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);

@@ -1,7 +1,5 @@
 /* What implicit diffusion wants to know of a forest of tiles. Cells are numbered tile by tile, along rows. */
-#include "libcore/gas/patch.h"
-#include "libcore/lattice/tiles.h"
-#include "libcore/lattice/tiles_faces.h"
+#include "libcore/lattice/tiles_diffuser.h"
 
 static int cells_of(const struct tile *t) {
     return t->n[0] * t->n[1] * t->n[2];
@@ -107,7 +105,7 @@ static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
         const int axis = face / 2;
         const long at = offset + (face % 2 ? f->stride[axis] : 0); /* faces stand at the cell above them */
         const int line = v->what == HEAT ? CONDUCTION : axis == v->unknown ? NORMAL : SHEAR;
-        const double w = v->per * v->g->tiles->diffuser.face[tile][(FACE_LINES * axis + line) * f->size + at];
+        const double w = v->per * v->g->tiles->diffuser->face[tile][(FACE_LINES * axis + line) * f->size + at];
         if (at_patch(t, i, face))
             sum += w * (1 - v->edge[face]);
         else {
@@ -137,8 +135,8 @@ void tiles_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_
         for (int k = 0; k < f->tile[t].n[2]; k++)
             for (int j = 0; j < f->tile[t].n[1]; j++) {
                 const int n = f->tile[t].n[0];
-                double *S =
-                    g->tiles->diffuser.sum[g->tiles->diffuser.last][t] + f->first + j * f->stride[1] + k * f->stride[2];
+                double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][t] + f->first + j * f->stride[1] +
+                            k * f->stride[2];
                 for (int c = 0; c < unknowns; c++, S += f->size)
                     for (int i = 0; i < n; i++) {
                         if (to_sums)

@@ -1,0 +1,195 @@
+/* Coefficients of diffusion on the faces of a lattice, and the rates that bound its steps. */
+#include "libcore/lattice/tiles_diffuser.h"
+
+#include <stdlib.h>
+
+/* T at the end of a step is extrapolated from the first half by at most this factor: at a front that passes the
+ * extrapolation says nothing of what follows. */
+#define MOST_RISE 4.
+
+status tiles_diffuser_make(struct gas *g) {
+    struct diffuser *d;
+    TRY(allocate(&d, 1, sizeof *d, "diffusion"));
+    g->tiles->diffuser = d;
+    double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
+    for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
+    TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
+    TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
+    TRY(blocks_make(g->forest, g->dim, &d->keep));
+    TRY(blocks_make(g->forest, 1, &d->light));
+    TRY(blocks_make(g->forest, 1, &d->mark));
+    TRY(blocks_make(g->forest, 1, &g->friction));
+    TRY(blocks_make(g->forest, 1, &g->cooled));
+    return blocks_make(g->forest, 1, &d->warm);
+}
+
+void tiles_diffuser_free(struct gas *g) {
+    struct diffuser *d = g->tiles->diffuser;
+    if (!d) return;
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,  d->light,
+                         d->mark,   d->warm,   d->keep,  g->friction, g->cooled};
+    for (int i = 0; i < 11; i++) blocks_free(g->forest, blocks[i]);
+    free(d);
+}
+
+struct coefficients { /* what its row visitor needs */
+    const struct gas *g;
+    const double *U;
+    double *warm;
+};
+
+/* T of a row of U; velocity and eps go to the workspace. */
+static void temperature_of_row(const struct gas *g, const double *U, long offset, int n, double T[BATCH]) {
+    velocities_of_row(g, U, offset, n);
+    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i];
+}
+
+/* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
+static void coefficient_visit(void *context, long offset, int n) {
+    const struct coefficients *v = context;
+    const struct gas *g = v->g;
+    const struct work *w = &g->tiles->work;
+    double T[BATCH], *warm = v->warm + offset;
+    temperature_of_row(g, v->U, offset, n, T);
+    for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
+    for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
+    g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, v->U + offset, T,
+                                      w->p + offset, w->c + offset, w->gruneisen + offset);
+}
+
+ALWAYS_INLINE double harmonic(double a, double b) {
+    return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
+}
+
+/* Faces below n cells; `trace`: 2/d */
+KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
+                                     const double *restrict bulk, const double *restrict shear,
+                                     const double *restrict heat, double *restrict face) {
+    const double square = 1 / (width * width);
+    for (int i = 0; i < n; i++) {
+        double mu = harmonic(shear[i - step], shear[i]), lambda = harmonic(bulk[i - step], bulk[i]) - trace * mu;
+        face[NORMAL * size + i] = square * (lambda + 2 * mu);
+        face[SHEAR * size + i] = square * mu;
+        face[CONDUCTION * size + i] = square * harmonic(heat[i - step], heat[i]);
+    }
+}
+
+static long row_at(const struct forest *f, int j, int k) {
+    return f->first + j * f->stride[1] + k * f->stride[2];
+}
+
+static void tile_faces(struct gas *g, int tile) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[tile].n;
+    const struct work *w = &g->tiles->work;
+    const double trace = g->models.material.disks ? 1 : 2. / 3;
+    for (int axis = 0; axis < g->dim; axis++) {
+        double *face = g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size;
+        for (int k = 0; k < n[2] + (axis == 2); k++)
+            for (int j = 0; j < n[1] + (axis == 1); j++) {
+                long at = row_at(f, j, k);
+                face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
+                                  w->c + at, w->gruneisen + at, face + at);
+            }
+    }
+}
+
+/* A row's share of the rates from its faces along one axis. */
+KERNEL static void add_rates(int n, long step, long size, const double *restrict face, double (*restrict sum)[BATCH]) {
+    const double *restrict normal = face + NORMAL * size, *restrict heat = face + CONDUCTION * size;
+    for (int i = 0; i < n; i++) {
+        sum[0][i] += normal[i] + normal[i + step];
+        sum[1][i] += heat[i] + heat[i + step];
+    }
+}
+
+static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
+    const struct forest *f = g->forest;
+    const int *n = f->tile[tile].n;
+    const double factor[2] = {1, g->models.material.gamma - 1};
+    double *light = g->tiles->diffuser->light[tile];
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++) {
+            double sum[2][BATCH] = {{0}};
+            const long at = row_at(f, j, k);
+            for (int axis = 0; axis < g->dim; axis++)
+                add_rates(n[0], f->stride[axis], f->size,
+                          g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size + at, sum);
+            for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
+            for (int what = 0; what < 2; what++)
+                for (int i = 0; i < n[0]; i++)
+                    most[what] = larger(factor[what] * sum[what][i] * light[at + i], most[what]);
+        }
+}
+
+void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        if (t->side[side].patch < 0) continue;
+        struct edge e = {.rules = &g->rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
+        for (int k = 0; k < t->n[deep]; k++)
+            for (int start = 0; start < t->n[across]; start += BATCH) {
+                e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
+                         start * f->stride[across];
+                e.face = t->side[side].face + (long)k * t->n[across] + start;
+                e.to = e.from + (side % 2 ? f->stride[axis] : -f->stride[axis]);
+                e.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
+                visit(g, tile, &e, context);
+            }
+    }
+}
+
+/* Walls that take heat: their share of the conduction. eps is still in the workspace. */
+static void conduction_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct forest *f = g->forest;
+    const double width = f->width[e->normal], *U = context;
+    double *faces = g->tiles->diffuser->face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
+    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], heat[BATCH], share[BATCH];
+    const long face = e->to > e->from ? e->to : e->from;
+    if (!wall_conducts(e->rules)) return;
+    for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step;
+        rho[i] = U[at];
+        T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[at] *
+               (g->ahead ? g->tiles->diffuser->warm[tile][at] : 1);
+        push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
+        d[i] = width;
+        heat[i] = width * width * faces[face + i * e->step];
+    }
+    wall_shares(g, e->rules, e->n, rho, T, push, d, heat, share);
+    for (int i = 0; i < e->n; i++) faces[face + i * e->step] *= share[i];
+}
+
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
+    const struct forest *f = g->forest;
+    most[0] = most[1] = 0;
+    g->tiles->diffuser->plain = false;
+    forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
+    for (int t = 0; t < f->ntiles; t++) {
+        struct coefficients v = {g, Y0->block[t], g->tiles->diffuser->warm[t]};
+        ghosts_of_patches(g, t, Y0->block[t]);
+        runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
+        tile_faces(g, t);
+        edges_visit(g, t, conduction_edge, Y0->block[t]);
+        tile_rates(g, t, Y0->block[t], most);
+    }
+}
+
+static void ahead_visit(void *context, long offset, int n) {
+    const struct coefficients *v = context;
+    double T[BATCH], *warm = v->warm + offset;
+    temperature_of_row(v->g, v->U, offset, n, T);
+    for (int i = 0; i < n; i++) warm[i] = smaller(larger(T[i] / warm[i], 1 / MOST_RISE), MOST_RISE);
+}
+
+void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
+    const struct forest *f = g->forest;
+    forest_fill_layers(g->forest, 1, g->nvar, to->block);
+    for (int t = 0; t < f->ntiles; t++) {
+        struct coefficients v = {g, to->block[t], g->tiles->diffuser->warm[t]};
+        ghosts_of_patches(g, t, to->block[t]);
+        runs_visit(f, &f->tile[t], 1, ahead_visit, &v);
+    }
+}

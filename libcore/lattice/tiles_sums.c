@@ -1,0 +1,134 @@
+/* The sums S of diffusion on a lattice (libcore/gas/diffusion.h): their start, their ghosts, and their derivatives
+ * along the sides of tiles. */
+#include "libcore/lattice/tiles_diffuser.h"
+
+/* The lines of q at the cells of an edge, or at its ghosts. */
+static void take_edge(long size, long at, const struct edge *e, int components, const double *q, double (*out)[BATCH]) {
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) out[c][i] = q[c * size + at + i * e->step];
+}
+
+static void put_edge(long size, const struct edge *e, int components, double (*in)[BATCH], double *q) {
+    for (int c = 0; c < components; c++)
+        for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = in[c][i];
+}
+
+struct beginning { /* what its row visitor needs */
+    const struct gas *g;
+    enum diffusing what;
+    const double *U;
+    double *start, rest;
+    const double *friction, *cooled; /* 0 in ghosts */
+};
+
+/* q_0 of a row: velocity, or T less what friction is yet to make */
+static void begin_visit(void *context, long offset, int n) {
+    const struct beginning *b = context;
+    const struct gas *g = b->g;
+    const long size = g->forest->size;
+    velocities_of_row(g, b->U, offset, n);
+    for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
+        memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
+    for (int i = 0; b->what == HEAT && i < n; i++)
+        b->start[offset + i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i] -
+                               b->rest * b->friction[offset + i] - (g->late ? b->cooled[offset + i] : 0);
+}
+
+KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
+                              double *restrict before) {
+    for (long i = 0; i < n; i++) {
+        S[i] = factor * start[i];
+        before[i] = 0;
+    }
+}
+
+/* Does S beyond a side of the tile follow from q_0 there? */
+static bool beyond_counts(const struct gas *g, const struct tile *t) {
+    bool counts = false;
+    for (int side = 0; side < 2 * g->dim; side++)
+        if (t->side[side].patch >= 0) counts |= patch_needs_values(&g->rules[t->side[side].patch]);
+    return counts;
+}
+
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
+    const struct forest *f = g->forest;
+    struct diffuser *d = g->tiles->diffuser;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, g->friction[t], g->cooled[t]};
+        const bool beyond = beyond_counts(g, &f->tile[t]);
+        if (beyond) ghosts_of_patches(g, t, Y0->block[t]);
+        runs_visit(f, &f->tile[t], beyond, begin_visit, &b);
+        first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
+    }
+}
+
+struct fill {
+    enum diffusing what;
+    double weight;
+};
+
+static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct fill *fill = context;
+    const long size = g->forest->size;
+    const int lines = lines_of(g, fill->what);
+    double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
+           ghost[MAX_DIM][BATCH];
+    struct sum_line line = {e->n,  lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, inner,
+                            start, ghost};
+    take_edge(size, e->from, e, lines, S, inner);
+    take_edge(size, e->to, e, lines, g->tiles->diffuser->start[tile], start);
+    sums_beyond(e->rules, fill->what, &line);
+    carry_sums(e->rules, fill->what, &line);
+    put_edge(size, e, lines, ghost, S);
+}
+
+/* Derivatives along a wall follow the wall's rule for velocity. */
+static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const long size = g->forest->size;
+    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    struct sum_line line = {
+        .n = e->n, .components = g->dim, .normal = e->normal, .face = e->face, .inner = inner, .ghost = ghost};
+    (void)context;
+    for (int along = 0; along < g->dim; along++) {
+        double *derivatives = g->tiles->diffuser->gradient[tile] + along * g->dim * size;
+        if (along == e->normal) continue;
+        take_edge(size, e->from, e, g->dim, derivatives, inner);
+        reflect_sums(e->rules, &line);
+        put_edge(size, e, g->dim, ghost, derivatives);
+    }
+}
+
+/* Of the cells along the sides, for the ghosts beyond these: the derivatives along a side. */
+static void side_gradients(const struct forest *f, const struct tile *t, const double *S, double *out) {
+    for (int side = 0; side < 2 * f->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        const long first = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0), step = f->stride[across];
+        for (int line = 0; line < f->dim * f->dim; line++) {
+            const int along = line / f->dim;
+            const double quarter = 0.25 / f->width[along];
+            for (int k = 0; along != axis && k < t->n[deep]; k++) {
+                const long at = first + k * f->stride[deep];
+                const double *q = S + line % f->dim * f->size + at;
+                double *to = out + line * f->size + at;
+                for (int i = 0; i < t->n[across]; i++)
+                    to[i * step] = half_derivative(q + i * step, f->stride[along], quarter);
+            }
+        }
+    }
+}
+
+static void find_gradients(struct gas *g) {
+    const struct forest *f = g->forest;
+    struct diffuser *d = g->tiles->diffuser;
+    for (int t = 0; t < f->ntiles; t++) side_gradients(f, &f->tile[t], d->sum[d->last][t], d->gradient[t]);
+    forest_fill_derivatives(g->forest, d->gradient);
+    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
+}
+
+void tiles_fill_sums(struct gas *g, enum diffusing what, double weight) {
+    const struct forest *f = g->forest;
+    const struct fill fill = {what, weight};
+    forest_fill_layers(g->forest, 1, lines_of(g, what), g->tiles->diffuser->sum[g->tiles->diffuser->last]);
+    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
+    if (what == VISCOUS && g->dim > 1) find_gradients(g);
+}
