@@ -1,30 +1,31 @@
 /* Time integration of viscous stress and heat conduction, and their part of a step.
  *
- * The coefficients are frozen over a half step: those of the first half of a step at its start, those of the second one
- * at its end, as far as the first one tells what T will be there. Both errors are of first order and cancel. Both at
- * the start leave a step of first order, which over a Faraday run costs four times the steps (cases/faraday).
+ * Coefficients are frozen over a half step: in the first half of a step at its start, in the second half at its end,
+ * where T is extrapolated from the first half. Both choices have errors of first order, which cancel. With the
+ * coefficients of the start in both halves the step is of first order, which over a Faraday run costs four times the
+ * steps (cases/faraday).
  *
- * Stress does not ask for T while the coefficients are frozen, so it goes first, and heat is conducted with what the
- * stress made of T as a source that is constant over the half step: nothing is split between the two. One after the
- * other in turn, thin gas keeps what the stress makes of it for the length of a flow step, and drives itself away.
+ * With frozen coefficients the stress does not depend on T, so it goes first; then heat is conducted with the rise of T
+ * by friction as a source that is constant over the half step, so that nothing is split between friction and
+ * conduction. If they were split, thin gas would keep its frictional heat for a whole flow step, expand and empty.
  *
- * So is what cooling takes: in the first half of a step, behind it, heat is conducted from the T before it, with what
- * it took as a constant sink; and in the second half, where it comes last, from T with the same sink, that of the first
- * half, which is given back. Any sink would do for second order, as the step is the same forwards and backwards; with
- * this one conduction and cooling that balance each other do so in each half step, also at walls that hold T.
+ * Cooling enters conduction in the same way. In the first half of a step, where cooling comes before diffusion, heat is
+ * conducted from the T before cooling with the loss as a constant sink. In the second half, where cooling comes last,
+ * conduction has the sink of the first half, and the loss is given back to T at the end. The step is symmetric in time,
+ * so any sink used in both halves keeps second order; with this one, conduction and cooling that balance each other do
+ * so in each half step, also at walls that hold T.
  *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
- * Not covered by that are the tangential derivatives in the stress, super steps, which are no means of Euler steps,
- * and the sink of cooling.
- * Where conduction leaves T below zero it is done again in parts. Where a cell is not admissible in the end, all is
- * done again with none of those derivatives on its faces, and no sink, which is as conservative, then in ever smaller
- * super steps; if all that does not help the time step is halved. */
+ * That does not cover tangential derivatives in the stress, super steps, which are no means of Euler steps, and the
+ * sink of cooling. If conduction leaves T below zero, it is done again in parts. If a cell is inadmissible in the end,
+ * diffusion is done again without tangential derivatives on that cell's faces and without the sink, which conserves as
+ * well; then in ever smaller super steps; if all that does not help, the time step is halved. */
 #include "libcore/gas/gas_private.h"
 
 enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
 
-/* However many its stages, a super step leaves 1 - b_s, about half, of the stiffest modes: a thin hot cell that loses
- * mass keeps its heat, and empties. Four super steps leave a sixteenth (cases/faraday). */
+/* Whatever its number of stages, a super step of RKL2 leaves 1 - b_s, about half, of the stiffest modes: a thin hot
+ * cell that loses mass would keep its heat, and empty. Four super steps leave a sixteenth (cases/faraday). */
 static long plan_rkl2(double ratio, int *stages) {
     const long parts = ratio > 50 ? 4 : 1;
     int s = (int)ceil(0.5 * (sqrt(9 + 16 * ratio / (double)parts) - 1)); /* ratio <= (s^2 + s - 2)/4 */
@@ -137,11 +138,11 @@ static void forget_cooled(struct gas *g) {
     g->engine->state.rows(g, EVERY_CELL, &g->U, forget_row, g);
 }
 
-/* One super step of one kind from Y0 to `to`, which may be the same; returns this rank's number of inadmissible cells.
+/* One super step of stress or heat from Y0 to `to`, which may be Y0; returns this rank's number of inadmissible cells.
  */
 static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                        const struct lapse *l, int stages) {
-    double c[5], weight[2] = {0, 0}; /* of S_j and S_(j-1), were q 1 */
+    double c[5], weight[2] = {0, 0}; /* what S_j and S_(j-1) would be if q were 1 throughout */
     g->models.diffusion->stage(stages, 1, c);
     weight[0] = c[2] * l->dt;
     g->engine->diffusion.begin(g, what, Y0, weight[0], l->rest);
@@ -160,7 +161,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
 }
 
-/* Into how many super steps, of how many stages: no more than the engine can bear. */
+/* The number of super steps, and their stages: no more than the engine's operator bears. */
 static long plan_steps(const struct gas *g, double ratio, int *stages) {
     const int most = g->engine->diffusion.most_stages;
     for (long parts = 1;; parts *= 2) {
@@ -169,7 +170,7 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
     }
 }
 
-/* The i-th of so many equal parts. */
+/* The i-th of `parts` equal parts of a lapse. */
 static struct lapse part_of(const struct lapse *l, long i, long parts) {
     const double n = (double)parts;
     return (struct lapse){l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
@@ -188,8 +189,8 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
     return bad;
 }
 
-/* Heat from `from` to `to`, another state, in as many parts as all cells take to be admissible: what is left of a hot
- * thin gas that lies on a cold dense one is a hundredth, of either sign, as no scheme here is monotone. */
+/* Conducts heat from `from` to `to`, another state, in as many parts as it takes until all cells are admissible: super
+ * steps are not monotone, so a hot thin gas on a cold dense one may end at a hundredth of its T, of either sign. */
 static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
     const struct lapse whole = {dt, 1, 1};
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
@@ -209,7 +210,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Both kinds, by way of a third state. */
+/* Stress, then heat, by way of a third state. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
                          const double rate[2]) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;

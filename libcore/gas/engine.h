@@ -95,8 +95,8 @@ struct stage_hooks {
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 };
 
-/* One super step of diffusion (libcore/gas/diffusion.h): S_0 = 0, q_0 = u or T of Y0, q_j = L(S_j)/dt + q_0 ..; what
- * moves the state in the end is div of the fluxes of the last S. */
+/* The parts of one super step of diffusion: S_0 = 0, q_0 = u or T of Y0, q_j = q_0 + L S_j/rho
+ * (libcore/gas/diffusion.h); the fluxes of the last S move the state. */
 struct diffusion_hooks {
     int most_stages;   /* in one super step, where the operator is not quite symmetric; 0: any number */
     bool cooled_first; /* friction is T(to) - (T(from) + cooled), else (T(to) - T(from)) - cooled: its last bit */
@@ -108,7 +108,7 @@ struct diffusion_hooks {
     void (*ahead)(struct gas *g, const struct state *to);
     /* q_0 <- u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0;  S_1 <- factor q_0 */
     void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
-    /* S_j <- c[0] S_(j-1) + c[1] S_(j-2) + c[2] (L S_(j-1) + q_0) + c[3] q_0 + c[4] friction; c[2] and c[3] hold dt.
+    /* S_j <- c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold dt.
      * weight: what S_(j-1) would be if q were 1 throughout, for S beyond patches that hold a value. */
     void (*stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5], double weight);
     /* to <- Y0 + div of the flux of the last S, with the work of the stress; `to` may be Y0. Marks the cells that are

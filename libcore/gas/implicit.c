@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Of T, and of velocities against the speed of a cell's energy: what a solution may still be wrong by. */
+/* The error allowed in a solution, relative to a cell's T, or to the speed of its energy for velocities. */
 static const double TOLERANCE = 1e-6;
 enum { PASSES = 3 };
 
@@ -51,7 +51,7 @@ static void apply(const void *caller, const double *x, double *y) {
         for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = mass[i] * (x[k] - y[k]);
 }
 
-/* What a residual leaves is residual/mass at most in a stiff cell (implicit.h). */
+/* A residual leaves an error of at most residual/mass in a stiff cell (implicit.h). */
 static double error_of(const void *caller, const double *x, const double *residual) {
     const struct problem *p = caller;
     const struct implicit *m = p->gas->implicit;
@@ -219,8 +219,9 @@ static int solve(struct implicit *m, struct problem *p) {
     return iterations;
 }
 
-/* q = f + moved(q), starting from q, whose `moved` is known, and will be. Where a hot cell adapts, the rounding of what
- * it loses is much to what it keeps: so once more from there. */
+/* Solves q = f + moved(q) from a first guess q, whose moved(q) is in m->moved, before and after. Iterative refinement:
+ * in a hot thin cell the round-off of what the cell loses exceeds what it keeps, so the residual is solved for once
+ * more. */
 static bool stage(struct implicit *m, struct problem *p, const double *f, double *q) {
     const int rows = p->system.rows, unknowns = p->system.unknowns;
     for (int pass = 0; pass < PASSES; pass++) {

@@ -27,7 +27,7 @@ KERNEL static void take_roots(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
 }
 
-/* What other files call has no clones of its own: clang leaves such names undefined. */
+/* Functions with clones cannot be called from other files, as clang leaves their names undefined there. */
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
     find_velocity(n, dim, size, U, velocity, eps);
 }

@@ -1,18 +1,20 @@
-/* One time step: sources, diffusion, Runge-Kutta stages, what keeps them admissible, rejection.
+/* One time step: sources, diffusion, Runge-Kutta stages, the limiting that keeps the state admissible, rejection.
  *
- * A stage is computed at high order. Where a cell is not admissible then, the stage is done again with the fluxes of
- * that cell's faces limited (libcore/schemes/limit.h); a cell that becomes bad by that is flagged, too, until there is
- * no new one: flags only grow, so this ends. Then the flagged cells are admissible by the theorem and the others as
- * they were checked. Smooth flow costs nothing and keeps its order and its bits. Where the theorem's Courant number was
- * exceeded and a flagged cell is bad all the same, the step is rejected and halved, or made even shorter. */
+ * A stage is computed at high order. If a cell is inadmissible after it, the cell is flagged and the stage is done
+ * again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h). That may spoil a neighbour,
+ * which is then flagged, too; flags only grow, so this ends. Then flagged cells are admissible by the theorem of
+ * limit.h, and the others were checked. Smooth flow pays nothing and keeps its order and its bits. If the theorem's
+ * Courant number was exceeded and a flagged cell is still inadmissible, the step is rejected and done again with half
+ * of dt or less. */
 #include "libcore/gas/gas_private.h"
 
 enum {
-    GUARDED = 16, /* steps after an inadmissible state that are looked at stage by stage from the first */
-    SLOW = 50,    /* tiny steps in a row, after as many, in which the step falls by half tell a collapse, */
-    STUCK = 500   /* and so do these: dense gas that hits a wall needs some and goes on */
+    GUARDED = 16, /* steps that are guarded after one that found an inadmissible cell */
+    SLOW = 50,    /* a collapse: after so many consecutive tiny steps dt falls by half within as many more */
+    STUCK = 500   /* a collapse: so many consecutive tiny steps; dense gas that hits a wall needs some and recovers */
 };
-static const double LEAST_SHARE = 1. / 16; /* of a rejected step: in shorter ones less is heated */
+/* A rejected step is shortened at most by this factor at once, as the shorter step heats less. */
+static const double LEAST_SHARE = 1. / 16;
 
 /* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
 static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
@@ -23,14 +25,14 @@ static long apply_sources(struct gas *g, double t, double dt, const struct state
     return bad;
 }
 
-/* The largest of one number over the ranks. */
+/* The largest over the ranks of one number of each. */
 static long any_rank(const struct gas *g, long mine) {
     double value = (double)mine;
     comm_max(g->comm, &value, 1);
     return (long)value;
 }
 
-/* Of what is added after a stage, the share in the result of the step: the stages are linear in it. */
+/* The fraction of an amount added after a stage that the result of the step holds: later stages are linear in it. */
 static double share_of(const struct stepper *s, int added) {
     double start = 0, state = 0, next = 0;
     for (int stage = 0; stage < s->stages; stage++) {
@@ -43,7 +45,8 @@ static double share_of(const struct stepper *s, int added) {
     return state;
 }
 
-/* Redoes what stage left inadmissible; false: not to be mended. */
+/* Does a stage again with limited fluxes until no further cell must be flagged, then applies the floors. Returns false
+ * if a cell of any rank is inadmissible all the same. */
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
     long cells, before = 0;
@@ -64,7 +67,7 @@ static void swap(struct state *a, struct state *b) {
     *b = c;
 }
 
-/* What the next stage starts from goes to V; returns its U0. */
+/* Moves the stage's result from W to V, where the next stage starts; returns the next stage's U0. */
 static const struct state *after_stage(struct gas *g, const struct state *U0, int stage) {
     swap(&g->V, &g->W);
     if (stage + 1 != g->models.stepper->exchange) return U0;
@@ -80,7 +83,8 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     return g->speed_known;
 }
 
-/* Half the diffusion, from t on; sources pull the gas onto walls. */
+/* Diffusion over dt/2 from t on. The mean acceleration by the sources is noted, as it pulls the gas onto walls, whose
+ * pressure then exceeds that of the cells beside them. */
 static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          bool second, long bad) {
     source_kick(&g->models.source, t, 0.5 * dt, g->pull);
@@ -88,16 +92,16 @@ static bool diffuse_half(struct gas *g, const struct state *from, const struct s
     return diffuse(g, from, to, 0.5 * dt, second, bad);
 }
 
-/* Of V. false, on all ranks: some state was not admissible, or is not. */
+/* The second half of the diffusion, of V. Returns false, on all ranks, if a state was or is not admissible. */
 static bool second_diffusion(struct gas *g, double t, double dt, long bad) {
     if (!diffuse_half(g, &g->V, &g->W, t + 0.5 * dt, dt, true, bad)) return false;
     swap(&g->V, &g->W);
     return true;
 }
 
-/* The first halves of sources and diffusion: what the stages start from, on this rank with `bad` cells that are not
- * admissible, or NULL, on all ranks: the diffusion of what the sources left was not. `guarded`: mended where the floor
- * can. */
+/* The first halves of sources and diffusion. Returns the state that the stages start from, of which `bad` cells of this
+ * rank are inadmissible; or NULL, on all ranks, if diffusion failed. In a guarded step the floors mend what the sources
+ * left. */
 static const struct state *first_halves(struct gas *g, double t, double dt, bool sources, bool guarded, long *bad) {
     const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
     *bad = 0;
@@ -204,8 +208,9 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
-/* dt of the next attempt. What the first half of diffusion heats may be faster by orders than the start that dt was
- * chosen by, and the theorem is about the stages. Asked of a rejected step only: a restart forgets what is guarded. */
+/* dt of the attempt after a rejected one: half of it, or less if the first half of diffusion made the gas so much
+ * hotter that its wave speeds demand it: dt was chosen by the state before that. Only rejected steps are shortened in
+ * this way, because a restart does not know which steps were guarded. */
 static double shorter(struct gas *g, const struct state *U0, double dt, double maxCo) {
     struct gas_speed after;
     if (!g->models.transport || !U0) return 0.5 * dt;

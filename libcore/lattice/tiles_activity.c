@@ -1,7 +1,8 @@
-/* What is neither computed nor stored. Where a cell and its stencil hold the same bits, the fluxes on its two sides are
- * the same bits and -div F is exactly zero: such cells are left out, and the result has the same bits as without
- * leaving out. A tile's background is first found as a corner cell that equals its inward neighbours; from then on it
- * is moved as one cell, and what differs from it can only lie in what was computed. Each row keeps one span. */
+/* Skipping of uniform regions (option skipUniform): which cells of a tile are neither computed nor stored. Where a cell
+ * and its stencil hold the same bits, the fluxes on its two sides are the same bits and -div F is exactly zero, so
+ * leaving such cells out changes no bit. A tile's background is first found as a corner cell that equals its inward
+ * neighbours; from then on it is advanced as one cell, and only cells that were computed can differ from it. Each row
+ * keeps one span of columns that holds all its cells that differ (drawing: docs/design.md). */
 #include "libcore/lattice/tiles.h"
 
 enum { BLOCK = 8 }; /* spans start and end on whole vectors */
@@ -75,7 +76,7 @@ static bool cells_differ(const struct gas *g, const double *U, long offset, int 
     return false;
 }
 
-/* Narrows a span of a row by the blocks at its ends that equal the background. */
+/* Takes from both ends of a row's span the blocks that equal the background. */
 static struct span differing(const struct gas *g, const double *U, long row, struct span s) {
     while (!span_empty(s)) {
         int n = s.high - s.low < BLOCK ? s.high - s.low : BLOCK;
@@ -116,14 +117,14 @@ static void write_row(const struct gas *g, double *U, long row, int low, int hig
     }
 }
 
-/* The same, where the row's own cells are not in memory. */
+/* Writes the background to the wanted columns of a row whose own cells lie in `varied`. */
 static void write_outside(const struct gas *g, double *U, long row, struct span wanted, struct span varied) {
     if (span_empty(varied)) varied = (struct span){wanted.high, wanted.high};
     write_row(g, U, row, wanted.low, wanted.high < varied.low ? wanted.high : varied.low);
     write_row(g, U, row, wanted.low > varied.high ? wanted.low : varied.high, wanted.high);
 }
 
-/* The cells of a tile, or the layers of them inside one side. */
+/* A box of cells of a tile: all of them, or the layers inside one side. */
 struct layers {
     int low[3], high[3];
 };
@@ -185,12 +186,12 @@ void activity_prepare(struct gas *g, const struct state *s) {
         }
 }
 
-/* The side of a tile that a row of ghosts lies beyond. */
+/* The side of a tile beyond which a row of ghosts lies. */
 static int side_of_row(const struct tile *t, int j, int k) {
     return k < 0 ? 4 : k >= t->n[2] ? 5 : j < 0 ? 2 : 3;
 }
 
-/* What differs in a row of the tile or beyond one of its sides. */
+/* The columns of a row, of the tile or of its ghosts, that differ from the background. */
 static struct span differ_with_ghosts(const struct gas *g, int tile, const struct state *s, int j, int k) {
     const struct tile *t = &g->forest->tile[tile];
     const double *U = s->block[tile];
@@ -221,7 +222,7 @@ static bool within(int i, int n, int margin) {
     return i >= -margin && i < n + margin;
 }
 
-/* The spans within GHOSTS rows of row (j, k) along the axes above 0, joined; rows up to `margin` outside the tile
+/* The joined spans of all rows within GHOSTS of row (j, k) along axes 1 and 2; rows up to `margin` outside the tile
  * count. */
 static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
     const struct activity *a = &g->tiles->activity;
@@ -235,7 +236,8 @@ static struct span gather(const struct gas *g, const struct tile *t, struct span
     return s;
 }
 
-/* The active span of a row: all of it where the tile has no background or is being redone. */
+/* The active span of a row: cells with a differing cell in their stencil, or which the step's start stores; in whole
+ * vectors. */
 static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
     const struct activity *a = &g->tiles->activity;
     struct span s = span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));

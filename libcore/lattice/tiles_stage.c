@@ -29,7 +29,7 @@ void primitives_of_row(const struct gas *g, const double *U, long offset, int n)
     root_row(n, w->c + offset);
 }
 
-struct pass { /* what a row visitor of this file needs */
+struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
     int axis;
@@ -66,8 +66,7 @@ static void nodal_visit(void *context, long offset, int n) {
               g->tiles->work.p + offset, flux);
 }
 
-/* A line is computed in whole vectors of 8; what lies behind its end reads the padding of the rows and is thrown away.
- */
+/* A line is computed in whole vectors of 8: the faces behind its end read the rows' padding, and are thrown away. */
 static int whole_vectors(int n) {
     return (n + 7) / 8 * 8;
 }
@@ -176,7 +175,7 @@ static void update_visit(void *context, long offset, int n) {
     u->g->computed += n;
 }
 
-/* The update of a cell whose residual is exactly zero, with the bits of update_row. */
+/* Advances the background, a cell whose residual is exactly zero, with the bits of update_row. */
 static void settle_background(const struct update *u) {
     for (int v = 0; v < u->g->nvar; v++) {
         long at = v * u->g->forest->size;

@@ -1,7 +1,8 @@
-/* One time step's parts on a forest of tiles: sources, stages, and the flags of cells to be limited. */
+/* A time step's parts on a lattice: stages over all tiles, the closing of a step, the flags of cells to be limited, the
+ * exchange of a Runge-Kutta scheme. */
 #include "libcore/lattice/tiles.h"
 
-struct census { /* of the flags of tiles */
+struct census { /* counts the flags of a tile */
     const double *flag;
     long count;
 };
@@ -11,7 +12,7 @@ static void census_visit(void *context, long offset, int n) {
     for (int i = 0; i < n; i++) c->count += c->flag[offset + i] > 0;
 }
 
-/* Finds the tiles that the flags touch, too. */
+/* Notes also which tiles hold a flag, or have one in their first layer of ghosts. */
 long tiles_share_flags(struct gas *g) {
     struct census own = {0};
     for (int t = 0; t < g->forest->ntiles; t++) {
@@ -28,7 +29,7 @@ long tiles_share_flags(struct gas *g) {
     return own.count;
 }
 
-struct noting { /* flags in the field `limited` */
+struct noting { /* counts flags in the field `limited`, and finds the first in space */
     const struct gas *g;
     int tile;
     struct first_place first;
