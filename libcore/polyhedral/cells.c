@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+_Static_assert((int)MAX_VAR <= (int)POLYHEDRA_VARIABLES, "a ghost fill of polyhedra has no room for the state");
+
 void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]) {
     for (int v = 0; v < g->nvar; v++) line[v] = s->block[0] + (long)v * g->cells->polyhedra->size;
 }

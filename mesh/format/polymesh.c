@@ -163,10 +163,10 @@ static void cell_means(const struct polymesh *m, const double *face_centre, doub
         for (int k = 0; k < 3; k++) mean[3 * c + k] /= volume[c];
 }
 
-void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
-                            double *centre, double *volume) {
-    double *mean = malloc((size_t)m->ncells * 3 * sizeof *mean + 1);
-    if (!mean) abort();
+status polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
+                              double *centre, double *volume) {
+    double *mean;
+    TRY(allocate(&mean, 3L * m->ncells, sizeof *mean, "cell centres"));
     cell_means(m, face_centre, mean, volume);
     memset(centre, 0, (size_t)m->ncells * 3 * sizeof *centre);
     memset(volume, 0, (size_t)m->ncells * sizeof *volume);
@@ -184,4 +184,5 @@ void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre,
         volume[c] /= 3;
     }
     free(mean);
+    return OK;
 }

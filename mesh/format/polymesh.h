@@ -35,8 +35,8 @@ status polymesh_order(struct polymesh *m, const int *patch_of_face);
 
 /* Geometry by decomposition into triangles and pyramids, as OpenFOAM does it. Arrays are the caller's. */
 void polymesh_face_geometry(const struct polymesh *m, double *centre /* [nfaces][3] */, double *area /* [nfaces][3] */);
-void polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
-                            double *centre /* [ncells][3] */, double *volume /* [ncells] */);
+status polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
+                              double *centre /* [ncells][3] */, double *volume /* [ncells] */);
 
 /* The faces of every cell, ascending: start[ncells + 1] into face[]; both the caller's to free. */
 status polymesh_cell_faces(const struct polymesh *m, int **start, int **face);

@@ -192,7 +192,7 @@ static status check_all(struct check *k) {
     TRY(allocate(&k->cell_centre, 3L * m->ncells, sizeof(double), "cells"));
     TRY(allocate(&k->volume, m->ncells, sizeof(double), "cells"));
     polymesh_face_geometry(m, k->face_centre, k->face_area);
-    polymesh_cell_geometry(m, k->face_centre, k->face_area, k->cell_centre, k->volume);
+    TRY(polymesh_cell_geometry(m, k->face_centre, k->face_area, k->cell_centre, k->volume));
     TRY(check_cells(k));
     TRY(check_faces(k));
     TRY(check_empty(k));

@@ -1,7 +1,6 @@
 /* Ghost layers: lists of boxes to copy, made once. A tile's ghosts are filled just before the tile is computed, while
  * its rows pass through the cache anyway: from blocks of this rank, or from what another rank sent, one message each.
  */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -176,10 +175,6 @@ static long line_of(const struct forest *f, const struct copy *c, int v) {
 
 static void fill_start(struct forest *f, int layers, bool derivatives, int nvar, double *const *data) {
     struct forest_private *h = f->hidden;
-    if (nvar > FILL_VARIABLES) {
-        fprintf(stderr, "forest_fill_start: %d variables at once, at most %d\n", nvar, FILL_VARIABLES);
-        abort();
-    }
     h->layers = layers;
     h->derivatives = derivatives;
     h->nvar = nvar;

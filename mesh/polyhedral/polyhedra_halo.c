@@ -1,6 +1,5 @@
 /* METIS cuts the mesh into blocks and the blocks into ranks; ghosts are filled by one message per neighbour rank. */
 #include <metis.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -281,10 +280,6 @@ void halo_free(struct polyhedra_private *h) {
 
 void polyhedra_fill_start(struct polyhedra *m, int nvar, double *const *data) {
     struct polyhedra_private *h = m->hidden;
-    if (nvar > POLYHEDRA_VARIABLES) {
-        fprintf(stderr, "polyhedra_fill_start: %d variables at once, at most %d\n", nvar, POLYHEDRA_VARIABLES);
-        abort();
-    }
     h->nvar = nvar;
     h->data = data;
     for (int i = 0; i < h->nlinks; i++) {

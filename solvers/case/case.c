@@ -26,9 +26,9 @@ static status read_mesh(struct setup *s) {
     if (!e) e = allocate(&s->volume, m->ncells, sizeof(double), "cell volumes");
     if (!e) {
         polymesh_face_geometry(m, face_centre, area);
-        polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
-        e = lattice_recognise(m, &s->lattice, s->why);
+        e = polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
     }
+    if (!e) e = lattice_recognise(m, &s->lattice, s->why);
     free(face_centre);
     free(area);
     return e;

@@ -185,8 +185,9 @@ static status measure_cells(struct bed *b) {
     TRY(allocate(&face, 6L * m->nfaces + 3L * m->ncells, sizeof(double), "a layer"));
     centre = face + 6L * m->nfaces;
     polymesh_face_geometry(m, face, face + 3L * m->nfaces);
-    polymesh_cell_geometry(m, face, face + 3L * m->nfaces, centre, b->volume);
+    status e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, centre, b->volume);
     free(face);
+    TRY(e);
     for (int i = 0; i < b->n; i++) {
         b->reach[i][0] = HUGE_VAL;
         b->reach[i][1] = -HUGE_VAL;

@@ -38,9 +38,9 @@ static status read_mesh(struct gas_time *g) {
     TRY(allocate(&g->volume, m->ncells, sizeof(double), "geometry"));
     TRY(allocate(&area, 3L * m->nfaces, sizeof(double), "geometry"));
     polymesh_face_geometry(m, g->face_centre, area);
-    polymesh_cell_geometry(m, g->face_centre, area, g->centre, g->volume);
+    status e = polymesh_cell_geometry(m, g->face_centre, area, g->centre, g->volume);
     free(area);
-    return OK;
+    return e;
 }
 
 status gas_time_open(const struct setup *s, const struct dict *asked, const char *entry, const char *case_dir,

@@ -42,8 +42,9 @@ static status subject_make(const struct scheme *k, const struct comm *c, int sid
     TRY(allocate(&s->centre, 4L * s->mesh->ncells, sizeof *s->centre, "cells"));
     s->volume = s->centre + 3L * s->mesh->ncells;
     polymesh_face_geometry(s->mesh, face, face + 3L * s->mesh->nfaces);
-    polymesh_cell_geometry(s->mesh, face, face + 3L * s->mesh->nfaces, s->centre, s->volume);
+    status measured = polymesh_cell_geometry(s->mesh, face, face + 3L * s->mesh->nfaces, s->centre, s->volume);
     free(face);
+    TRY(measured);
     if (!k->polynomial) TRY(lattice_recognise(s->mesh, &lattice, why));
     TRY(grid_make(lattice, s->mesh, s->centre, s->volume, c, models.polynomial->rings, &s->grid));
     lattice_free(lattice);

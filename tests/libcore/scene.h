@@ -49,7 +49,7 @@ static inline void open_mesh(struct scene *s, const struct comm *c) {
     s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
     volume = s->centre + 3 * s->cells;
     polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
-    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume);
+    ok(polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume));
     free(face);
     ok(grid_make(NULL, s->mesh, s->centre, volume, c, s->models.polynomial->rings, &s->grid));
     ok(gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas));

@@ -130,7 +130,7 @@ static status make_polyhedra(struct scene *s) {
     if (!e) {
         s->volume = s->centre + 3L * m->ncells;
         polymesh_face_geometry(m, face, face + 3L * m->nfaces);
-        polymesh_cell_geometry(m, face, face + 3L * m->nfaces, s->centre, s->volume);
+        e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, s->centre, s->volume);
     }
     free(face);
     TRY(e);

@@ -36,7 +36,7 @@ static void open_scene(struct scene *s, const struct cells_recipe *r, const char
     s->centre = calloc(4 * (size_t)s->cells, sizeof *s->centre);
     s->volume = s->centre + 3 * s->cells;
     polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
-    polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, s->volume);
+    ok(polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, s->volume));
     free(face);
     ok(grid_make(NULL, s->mesh, s->centre, s->volume, world, s->models.polynomial->rings, &s->grid));
     ok(gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas));

@@ -132,7 +132,7 @@ static void average(struct subject *s, function *u) {
     ok(allocate(&inside, 3L * mesh->ncells, sizeof(double), "centres"));
     ok(allocate(&volume, mesh->ncells, sizeof(double), "volumes"));
     polymesh_face_geometry(mesh, centre, area);
-    polymesh_cell_geometry(mesh, centre, area, inside, volume);
+    ok(polymesh_cell_geometry(mesh, centre, area, inside, volume));
     for (int f = 0; f < mesh->nfaces; f++) {
         if (m->dim == 2 && fabs(area[3 * f + 2]) > 0.5 * hypot(area[3 * f], area[3 * f + 1])) continue;
         for (int side = 0; side < (f < mesh->ninternal ? 2 : 1); side++) {

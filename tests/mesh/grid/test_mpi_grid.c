@@ -35,7 +35,7 @@ static bool begin(struct fixture *x, int kind) {
     double *face = malloc((size_t)x->m->nfaces * 24), *area = malloc((size_t)x->m->nfaces * 24);
     x->centre = malloc((size_t)x->m->ncells * 24), x->volume = malloc((size_t)x->m->ncells * 8);
     polymesh_face_geometry(x->m, face, area);
-    polymesh_cell_geometry(x->m, face, area, x->centre, x->volume);
+    ok(polymesh_cell_geometry(x->m, face, area, x->centre, x->volume));
     free(face), free(area);
     ok(lattice_recognise(x->m, &x->l, why));
     assert_true((x->l == NULL) == (r->noise > 0));

@@ -32,7 +32,7 @@ static struct fixture begin(int i) {
     double *work = calloc(6 * (size_t)f.mesh->nfaces, sizeof *work);
     f.centre = calloc(4 * (size_t)f.mesh->ncells, sizeof *f.centre);
     polymesh_face_geometry(f.mesh, work, work + 3 * f.mesh->nfaces);
-    polymesh_cell_geometry(f.mesh, work, work + 3 * f.mesh->nfaces, f.centre, f.centre + 3 * f.mesh->ncells);
+    ok(polymesh_cell_geometry(f.mesh, work, work + 3 * f.mesh->nfaces, f.centre, f.centre + 3 * f.mesh->ncells));
     free(work);
     ok(polyhedra_make(f.mesh, world, 1, &f.m));
     ok(quadrature_make(f.mesh, f.centre, f.m->dim, f.m->axis, &f.q));

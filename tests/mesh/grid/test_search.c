@@ -14,7 +14,7 @@ static void begin(struct fixture *x, const struct recipe *r) {
     x->face = malloc((size_t)x->m->nfaces * 24), x->area = malloc((size_t)x->m->nfaces * 24);
     x->centre = malloc((size_t)x->m->ncells * 24), x->volume = malloc((size_t)x->m->ncells * 8);
     polymesh_face_geometry(x->m, x->face, x->area);
-    polymesh_cell_geometry(x->m, x->face, x->area, x->centre, x->volume);
+    ok(polymesh_cell_geometry(x->m, x->face, x->area, x->centre, x->volume));
     x->dim = polymesh_axes(x->m, x->axis);
     ok(search_make(x->m, x->centre, x->dim, x->axis, &x->s));
 }

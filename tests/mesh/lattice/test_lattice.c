@@ -13,7 +13,7 @@ static void check_lattice(const struct polymesh *m, const struct lattice *l, dou
     double *fc = malloc((size_t)m->nfaces * 24), *fa = malloc((size_t)m->nfaces * 24);
     double *cc = malloc((size_t)m->ncells * 24), *v = malloc((size_t)m->ncells * 8);
     polymesh_face_geometry(m, fc, fa);
-    polymesh_cell_geometry(m, fc, fa, cc, v);
+    ok(polymesh_cell_geometry(m, fc, fa, cc, v));
     int seen = 0;
     for (int i = 0; i < l->n[0] * l->n[1] * l->n[2]; i++) {
         int c = l->cell[i], at[3] = {i % l->n[0], i / l->n[0] % l->n[1], i / l->n[0] / l->n[1]};
