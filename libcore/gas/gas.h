@@ -29,6 +29,7 @@ struct gas_models { /* what the dictionaries chose */
     const struct transport *transport;   /* NULL: inviscid, which costs nothing */
     struct transport_numbers numbers;    /* of the transport */
     const struct diffusion *diffusion;   /* with transport */
+    const struct linear_module *linear;  /* with implicit diffusion: who solves its systems (libcore/gas/implicit.h) */
     double alpha_floor;                  /* alpha stays above it: mass is added where the fluxes cannot help; 0: off */
     bool skip_uniform; /* with transport off; leave out what is exactly zero (libcore/lattice/tiles_activity.c): the
                           same bits, less work */

@@ -1,10 +1,8 @@
-/* The steps of implicit.h, from the hooks of the engine, and the module that solves. */
-#define _GNU_SOURCE /* RTLD_NODELETE */
+/* The steps of implicit.h, made of the hooks of the engine; a module that the caller of gas_make gave solves the
+ * systems. */
 #include "libcore/gas/gas_private.h"
 
-#include <dlfcn.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 /* The error allowed in a solution, relative to a cell's T, or to the speed of its energy for velocities. */
 static const double TOLERANCE = 1e-6;
@@ -68,34 +66,6 @@ static double error_of(const void *caller, const double *x, const double *residu
 
 /* ---- set-up --------------------------------------------------------------------------------------------------------
  */
-
-static status module_load(const struct linear_module **out) {
-    char path[4096];
-    const size_t room = sizeof path - sizeof IMPLICIT_MODULE;
-    const ssize_t length = readlink("/proc/self/exe", path, room);
-    char *end = length > 0 && (size_t)length < room ? path + length : path;
-    while (end > path && end[-1] != '/') end--;
-    memcpy(end, IMPLICIT_MODULE, sizeof IMPLICIT_MODULE);
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    *out = library ? dlsym(library, "haff_linear_module") : NULL;
-    if (*out) return OK;
-    return fail(ERR_INPUT,
-                "it wants the module %s: %s\n"
-                "  which is built where PETSc is installed: on Debian, apt-get install %s, then configure and build "
-                "again; or choose %s",
-                IMPLICIT_MODULE, dlerror(), IMPLICIT_PACKAGE, diffusion_table[0].name);
-}
-
-status implicit_check(void) {
-    const struct linear_module *module;
-    return module_load(&module);
-}
-
-bool implicit_available(void) {
-    status s = implicit_check();
-    status_free(s);
-    return !s;
-}
 
 status implicit_first(const struct gas *g, int cells, long *first) {
     const int size = comm_size(g->comm), rank = comm_rank(g->comm);
@@ -161,7 +131,9 @@ static status solver_make(struct implicit *m, struct problem *p) {
 }
 
 static status make_parts(struct implicit *m, struct gas *g) {
-    TRY(comm_agree(g->comm, status_note(module_load(&m->module), "diffusion implicit:")));
+    m->module = g->models.linear;
+    if (!m->module)
+        return fail(ERR_INPUT, "diffusion implicit: it wants a solver of linear systems, and none was given");
     TRY(g->engine->implicit.pattern(g, &m->links));
     const long cells = m->links.cells, rows = cells * g->dim;
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));

@@ -15,16 +15,14 @@
  * being quite symmetric, and those on meshes whose lines of centres lean on faces, by conjugate residuals; all with the
  * part of the jumps that couples no components, factored incompletely on each rank. So runs agree to the bit only on
  * the same number of ranks, else to the solver's tolerance: 1e-6 of every cell's T, or of the speed of its energy,
- * below the errors of the splitting and of frozen coefficients by far. This is a module of its own, loaded when a run
- * asks for it: PETSc's hundred libraries take 30 ms to load. This header is all that both sides share.
+ * below the errors of the splitting and of frozen coefficients by far. PETSc's part is a module of its own, which
+ * whoever makes a gas finds and hands over in struct gas_models (solvers/gas/linear.h loads it when a run asks for it).
+ * This header is all that both sides share.
  */
 #ifndef LIBCORE_IMPLICIT_H
 #define LIBCORE_IMPLICIT_H
 
 #include "mesh/base/status.h"
-
-#define IMPLICIT_MODULE  "haffimplicit.so" /* in the folder of the program */
-#define IMPLICIT_PACKAGE "petsc-dev"
 
 /* Positive: this rank's rows of what the preconditioner is made from, which is symmetric, and the system itself as a
  * function. */
@@ -50,9 +48,6 @@ struct linear_module { /* what the module exports as `haff_linear_module`; texts
     const char *(*solve)(struct linear_solver *l, const double *b, double *x, int *iterations);
     void (*free)(struct linear_solver *l);
 };
-
-status implicit_check(void); /* is the module there? the text follows a dictionary's "key 'type' is implicit;" */
-bool implicit_available(void);
 
 struct gas;
 struct implicit;

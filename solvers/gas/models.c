@@ -1,9 +1,9 @@
 #include "solvers/gas/models.h"
 
-#include "libcore/gas/implicit.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/params.h"
 #include "solvers/gas/layers.h"
+#include "solvers/gas/linear.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -189,8 +189,8 @@ static status read_schemes(struct dict *d, struct case_models *all) {
     return dict_check_used(d);
 }
 
-static status check_module(const struct dict *diffusion) {
-    status missing = implicit_check(), s = OK;
+static status load_module(const struct dict *diffusion, const struct linear_module **out) {
+    status missing = linear_load(out), s = OK;
     if (missing) s = dict_fail(diffusion, "type", "%s", status_text(missing));
     status_free(missing);
     return s;
@@ -204,7 +204,7 @@ static status read_solution(struct dict *d, struct case_models *m) {
     TRY(dict_sub_optional(d, "diffusion", &diffusion));
     if (diffusion) TABLE_CHOICE(diffusion, "type", diffusion_table, diffusion_count, NULL, &i);
     m->gas.diffusion = &diffusion_table[i];
-    if (m->gas.transport && !m->gas.diffusion->plan) TRY(check_module(diffusion));
+    if (m->gas.transport && !m->gas.diffusion->plan) TRY(load_module(diffusion, &m->gas.linear));
     TRY(dict_sub_optional(d, "limits", &limits));
     if (!limits) TRY(dict_from_text("limits", "", &none));
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);

@@ -18,7 +18,7 @@ static void law(const struct transport_numbers *t, const struct eos *eos, const 
 static const struct transport LAW = {.coefficients = law};
 
 static bool can(int scheme, bool polyhedral) {
-    return diffusion_table[scheme].plan || (!polyhedral && implicit_available());
+    return diffusion_table[scheme].plan || (!polyhedral && linear_module());
 }
 
 /* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools. */

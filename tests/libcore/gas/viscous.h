@@ -3,6 +3,7 @@
 #define TESTS_LIBCORE_VISCOUS_H
 
 #include "libcore/gas/gas_private.h"
+#include "solvers/gas/linear.h"
 #include "tests/libcore/gas/manufactured.h"
 
 #include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
@@ -34,6 +35,13 @@ static inline void density_law(const struct transport_numbers *t, const struct e
 static const struct transport CONSTANT = {.coefficients = constant_law}, VARIED = {.coefficients = manufactured_law},
                               OF_DENSITY = {.coefficients = density_law};
 
+/* The module of PETSc as the programs load it; NULL if haff was built without PETSc. */
+static inline const struct linear_module *linear_module(void) {
+    const struct linear_module *module;
+    status_free(linear_load(&module));
+    return module;
+}
+
 static inline struct gas_models disks_models(const struct transport *transport, const char *diffusion) {
     const struct eos *eos = eos_find("TorquatoDisks");
     return (struct gas_models){.material = grains_of(eos, 0.9, 0.1),
@@ -44,7 +52,8 @@ static inline struct gas_models disks_models(const struct transport *transport, 
                                .stepper = stepper_find("SSPRK3"),
                                .transport = transport,
                                .numbers = {1e-4, 1},
-                               .diffusion = diffusion_find(diffusion)};
+                               .diffusion = diffusion_find(diffusion),
+                               .linear = diffusion_find(diffusion)->plan ? NULL : linear_module()};
 }
 
 typedef void initial(const double x[3], double *rho, double u[3], double *T);

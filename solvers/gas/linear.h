@@ -1,0 +1,11 @@
+/* The module that solves the linear systems of implicit diffusion: where it lies and how it is loaded. */
+#ifndef SOLVERS_LINEAR_H
+#define SOLVERS_LINEAR_H
+
+#include "libcore/gas/implicit.h"
+
+/* Loads the module, and PETSc with it, from the folder of the program; a further call returns the same one. The text of
+ * an error (ERR_INPUT) follows a dictionary's "key 'type' is implicit;". */
+status linear_load(const struct linear_module **out);
+
+#endif
