@@ -2,7 +2,6 @@
 
 #include "libcore/models/boundary.h"
 #include "solvers/dict/expr.h"
-#include "solvers/gas/layers.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -105,7 +104,7 @@ static status read_expression(struct dict *d, int components, bool cells, long n
 }
 
 bool field_has_expression(const struct field *f) {
-    return dict_has(f->dict, "expression") && !f->layers;
+    return dict_has(f->dict, "expression") && !f->plan.changes;
 }
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
     return read_expression(f->dict, f->kind->components, false, npoints, points, t, out);
@@ -119,7 +118,7 @@ static status read_cells(struct field *f, const struct field_place *at) {
         return read_expression(f->dict, m, true, n, at->centre, at->t, f->values);
     }
     double uniform[3] = {0, 0, 0};
-    if (!layers_fill(f->layers) || dict_has(f->dict, "internalField"))
+    if (!f->plan.fills || dict_has(f->dict, "internalField"))
         TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));
     if (f->values) return OK;
     TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
@@ -203,23 +202,22 @@ static status read_patches(struct field *f, const struct field_place *at) {
     return OK;
 }
 
-static status read_all(struct field *f, const struct field_place *at) {
+static status read_all(struct field *f, const struct field_place *at, field_reader *read, void *context) {
     TRY(check_dimensions(f->dict, f->kind));
-    if (f->kind == &field_kinds[FIELD_RHO] || f->kind == &field_kinds[FIELD_ALPHA])
-        TRY(layers_read(f->dict, &f->layers));
+    if (read) TRY(read(context, f->dict, &f->plan));
     TRY(read_cells(f, at));
     TRY(read_patches(f, at));
     return dict_check_used(f->dict);
 }
 
-status field_read(const char *path, const struct field_kind *kind, const struct field_place *place,
-                  struct field **out) {
+status field_read_with(const char *path, const struct field_kind *kind, const struct field_place *place,
+                       field_reader *read, void *context, struct field **out) {
     *out = NULL;
     struct field *f = NULL;
     TRY(allocate(&f, 1, sizeof *f, "field"));
     f->kind = kind;
     status s = dict_read(path, &f->dict);
-    if (!s) s = read_all(f, place);
+    if (!s) s = read_all(f, place, read, context);
     if (s) {
         field_free(f);
         return s;
@@ -228,12 +226,16 @@ status field_read(const char *path, const struct field_kind *kind, const struct 
     return OK;
 }
 
+status field_read(const char *path, const struct field_kind *kind, const struct field_place *place,
+                  struct field **out) {
+    return field_read_with(path, kind, place, NULL, NULL, out);
+}
+
 void field_free(struct field *f) {
     if (!f) return;
     for (int i = 0; i < f->npatches; i++) free(f->patch[i].values);
     free(f->patch);
     free(f->values);
-    layers_free(f->layers);
     dict_free(f->dict);
     free(f);
 }
@@ -257,8 +259,8 @@ status field_read_values(const char *path, int ncells, int *components, double *
 
 /* Where the value of a cell stands; of a binary list, an expression or a uniform value: the entry. */
 static int cell_line(const struct field *f, int cell) {
-    const bool laid = layers_fill(f->layers), evaluated = laid || dict_has(f->dict, "expression");
-    const char *key = laid ? "settledLayer" : evaluated ? "expression" : "internalField";
+    const bool evaluated = f->plan.fills || dict_has(f->dict, "expression");
+    const char *key = f->plan.fills ? f->plan.fills : evaluated ? "expression" : "internalField";
     int line = dict_line(f->dict, key);
     long wanted = (long)cell * f->kind->components;
     struct lexer l;

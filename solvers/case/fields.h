@@ -21,12 +21,15 @@ struct patch_field {
     double *values;    /* [faces][components], or NULL */
     int line, value_line;
 };
-struct layers;
+/* What entries of a program's own do to the values of the cells, after field_read. */
+struct field_plan {
+    bool changes;      /* the values will not be those that `expression` or internalField gives */
+    const char *fills; /* the entry that gives all of them, so that internalField may be missing; or NULL */
+};
 struct field {
     const struct field_kind *kind;
     struct dict *dict;
-    struct layers
-        *layers;    /* of rho and alpha: what the file says of them (solvers/gas/layers.h), not yet in values; NULL */
+    struct field_plan plan;
     double *values; /* [ncells][components] */
     int npatches;
     struct patch_field *patch; /* [npatches] */
@@ -45,6 +48,11 @@ bool field_exists(const char *path);
  * both directions, and types unknown or not allowed for the field. A top-level entry `expression "..."` (vector: three
  * of them in parentheses) wins over internalField. */
 status field_read(const char *path, const struct field_kind *kind, const struct field_place *place, struct field **out);
+/* The same for a program that gives entries of its own a meaning (as granularGas does settledLayer): `read` takes them
+ * from the file's dictionary before the cells' values are read, and says what will come of them. */
+typedef status field_reader(void *context, struct dict *d, struct field_plan *plan);
+status field_read_with(const char *path, const struct field_kind *kind, const struct field_place *place,
+                       field_reader *read, void *context, struct field **out);
 void field_free(struct field *f);
 /* The cells' values alone, of any field whose class is volScalarField or volVectorField; *components is 1 or 3. */
 status field_read_values(const char *path, int ncells, int *components, double **out);

@@ -25,6 +25,21 @@ static bool there(const struct reader *r, const char *name) {
     return field_exists(path);
 }
 
+static status read_fields(const struct reader *r, struct initial *s) {
+    struct layers *layers[FIELD_COUNT] = {NULL};
+    status e = OK;
+    for (int i = 0; i < FIELD_COUNT && !e; i++) {
+        char path[TIME_PATH];
+        path_of(r, field_kinds[i].name, path);
+        if (field_exists(path)) e = layers_read_field(path, (enum field_id)i, r->place, &layers[i], &s->field[i]);
+    }
+    const enum field_id density = s->field[FIELD_RHO] ? FIELD_RHO : FIELD_ALPHA;
+    if (!e)
+        e = layers_apply(layers[density], s->field[density], r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
+    for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
+    return e;
+}
+
 /* Of rho and alpha, and of T and p, a case gives one; a folder that this program wrote has all, told by uniform/time.
  */
 static status read_files(const struct reader *r, struct initial *s) {
@@ -46,13 +61,7 @@ static status read_files(const struct reader *r, struct initial *s) {
     }
     if (!there(r, "U"))
         return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->name);
-    for (int i = 0; i < FIELD_COUNT; i++) {
-        char path[TIME_PATH];
-        path_of(r, field_kinds[i].name, path);
-        if (field_exists(path)) TRY(field_read(path, &field_kinds[i], r->place, &s->field[i]));
-    }
-    struct field *density = s->field[FIELD_RHO] ? s->field[FIELD_RHO] : s->field[FIELD_ALPHA];
-    return layers_apply(density, r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
+    return read_fields(r, s);
 }
 
 /* The conserved fields of an earlier run, which restart it bit by bit. */

@@ -91,9 +91,10 @@ static status read_perturbation(struct dict *d, struct layers *l) {
     return OK;
 }
 
-status layers_read(struct dict *d, struct layers **out) {
+/* A field_reader; context is a struct layers **. */
+static status read_layers(void *context, struct dict *d, struct field_plan *plan) {
+    struct layers **out = context;
     struct dict *settled = NULL, *perturbation = NULL;
-    *out = NULL;
     if (dict_has(d, "settledLayer")) TRY(dict_sub(d, "settledLayer", &settled));
     if (dict_has(d, "perturbation")) TRY(dict_sub(d, "perturbation", &perturbation));
     if (!settled && !perturbation) return OK;
@@ -104,15 +105,25 @@ status layers_read(struct dict *d, struct layers **out) {
     (*out)->settled = settled != NULL;
     (*out)->perturbed = perturbation != NULL;
     (*out)->axis = -1;
+    *plan = (struct field_plan){.changes = true, .fills = settled ? "settledLayer" : NULL};
     if (settled) TRY(read_settled(settled, *out));
     return perturbation ? read_perturbation(perturbation, *out) : OK;
 }
 
+status layers_read_field(const char *path, enum field_id id, const struct field_place *place, struct layers **layers,
+                         struct field **field) {
+    *layers = NULL;
+    if (id != FIELD_RHO && id != FIELD_ALPHA) return field_read(path, &field_kinds[id], place, field);
+    status s = field_read_with(path, &field_kinds[id], place, read_layers, layers, field);
+    if (s) {
+        layers_free(*layers);
+        *layers = NULL;
+    }
+    return s;
+}
+
 void layers_free(struct layers *l) {
     free(l);
-}
-bool layers_fill(const struct layers *l) {
-    return l && l->settled;
 }
 
 void layers_list(FILE *f) {
@@ -338,14 +349,14 @@ static status apply(struct bed *b, const struct field *T, bool is_alpha, double 
     return OK;
 }
 
-status layers_apply(struct field *f, const struct field_place *place, int dim, const int axis[3],
-                    const struct gas_models *models, const struct field *T) {
-    struct bed b = {.l = f->layers,
+status layers_apply(const struct layers *l, struct field *f, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, const struct field *T) {
+    struct bed b = {.l = l,
                     .place = place,
                     .models = models,
                     .n = place->mesh->ncells,
                     .per = packing_per_density(&models->material)};
-    if (!f->layers) return OK;
+    if (!l) return OK;
     TRY(find_gravity(&b, dim, axis));
     status e = apply(&b, T, f->kind == &field_kinds[FIELD_ALPHA], f->values);
     free(b.volume);

@@ -16,15 +16,18 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-/* Of a field file: *out = NULL where it has neither dictionary. */
-status layers_read(struct dict *d, struct layers **out);
+struct layers;
+/* Reads a field of the gas as field_read does. Files of rho and alpha may have the dictionaries of layers: *layers is
+ * what they say, which is not yet in the field's values (field->plan) and may not outlive the field; NULL: there are
+ * none. */
+status layers_read_field(const char *path, enum field_id id, const struct field_place *place, struct layers **layers,
+                         struct field **field);
 void layers_free(struct layers *l);
-bool layers_fill(const struct layers *l); /* has a settledLayer: internalField is not needed */
-void layers_list(FILE *f);                /* keys, defaults, ranges */
+void layers_list(FILE *f); /* keys, defaults, ranges */
 
-/* f (rho or alpha, with f->layers) gets its cells' values; T: of the cells, NULL where the case gives p. */
-status layers_apply(struct field *f, const struct field_place *place, int dim, const int axis[3],
-                    const struct gas_models *models, const struct field *T);
+/* f (rho or alpha, whose file said l) gets its cells' values; T: of the cells, NULL where the case gives p. */
+status layers_apply(const struct layers *l, struct field *f, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, const struct field *T);
 
 /* Isothermal layer in equilibrium: mass w per area (kg/m^2) above the height h. */
 struct column;

@@ -1,6 +1,7 @@
 #include "solvers/grains/grains_start.h"
 
 #include "libcore/models/boundary.h"
+#include "solvers/gas/layers.h"
 #include "solvers/output/clouds.h"
 
 #include <math.h>
@@ -72,7 +73,7 @@ static status take_density(const struct setup *s, const struct grains_models *m,
     const struct field *f = p->field[alpha ? FIELD_ALPHA : FIELD_RHO];
     char what[128];
     if (!f) return OK;
-    if (f->layers)
+    if (f->plan.changes)
         return fail(
             ERR_INPUT,
             "%s: settledLayer and perturbation are of granularGas; give an expression, and let the grains settle",
@@ -85,12 +86,15 @@ static status take_density(const struct setup *s, const struct grains_models *m,
 
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
     const struct field_place place = {s->mesh, s->centre, s->start.t};
+    struct layers *layers; /* which only granularGas has: take_density says so */
     *p = (struct grains_start){.alpha = NULL};
     TRY(check_files(s, saved));
     for (int i = 0; i < FIELD_COUNT; i++) {
         char path[2 * TIME_PATH];
         path_of(s, field_kinds[i].name, path);
-        if (field_exists(path)) TRY(field_read(path, &field_kinds[i], &place, &p->field[i]));
+        if (!field_exists(path)) continue;
+        TRY(layers_read_field(path, (enum field_id)i, &place, &layers, &p->field[i]));
+        layers_free(layers);
     }
     if (saved) return OK;
     TRY(take_density(s, m, p));
