@@ -1,7 +1,7 @@
 #include "solvers/output/output.h"
 
 #include "libcore/models/boundary.h"
-#include "solvers/functions/functions.h"
+#include "solvers/case/checksums.h"
 #include "solvers/output/clouds.h"
 #include "solvers/output/decompose.h"
 #include "solvers/output/report.h"
@@ -13,7 +13,8 @@
 
 struct output {
     const struct setup *setup;
-    const struct functions *functions;
+    output_saver *save;
+    const void *context;         /* of save */
     double *values;              /* root: [ncells][3] */
     double last_time;            /* written; NAN: none */
     int precision;               /* of time names, widened where needed */
@@ -46,13 +47,14 @@ static int largest_patch(const struct setup *s, const struct decomposition *d) {
     return n;
 }
 
-status output_make(const struct setup *s, const struct functions *f, struct output **out) {
+status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out) {
     struct output *o = NULL;
     long n = s->mesh->ncells;
     TRY(allocate(&o, 1, sizeof *o, "output"));
     *out = o;
     o->setup = s;
-    o->functions = f;
+    o->save = save;
+    o->context = context;
     o->last_time = s->start.t;
     o->precision = start_precision(s);
     if (s->control->write_processors) TRY(decompose_make(s, &o->parts));
@@ -276,7 +278,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
     TRY(write_fields(o, &w));
-    TRY(comm_agree(s->comm, root ? functions_save(o->functions, &w, &o->sums) : OK));
+    TRY(comm_agree(s->comm, root ? o->save(o->context, &w, &o->sums) : OK));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 

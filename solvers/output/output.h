@@ -4,10 +4,11 @@
 
 #include "solvers/case/case.h"
 
-struct functions;
 struct output; /* remembers what it wrote, for purgeWrite and for names that differ */
-/* f: whose sums are kept in each written time */
-status output_make(const struct setup *s, const struct functions *f, struct output **out);
+/* Writes what else a restart needs into the time folder of w, and adds the checksums of its files. On the root. */
+typedef status output_saver(const void *context, const struct field_writer *w, struct checksums *sums);
+/* save is called in each output_write; context is its first argument. */
+status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out);
 void output_free(struct output *o);
 
 /* Collective; the root writes CASE/NAME. written: the folder's name (on the root). */

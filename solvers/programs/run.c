@@ -91,10 +91,14 @@ status run_check(const char *dir, const struct medium_type *type, const struct c
     return e;
 }
 
+static status save_functions(const void *functions, const struct field_writer *w, struct checksums *sums) {
+    return functions_save(functions, w, sums);
+}
+
 static status start(struct run *r) {
     struct setup *s = r->setup;
     TRY(s->medium->type->start(s->medium));
-    TRY(comm_agree(s->comm, output_make(s, r->functions, &r->output)));
+    TRY(comm_agree(s->comm, output_make(s, save_functions, r->functions, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
     r->written_time = s->start.t;
