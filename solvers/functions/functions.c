@@ -1,7 +1,5 @@
 #include "solvers/functions/functions_private.h"
 
-#include "solvers/output/vtk.h"
-
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,37 +10,12 @@ struct functions {
     struct function *all;
 };
 
-static const struct function_type function_table[] = {
-    {.name = "probes",
-     .about = "values of the cells that hold given points, one row per time",
-     .make = probes_make,
-     .execute = probes_execute},
-    {.name = "sets",
-     .about = "values along lines, one file per line and time",
-     .make = sets_make,
-     .execute = sets_execute},
-    {.name = "fieldMinMax",
-     .about = "smallest and largest value and where",
-     .make = extremes_make,
-     .execute = extremes_execute},
-    {.name = "volFieldValue",
-     .about = "volIntegrate, volAverage, sum, min or max over all cells",
-     .make = integral_make,
-     .execute = integral_execute},
-    {.name = "vtk", .about = "legacy VTK files in VTK/, with a .vtk.series", .make = vtk_make, .execute = vtk_execute},
-    {.name = "energyBudget",
-     .about = "mass and energy, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
-     .make = budget_make,
-     .execute = budget_execute,
-     .no_fields = true},
-    {.name = "phaseAverage",
-     .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
-     .make = phases_make,
-     .execute = phases_execute,
-     .with_fields = true,
-     .next = phases_next,
-     .collect = phases_collect,
-     .save = phases_save},
+/* Every type of function object: its own file exports its row. */
+extern const struct function_type function_probes, function_sets, function_extremes, function_integral, function_vtk,
+    function_budget, function_phases;
+static const struct function_type *const function_table[] = {
+    &function_probes, &function_sets,   &function_extremes, &function_integral,
+    &function_vtk,    &function_budget, &function_phases,
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
@@ -51,7 +24,7 @@ const struct quantity *quantity_of(const struct function *f, int field) {
 }
 
 void functions_list(const struct medium_type *m, FILE *f) {
-    for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i].name, function_table[i].about);
+    for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i]->name, function_table[i]->about);
     fprintf(f, "  fields:");
     for (int i = 0; i < m->noffered; i++) fprintf(f, " %s", m->quantity[i].name);
     fprintf(f, "\n");
@@ -62,7 +35,7 @@ static status read_fields(struct function *f, struct dict *d) {
     const char *const *words, *names[MAX_QUANTITIES];
     char known[256] = "";
     int n;
-    for (const int *q = m->shown; f->type->make == vtk_make && !dict_has(d, "fields") && *q >= 0; q++)
+    for (const int *q = m->shown; f->type->all_fields && !dict_has(d, "fields") && *q >= 0; q++)
         f->field[f->nfields++] = *q;
     if (f->nfields) return OK;
     for (int k = 0; k < m->noffered; k++) {
@@ -92,9 +65,9 @@ static status make_one(struct function *f, struct dict *d) {
     const char *names[TYPES];
     int index;
     long largest = 1;
-    for (int i = 0; i < TYPES; i++) names[i] = function_table[i].name;
+    for (int i = 0; i < TYPES; i++) names[i] = function_table[i]->name;
     TRY(dict_choice(d, "type", names, TYPES, &index));
-    f->type = &function_table[index];
+    f->type = function_table[index];
     for (int i = 0; i < 7; i++) (void)dict_has(d, ignored[i]);
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));
@@ -140,14 +113,8 @@ void functions_free(struct functions *f) {
     if (!f) return;
     for (int i = 0; i < f->n; i++) {
         struct function *g = &f->all[i];
-        for (int k = 0; k < MAX_QUANTITIES; k++)
-            if (g->file[k]) fclose(g->file[k]);
-        free(g->spot);
-        free(g->line);
+        if (g->own) g->type->free(g->own);
         free(g->block_values);
-        free(g->all_values);
-        vtk_grid_free(g->grid);
-        phases_free(g->phases);
     }
     free(f->all);
     free(f);
@@ -198,4 +165,10 @@ status function_open(const struct function *f, const char *folder, const char *f
     snprintf(path + length, sizeof path - length, "/%s", file);
     *out = fopen(path, "w");
     return *out ? OK : fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+status function_end_row(const struct function *f, FILE *file) {
+    if (fprintf(file, "\n") < 0 || fflush(file) || ferror(file))
+        return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
+    return OK;
 }

@@ -1,42 +1,62 @@
 /* Function object energyBudget: what changed the medium's mass and energy, by cause. */
 #include "solvers/functions/functions_private.h"
 
-status budget_make(struct function *f, struct dict *d) {
-    if (f->setup->medium->type->budget) return OK;
+#include <stdlib.h>
+
+struct budget {
+    FILE *file; /* root; opened by the first execution */
+};
+
+static status budget_make(struct function *f, struct dict *d) {
+    if (f->setup->medium->type->budget) return allocate(&f->own, 1, sizeof(struct budget), "a budget");
     return dict_fail(d, "type", "%s keeps no budget by cause; granularGas does", f->setup->medium->type->application);
 }
 
-static status open_table(struct function *f) {
+static status open_table(const struct function *f, struct budget *b) {
     const char *const *titles = f->setup->medium->type->budget_titles;
-    TRY(function_open(f, f->setup->start.name, "energyBudget.dat", &f->file[0]));
-    fprintf(f->file[0], "# In the whole mesh; changes since the first row.\n# Time          ");
-    for (int i = 0; titles[i]; i++) fprintf(f->file[0], "\t%s", titles[i]);
-    fprintf(f->file[0], "\n");
+    TRY(function_open(f, f->setup->start.name, "energyBudget.dat", &b->file));
+    fprintf(b->file, "# In the whole mesh; changes since the first row.\n# Time          ");
+    for (int i = 0; titles[i]; i++) fprintf(b->file, "\t%s", titles[i]);
+    fprintf(b->file, "\n");
     return OK;
 }
 
-static status write_row(const struct function *f, const struct moment *now, const double *row) {
+static status write_row(const struct function *f, const struct budget *b, const struct moment *now, const double *row) {
     const char *const *titles = f->setup->medium->type->budget_titles;
-    fprintf(f->file[0], "%-16.12g", now->t);
+    fprintf(b->file, "%-16.12g", now->t);
     for (int i = 0; titles[i]; i++) {
-        fprintf(f->file[0], "\t%.17g", row[i]);
+        fprintf(b->file, "\t%.17g", row[i]);
         if (f->log) printf("%s%s %.6g", i ? "  " : "    ", titles[i], row[i]);
     }
     if (f->log) printf("\n");
-    if (fprintf(f->file[0], "\n") < 0 || fflush(f->file[0]))
-        return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
-    return OK;
+    return function_end_row(f, b->file);
 }
 
-status budget_execute(struct function *f, const struct moment *now, const char *time) {
+static status budget_execute(struct function *f, const struct moment *now, const char *time) {
+    struct budget *b = f->own;
     struct medium *m = f->setup->medium;
     double row[MAX_BUDGET];
     status s = OK;
     (void)time;
     TRY(m->type->budget(m, row));
     if (comm_root(f->setup->comm)) {
-        if (!f->file[0]) s = open_table(f);
-        if (!s) s = write_row(f, now, row);
+        if (!b->file) s = open_table(f, b);
+        if (!s) s = write_row(f, b, now, row);
     }
     return comm_agree(f->setup->comm, s);
 }
+
+static void budget_free(void *own) {
+    struct budget *b = own;
+    if (b->file) fclose(b->file);
+    free(b);
+}
+
+const struct function_type function_budget = {
+    .name = "energyBudget",
+    .about = "mass and energy, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
+    .make = budget_make,
+    .execute = budget_execute,
+    .free = budget_free,
+    .no_fields = true,
+};

@@ -26,8 +26,8 @@ struct phases {
     char file[128];           /* of the sums, in a time folder */
 };
 
-void phases_free(struct phases *p) {
-    if (!p) return;
+static void phases_free(void *own) {
+    struct phases *p = own;
     for (int j = 0; j < p->n; j++) free(p->sum[j]);
     free(p->values);
     free(p->weight);
@@ -35,8 +35,9 @@ void phases_free(struct phases *p) {
 }
 
 static bool weighted(const struct function *f, int k) {
+    const struct phases *p = f->own;
     const char *name = quantity_of(f, f->field[k])->name;
-    return f->phases->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T"));
+    return p->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T"));
 }
 
 static double moment_of(const struct phases *p, double index) {
@@ -54,9 +55,10 @@ static double next_index(const struct phases *p, double t) {
     return index;
 }
 
-double phases_next(const struct function *f, double t) {
-    const double index = next_index(f->phases, t);
-    return isfinite(index) ? moment_of(f->phases, index) : HUGE_VAL;
+static double phases_next(const struct function *f, double t) {
+    const struct phases *p = f->own;
+    const double index = next_index(p, t);
+    return isfinite(index) ? moment_of(p, index) : HUGE_VAL;
 }
 
 /* Index of the moment that the step which ends now reaches; -1: none. */
@@ -73,7 +75,7 @@ static double index_now(const struct phases *p, const struct moment *before, con
 }
 
 static status make_bin(const struct function *f, int bin) {
-    struct phases *p = f->phases;
+    struct phases *p = f->own;
     if (!p->values) TRY(allocate(&p->values, 3 * p->ncells, sizeof(double), "a field of the averages"));
     if (!p->weight) TRY(allocate(&p->weight, p->ncells, sizeof(double), "a field of the averages"));
     return p->sum[bin] ? OK : allocate(&p->sum[bin], p->size, sizeof(double), "sums of the averages");
@@ -81,7 +83,7 @@ static status make_bin(const struct function *f, int bin) {
 
 /* Collective. */
 static status take(const struct function *f, int bin) {
-    struct phases *p = f->phases;
+    struct phases *p = f->own;
     const bool root = comm_root(f->setup->comm);
     TRY(comm_agree(f->setup->comm, root ? make_bin(f, bin) : OK));
     double *sum = root ? p->sum[bin] : NULL;
@@ -98,15 +100,16 @@ static status take(const struct function *f, int bin) {
     return OK;
 }
 
-status phases_collect(struct function *f, const struct moment *before, const struct moment *now) {
-    const double index = index_now(f->phases, before, now);
-    return index < 0 ? OK : take(f, (int)fmod(index, f->phases->n));
+static status phases_collect(struct function *f, const struct moment *before, const struct moment *now) {
+    const struct phases *p = f->own;
+    const double index = index_now(p, before, now);
+    return index < 0 ? OK : take(f, (int)fmod(index, p->n));
 }
 
 /* ---- results ---------------------------------------------------------------------------------------------------- */
 
 static void mean_of(const struct function *f, int bin, int k, double *out) {
-    const struct phases *p = f->phases;
+    const struct phases *p = f->own;
     const double *sum = p->sum[bin], *mass = p->sum[bin] + p->size - p->ncells;
     const int m = quantity_of(f, f->field[k])->components;
     for (int j = 0; j < k; j++) sum += p->ncells * quantity_of(f, f->field[j])->components;
@@ -122,7 +125,7 @@ static void phase_name(const struct phases *p, int bin, char name[TIME_NAME]) {
 }
 
 static status write_bin(const struct function *f, int bin) {
-    const struct phases *p = f->phases;
+    const struct phases *p = f->own;
     const struct setup *s = f->setup;
     char folder[2 * TIME_PATH], name[TIME_NAME];
     phase_name(p, bin, name);
@@ -137,7 +140,7 @@ static status write_bin(const struct function *f, int bin) {
 }
 
 static status write_counts(const struct function *f, double t) {
-    const struct phases *p = f->phases;
+    const struct phases *p = f->own;
     FILE *file;
     TRY(function_open(f, f->setup->start.name, "phaseAverage.dat", &file));
     fprintf(file, "# Period : %.12g s from %.12g s; samples up to %.12g s\n# Phase\tsamples\n", p->period, p->start, t);
@@ -150,12 +153,13 @@ static status write_counts(const struct function *f, double t) {
     return fclose(file) || wrong ? fail(ERR_SYSTEM, "phaseAverage.dat: cannot be written (disk full?)") : OK;
 }
 
-status phases_execute(struct function *f, const struct moment *now, const char *time) {
+static status phases_execute(struct function *f, const struct moment *now, const char *time) {
+    const struct phases *p = f->own;
     (void)time;
     status s = OK;
     const bool root = comm_root(f->setup->comm);
-    for (int j = 0; root && !s && j < f->phases->n; j++)
-        if (f->phases->count[j]) s = write_bin(f, j);
+    for (int j = 0; root && !s && j < p->n; j++)
+        if (p->count[j]) s = write_bin(f, j);
     if (root && !s) s = write_counts(f, now->t);
     return comm_agree(f->setup->comm, s);
 }
@@ -163,7 +167,7 @@ status phases_execute(struct function *f, const struct moment *now, const char *
 /* ---- restarts --------------------------------------------------------------------------------------------------- */
 
 static void print_identity(struct sink *o, const struct function *f) {
-    const struct phases *p = f->phases;
+    const struct phases *p = f->own;
     sink_printf(o, "period          %.17g;\nstart           %.17g;\nfields          (", p->period, p->start);
     for (int k = 0; k < f->nfields; k++) sink_printf(o, " %s", quantity_of(f, f->field[k])->name);
     sink_printf(o, " );\ncounts          (");
@@ -171,8 +175,8 @@ static void print_identity(struct sink *o, const struct function *f) {
     sink_printf(o, " );\n");
 }
 
-status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
-    const struct phases *p = f->phases;
+static status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
+    const struct phases *p = f->own;
     const struct foam_format exact = {w->format->binary, w->format->compress, 17};
     char path[2 * TIME_PATH], location[TIME_NAME + 16];
     struct sink *o;
@@ -201,7 +205,7 @@ static status same_fields(const struct function *f, struct dict *d, bool *same) 
     return OK;
 }
 
-static status read_sum(const struct function *f, struct dict *d, int bin) {
+static status read_sum(struct phases *p, struct dict *d, int bin) {
     struct lexer l;
     struct token t;
     char key[32];
@@ -210,14 +214,14 @@ static status read_sum(const struct function *f, struct dict *d, int bin) {
     TRY(dict_raw(d, key, &l));
     TRY(lexer_next(&l, &t));
     TRY(lexer_next(&l, &t));
-    TRY(foam_list_read_doubles(&l, dict_header(d), 1, f->phases->size, &n, &f->phases->sum[bin]));
-    if (n != f->phases->size) return dict_fail(d, key, "it holds %ld numbers, not %ld", n, f->phases->size);
+    TRY(foam_list_read_doubles(&l, dict_header(d), 1, p->size, &n, &p->sum[bin]));
+    if (n != p->size) return dict_fail(d, key, "it holds %ld numbers, not %ld", n, p->size);
     return OK;
 }
 
 /* Sums of the same averages are taken up; of others, not. */
 static status take_up(const struct function *f, struct dict *d) {
-    struct phases *p = f->phases;
+    struct phases *p = f->own;
     const double *counts;
     double period, start;
     int n;
@@ -236,21 +240,22 @@ static status take_up(const struct function *f, struct dict *d) {
         if (!(counts[j] >= 0 && counts[j] < 1e15))
             return dict_fail(d, "counts", "%g is no number of samples", counts[j]);
         p->count[j] = (long)counts[j];
-        if (p->count[j]) TRY(read_sum(f, d, j));
+        if (p->count[j]) TRY(read_sum(p, d, j));
     }
     p->resumed = true;
     return OK;
 }
 
 static status load(const struct function *f) {
+    const struct phases *p = f->own;
     struct dict *d = NULL;
     char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.name, f->phases->file);
+    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.name, p->file);
     if (!field_exists(path)) return OK;
     TRY(dict_read(path, &d));
     status s = take_up(f, d);
     dict_free(d);
-    if (!s && !f->phases->values) s = make_bin(f, 0);
+    if (!s && !p->values) s = make_bin(f, 0);
     return s;
 }
 
@@ -271,12 +276,12 @@ static status read_period(const struct function *f, struct dict *d, double *out)
                        "'period' is that of the average, by default of constant/shaking");
 }
 
-status phases_make(struct function *f, struct dict *d) {
+static status phases_make(struct function *f, struct dict *d) {
     const struct medium_type *m = f->setup->medium->type;
     struct phases *p;
     long phases;
-    TRY(allocate(&f->phases, 1, sizeof *f->phases, "averages"));
-    p = f->phases;
+    TRY(allocate(&p, 1, sizeof *p, "averages"));
+    f->own = p;
     TRY(read_period(f, d, &p->period));
     if (!(p->period > 0)) return dict_fail(d, "period", "it must be positive");
     TRY(dict_number_or(d, "start", (const signed char[3]){0, 0, 1}, 0, &p->start));
@@ -298,3 +303,15 @@ status phases_make(struct function *f, struct dict *d) {
     p->resumed = resumed > 0;
     return OK;
 }
+
+const struct function_type function_phases = {
+    .name = "phaseAverage",
+    .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
+    .make = phases_make,
+    .execute = phases_execute,
+    .free = phases_free,
+    .with_fields = true,
+    .next = phases_next,
+    .collect = phases_collect,
+    .save = phases_save,
+};

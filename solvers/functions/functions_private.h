@@ -1,21 +1,11 @@
-/* What the files of solvers/functions/functions*.c share. */
+/* What the files of solvers/functions share. A type of function object is one file, which exports its row, and an entry
+ * in the table of functions.c. */
 #ifndef SOLVERS_FUNCTIONS_PRIVATE_H
 #define SOLVERS_FUNCTIONS_PRIVATE_H
 
 #include "solvers/functions/functions.h"
 
-struct spot { /* a point and the cell that holds it */
-    double x[3];
-    bool inside;
-    int block; /* -1: on another rank, or outside */
-    int cell;  /* in the block */
-};
-struct line { /* one entry of `sets` */
-    char name[128];
-    int axis;     /* 0 x, 1 y, 2 z, 3 distance, 4 xyz */
-    int first, n; /* spots */
-};
-struct function {
+struct function { /* what all types share */
     const struct function_type *type;
     const struct setup *setup;
     char name[128];
@@ -23,25 +13,19 @@ struct function {
     bool log;
     int nfields;
     int field[MAX_QUANTITIES];
-    int operation; /* volFieldValue */
-    int nspots;
-    struct spot *spot;
-    int nlines;
-    struct line *line;
-    bool ascii;                 /* vtk */
-    struct vtk_grid *grid;      /* vtk, on the root */
-    FILE *file[MAX_QUANTITIES]; /* root; opened by the first execution */
-    double *block_values;       /* [3][largest block] */
-    double *all_values;         /* vtk: root's [nfields][3 ncells] */
-    struct phases *phases;      /* phaseAverage */
+    double *block_values; /* [3][largest block], for function_block */
+    void *own;            /* the type's own struct: made by its make, freed by its free */
 };
 struct function_type {
     const char *name, *about;
+    /* Reads the type's own entries and allocates f->own, which free gets even where make failed. Collective. */
     status (*make)(struct function *f, struct dict *d);
-    status (*execute)(struct function *f, const struct moment *now, const char *time);
-    bool no_fields;   /* it takes none */
+    status (*execute)(struct function *f, const struct moment *now, const char *time); /* collective */
+    void (*free)(void *own);
+    bool no_fields;   /* it takes no `fields` */
+    bool all_fields;  /* without `fields` it takes those that the medium shows */
     bool with_fields; /* executed when the fields are written, if nothing else is said; else each step */
-    /* Of averages, as in functions.h; NULL: none. */
+    /* For averages, as in functions.h; NULL: the type keeps none. */
     double (*next)(const struct function *f, double t);
     status (*collect)(struct function *f, const struct moment *before, const struct moment *now);
     status (*save)(const struct function *f, const struct field_writer *w, struct checksums *sums);
@@ -52,29 +36,25 @@ const struct quantity *quantity_of(const struct function *f, int field);
 void function_block(const struct function *f, int block, int field, double *lines[3]);
 /* postProcessing/<function>/<folder>/<file>, made with its folders; on the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
-/* Appends spots for n points; outside the mesh: an error unless allowed. Collective. */
-status function_place(struct function *f, struct dict *d, const char *key, int n, const double *points,
-                      bool allow_outside);
-/* Values at the spots on every rank: [nspots][components], physical axes; malloc'd. */
-status function_sample(const struct function *f, int field, double **out);
+/* Ends a row of a table and hands it to the system, which may have no room for it. */
+status function_end_row(const struct function *f, FILE *file);
 
-status probes_make(struct function *f, struct dict *d);
-status probes_execute(struct function *f, const struct moment *now, const char *time);
-status sets_make(struct function *f, struct dict *d);
-status sets_execute(struct function *f, const struct moment *now, const char *time);
-status extremes_make(struct function *f, struct dict *d);
-status extremes_execute(struct function *f, const struct moment *now, const char *time);
-status integral_make(struct function *f, struct dict *d);
-status integral_execute(struct function *f, const struct moment *now, const char *time);
-status vtk_make(struct function *f, struct dict *d);
-status vtk_execute(struct function *f, const struct moment *now, const char *time);
-status budget_make(struct function *f, struct dict *d);
-status budget_execute(struct function *f, const struct moment *now, const char *time);
-status phases_make(struct function *f, struct dict *d);
-status phases_execute(struct function *f, const struct moment *now, const char *time);
-double phases_next(const struct function *f, double t);
-status phases_collect(struct function *f, const struct moment *before, const struct moment *now);
-status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums);
-void phases_free(struct phases *p);
+/* Points and the cells that hold them. */
+struct spot {
+    double x[3];
+    bool inside;
+    int block; /* -1: on another rank, or outside */
+    int cell;  /* in the block */
+};
+struct spots {
+    int n;
+    struct spot *at; /* [n] */
+};
+/* Appends spots for n points; outside the mesh: an error unless allowed. Collective. */
+status spots_add(struct spots *s, const struct function *f, struct dict *d, const char *key, int n,
+                 const double *points, bool allow_outside);
+/* A field's values at the spots on every rank: [spots][components], physical axes; malloc'd. Collective. */
+status spots_sample(const struct spots *s, const struct function *f, int field, double **out);
+void spots_free(struct spots *s);
 
 #endif

@@ -1,0 +1,136 @@
+/* Function object fieldMinMax: the smallest and the largest value of fields, and where they are. */
+#include "solvers/functions/functions_private.h"
+
+#include "libcore/models/kernel.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct extremes {
+    FILE *file; /* root; opened by the first execution */
+};
+
+static status extremes_make(struct function *f, struct dict *d) {
+    static const char *const modes[] = {"magnitude"};
+    int index;
+    TRY(allocate(&f->own, 1, sizeof(struct extremes), "extremes"));
+    (void)dict_has(d, "location");
+    if (dict_has(d, "mode")) TRY(dict_choice(d, "mode", modes, 1, &index));
+    return OK;
+}
+
+/* A vector's magnitudes, in place of its first component. */
+static void magnitudes(int dim, int n, double *const lines[3]) {
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < dim; k++) square += lines[k][i] * lines[k][i];
+        lines[0][i] = sqrt(square);
+    }
+}
+
+/* The least and the largest of n values, eight lanes at a time: they do not depend on the order. */
+KERNEL static void range_of(int n, const double *restrict v, double range[2]) {
+    double low[8], high[8];
+    int i = 0;
+    for (int j = 0; j < 8; j++) high[j] = -(low[j] = HUGE_VAL);
+    for (; i + 8 <= n; i += 8)
+        for (int j = 0; j < 8; j++) {
+            low[j] = v[i + j] < low[j] ? v[i + j] : low[j];
+            high[j] = v[i + j] > high[j] ? v[i + j] : high[j];
+        }
+    for (; i < n; i++) {
+        low[0] = v[i] < low[0] ? v[i] : low[0];
+        high[0] = v[i] > high[0] ? v[i] : high[0];
+    }
+    range[0] = low[0];
+    range[1] = high[0];
+    for (int j = 1; j < 8; j++) {
+        range[0] = low[j] < range[0] ? low[j] : range[0];
+        range[1] = high[j] > range[1] ? high[j] : range[1];
+    }
+}
+
+/* The index of the lowest cell below a bound that has the value; -1: none. */
+static int lowest_cell(int n, const double *v, double value, const int *cell, double below) {
+    int lowest = below < INT_MAX ? (int)below : INT_MAX, found = -1;
+    for (int i = 0; i < n; i++)
+        if (cell[i] < lowest && v[i] == value) {
+            lowest = cell[i];
+            found = i;
+        }
+    return found;
+}
+
+/* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
+static void find_extremes(const struct function *f, int field, double value[2], int cell[2]) {
+    const struct grid *grid = f->setup->grid;
+    const bool vector = quantity_of(f, field)->components == 3;
+    double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], range[2], *lines[3];
+    for (int b = 0; b < grid->nblocks; b++) {
+        const struct grid_block *block = &grid->block[b];
+        function_block(f, b, field, lines);
+        if (vector) magnitudes(grid->dim, block->ncells, lines);
+        range_of(block->ncells, lines[0], range);
+        for (int end = 0; end < 2; end++) {
+            const double w = end ? -range[1] : range[0];
+            if (w > best[end]) continue;
+            const int i =
+                lowest_cell(block->ncells, lines[0], range[end], block->cell, w < best[end] ? HUGE_VAL : where[end]);
+            if (i < 0) continue;
+            best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero with the sign it has there */
+            where[end] = block->cell[i];
+        }
+    }
+    memcpy(mine, best, sizeof mine);
+    comm_min(f->setup->comm, best, 2);
+    for (int end = 0; end < 2; end++)
+        if (mine[end] != best[end]) where[end] = HUGE_VAL;
+    comm_min(f->setup->comm, where, 2);
+    for (int end = 0; end < 2; end++) {
+        value[end] = end ? -best[end] : best[end];
+        cell[end] = isfinite(where[end]) ? (int)where[end] : 0;
+    }
+}
+
+static status extremes_execute(struct function *f, const struct moment *now, const char *time) {
+    struct extremes *e = f->own;
+    (void)time;
+    bool root = comm_root(f->setup->comm);
+    status s = OK;
+    if (root && !e->file) {
+        s = function_open(f, f->setup->start.name, "fieldMinMax.dat", &e->file);
+        if (!s)
+            fprintf(e->file,
+                    "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
+    }
+    for (int k = 0; k < f->nfields; k++) {
+        double v[2];
+        int cell[2];
+        find_extremes(f, f->field[k], v, cell);
+        if (!root || s) continue;
+        const double *a = f->setup->centre + 3L * cell[0], *b = f->setup->centre + 3L * cell[1];
+        fprintf(e->file, "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
+                quantity_of(f, f->field[k])->name, v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
+        s = function_end_row(f, e->file);
+        if (f->log)
+            printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, quantity_of(f, f->field[k])->name, v[0],
+                   quantity_of(f, f->field[k])->name, v[1]);
+    }
+    return comm_agree(f->setup->comm, s);
+}
+
+static void extremes_free(void *own) {
+    struct extremes *e = own;
+    if (e->file) fclose(e->file);
+    free(e);
+}
+
+const struct function_type function_extremes = {
+    .name = "fieldMinMax",
+    .about = "smallest and largest value and where",
+    .make = extremes_make,
+    .execute = extremes_execute,
+    .free = extremes_free,
+};

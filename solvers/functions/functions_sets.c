@@ -1,0 +1,137 @@
+/* Function object sets: values along lines, one file per line and time. */
+#include "solvers/functions/functions_private.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct line { /* one entry of `sets` */
+    char name[128];
+    int axis;     /* 0 x, 1 y, 2 z, 3 distance, 4 xyz */
+    int first, n; /* spots */
+};
+struct sets {
+    struct spots spots; /* of all lines */
+    int nlines;
+    struct line *line; /* [nlines] */
+};
+
+static const char *const axis_names[] = {"x", "y", "z", "distance", "xyz"};
+
+static status set_make(struct function *f, struct sets *sets, const char *name, struct dict *d) {
+    static const char *const types[] = {"uniform"};
+    struct line *l = &sets->line[sets->nlines];
+    double start[3], end[3], *points;
+    long n;
+    int index;
+    TRY(dict_choice(d, "type", types, 1, &index));
+    TRY(dict_choice(d, "axis", axis_names, 5, &l->axis));
+    TRY(dict_vector(d, "start", NULL, start));
+    TRY(dict_vector(d, "end", NULL, end));
+    TRY(dict_count_or(d, "nPoints", 0, &n));
+    if (n < 2 || n > 10000000) return dict_fail(d, "nPoints", "give a number from 2 to 10000000");
+    snprintf(l->name, sizeof l->name, "%s", name);
+    l->first = sets->spots.n;
+    l->n = (int)n;
+    TRY(allocate(&points, 3 * n, sizeof(double), "points of a line"));
+    for (long i = 0; i < n; i++)
+        for (int x = 0; x < 3; x++)
+            points[3 * i + x] = i == n - 1 ? end[x] : start[x] + (end[x] - start[x]) * (double)i / (double)(n - 1);
+    /* points off the mesh are left out, as OpenFOAM does */
+    status s = spots_add(&sets->spots, f, d, "start", (int)n, points, true);
+    free(points);
+    sets->nlines++;
+    bool any = false;
+    for (int i = 0; !s && i < (int)n; i++) any |= sets->spots.at[l->first + i].inside;
+    return s ? s : any ? OK : dict_fail(d, "start", "no point of the line lies in the mesh");
+}
+
+static status sets_make(struct function *f, struct dict *d) {
+    static const char *const formats[] = {"raw"}, *const schemes[] = {"cell"};
+    struct dict *all, *one;
+    struct sets *sets;
+    int index;
+    TRY(allocate(&sets, 1, sizeof *sets, "lines"));
+    f->own = sets;
+    if (dict_has(d, "setFormat")) TRY(dict_choice(d, "setFormat", formats, 1, &index));
+    if (dict_has(d, "interpolationScheme")) TRY(dict_choice(d, "interpolationScheme", schemes, 1, &index));
+    TRY(dict_sub(d, "sets", &all));
+    int n = dict_count(all);
+    if (!n) return dict_fail(d, "sets", "it is empty");
+    TRY(allocate(&sets->line, n, sizeof *sets->line, "lines"));
+    for (int i = 0; i < n; i++) {
+        TRY(dict_sub(all, dict_key(all, i), &one));
+        TRY(set_make(f, sets, dict_key(all, i), one));
+    }
+    return OK;
+}
+
+static void print_place(FILE *file, const struct line *l, const struct spot *first, const struct spot *p) {
+    double away = hypot(hypot(p->x[0] - first->x[0], p->x[1] - first->x[1]), p->x[2] - first->x[2]);
+    if (l->axis == 4)
+        fprintf(file, "%.12g\t%.12g\t%.12g", p->x[0], p->x[1], p->x[2]);
+    else
+        fprintf(file, "%.12g", l->axis == 3 ? away : p->x[l->axis]);
+}
+
+/* One file for all scalars (a_alpha_T.xy), one for each vector (a_U.xy). */
+static status write_line(const struct function *f, const struct line *l, double *const *values, const char *time,
+                         bool vectors, int only) {
+    const struct sets *sets = f->own;
+    const struct spot *spot = sets->spots.at;
+    char name[512];
+    FILE *file;
+    int length = snprintf(name, sizeof name, "%s", l->name);
+    for (int k = 0; k < f->nfields; k++)
+        if (vectors ? k == only : quantity_of(f, f->field[k])->components == 1)
+            length += snprintf(name + length, sizeof name - (size_t)length, "_%s", quantity_of(f, f->field[k])->name);
+    snprintf(name + length, sizeof name - (size_t)length, ".xy");
+    TRY(function_open(f, time, name, &file));
+    for (int i = l->first; i < l->first + l->n; i++) {
+        if (!spot[i].inside) continue;
+        print_place(file, l, &spot[l->first], &spot[i]);
+        for (int k = 0; k < f->nfields; k++) {
+            if (!vectors && quantity_of(f, f->field[k])->components == 1) fprintf(file, "\t%.12g", values[k][i]);
+            for (int x = 0; vectors && k == only && x < 3; x++) fprintf(file, "\t%.12g", values[k][3 * (long)i + x]);
+        }
+        fprintf(file, "\n");
+    }
+    bool bad = ferror(file);
+    return fclose(file) || bad ? fail(ERR_SYSTEM, "postProcessing/%s/%s/%s: cannot be written", f->name, time, name)
+                               : OK;
+}
+
+static status sets_execute(struct function *f, const struct moment *now, const char *time) {
+    const struct sets *sets = f->own;
+    (void)now;
+    double *values[MAX_QUANTITIES] = {NULL};
+    bool scalars = false;
+    status s = OK;
+    for (int k = 0; k < f->nfields; k++) {
+        status sampled = spots_sample(&sets->spots, f, f->field[k], &values[k]);
+        if (!s) s = sampled;
+        scalars |= quantity_of(f, f->field[k])->components == 1;
+    }
+    for (int i = 0; !s && comm_root(f->setup->comm) && i < sets->nlines; i++) {
+        if (scalars) s = write_line(f, &sets->line[i], values, time, false, -1);
+        for (int k = 0; !s && k < f->nfields; k++)
+            if (quantity_of(f, f->field[k])->components == 3) s = write_line(f, &sets->line[i], values, time, true, k);
+    }
+    for (int k = 0; k < f->nfields; k++) free(values[k]);
+    return comm_agree(f->setup->comm, s);
+}
+
+static void sets_free(void *own) {
+    struct sets *s = own;
+    spots_free(&s->spots);
+    free(s->line);
+    free(s);
+}
+
+const struct function_type function_sets = {
+    .name = "sets",
+    .about = "values along lines, one file per line and time",
+    .make = sets_make,
+    .execute = sets_execute,
+    .free = sets_free,
+};
