@@ -1,6 +1,5 @@
 #include "libcore/grains/grains_private.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
