@@ -201,6 +201,18 @@ def shared_guards(files):
     return wrong
 
 
+def shared_kernels(files):
+    """Kernels of one name: clang exports what chooses among a kernel's clones, also of static ones, and two of one name
+    do not link."""
+    found, wrong = {}, []
+    for path, text in files.items():
+        for name in re.findall(r"^KERNEL static [\w ]*?\**(\w+)\(", text, re.MULTILINE):
+            if name in found:
+                wrong.append(f"{path} and {found[name]} have a kernel {name}")
+            found[name] = path
+    return wrong
+
+
 def forgotten_rows(files):
     """Types of function objects that a file exports and the table of functions.c lacks."""
     table = files.get("solvers/functions/functions.c", "")
@@ -258,6 +270,10 @@ class Rooms(unittest.TestCase):
 
     def test_functions_fit_a_screen(self):
         self.assertNone(long_functions(self.files, LONGEST))
+
+    def test_kernels_have_names_of_their_own(self):
+        self.assertGreater(sum(text.count("\nKERNEL static ") for text in self.files.values()), 50)
+        self.assertNone(shared_kernels(self.files))
 
     def test_function_objects_are_in_the_table(self):
         self.assertNone(forgotten_rows(self.files))
@@ -365,11 +381,14 @@ class Rules(unittest.TestCase):
         self.assertEqual(1, len(long_functions({"a.c": f"static int f(int x,\n             int y) {{\n{body}}}\n"}, 12)))
         self.assertEqual([], long_functions({"a.c": f"int f(void);\nstruct s {{\n{body}}}\n;"}, 5))
 
-    def test_guards_and_rows(self):
+    def test_names_and_rows(self):
         one = "/* x */\n#ifndef A_H\n#define A_H\n#endif\n"
         self.assertEqual([], shared_guards({"a.h": one, "b.h": one.replace("A_H", "B_H"), "c.c": ""}))
         self.assertEqual(1, len(shared_guards({"a.h": one, "b.h": one})))
         self.assertEqual(1, len(shared_guards({"a.h": "/* x */\n"})))
+        kernel = "KERNEL static void sum(int n) {\n}\n"
+        self.assertEqual([], shared_kernels({"a.c": kernel, "b.c": kernel.replace("sum", "sums")}))
+        self.assertEqual(1, len(shared_kernels({"a.c": kernel, "b.c": kernel.replace("void ", "double *")})))
         rows = {"solvers/functions/functions.c": "table[] = {&function_a};",
                 "solvers/functions/a.c": "const struct function_type function_a = {\n"}
         self.assertEqual([], forgotten_rows(rows))

@@ -137,17 +137,5 @@ class Links(unittest.TestCase):
                     self.assertTrue(os.path.exists(os.path.join(folder, link)), f"{os.path.join(folder, name)} leads to {link}")
 
 
-class Kernels(unittest.TestCase):
-    def test_names_are_unique(self):
-        """clang exports what chooses among a kernel's clones, also of static ones: two of one name do not link."""
-        seen = {}
-        for name in sorted(os.listdir(os.path.join(SOURCE, "libcore"))):
-            with open(os.path.join(SOURCE, "libcore", name)) as f:
-                for kernel in re.findall(r"^KERNEL static [\w ]*?\**(\w+)\(", f.read(), re.M):
-                    self.assertNotIn(kernel, seen, f"in libcore/{name} and libcore/{seen.get(kernel)}")
-                    seen[kernel] = name
-        self.assertGreater(len(seen), 50)
-
-
 if __name__ == "__main__":
     unittest.main()
