@@ -21,8 +21,7 @@ static void floors_of(const struct gas *g, double floors[2]) {
 }
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
-    const struct material *m = &g->models.material;
-    known[GAS_COOLING] = g->models.source.cooling && m->restitution < 1 && m->diameter > 0;
+    known[GAS_COOLING] = source_cools(&g->models.source, &g->models.material);
     known[GAS_GRAVITY] = known[GAS_FLOORS] = true;
     for (int p = 0; p < g->npatches; p++) {
         const struct patch_rules *r = &g->rules[p];

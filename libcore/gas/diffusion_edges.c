@@ -43,7 +43,7 @@ static void absorbed_shares(const struct gas *g, double restitution, int n, cons
                             const double *push, const double *d, const double *heat, double *share) {
     const double c = (1 - restitution * restitution) / sqrt(2 * 3.14159265358979323846);
     double eps[BATCH] = {0}, p[BATCH], square[BATCH], gruneisen[BATCH];
-    for (int i = 0; i < n; i++) eps[i] = T[i] / (g->models.material.gamma - 1);
+    for (int i = 0; i < n; i++) eps[i] = eps_of(&g->models.material, T[i]);
     g->models.eos->state(&g->models.material, n, rho, eps, p, square, gruneisen);
     for (int i = 0; i < n; i++) {
         p[i] = larger(p[i] + 0.5 * d[i] * rho[i] * push[i], 0); /* gas that the wall leaves behind */

@@ -79,7 +79,7 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
             square += u[k][i] * u[k][i];
         }
         U[0][i] = rho[i];
-        U[g->dim + 1][i] = rho[i] * (T[i] / (g->models.material.gamma - 1) + 0.5 * square);
+        U[g->dim + 1][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
     }
     gas_set_conserved(g, (const double *const *)U);
     free(all);

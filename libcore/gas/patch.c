@@ -23,7 +23,7 @@ static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[
         }
     for (int i = 0; i < n; i++) energy[i] = energy[i] / q[0][i] - kinetic[i]; /* eps */
     g->models.eos->state(&g->models.material, n, q[0], energy, p, c2, gruneisen);
-    for (int i = 0; i < n; i++) energy[i] = pressure ? p[i] : (g->models.material.gamma - 1) * energy[i];
+    for (int i = 0; i < n; i++) energy[i] = pressure ? p[i] : temperature_of(&g->models.material, energy[i]);
 }
 
 static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
@@ -31,7 +31,7 @@ static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[
     for (int i = 0; i < n; i++) one[i] = 1;
     g->models.eos->state(&g->models.material, n, q[0], one, p, c2, gruneisen);
     for (int i = 0; i < n; i++) {
-        double eps = pressure ? energy[i] / p[i] : energy[i] / (g->models.material.gamma - 1); /* p is linear in eps */
+        double eps = pressure ? energy[i] / p[i] : eps_of(&g->models.material, energy[i]); /* p is linear in eps */
         double kinetic = 0;
         for (int k = 1; k <= g->dim; k++) kinetic += 0.5 * q[k][i] * q[k][i];
         energy[i] = q[0][i] * (eps + kinetic);

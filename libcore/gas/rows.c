@@ -62,7 +62,7 @@ int row_inadmissible(const struct gas *g, const double *U, long offset, int n, d
 void temperature_row(const struct gas *g, int n, const double *U, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->dim, g->size, U, u, T);
-    for (int i = 0; i < n; i++) T[i] *= g->models.material.gamma - 1;
+    for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, T[i]);
 }
 
 /* Only what the field needs is computed, because the equation of state costs most. */
@@ -81,7 +81,7 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
         for (int k = 0; k < g->dim && field == GAS_MACH; k++) square += u[k][i] * u[k][i];
         if (field == GAS_RHO) out[0][i] = U[i];
         if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * U[i];
-        if (field == GAS_T) out[0][i] = (m->gamma - 1) * eps[i];
+        if (field == GAS_T) out[0][i] = temperature_of(m, eps[i]);
         if (field == GAS_P) out[0][i] = p[i];
         if (field == GAS_C) out[0][i] = c[i];
         if (field == GAS_MACH) out[0][i] = sqrt(square) / c[i];

@@ -183,8 +183,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
 }
 
 static bool can_collapse(const struct gas *g) {
-    const struct material *m = &g->models.material;
-    return g->models.source.cooling && m->restitution < 1 && m->diameter > 0;
+    return source_cools(&g->models.source, &g->models.material);
 }
 
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {

@@ -41,7 +41,7 @@ struct coefficients { /* what its row visitor needs */
 /* T of a row of U; velocity and eps go to the workspace. */
 static void temperature_of_row(const struct gas *g, const double *U, long offset, int n, double T[BATCH]) {
     velocities_of_row(g, U, offset, n);
-    for (int i = 0; i < n; i++) T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i];
+    for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]);
 }
 
 /* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
@@ -82,7 +82,7 @@ static void tile_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
     const struct work *w = &g->tiles->work;
-    const double trace = g->models.material.disks ? 1 : 2. / 3;
+    const double trace = trace_share(&g->models.material);
     for (int axis = 0; axis < g->dim; axis++) {
         double *face = g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size;
         for (int k = 0; k < n[2] + (axis == 2); k++)
@@ -106,7 +106,7 @@ KERNEL static void add_rates(int n, long step, long size, const double *restrict
 static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
-    const double factor[2] = {1, g->models.material.gamma - 1};
+    const double factor[2] = {1, temperature_of(&g->models.material, 1)};
     double *light = g->tiles->diffuser->light[tile];
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
@@ -152,7 +152,7 @@ static void conduction_edge(struct gas *g, int tile, const struct edge *e, const
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step;
         rho[i] = U[at];
-        T[i] = (g->models.material.gamma - 1) * g->tiles->work.eps[at] *
+        T[i] = temperature_of(&g->models.material, g->tiles->work.eps[at]) *
                (g->ahead ? g->tiles->diffuser->warm[tile][at] : 1);
         push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
         d[i] = width;

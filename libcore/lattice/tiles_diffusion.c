@@ -235,7 +235,7 @@ static void sweep_tile(struct sweep *s) {
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight) {
-    const double factor[5] = {c[0], c[1], what == HEAT ? c[2] * (g->models.material.gamma - 1) : c[2], c[2] + c[3],
+    const double factor[5] = {c[0], c[1], what == HEAT ? temperature_of(&g->models.material, c[2]) : c[2], c[2] + c[3],
                               c[4]};
     (void)Y0;
     tiles_fill_sums(g, what, weight);

@@ -119,7 +119,7 @@ static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
 void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
                            double *E, double *weight) {
     struct filling v = {.g = g, .what = what, .Y0 = Y0, .weight = weight};
-    v.per = what == HEAT ? factor * (g->models.material.gamma - 1) : factor;
+    v.per = what == HEAT ? temperature_of(&g->models.material, factor) : factor;
     for (v.unknown = 0; v.unknown < (what == VISCOUS ? g->dim : 1); v.unknown++) {
         v.rho = rho;
         v.E = E;

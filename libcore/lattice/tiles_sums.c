@@ -30,7 +30,7 @@ static void begin_visit(void *context, long offset, int n) {
     for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
         memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
-        b->start[offset + i] = (g->models.material.gamma - 1) * g->tiles->work.eps[offset + i] -
+        b->start[offset + i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]) -
                                b->rest * b->friction[offset + i] - (g->late ? b->cooled[offset + i] : 0);
 }
 

@@ -296,7 +296,7 @@ const struct eos *eos_find(const char *name) {
 
 void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out) {
     double eps[BATCH], c2[BATCH], gruneisen[BATCH];
-    for (int i = 0; i < BATCH; i++) eps[i] = 1 / (m->gamma - 1); /* T = 1 */
+    for (int i = 0; i < BATCH; i++) eps[i] = eps_of(m, 1);
     for (int i = 0; i < n; i += BATCH)
         eos->state(m, n - i < BATCH ? n - i : BATCH, rho + i, eps, out + i, c2, gruneisen);
 }

@@ -35,6 +35,15 @@ struct eos {
     void (*contact)(const struct material *m, int n, const double *restrict rho, double *restrict contact);
 };
 
+/* Granular temperature of an internal energy per unit mass, T = (gamma - 1) eps, and the energy of a temperature. As
+ * both are linear they also take what changes T or eps. */
+static inline double temperature_of(const struct material *m, double eps) {
+    return (m->gamma - 1) * eps;
+}
+static inline double eps_of(const struct material *m, double T) {
+    return T / (m->gamma - 1);
+}
+
 extern const struct eos eos_table[];
 extern const int eos_count;
 const struct eos *eos_find(const char *name); /* NULL: none */

@@ -2,9 +2,13 @@
 
 #define PI 3.14159265358979323846
 
+bool source_cools(const struct sources *s, const struct material *m) {
+    return s->cooling && m->restitution < 1 && m->diameter > 0;
+}
+
 bool source_active(const struct sources *s, const struct material *m) {
     bool falls = s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0;
-    return falls || (s->cooling && m->restitution < 1 && m->diameter > 0);
+    return falls || source_cools(s, m);
 }
 
 bool source_shaken(const struct sources *s) {
@@ -122,7 +126,7 @@ void source_apply(const struct sources *s, const struct eos *eos, const struct m
                   const double kick[MAX_DIM], double *const U[MAX_VAR]) {
     double e[BATCH], contact[BATCH];
     internal_energy(n, dim, U, e);
-    if (s->cooling && m->restitution < 1 && m->diameter > 0) {
+    if (source_cools(s, m)) {
         double loss = cooling_factor(m) * (1 - m->restitution * m->restitution) / m->diameter;
         eos->contact(m, n, U[0], contact);
         double g1 = m->gamma - 1;

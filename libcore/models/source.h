@@ -22,6 +22,7 @@ struct sources {                        /* zeroed: no source, which costs nothin
     const double *ramp;                 /* [knots][2] time in rising order (s), amplitude; not owned */
 };
 bool source_active(const struct sources *s, const struct material *m);
+bool source_cools(const struct sources *s, const struct material *m); /* whether collisions take energy */
 bool source_shaken(const struct sources *s);
 
 /* Velocity gained from t to t + dt: the exact integral of g(t), m/s. */

@@ -23,6 +23,11 @@ struct transport {
                          double *restrict shear, double *restrict heat);
 };
 
+/* 2/d, the share of the shear viscosity in the trace of the stress */
+static inline double trace_share(const struct material *m) {
+    return m->disks ? 1 : 2. / 3;
+}
+
 extern const struct transport transport_table[];
 extern const int transport_count;
 const struct transport *transport_find(const char *name); /* NULL: none, an inviscid gas, too */

@@ -118,7 +118,7 @@ static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR])
 static void find_temperature(const struct gas *g, int n, const double *rho, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->dim, g->cells->polyhedra->size, rho, u, T);
-    for (int i = 0; i < n; i++) T[i] *= g->models.material.gamma - 1;
+    for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, T[i]);
 }
 
 static void cell_coefficients(struct gas *g, const double *rho) {
@@ -180,7 +180,7 @@ static void find_rates(const struct gas *g, const double *rho, double most[2]) {
         }
         const double per = c->inverse_volume[i] / rho[i];
         most[0] = larger(per * sum[0], most[0]);
-        most[1] = larger((g->models.material.gamma - 1) * per * sum[1], most[1]);
+        most[1] = larger(temperature_of(&g->models.material, per) * sum[1], most[1]);
     }
 }
 
@@ -190,8 +190,8 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     double *U[MAX_VAR];
     fill_state(g, Y0, U);
     cell_coefficients(g, U[0]);
-    mix_coefficients(m->face.n, g->models.material.disks ? 1 : 2. / 3, m->face.left, m->face.right, m->face.area,
-                     d->share, d->cell, d->face);
+    mix_coefficients(m->face.n, trace_share(&g->models.material), m->face.left, m->face.right, m->face.area, d->share,
+                     d->cell, d->face);
     cells_wall_shares(g, U[0], d->T, d->cell[2], d->wall);
     find_rates(g, U[0], most);
 }
@@ -212,7 +212,7 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
                 q[i] = what == VISCOUS ? velocity[v][i]
-                                       : (g->models.material.gamma - 1) * eps[i] - rest * g->friction[0][at + i] -
+                                       : temperature_of(&g->models.material, eps[i]) - rest * g->friction[0][at + i] -
                                              (g->late ? g->cooled[0][at + i] : 0);
             for (int i = 0; i < n; i++) S[i] = factor * q[i];
         }
@@ -373,7 +373,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
                            double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int nown = g->cells->polyhedra->nown;
-    const double per = what == VISCOUS ? 1 : g->models.material.gamma - 1, *rho = Y0->block[0];
+    const double per = what == VISCOUS ? 1 : temperature_of(&g->models.material, 1), *rho = Y0->block[0];
     double M[BATCH];
     flow(g, what, weight);
     for (int at = 0; at < nown; at += BATCH) {

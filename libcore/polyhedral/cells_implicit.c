@@ -77,7 +77,7 @@ void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
     const int unknowns = what == VISCOUS ? g->dim : 1;
-    const double per = what == HEAT ? factor * (g->models.material.gamma - 1) : factor;
+    const double per = what == HEAT ? temperature_of(&g->models.material, factor) : factor;
     double *const *S = d->sum[d->last], *U[MAX_VAR];
     cells_lines(g, Y0, U);
     for (int i = 0; i < m->nown; i++) {

@@ -63,7 +63,7 @@ static void add_states(struct averager *a) {
             square += a->u[k][i] * a->u[k][i];
         }
         a->s->conserved[0][a->cell[i]] += w;
-        a->s->conserved[1 + a->dim][a->cell[i]] += w * (a->T[i] / (a->models->material.gamma - 1) + 0.5 * square);
+        a->s->conserved[1 + a->dim][a->cell[i]] += w * (eps_of(&a->models->material, a->T[i]) + 0.5 * square);
     }
 }
 

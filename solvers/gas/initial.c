@@ -120,7 +120,7 @@ static status take_state(const struct reader *r, struct initial *s) {
 /* A user who changed U or T of a written folder would be ignored, since the conserved fields win. */
 static status check_agreement(const struct reader *r, const struct initial *s) {
     const double *const *q = (const double *const *)s->conserved;
-    double gamma = r->models->material.gamma, tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
+    double tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
     int n = r->place->mesh->ncells;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < r->dim; k++) fastest = fmax(fastest, fabs(q[1 + k][i] / q[0][i]));
@@ -134,7 +134,7 @@ static status check_agreement(const struct reader *r, const struct initial *s) {
                                   "rhoU/rho is %g along %c; to start from a changed U remove rhoU and rhoE", u,
                                   "xyz"[r->axis[k]]);
         }
-        double E = q[1 + r->dim][i] / q[0][i], T = (gamma - 1) * (E - kinetic);
+        double E = q[1 + r->dim][i] / q[0][i], T = temperature_of(&r->models->material, E - kinetic);
         if (s->field[FIELD_T] && fabs(T - s->T[i]) > tolerance * T + 1e-13 * E)
             return field_fail(s->field[FIELD_T], r->place, i,
                               "rhoE says %g; to start from a changed T remove rhoU and rhoE", T);
