@@ -87,17 +87,16 @@ static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method,
 }
 
 const struct diffusion diffusion_table[] = {
-    {"RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes", plan_rkj2, stage_rkj2},
-    {"RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)", plan_rkl2, stage_rkl2},
-    {"explicit", "as many steps of Heun's method as stability wants", plan_explicit, stage_explicit},
-    {"implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc", NULL, NULL},
+    {MODEL("RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes"), plan_rkj2,
+     stage_rkj2},
+    {MODEL("RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)"), plan_rkl2, stage_rkl2},
+    {MODEL("explicit", "as many steps of Heun's method as stability wants"), plan_explicit, stage_explicit},
+    {MODEL("implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc"), NULL, NULL},
 };
 const int diffusion_count = sizeof diffusion_table / sizeof *diffusion_table;
 
 const struct diffusion *diffusion_find(const char *name) {
-    for (int i = 0; i < diffusion_count; i++)
-        if (!strcmp(name, diffusion_table[i].name)) return &diffusion_table[i];
-    return NULL;
+    return model_find(diffusion_table, sizeof *diffusion_table, diffusion_count, name);
 }
 
 struct rise { /* what rise_row needs to compare T in two states */

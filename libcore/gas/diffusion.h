@@ -15,8 +15,10 @@
 #ifndef LIBCORE_DIFFUSION_H
 #define LIBCORE_DIFFUSION_H
 
+#include "libcore/models/param.h"
+
 struct diffusion { /* without a plan: implicit, libcore/gas/implicit.h */
-    const char *name, *about;
+    struct model model;
     /* into how many equal super steps to cut a time of `ratio` = time * rate, and the stages of one */
     long (*plan)(double ratio, int *stages);
     void (*stage)(int stages, int j, double out[4]); /* a, b, c, d; only c counts for j = 1 */

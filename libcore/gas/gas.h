@@ -27,7 +27,7 @@ struct gas_models { /* what the dictionaries chose */
     struct sources source;
     const struct polynomial *polynomial; /* on polyhedra, in place of reconstruct; may be NULL on a forest */
     const struct transport *transport;   /* NULL: inviscid, which costs nothing */
-    struct transport_numbers numbers;    /* of the transport */
+    struct own_params transport_params;  /* parameters of the transport law */
     const struct diffusion *diffusion;   /* with transport */
     const struct linear_module *linear;  /* with implicit diffusion: who solves its systems (libcore/gas/implicit.h) */
     double alpha_floor;                  /* alpha stays above it: mass is added where the fluxes cannot help; 0: off */

@@ -189,7 +189,7 @@ static bool can_collapse(const struct gas *g) {
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     double place[3];
     const struct gas_counts *c = &g->counts;
-    const bool noisy = c->cells > 1000 && strcmp(g->models.flux->name, "common") != 0;
+    const bool noisy = c->cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
     gas_fastest_place(g, speed, place);
     if (!can_collapse(g))
         return fail(

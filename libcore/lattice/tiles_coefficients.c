@@ -53,8 +53,8 @@ static void coefficient_visit(void *context, long offset, int n) {
     temperature_of_row(g, v->U, offset, n, T);
     for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
-    g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, v->U + offset, T,
-                                      w->p + offset, w->c + offset, w->gruneisen + offset);
+    g->models.transport->coefficients(&g->models.transport_params, g->models.eos, &g->models.material, n, v->U + offset,
+                                      T, w->p + offset, w->c + offset, w->gruneisen + offset);
 }
 
 ALWAYS_INLINE double harmonic(double a, double b) {

@@ -1,37 +1,16 @@
+/* The equations of state, each with its parameters and its row of the table, and the parameters of the grains. */
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
 
 #define PI 3.14159265358979323846
 
+#define PARAM_STRUCT struct material
 const struct param grain_param[] = {
-    {"diameter", PARAM_NUMBER, offsetof(struct material, diameter), NAN, 0, 1e30, false, {0, 1, 0}, "grain diameter"},
-    {"mass",
-     PARAM_NUMBER,
-     offsetof(struct material, mass),
-     1,
-     0,
-     1e30,
-     true,
-     {1, 0, 0},
-     "grain mass; 1: rho counts grains"},
-    {"restitution",
-     PARAM_NUMBER,
-     offsetof(struct material, restitution),
-     1,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "normal restitution of a collision; 1: elastic"},
-    {"thresholdSpeed",
-     PARAM_NUMBER,
-     offsetof(struct material, threshold),
-     0,
-     0,
-     1e30,
-     false,
-     {0, 1, -1},
-     "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"},
+    NUMBER("diameter", diameter, REQUIRED, FROM_TO(0, 1e30), UNIT(0, 1, 0), "grain diameter"),
+    NUMBER("mass", mass, 1, BETWEEN(0, 1e30), UNIT(1, 0, 0), "grain mass; 1: rho counts grains"),
+    NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "normal restitution of a collision; 1: elastic"),
+    NUMBER("thresholdSpeed", threshold, 0, FROM_TO(0, 1e30), UNIT(0, 1, -1),
+           "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"),
 };
 const int grain_nparam = sizeof grain_param / sizeof *grain_param;
 
@@ -203,95 +182,47 @@ KERNEL static void spheres_contact(const struct material *m, int n, const double
 }
 
 static const struct param gs_param[] = {
-    {"gamma",
-     PARAM_NUMBER,
-     offsetof(struct material, gamma),
-     5. / 3,
-     1,
-     3,
-     true,
-     {0, 0, 0},
-     "ratio of specific heats of the dilute elastic gas"},
-    {"alphaMax",
-     PARAM_NUMBER,
-     offsetof(struct material, alpha_max),
-     0.65,
-     0,
-     1,
-     true,
-     {0, 0, 0},
-     "packing fraction at which the pressure diverges"},
-    {"printedSoundSpeed",
-     PARAM_SWITCH,
-     offsetof(struct material, printed_sound),
-     0,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "sound speed with the misprinted A' of Serna & Marquina"},
+    NUMBER("gamma", gamma, 5. / 3, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats of the dilute elastic gas"),
+    NUMBER("alphaMax", alpha_max, 0.65, BETWEEN(0, 1), NO_UNIT, "packing fraction at which the pressure diverges"),
+    SWITCH("printedSoundSpeed", printed_sound, false, "sound speed with the misprinted A' of Serna & Marquina"),
 };
 static const struct param perfect_param[] = {
-    {"gamma", PARAM_NUMBER, offsetof(struct material, gamma), 5. / 3, 1, 3, true, {0, 0, 0}, "ratio of specific heats"},
+    NUMBER("gamma", gamma, 5. / 3, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats"),
 };
 
-#define TORQUATO_PARAM(disks)                                                                                          \
-    {"gamma",                                                                                                          \
-     PARAM_NUMBER,                                                                                                     \
-     offsetof(struct material, gamma),                                                                                 \
-     disks ? 2 : 5. / 3,                                                                                               \
-     1,                                                                                                                \
-     3,                                                                                                                \
-     true,                                                                                                             \
-     {0, 0, 0},                                                                                                        \
-     "ratio of specific heats of the dilute elastic gas"},                                                             \
-        {"alphaMax",                                                                                                   \
-         PARAM_NUMBER,                                                                                                 \
-         offsetof(struct material, alpha_max),                                                                         \
-         disks ? 0.82 : 0.64,                                                                                          \
-         0,                                                                                                            \
-         1,                                                                                                            \
-         true,                                                                                                         \
-         {0, 0, 0},                                                                                                    \
-         "where the pressure would diverge; from 0.9999 of it on G is continued linearly"},                            \
-        {"alphaFreezing",                                                                                              \
-         PARAM_NUMBER,                                                                                                 \
-         offsetof(struct material, freezing),                                                                          \
-         disks ? 0.69 : 0.49,                                                                                          \
-         0,                                                                                                            \
-         1,                                                                                                            \
-         true,                                                                                                         \
-         {0, 0, 0},                                                                                                    \
-         "packing fraction where the two branches of the contact value meet"},                                         \
-    {                                                                                                                  \
-        "smoothing", PARAM_NUMBER, offsetof(struct material, smoothing), 0.01, 0, 0.5, false, {0, 0, 0},               \
-            "the branches are joined smoothly within so much of alphaFreezing; 0: a kink"                              \
-    }
-static const struct param disks_param[] = {TORQUATO_PARAM(true)}, spheres_param[] = {TORQUATO_PARAM(false)};
+#define TORQUATO_PARAM(least_heats, packed, freezes)                                                                   \
+    NUMBER("gamma", gamma, least_heats, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats of the dilute elastic gas"),  \
+        NUMBER("alphaMax", alpha_max, packed, BETWEEN(0, 1), NO_UNIT,                                                  \
+               "where the pressure would diverge; from 0.9999 of it on G is continued linearly"),                      \
+        NUMBER("alphaFreezing", freezing, freezes, BETWEEN(0, 1), NO_UNIT,                                             \
+               "packing fraction where the two branches of the contact value meet"),                                   \
+        NUMBER("smoothing", smoothing, 0.01, FROM_TO(0, 0.5), NO_UNIT,                                                 \
+               "the branches are joined smoothly within so much of alphaFreezing; 0: a kink")
+static const struct param disks_param[] = {TORQUATO_PARAM(2, 0.82, 0.69)},
+                          spheres_param[] = {TORQUATO_PARAM(5. / 3, 0.64, 0.49)};
 
 const char *eos_objection(const struct eos *eos, const struct material *m) {
-    if (eos->param != disks_param && eos->param != spheres_param) return NULL;
+    if (eos->model.param != disks_param && eos->model.param != spheres_param) return NULL;
     if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= EOS_PACKING * m->alpha_max)
         return "0 < alphaFreezing - smoothing and alphaFreezing + smoothing < 0.9999 alphaMax are needed";
     return NULL;
 }
 
-#define ROWS(table) table, sizeof table / sizeof *table
 const struct eos eos_table[] = {
-    {"GoldshteinShapiro", "dense spheres up to close packing (Goldshtein & Shapiro 1995)", ROWS(gs_param), true, false,
-     gs_state, gs_contact},
-    {"perfectGas", "the dilute limit, p = rho T", ROWS(perfect_param), false, false, perfect_state, perfect_contact},
-    {"TorquatoDisks", "dense disks, Torquato's contact value (Carrillo, Poeschel & Saluena 2008)", ROWS(disks_param),
-     false, true, disks_state, disks_contact},
-    {"TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", ROWS(spheres_param), false, false,
-     spheres_state, spheres_contact},
+    {MODEL_WITH("GoldshteinShapiro", "dense spheres up to close packing (Goldshtein & Shapiro 1995)", gs_param),
+     .bounded = true, .state = gs_state, .contact = gs_contact},
+    {MODEL_WITH("perfectGas", "the dilute limit, p = rho T", perfect_param), .state = perfect_state,
+     .contact = perfect_contact},
+    {MODEL_WITH("TorquatoDisks", "dense disks, Torquato's contact value (Carrillo, Poeschel & Saluena 2008)",
+                disks_param),
+     .disks = true, .state = disks_state, .contact = disks_contact},
+    {MODEL_WITH("TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", spheres_param),
+     .state = spheres_state, .contact = spheres_contact},
 };
 const int eos_count = sizeof eos_table / sizeof *eos_table;
 
 const struct eos *eos_find(const char *name) {
-    for (int i = 0; i < eos_count; i++)
-        if (!strcmp(name, eos_table[i].name)) return &eos_table[i];
-    return NULL;
+    return model_find(eos_table, sizeof *eos_table, eos_count, name);
 }
 
 void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out) {

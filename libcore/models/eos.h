@@ -23,11 +23,9 @@ struct material {       /* parameters of the grains and of the equation of state
 };
 
 struct eos {
-    const char *name, *about;
-    const struct param *param; /* of struct material, in the model's own dictionary */
-    int nparam;
-    bool bounded; /* needs nu < alpha_max */
-    bool disks;   /* what material.disks must be */
+    struct model model; /* its parameters: members of struct material */
+    bool bounded;       /* needs nu < alpha_max */
+    bool disks;         /* what material.disks must be */
     /* p, c2 = squared sound speed, gruneisen = p_eps / rho, for n states (rho > 0, eps > 0, nu < alpha_max) */
     void (*state)(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
                   double *restrict p, double *restrict c2, double *restrict gruneisen);

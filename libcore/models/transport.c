@@ -1,8 +1,15 @@
+/* The laws of viscosity and heat conduction, each with its parameters and its row of the table. */
 #include "libcore/models/transport.h"
 
 #include "libcore/models/kernel.h"
 
 #define PI 3.14159265358979323846
+
+struct jenkins_richman { /* what its parameters fill */
+    double alpha_min;    /* packing fraction below which G no longer falls in the coefficients */
+    int bulk;            /* index of bulk_words; 1: the bulk viscosity is twice as large, as printed (erratum C2) */
+};
+OWN_PARAMS_FIT(struct jenkins_richman);
 
 /* Jenkins & Richman (1985) as in Carrillo, Poeschel & Saluena (2.12)-(2.14):
  *   bulk = 2/sqrt pi rho sigma sqrt T G,  shear = sqrt pi/8 rho sigma sqrt T [1/G + 2 + (1 + 8/pi) G],
@@ -21,37 +28,33 @@ KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, con
     }
 }
 
-static void jenkins_richman(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+static void jenkins_richman(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                             const double *restrict rho, const double *restrict T, double *restrict bulk,
                             double *restrict shear, double *restrict heat) {
-    const double per = packing_per_density(m), low = t->alpha_min / per, high = EOS_PACKING * m->alpha_max / per;
+    struct jenkins_richman own;
+    memcpy(&own, params, sizeof own);
+    const double per = packing_per_density(m), low = own.alpha_min / per, high = EOS_PACKING * m->alpha_max / per;
     double clipped[BATCH], contact[BATCH];
     for (int i = 0; i < n; i++) clipped[i] = smaller(larger(rho[i], low), high);
     eos->contact(m, n, clipped, contact);
-    disks_of_contact(n, m->diameter, t->bulk_factor, rho, T, contact, bulk, shear, heat);
+    disks_of_contact(n, m->diameter, own.bulk ? 2 : 1, rho, T, contact, bulk, shear, heat);
 }
 
-static const struct param disks_param[] = {
-    {"alphaMin",
-     PARAM_NUMBER,
-     offsetof(struct transport_numbers, alpha_min),
-     1e-4,
-     0,
-     1,
-     true,
-     {0, 0, 0},
-     "packing fraction below which viscosity and conductivity fall with the density"},
+#define PARAM_STRUCT struct jenkins_richman
+static const char *const bulk_words[] = {"corrected", "paper", NULL};
+static const struct param jenkins_richman_param[] = {
+    NUMBER("alphaMin", alpha_min, 1e-4, BETWEEN(0, 1), NO_UNIT,
+           "packing fraction below which viscosity and conductivity fall with the density"),
+    CHOICE("bulk", bulk, 0, bulk_words, "viscosity by the contact integral, or twice that, as printed"),
 };
 
-#define ROWS(table) table, sizeof table / sizeof *table
 const struct transport transport_table[] = {
-    {"JenkinsRichman", "viscosities and heat conductivity of dense disks (Jenkins & Richman 1985)", ROWS(disks_param),
-     true, jenkins_richman},
+    {MODEL_WITH("JenkinsRichman", "viscosities and heat conductivity of dense disks (Jenkins & Richman 1985)",
+                jenkins_richman_param),
+     .valid = GRAINS_DISKS, .coefficients = jenkins_richman},
 };
 const int transport_count = sizeof transport_table / sizeof *transport_table;
 
 const struct transport *transport_find(const char *name) {
-    for (int i = 0; i < transport_count; i++)
-        if (!strcmp(name, transport_table[i].name)) return &transport_table[i];
-    return NULL;
+    return model_find(transport_table, sizeof *transport_table, transport_count, name);
 }

@@ -7,18 +7,16 @@
 
 #include "libcore/models/eos.h"
 
-struct transport_numbers {
-    double alpha_min;   /* packing fraction below which G no longer falls in the coefficients */
-    double bulk_factor; /* of the bulk viscosity: 1, or 2 as printed (erratum C2) */
-};
+enum grains_shape { GRAINS_DISKS = 1, GRAINS_SPHERES = 2, GRAINS_BOTH = GRAINS_DISKS | GRAINS_SPHERES };
+static inline enum grains_shape shape_of(const struct material *m) {
+    return m->disks ? GRAINS_DISKS : GRAINS_SPHERES;
+}
 
 struct transport {
-    const char *name, *about;
-    const struct param *param; /* of struct transport_numbers */
-    int nparam;
-    bool disks; /* what material.disks must be */
-    /* kg/(m s), of disks kg/s, for n <= BATCH states (rho > 0, T > 0) */
-    void (*coefficients)(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+    struct model model;      /* its parameters: members of a struct of the law's own */
+    enum grains_shape valid; /* for these grains */
+    /* kg/(m s), of disks kg/s, for n <= BATCH states (rho > 0, T > 0); params: what the law's table filled */
+    void (*coefficients)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                          const double *restrict rho, const double *restrict T, double *restrict bulk,
                          double *restrict shear, double *restrict heat);
 };

@@ -130,8 +130,8 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         find_temperature(g, n, rho + at, T);
         for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
         for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
-        g->models.transport->coefficients(&g->models.numbers, g->models.eos, &g->models.material, n, rho + at, T,
-                                          d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
+        g->models.transport->coefficients(&g->models.transport_params, g->models.eos, &g->models.material, n, rho + at,
+                                          T, d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
     }
 }
 

@@ -411,19 +411,19 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 }
 
 const struct flux flux_table[] = {
-    {"common", "characteristic upwind on one eigenbasis a face", common},
-    {"Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas", marquina},
-    {"MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too", marquina_stable},
-    {"LaxFriedrichs", "characteristic, every field split with the face's speed", local_lax_friedrichs},
-    {"globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed", global_lax_friedrichs},
-    {"Rusanov", "first order, the most robust (ignores reconstruct)", flux_rusanov},
+    {MODEL("common", "characteristic upwind on one eigenbasis a face"), common},
+    {MODEL("Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas"),
+     marquina},
+    {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"), marquina_stable},
+    {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"), local_lax_friedrichs},
+    {MODEL("globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed"),
+     global_lax_friedrichs},
+    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), flux_rusanov},
 };
 const int flux_count = sizeof flux_table / sizeof *flux_table;
 
 const struct flux *flux_find(const char *name) {
-    for (int i = 0; i < flux_count; i++)
-        if (!strcmp(name, flux_table[i].name)) return &flux_table[i];
-    return NULL;
+    return model_find(flux_table, sizeof *flux_table, flux_count, name);
 }
 
 void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][MAX_VAR],

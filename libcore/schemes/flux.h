@@ -21,7 +21,7 @@ struct faces {
 };
 
 struct flux {
-    const char *name, *about;
+    struct model model;
     void (*through)(const struct faces *f, const struct eos *eos, const struct material *m,
                     const struct reconstruct *r);
 };

@@ -312,19 +312,16 @@ CELLS(linear)
 CELLS(cweno3)
 
 const struct polynomial polynomial_table[] = {
-    {"firstOrder", "the cell's value", 1, 0, NULL},
-    {"linear", "second order: least-squares gradients, limited (Barth & Jespersen 1989)", 1, 1, linear_cells},
-    {"CWENO3",
-     "third order on smooth flow: a quadratic, near shocks linear polynomials of sectors "
-     "(Levy, Puppo & Russo 2000; Dumbser et al. 2017)",
+    {MODEL("firstOrder", "the cell's value"), 1, 0, NULL},
+    {MODEL("linear", "second order: least-squares gradients, limited (Barth & Jespersen 1989)"), 1, 1, linear_cells},
+    {MODEL("CWENO3", "third order on smooth flow: a quadratic, near shocks linear polynomials of sectors "
+                     "(Levy, Puppo & Russo 2000; Dumbser et al. 2017)"),
      2, 2, cweno3_cells},
 };
 const int polynomial_count = sizeof polynomial_table / sizeof *polynomial_table;
 
 const struct polynomial *polynomial_find(const char *name) {
-    for (int i = 0; i < polynomial_count; i++)
-        if (!strcmp(name, polynomial_table[i].name)) return &polynomial_table[i];
-    return NULL;
+    return model_find(polynomial_table, sizeof *polynomial_table, polynomial_count, name);
 }
 
 void fit_cells(struct fit *f, int from, int to, const double *const *U) {

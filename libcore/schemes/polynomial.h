@@ -9,13 +9,14 @@
 #define LIBCORE_POLYNOMIAL_H
 
 #include "libcore/models/kernel.h"
+#include "libcore/models/param.h"
 #include "mesh/polyhedral/polyhedra.h"
 
 enum { MAX_COEFFICIENT = 9 }; /* of a quadratic in 3D, without the constant */
 
 struct fit;         /* weights, face points, and the values there of the last fit_cells */
 struct polynomial { /* a way to fit */
-    const char *name, *about;
+    struct model model;
     int rings;  /* of the polyhedra (mesh/polyhedral/polyhedra.h) */
     int degree; /* 0, 1, 2 */
     /* Fits a batch of cells to the averages U[dim + 2][size], mirrors included; NULL: the averages are the values. */

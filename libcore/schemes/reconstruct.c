@@ -148,7 +148,7 @@ LOOPS(wenoz)
 LOOPS(teno5)
 LOOPS(first_order)
 #define ROW(name, about, reach, value)                                                                                 \
-    { name, about, reach, value##_line, value##_upwind, value##_split, value##_sided }
+    { MODEL(name, about), reach, value##_line, value##_upwind, value##_split, value##_sided }
 
 const struct reconstruct reconstruct_table[] = {
     ROW("PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm),
@@ -161,7 +161,5 @@ const struct reconstruct reconstruct_table[] = {
 const int reconstruct_count = sizeof reconstruct_table / sizeof *reconstruct_table;
 
 const struct reconstruct *reconstruct_find(const char *name) {
-    for (int i = 0; i < reconstruct_count; i++)
-        if (!strcmp(name, reconstruct_table[i].name)) return &reconstruct_table[i];
-    return NULL;
+    return model_find(reconstruct_table, sizeof *reconstruct_table, reconstruct_count, name);
 }

@@ -6,13 +6,14 @@
 #define LIBCORE_RECONSTRUCT_H
 
 #include "libcore/models/kernel.h"
+#include "libcore/models/param.h"
 
 struct faces; /* libcore/schemes/flux.h */
 struct bases; /* libcore/schemes/characteristic.h, as is winds */
 struct winds;
 
 struct reconstruct {
-    const char *name, *about;
+    struct model model;
     int reach; /* cells used on each side: 0, 1 or 2 */
     void (*face)(int n, const double *const q[5], double *restrict out);
     /* Amplitudes a[field] of the nodal fluxes projected on the faces' eigenbases, for faces from <= i < to (all lines

@@ -1,8 +1,5 @@
 #include "libcore/schemes/stepper.h"
 
-#include <stddef.h>
-#include <string.h>
-
 #define ALL(x)                                                                                                         \
     { x, x, x, x, x, x, x, x, x, x }
 
@@ -12,40 +9,19 @@
  * The limiter's theorem wants a Courant number of 1/2 of every Euler step (libcore/schemes/limit.h): maxCo up to 0.5 /
  * max(b). Above that steps may be rejected where something was limited. */
 const struct stepper stepper_table[] = {
-    {"SSPRK3",
-     "three stages, third order, maxCo up to 1; admissible by theorem to 0.5 (Shu & Osher 1988)",
-     3,
-     0,
-     1,
-     {0, 3. / 4, 1. / 3},
-     ALL(1)},
-    {"SSPRK43",
-     "four stages, third order, maxCo up to 2; admissible by theorem to 1 (Spiteri & Ruuth 2002)",
-     4,
-     0,
-     2,
-     {0, 0, 2. / 3},
-     ALL(0.5)},
-    {"SSPRK104",
-     "ten stages, fourth order, maxCo up to 3; admissible by theorem to 3 (Ketcheson 2008)",
-     10,
-     5,
-     3,
-     {[9] = 0.4},
-     ALL(1. / 6)},
-    {"SSPRK2",
-     "two stages, second order, maxCo up to 1; admissible by theorem to 0.5 (Heun)",
-     2,
-     0,
-     1,
-     {0, 1. / 2},
-     ALL(1)},
-    {"Euler", "one stage, first order, maxCo up to 1; admissible by theorem to 0.5", 1, 0, 1, {0}, ALL(1)},
+    {MODEL("SSPRK3", "three stages, third order, maxCo up to 1; admissible by theorem to 0.5 (Shu & Osher 1988)"),
+     .stages = 3, .courant = 1, .a = {0, 3. / 4, 1. / 3}, .b = ALL(1)},
+    {MODEL("SSPRK43", "four stages, third order, maxCo up to 2; admissible by theorem to 1 (Spiteri & Ruuth 2002)"),
+     .stages = 4, .courant = 2, .a = {0, 0, 2. / 3}, .b = ALL(0.5)},
+    {MODEL("SSPRK104", "ten stages, fourth order, maxCo up to 3; admissible by theorem to 3 (Ketcheson 2008)"),
+     .stages = 10, .exchange = 5, .courant = 3, .a = {[9] = 0.4}, .b = ALL(1. / 6)},
+    {MODEL("SSPRK2", "two stages, second order, maxCo up to 1; admissible by theorem to 0.5 (Heun)"), .stages = 2,
+     .courant = 1, .a = {0, 1. / 2}, .b = ALL(1)},
+    {MODEL("Euler", "one stage, first order, maxCo up to 1; admissible by theorem to 0.5"), .stages = 1, .courant = 1,
+     .b = ALL(1)},
 };
 const int stepper_count = sizeof stepper_table / sizeof *stepper_table;
 
 const struct stepper *stepper_find(const char *name) {
-    for (int i = 0; i < stepper_count; i++)
-        if (!strcmp(name, stepper_table[i].name)) return &stepper_table[i];
-    return NULL;
+    return model_find(stepper_table, sizeof *stepper_table, stepper_count, name);
 }

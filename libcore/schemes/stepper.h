@@ -2,8 +2,10 @@
 #ifndef LIBCORE_STEPPER_H
 #define LIBCORE_STEPPER_H
 
+#include "libcore/models/param.h"
+
 struct stepper { /* stage s: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) */
-    const char *name, *about;
+    struct model model;
     int stages;
     int exchange;   /* after so many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
     double courant; /* largest maxCo allowed (the Euler step: 1) */

@@ -11,32 +11,27 @@
 
 enum { PATH = 4096 };
 
-#define SECONDS                                                                                                        \
-    { 0, 0, 1 }
-#define NUMBERLESS                                                                                                     \
-    { 0, 0, 0 }
-#define MEMBER(m) offsetof(struct control, m)
+#define PARAM_STRUCT struct control
 const struct param control_table[] = {
-    {"startTime", PARAM_NUMBER, MEMBER(start_time), 0, -HUGE_VAL, HUGE_VAL, true, SECONDS, "time to start from"},
-    {"endTime", PARAM_NUMBER, MEMBER(end_time), HUGE_VAL, -HUGE_VAL, HUGE_VAL, false, SECONDS, "time to stop at"},
-    {"deltaT", PARAM_NUMBER, MEMBER(delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS,
-     "time step; with adjustTimeStep the most for the first"},
-    {"maxCo", PARAM_NUMBER, MEMBER(max_co), 1, 1e-6, 6, false, NUMBERLESS, "largest Courant number"},
-    {"maxDeltaT", PARAM_NUMBER, MEMBER(max_delta_t), HUGE_VAL, 0, HUGE_VAL, true, SECONDS, "largest time step"},
-    {"minDeltaT", PARAM_NUMBER, MEMBER(min_delta_t), 0, 0, HUGE_VAL, false, SECONDS,
-     "a smaller step than this (not one that hits a write time) ends the run"},
-    {"purgeWrite", PARAM_COUNT, MEMBER(purge), 0, 0, 1e9, false, NUMBERLESS, "written times to keep (0: all)"},
-    {"writePrecision", PARAM_COUNT, MEMBER(format.precision), 6, 1, 17, false, NUMBERLESS, "digits of ascii numbers"},
-    {"timePrecision", PARAM_COUNT, MEMBER(time_precision), 6, 1, 17, false, NUMBERLESS, "digits of time names"},
-    {"adjustTimeStep", PARAM_SWITCH, MEMBER(adjust), 1, 0, 1, false, NUMBERLESS, "time step from maxCo"},
-    {"runTimeModifiable", PARAM_SWITCH, MEMBER(modifiable), 1, 0, 1, false, NUMBERLESS, "re-read this file on change"},
-    {"writeProcessors", PARAM_SWITCH, MEMBER(write_processors), 0, 0, 1, false, NUMBERLESS, "processorN folders too"},
-    {"logInterval", PARAM_COUNT, MEMBER(log_interval), 0, 0, 1e9, false, NUMBERLESS,
-     "steps between log entries (0: about one a second)"},
+    NUMBER("startTime", start_time, 0, ANY_NUMBER, UNIT(0, 0, 1), "time to start from"),
+    NUMBER("endTime", end_time, HUGE_VAL, FROM_TO(-HUGE_VAL, HUGE_VAL), UNIT(0, 0, 1), "time to stop at"),
+    NUMBER("deltaT", delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1),
+           "time step; with adjustTimeStep the most for the first"),
+    NUMBER("maxCo", max_co, 1, FROM_TO(1e-6, 6), NO_UNIT, "largest Courant number"),
+    NUMBER("maxDeltaT", max_delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1), "largest time step"),
+    NUMBER("minDeltaT", min_delta_t, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 0, 1),
+           "a smaller step than this (not one that hits a write time) ends the run"),
+    WHOLE("purgeWrite", purge, 0, FROM_TO(0, 1e9), "written times to keep (0: all)"),
+    WHOLE("writePrecision", format.precision, 6, FROM_TO(1, 17), "digits of ascii numbers"),
+    WHOLE("timePrecision", time_precision, 6, FROM_TO(1, 17), "digits of time names"),
+    SWITCH("adjustTimeStep", adjust, true, "time step from maxCo"),
+    SWITCH("runTimeModifiable", modifiable, true, "re-read this file on change"),
+    SWITCH("writeProcessors", write_processors, false, "processorN folders too"),
+    WHOLE("logInterval", log_interval, 0, FROM_TO(0, 1e9), "steps between log entries (0: about one a second)"),
 };
 const int control_table_size = sizeof control_table / sizeof *control_table;
 
-static const signed char seconds[3] = SECONDS;
+static const signed char seconds[3] = UNIT(0, 0, 1);
 
 static status choice_or(struct dict *d, const char *key, const char *const *names, int count, int standard, int *out) {
     *out = standard;

@@ -15,18 +15,35 @@ static status check_range(const struct dict *d, const struct param *p, double v)
                 p->low, p->high, edges);
 }
 
+static int count_words(const struct param *p) {
+    int n = 0;
+    while (p->words[n]) n++;
+    return n;
+}
+
 static status missing(struct dict *d, const struct param *p) {
     double none;
-    status cause = dict_number(d, p->name, p->unit, &none); /* it says where, and what it may be misspelt as */
+    int index;
+    /* the error of reading says where, and what the key may be misspelt as */
+    status cause = p->kind == PARAM_CHOICE ? dict_choice(d, p->name, p->words, count_words(p), &index)
+                                           : dict_number(d, p->name, p->unit, &none);
     status s = fail(ERR_INPUT, "%s (%s)", status_text(cause), p->meaning);
     status_free(cause);
     return s;
 }
 
+static status read_choice(struct dict *d, const struct param *p, bool given, void *member) {
+    int index = (int)p->standard;
+    if (given) TRY(dict_choice(d, p->name, p->words, count_words(p), &index));
+    memcpy(member, &index, sizeof index);
+    return OK;
+}
+
 static status read_one(struct dict *d, const struct param *p, void *member) {
-    bool given = dict_has(d, p->name);
+    const bool given = dict_has(d, p->name);
     double v[3] = {p->standard, p->standard, p->standard};
     if (!given && isnan(p->standard)) return missing(d, p);
+    if (p->kind == PARAM_CHOICE) return read_choice(d, p, given, member);
     if (p->kind == PARAM_SWITCH) return dict_switch_or(d, p->name, p->standard != 0, member);
     if (given && p->kind == PARAM_VECTOR)
         TRY(dict_vector(d, p->name, p->unit, v));
@@ -34,7 +51,7 @@ static status read_one(struct dict *d, const struct param *p, void *member) {
         TRY(dict_number(d, p->name, p->unit, v));
     int components = p->kind == PARAM_VECTOR ? 3 : 1;
     for (int i = 0; given && i < components; i++) TRY(check_range(d, p, v[i]));
-    if (p->kind == PARAM_COUNT) {
+    if (p->kind == PARAM_WHOLE) {
         if (v[0] != floor(v[0]) || fabs(v[0]) > INT_MAX) return dict_fail(d, p->name, "expected a whole number");
         int n = (int)v[0];
         memcpy(member, &n, sizeof n);
@@ -61,17 +78,63 @@ static void print_unit(char text[64], const signed char unit[3]) {
     if (!used) snprintf(text, 64, "-");
 }
 
+/* The words of a choice without the one that is chosen where the key is missing: "or paper". */
+static void print_words(const struct param *p, int standard, char *text, size_t size) {
+    const char *before = standard < 0 ? "" : "or ";
+    size_t used = 0;
+    text[0] = 0;
+    for (int i = 0; p->words[i] && used < size; i++) {
+        if (i == standard) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s%s", before, p->words[i]);
+        before = ", ";
+    }
+}
+
+/* What is taken where the key is missing, and what is allowed. */
+static void print_allowed(const struct param *p, char standard[32], char allowed[128]) {
+    const int chosen = isnan(p->standard) ? -1 : (int)fmax(-1, fmin(p->standard, INT_MAX));
+    snprintf(standard, 32, "%g", p->standard);
+    snprintf(allowed, 128, p->open ? "%g < .. < %g" : "%g .. %g", p->low, p->high);
+    if (p->kind == PARAM_SWITCH) {
+        snprintf(standard, 32, "%s", chosen ? "on" : "off");
+        snprintf(allowed, 128, "on, off");
+    } else if (p->kind == PARAM_CHOICE) {
+        snprintf(standard, 32, "%s", chosen < 0 ? "-" : p->words[chosen]);
+        print_words(p, chosen, allowed, 128);
+    }
+    if (isnan(p->standard)) snprintf(standard, 32, "required");
+}
+
 void params_print(FILE *f, const struct param *table, int n) {
     for (int i = 0; i < n; i++) {
         const struct param *p = &table[i];
-        char unit[64], standard[32], range[64];
+        char unit[64], standard[32], allowed[128];
         print_unit(unit, p->unit);
-        snprintf(standard, sizeof standard, "%g", p->standard);
-        if (isnan(p->standard)) snprintf(standard, sizeof standard, "required");
-        if (p->kind == PARAM_SWITCH && !isnan(p->standard))
-            snprintf(standard, sizeof standard, "%s", p->standard != 0 ? "on" : "off");
-        snprintf(range, sizeof range, p->open ? "%g < .. < %g" : "%g .. %g", p->low, p->high);
-        fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", p->name, standard, p->kind == PARAM_SWITCH ? "on, off" : range,
-                unit, p->meaning);
+        print_allowed(p, standard, allowed);
+        fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", p->name, standard, allowed, unit, p->meaning);
+    }
+}
+
+static void print_value(FILE *f, const struct param *p, const void *member) {
+    double v[3] = {0, 0, 0};
+    int whole = 0;
+    bool on = false;
+    if (p->kind == PARAM_NUMBER || p->kind == PARAM_VECTOR)
+        memcpy(v, member, (p->kind == PARAM_VECTOR ? 3 : 1) * sizeof *v);
+    else if (p->kind == PARAM_SWITCH)
+        memcpy(&on, member, sizeof on);
+    else
+        memcpy(&whole, member, sizeof whole);
+    if (p->kind == PARAM_NUMBER) fprintf(f, "%.10g\n", v[0]);
+    if (p->kind == PARAM_WHOLE) fprintf(f, "%d\n", whole);
+    if (p->kind == PARAM_SWITCH) fprintf(f, "%s\n", on ? "yes" : "no");
+    if (p->kind == PARAM_VECTOR) fprintf(f, "(%.10g %.10g %.10g)\n", v[0], v[1], v[2]);
+    if (p->kind == PARAM_CHOICE) fprintf(f, "%s\n", whole < 0 ? "-" : p->words[whole]);
+}
+
+void params_print_values(FILE *f, const struct param *table, int n, const void *base) {
+    for (int i = 0; i < n; i++) {
+        fprintf(f, "    %-22s ", table[i].name);
+        print_value(f, &table[i], (const char *)base + table[i].offset);
     }
 }

@@ -42,7 +42,7 @@ static const int written[] = {GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_LIMITED, GAS_R
 static status gas_check_control(const struct medium *m, const struct control *c) {
     const struct stepper *stepper = of(m)->models->gas.stepper;
     if (c->max_co <= stepper->courant) return OK;
-    return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->name, stepper->courant);
+    return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->model.name, stepper->courant);
 }
 
 static status gas_read(struct setup *s) {
@@ -67,11 +67,11 @@ static status gas_read_state(struct setup *s) {
     const struct gas_models *models = &g->models->gas;
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, s->dim, s->axis, models, &g->initial));
-    if (g->models->engine == ENGINE_LATTICE && !s->lattice)
+    if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
                          s->why);
-    TRY(setup_grid(s, g->models->engine == ENGINE_POLYHEDRAL, models->polynomial->rings));
+    TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
     if (s->grid->polyhedra && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;
@@ -110,13 +110,14 @@ static void gas_describe(const struct medium *m, FILE *f) {
 static void gas_provenance(const struct medium *m, struct sink *o) {
     const struct gas_models *g = &of(m)->models->gas;
     bool polyhedral = m->setup->grid->polyhedra != NULL;
-    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->name, g->flux->name,
-                g->stepper->name);
+    sink_printf(o, "equationOfState %s;\nfluxScheme      %s;\ntimeScheme      %s;\n", g->eos->model.name,
+                g->flux->model.name, g->stepper->model.name);
     if (g->transport)
-        sink_printf(o, "transport       %s;\ndiffusion       %s;\n", g->transport->name, g->diffusion->name);
+        sink_printf(o, "transport       %s;\ndiffusion       %s;\n", g->transport->model.name,
+                    g->diffusion->model.name);
     sink_printf(o, "meshEngine      %s;\n%s %s;\n", polyhedral ? "polyhedral" : "lattice",
                 polyhedral ? "polyReconstruct" : "reconstruct    ",
-                polyhedral ? g->polynomial->name : g->reconstruct->name);
+                polyhedral ? g->polynomial->model.name : g->reconstruct->model.name);
 }
 
 /* Bytes of the state and what a step needs with it, of all cells. */

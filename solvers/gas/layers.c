@@ -12,66 +12,34 @@
 
 struct layers {
     struct dict *file;
-    bool settled, perturbed, of_depth;
+    bool settled, perturbed;
     double depth, packing, laid, background; /* packing, laid: 0 as said in the table */
     bool hydrostatic;
     double amplitude;
+    int of_depth;          /* index of of_words */
     int modes, seed, axis; /* axis: -1 the longest that is cyclic and lies across gravity */
 };
 
+static const char *const of_words[] = {"density", "depth", NULL}, *const axis_words[] = {"x", "y", "z", NULL};
+#define PARAM_STRUCT struct layers
 static const struct param settled_param[] = {
-    {"depth", PARAM_NUMBER, offsetof(struct layers, depth), NAN, 0, HUGE_VAL, true, {0, 0, 0}, "in grain diameters"},
-    {"packing",
-     PARAM_NUMBER,
-     offsetof(struct layers, packing),
-     0,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "of that depth: both say the mass; 0: alphaMax of the equation of state"},
-    {"hydrostatic",
-     PARAM_SWITCH,
-     offsetof(struct layers, hydrostatic),
-     1,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "alpha falls with height so that the layer rests at the uniform T of the case"},
-    {"laidAt",
-     PARAM_NUMBER,
-     offsetof(struct layers, laid),
-     0,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "packing of the uniform layer (hydrostatic no), which is as deep as its mass asks; 0: packing"},
-    {"background",
-     PARAM_NUMBER,
-     offsetof(struct layers, background),
-     1e-6,
-     0,
-     1,
-     true,
-     {0, 0, 0},
-     "least packing of a cell; counted in the mass of the layer"},
+    NUMBER("depth", depth, REQUIRED, POSITIVE, NO_UNIT, "in grain diameters"),
+    NUMBER("packing", packing, 0, FROM_TO(0, 1), NO_UNIT,
+           "of that depth: both say the mass; 0: alphaMax of the equation of state"),
+    SWITCH("hydrostatic", hydrostatic, true,
+           "alpha falls with height so that the layer rests at the uniform T of the case"),
+    NUMBER("laidAt", laid, 0, FROM_TO(0, 1), NO_UNIT,
+           "packing of the uniform layer (hydrostatic no), which is as deep as its mass asks; 0: packing"),
+    NUMBER("background", background, 1e-6, BETWEEN(0, 1), NO_UNIT,
+           "least packing of a cell; counted in the mass of the layer"),
 };
 static const struct param perturbation_param[] = {
-    {"modes",
-     PARAM_COUNT,
-     offsetof(struct layers, modes),
-     20,
-     1,
-     100000,
-     false,
-     {0, 0, 0},
-     "the longest waves of the box"},
-    {"amplitude", PARAM_NUMBER, offsetof(struct layers, amplitude), NAN, 0, 1, false, {0, 0, 0}, "of each, relative"},
-    {"seed", PARAM_COUNT, offsetof(struct layers, seed), 1, 0, 2147483647, false, {0, 0, 0}, "of their phases"},
+    WHOLE("modes", modes, 20, FROM_TO(1, 100000), "the longest waves of the box"),
+    NUMBER("amplitude", amplitude, REQUIRED, FROM_TO(0, 1), NO_UNIT, "of each, relative"),
+    WHOLE("seed", seed, 1, FROM_TO(0, 2147483647), "of their phases"),
+    CHOICE("of", of_depth, 0, of_words, "what it multiplies: density, or the mass of each column of a settledLayer"),
+    CHOICE("axis", axis, -1, axis_words, "a cyclic one; default the longest across gravity"),
 };
-static const char *const of_names[] = {"density", "depth"}, *const axis_names[] = {"x", "y", "z"};
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
 static status read_settled(struct dict *d, struct layers *l) {
@@ -82,11 +50,7 @@ static status read_settled(struct dict *d, struct layers *l) {
 }
 
 static status read_perturbation(struct dict *d, struct layers *l) {
-    int of = 0;
     TRY(params_read(d, perturbation_param, COUNT(perturbation_param), l));
-    if (dict_has(d, "of")) TRY(dict_choice(d, "of", of_names, COUNT(of_names), &of));
-    if (dict_has(d, "axis")) TRY(dict_choice(d, "axis", axis_names, COUNT(axis_names), &l->axis));
-    l->of_depth = of == 1;
     if (l->of_depth && !l->settled) return dict_fail(d, "of", "only a settledLayer has a depth; say  of density;");
     return OK;
 }
@@ -131,10 +95,6 @@ void layers_list(FILE *f) {
     params_print(f, settled_param, COUNT(settled_param));
     fprintf(f, "\n0/alpha or 0/rho: perturbation { }, 1 + amplitude sum sin(2 pi (k x/L + random phase))\n");
     params_print(f, perturbation_param, COUNT(perturbation_param));
-    fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "of", of_names[0], "or depth", "-",
-            "what it multiplies: density, or the mass of each column of a settledLayer");
-    fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "axis", "-", "x, y, z", "-",
-            "a cyclic one; default the longest across gravity");
 }
 
 /* ---- on the cells ----------------------------------------------------------------------------------------------- */
@@ -252,7 +212,7 @@ static status waves_axis(const struct bed *b, int *out) {
         if (cyclic[a] && a != b->up && (*out < 0 || b->high[a] - b->low[a] > b->high[*out] - b->low[*out])) *out = a;
     if (*out >= 0 && cyclic[*out] && *out != b->up) return OK;
     return cannot(b->l, "perturbation", "waves need an axis that is cyclic and lies across gravity: %s%s",
-                  *out < 0 ? "none does" : axis_names[*out], *out < 0 ? "" : " does not");
+                  *out < 0 ? "none does" : axis_words[*out], *out < 0 ? "" : " does not");
 }
 
 static status make_waves(struct bed *b) {

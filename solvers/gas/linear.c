@@ -26,5 +26,5 @@ status linear_load(const struct linear_module **out) {
                 "it wants the module %s: %s\n"
                 "  which is built where PETSc is installed: on Debian, apt-get install %s, then configure and build "
                 "again; or choose %s",
-                MODULE, dlerror(), PACKAGE, diffusion_table[0].name);
+                MODULE, dlerror(), PACKAGE, diffusion_table[0].model.name);
 }

@@ -1,6 +1,9 @@
+/* What the dictionaries choose, read, printed and listed: models by one loop over the table of families, and the
+ * parameters that belong to no row of them. */
 #include "solvers/gas/models.h"
 
 #include "solvers/case/fields.h"
+#include "solvers/dict/family.h"
 #include "solvers/dict/params.h"
 #include "solvers/gas/layers.h"
 #include "solvers/gas/linear.h"
@@ -9,152 +12,132 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PATH = 4096, NAMES = 32 };
-
-static const struct param shaking_param[] = {
-    {"amplitude",
-     PARAM_NUMBER,
-     offsetof(struct sources, amplitude),
-     NAN,
-     -HUGE_VAL,
-     HUGE_VAL,
-     true,
-     {0, 0, 0},
-     "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or  table ((t a) (t a) ..);"},
-    {"frequency", PARAM_NUMBER, offsetof(struct sources, frequency), NAN, 0, HUGE_VAL, true, {0, 0, -1}, "Hz"},
-    {"phase", PARAM_NUMBER, offsetof(struct sources, phase), 0, -HUGE_VAL, HUGE_VAL, true, {0, 0, 0}, "rad"},
-};
-static const struct param limits_param[] = {
-    {"minDeltaTFraction",
-     PARAM_NUMBER,
-     offsetof(struct case_models, min_fraction),
-     1e-3,
-     0,
-     1,
-     true,
-     {0, 0, 0},
-     "the run has collapsed when dt falls below this part of what calm cells allow"},
-    {"alphaFloor", /* the last: not printed where it is off */
-     PARAM_NUMBER,
-     offsetof(struct case_models, gas.alpha_floor),
-     0,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "alpha stays above it: mass is added, and counted, where the fluxes cannot help; 0: off"},
-};
-static const struct param solution_param[] = {
-    {"skipUniform",
-     PARAM_SWITCH,
-     offsetof(struct case_models, gas.skip_uniform),
-     1,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "leave out cells whose surroundings are uniform to the bit; the result has the same bits"},
-};
-static const char *const cooling_names[] = {"none", "Haff"};
-static const char *const bulk_names[] = {"corrected", "paper"};
-static const char *const engine_names[] = {"lattice", "polyhedral"};
-static const char *const shaking_names[] = {"none", "sinusoidal"};
-
-/* Of fvSchemes, where it is silent: least time to a given error among those that also hold at shocks, walls and near
- * vacuum, by postprocessing/reports/workPrecision.md. */
-static const char flux_standard[] = "common", reconstruct_standard[] = "WPENO5", stepper_standard[] = "SSPRK43",
-                  polynomial_standard[] = "CWENO3";
-
+enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
-/* The row of a model table that `key` names; index 0 of the names where the key is missing, unless it must be there. */
-#define TABLE_CHOICE(d, key, table, count, standard, out)                                                              \
-    do {                                                                                                               \
-        const char *names_[NAMES];                                                                                     \
-        for (int i_ = 0; i_ < count && i_ < NAMES; i_++) names_[i_] = table[i_].name;                                  \
-        TRY(choice_or(d, key, names_, count, standard, out));                                                          \
-    } while (0)
+#define PARAM_STRUCT struct sources
+static const struct param shaking_param[] = {
+    NUMBER("amplitude", amplitude, REQUIRED, ANY_NUMBER, NO_UNIT,
+           "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or  table ((t a) (t a) ..);"),
+    NUMBER("frequency", frequency, REQUIRED, POSITIVE, UNIT(0, 0, -1), "Hz"),
+    NUMBER("phase", phase, 0, ANY_NUMBER, NO_UNIT, "rad"),
+};
+#undef PARAM_STRUCT
+#define PARAM_STRUCT struct case_models
+static const struct param limits_param[] = {
+    NUMBER("minDeltaTFraction", min_fraction, 1e-3, BETWEEN(0, 1), NO_UNIT,
+           "the run has collapsed when dt falls below this part of what calm cells allow"),
+    NUMBER("alphaFloor", gas.alpha_floor, 0, FROM_TO(0, 1), NO_UNIT, /* the last: not printed where it is off */
+           "alpha stays above it: mass is added, and counted, where the fluxes cannot help; 0: off"),
+};
+static const struct param solution_param[] = {
+    SWITCH("skipUniform", gas.skip_uniform, true,
+           "leave out cells whose surroundings are uniform to the bit; the result has the same bits"),
+};
+static const char *const shaking_names[] = {"none", "sinusoidal"};
 
-static status choice_or(struct dict *d, const char *key, const char *const *names, int count, const char *standard,
-                        int *out) {
-    if (standard && !dict_has(d, key)) {
-        for (*out = 0; *out < count - 1 && strcmp(names[*out], standard);) ++*out;
-        return OK;
-    }
-    return dict_choice(d, key, names, count, out);
-}
+static const struct mesh_engine engine_table[] = {
+    {MODEL("lattice", "tiles of equal boxes, with `reconstruct` (default where the mesh is one)"), false},
+    {MODEL("polyhedral", "any cells, with `polyReconstruct` (default where the mesh is no lattice)"), true},
+};
+static const int engine_count = COUNT(engine_table);
+static const struct model cooling_table[] = {
+    MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"),
+};
+static const int cooling_count = COUNT(cooling_table);
 
-static status read_grains(struct dict *d, struct gas_models *m) {
-    struct dict *sub;
-    char coeffs[128];
-    int i;
-    TRY(dict_sub(d, "grain", &sub));
-    TRY(params_read(sub, grain_param, grain_nparam, &m->material));
-    TABLE_CHOICE(d, "equationOfState", eos_table, eos_count, NULL, &i);
-    m->eos = &eos_table[i];
+static status eos_suits(struct dict *d, void *base) {
+    struct gas_models *m = &((struct case_models *)base)->gas;
+    (void)d;
     m->material.disks = m->eos->disks;
-    for (i = 0; i < eos_count; i++) { /* coefficients of the models not chosen may stay in the file */
-        snprintf(coeffs, sizeof coeffs, "%sCoeffs", eos_table[i].name);
-        TRY(dict_sub_optional(d, coeffs, &sub));
-        if (sub && &eos_table[i] != m->eos) dict_mark_used(sub);
-    }
-    snprintf(coeffs, sizeof coeffs, "%sCoeffs", m->eos->name);
-    TRY(dict_sub_optional(d, coeffs, &sub));
-    struct dict *none = NULL;
-    if (!sub) TRY(dict_from_text(coeffs, "", &none));
-    status s = params_read(sub ? sub : none, m->eos->param, m->eos->nparam, &m->material);
-    dict_free(none);
-    TRY(s);
+    return OK;
+}
+static status eos_holds(struct dict *d, void *base) {
+    const struct gas_models *m = &((struct case_models *)base)->gas;
     const char *objection = eos_objection(m->eos, &m->material);
     return objection ? dict_fail(d, "equationOfState", "%s", objection) : OK;
 }
 
-/* coefficients: its "JenkinsRichmanCoeffs", or an empty one */
-static status read_numbers(struct dict *coefficients, struct gas_models *m) {
-    int i;
-    TRY(params_read(coefficients, m->transport->param, m->transport->nparam, &m->numbers));
-    TRY(choice_or(coefficients, "bulk", bulk_names, COUNT(bulk_names), bulk_names[0], &i));
-    m->numbers.bulk_factor = 1 + i;
+static status cooling_suits(struct dict *d, void *base) {
+    const struct case_models *m = base;
+    if (dict_has(d, "cooling") || m->gas.material.restitution >= 1) return OK;
+    return fail(ERR_INPUT,
+                "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
+                dict_path(d), m->gas.material.restitution);
+}
+
+static status transport_suits(struct dict *d, void *base) {
+    const struct gas_models *m = &((struct case_models *)base)->gas;
+    const bool disks = m->material.disks;
+    if (!m->transport) return OK;
+    if (!(m->transport->valid & shape_of(&m->material)))
+        return dict_fail(d, "transport", "%s is for %s, equationOfState %s for %s", m->transport->model.name,
+                         disks ? "spheres" : "disks", m->eos->model.name, disks ? "disks" : "spheres");
+    if (m->material.diameter == 0)
+        return dict_fail(d, "transport", "grains without a diameter do not collide: say  transport none;");
     return OK;
 }
 
-static status read_transport(struct dict *d, struct gas_models *m) {
-    const char *names[NAMES] = {"none"};
-    struct dict *sub, *none = NULL;
-    char coeffs[128];
-    int chosen;
-    for (int i = 0; i < transport_count && i + 1 < NAMES; i++) names[i + 1] = transport_table[i].name;
-    TRY(choice_or(d, "transport", names, 1 + transport_count, "none", &chosen));
-    for (int i = 0; i < transport_count; i++) {
-        snprintf(coeffs, sizeof coeffs, "%sCoeffs", transport_table[i].name);
-        TRY(dict_sub_optional(d, coeffs, &sub));
-        if (sub && i + 1 != chosen) dict_mark_used(sub);
-        if (i + 1 != chosen) continue;
-        m->transport = &transport_table[i];
-        if (m->transport->disks != m->material.disks)
-            return dict_fail(d, "transport", "%s is for %s, equationOfState %s for %s", m->transport->name,
-                             m->transport->disks ? "disks" : "spheres", m->eos->name,
-                             m->material.disks ? "disks" : "spheres");
-        if (m->material.diameter == 0)
-            return dict_fail(d, "transport", "grains without a diameter do not collide: say  transport none;");
-        if (!sub) TRY(dict_from_text(coeffs, "", &none));
-        status s = read_numbers(sub ? sub : none, m);
-        dict_free(none);
-        TRY(s);
-    }
+static status diffusion_suits(struct dict *d, void *base) {
+    struct gas_models *m = &((struct case_models *)base)->gas;
+    status missing = m->transport && !m->diffusion->plan ? linear_load(&m->linear) : OK, s = OK;
+    if (missing) s = dict_fail(d, "type", "%s", status_text(missing));
+    status_free(missing);
+    return s;
+}
+
+#define PROPERTIES "constant/granularProperties"
+#define SCHEMES    "system/fvSchemes"
+#define SOLUTION   "system/fvSolution"
+#define MEMBER(m)  offsetof(struct case_models, m)
+/* Families of a file are read and listed in this order. Defaults of fvSchemes: least time to a given error among those
+ * that also hold at shocks, walls and near vacuum, by postprocessing/reports/workPrecision.md. */
+enum { EOS, COOLING, TRANSPORT, FLUX, RECONSTRUCT, STEPPER, ENGINE, POLYNOMIAL, DIFFUSION, FAMILIES };
+static const struct family families[FAMILIES] = {
+    [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
+             .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits, .holds = eos_holds},
+    [COOLING] = {PROPERTIES, "cooling", FAMILY_ROWS(cooling), .key = "cooling", .none = "no energy sink",
+                 .chosen = MEMBER(cooling), .suits = cooling_suits},
+    [TRANSPORT] = {PROPERTIES, "transport", FAMILY_ROWS(transport), .key = "transport", .none = "inviscid",
+                   .tacit = true, .chosen = MEMBER(gas.transport), .params = MEMBER(gas.transport_params),
+                   .suits = transport_suits},
+    [FLUX] = {SCHEMES, "system/fvSchemes: fluxScheme", FAMILY_ROWS(flux), .key = "fluxScheme", .standard = "common",
+              .chosen = MEMBER(gas.flux)},
+    [RECONSTRUCT] = {SCHEMES, "system/fvSchemes: reconstruct", FAMILY_ROWS(reconstruct), .key = "reconstruct",
+                     .standard = "WPENO5", .chosen = MEMBER(gas.reconstruct)},
+    [STEPPER] = {SCHEMES, "system/fvSchemes: timeScheme", FAMILY_ROWS(stepper), .key = "timeScheme",
+                 .standard = "SSPRK43", .chosen = MEMBER(gas.stepper)},
+    [ENGINE] = {SCHEMES, "system/fvSchemes: meshEngine", FAMILY_ROWS(engine), .key = "meshEngine",
+                .chosen = MEMBER(engine)},
+    [POLYNOMIAL] = {SCHEMES, "system/fvSchemes: polyReconstruct", FAMILY_ROWS(polynomial), .key = "polyReconstruct",
+                    .standard = "CWENO3", .chosen = MEMBER(gas.polynomial)},
+    [DIFFUSION] = {SOLUTION, "system/fvSolution: diffusion { type .. }", FAMILY_ROWS(diffusion), .sub = "diffusion",
+                   .key = "type", .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
+};
+
+static bool stands_in(const struct family *k, const char *file) {
+    return !strcmp(k->file, file);
+}
+static status read_families(const char *file, struct dict *d, struct case_models *m) {
+    for (int i = 0; i < FAMILIES; i++)
+        if (stands_in(&families[i], file)) TRY(family_read(&families[i], d, m));
+    return OK;
+}
+static void list_families(FILE *f, const char *file) {
+    for (int i = 0; i < FAMILIES; i++)
+        if (stands_in(&families[i], file)) family_list(f, &families[i]);
+}
+status models_leave(struct dict *properties) {
+    for (int i = 0; i < FAMILIES; i++)
+        if (stands_in(&families[i], PROPERTIES)) TRY(family_leave(&families[i], properties));
     return OK;
 }
 
-static status read_properties(struct dict *d, struct gas_models *m) {
-    int i;
-    TRY(read_grains(d, m));
-    if (!dict_has(d, "cooling") && m->material.restitution < 1)
-        return fail(ERR_INPUT,
-                    "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
-                    dict_path(d), m->material.restitution);
-    TRY(choice_or(d, "cooling", cooling_names, COUNT(cooling_names), "none", &i));
-    m->source.cooling = i == 1;
-    TRY(read_transport(d, m));
+static status read_properties(struct dict *d, struct case_models *m) {
+    struct dict *grain;
+    TRY(dict_sub(d, "grain", &grain));
+    TRY(params_read(grain, grain_param, grain_nparam, &m->gas.material));
+    TRY(read_families(PROPERTIES, d, m));
     return dict_check_used(d);
 }
 
@@ -168,43 +151,20 @@ static void mark_subs(struct dict *d, const char *const *names, int n) {
     }
 }
 
-static status read_schemes(struct dict *d, struct case_models *all) {
+static status read_schemes(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"ddtSchemes",           "gradSchemes",   "divSchemes",  "laplacianSchemes",
                                          "interpolationSchemes", "snGradSchemes", "fluxRequired"};
-    struct gas_models *m = &all->gas;
-    int i;
-    if (dict_has(d, "meshEngine")) {
-        TRY(dict_choice(d, "meshEngine", engine_names, COUNT(engine_names), &i));
-        all->engine = i ? ENGINE_POLYHEDRAL : ENGINE_LATTICE;
-    }
-    TABLE_CHOICE(d, "fluxScheme", flux_table, flux_count, flux_standard, &i);
-    m->flux = &flux_table[i];
-    TABLE_CHOICE(d, "reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard, &i);
-    m->reconstruct = &reconstruct_table[i];
-    TABLE_CHOICE(d, "timeScheme", stepper_table, stepper_count, stepper_standard, &i);
-    m->stepper = &stepper_table[i];
-    TABLE_CHOICE(d, "polyReconstruct", polynomial_table, polynomial_count, polynomial_standard, &i);
-    m->polynomial = &polynomial_table[i];
+    (void)dict_has(d, families[ENGINE].key); /* messages that list the known keywords begin with this one */
+    TRY(read_families(SCHEMES, d, m));
     mark_subs(d, others, COUNT(others));
     return dict_check_used(d);
 }
 
-static status load_module(const struct dict *diffusion, const struct linear_module **out) {
-    status missing = linear_load(out), s = OK;
-    if (missing) s = dict_fail(diffusion, "type", "%s", status_text(missing));
-    status_free(missing);
-    return s;
-}
-
 static status read_solution(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
-    struct dict *limits, *diffusion, *none = NULL;
-    int i = 0;
+    struct dict *limits, *none = NULL;
     TRY(params_read(d, solution_param, COUNT(solution_param), m));
-    TRY(dict_sub_optional(d, "diffusion", &diffusion));
-    if (diffusion) TABLE_CHOICE(diffusion, "type", diffusion_table, diffusion_count, NULL, &i);
-    m->gas.diffusion = &diffusion_table[i];
-    if (m->gas.transport && !m->gas.diffusion->plan) TRY(load_module(diffusion, &m->gas.linear));
+    TRY(read_families(SOLUTION, d, m));
     TRY(dict_sub_optional(d, "limits", &limits));
     if (!limits) TRY(dict_from_text("limits", "", &none));
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);
@@ -269,20 +229,19 @@ void forces_free(struct forces *f) {
 }
 
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
-    TRY(open_in(dir, "constant/granularProperties", false, &m->properties));
-    TRY(read_properties(m->properties, &m->gas));
+    TRY(open_in(dir, PROPERTIES, false, &m->properties));
+    TRY(read_properties(m->properties, m));
     if (m->gas.material.disks && dim == 3)
         return dict_fail(m->properties, "equationOfState",
                          "%s is for disks, which move in one or two dimensions; an 'empty' patch takes an axis away",
-                         m->gas.eos->name);
-    TRY(open_in(dir, "system/fvSchemes", false, &m->schemes));
+                         m->gas.eos->model.name);
+    TRY(open_in(dir, SCHEMES, false, &m->schemes));
     TRY(read_schemes(m->schemes, m));
-    TRY(open_in(dir, "system/fvSolution", false, &m->solution));
+    TRY(open_in(dir, SOLUTION, false, &m->solution));
     TRY(read_solution(m->solution, m));
     TRY(forces_read(dir, dim, axis, &m->forces));
-    const bool cooling = m->gas.source.cooling;
     m->gas.source = m->forces.source;
-    m->gas.source.cooling = cooling;
+    m->gas.source.cooling = m->cooling != NULL;
     return OK;
 }
 
@@ -308,13 +267,8 @@ void models_free(struct case_models *m) {
     free(m);
 }
 
-#define LIST_TABLE(f, title, table, count, standard)                                                                   \
-    do {                                                                                                               \
-        fprintf(f, "\n%s\n", title);                                                                                   \
-        for (int i_ = 0; i_ < count; i_++)                                                                             \
-            fprintf(f, "  %-20s %s%s\n", table[i_].name, table[i_].about,                                              \
-                    strcmp(table[i_].name, standard) ? "" : " (default)");                                             \
-    } while (0)
+/* ---- listing and printing ------------------------------------------------------------------------------------------
+ */
 
 void forces_list(FILE *f) {
     fprintf(f, "\nconstant/shaking, type sinusoidal\n");
@@ -322,38 +276,16 @@ void forces_list(FILE *f) {
 }
 
 void models_list(FILE *f) {
-    fprintf(f, "constant/granularProperties\n\ngrain { }\n");
+    fprintf(f, "%s\n\ngrain { }\n", PROPERTIES);
     params_print(f, grain_param, grain_nparam);
-    fprintf(f, "\nequationOfState\n");
-    for (int i = 0; i < eos_count; i++) {
-        fprintf(f, "  %-20s %s; %sCoeffs { }\n", eos_table[i].name, eos_table[i].about, eos_table[i].name);
-        params_print(f, eos_table[i].param, eos_table[i].nparam);
-    }
-    fprintf(f, "\ncooling\n  %-20s %s\n  %-20s %s\n", "none", "no energy sink", "Haff",
-            "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones");
-    fprintf(f, "\ntransport\n  %-20s %s\n", "none", "inviscid");
-    for (int i = 0; i < transport_count; i++) {
-        const struct transport *t = &transport_table[i];
-        fprintf(f, "  %-20s %s; %sCoeffs { }\n", t->name, t->about, t->name);
-        params_print(f, t->param, t->nparam);
-        fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", "bulk", bulk_names[0], "or paper", "-",
-                "viscosity by the contact integral, or twice that, as printed");
-    }
+    list_families(f, PROPERTIES);
     forces_list(f);
-    fprintf(f, "\nsystem/fvSchemes: defaults by measurement, postprocessing/reports/workPrecision.md\n");
-    LIST_TABLE(f, "system/fvSchemes: fluxScheme", flux_table, flux_count, flux_standard);
-    LIST_TABLE(f, "system/fvSchemes: reconstruct", reconstruct_table, reconstruct_count, reconstruct_standard);
-    LIST_TABLE(f, "system/fvSchemes: timeScheme", stepper_table, stepper_count, stepper_standard);
-    fprintf(f, "\nsystem/fvSchemes: meshEngine\n  %-20s %s\n  %-20s %s\n", engine_names[0],
-            "tiles of equal boxes, with `reconstruct` (default where the mesh is one)", engine_names[1],
-            "any cells, with `polyReconstruct` (default where the mesh is no lattice)");
-    LIST_TABLE(f, "system/fvSchemes: polyReconstruct", polynomial_table, polynomial_count, polynomial_standard);
-    fprintf(f, "\nsystem/fvSolution\n");
+    fprintf(f, "\n%s: defaults by measurement, postprocessing/reports/workPrecision.md\n", SCHEMES);
+    list_families(f, SCHEMES);
+    fprintf(f, "\n%s\n", SOLUTION);
     params_print(f, solution_param, COUNT(solution_param));
-    fprintf(f, "\nsystem/fvSolution: diffusion { type .. }; %s if it is not given\n", diffusion_table[0].name);
-    for (int i = 0; i < diffusion_count; i++)
-        fprintf(f, "  %-20s %s\n", diffusion_table[i].name, diffusion_table[i].about);
-    fprintf(f, "\nsystem/fvSolution: limits { }\n");
+    list_families(f, SOLUTION);
+    fprintf(f, "\n%s: limits { }\n", SOLUTION);
     params_print(f, limits_param, COUNT(limits_param));
     layers_list(f);
 }
@@ -372,21 +304,6 @@ void boundaries_list(FILE *f) {
     fprintf(f, "  %-24s %-11s %s\n", "calculated", "scalars", "in a written field that is not read again");
 }
 
-static void print_values(FILE *f, const struct param *table, int n, const void *base) {
-    for (int i = 0; i < n; i++) {
-        const char *p = (const char *)base + table[i].offset;
-        fprintf(f, "    %-22s ", table[i].name);
-        if (table[i].kind == PARAM_NUMBER)
-            fprintf(f, "%.10g\n", *(const double *)(const void *)p);
-        else if (table[i].kind == PARAM_COUNT)
-            fprintf(f, "%d\n", *(const int *)(const void *)p);
-        else if (table[i].kind == PARAM_SWITCH)
-            fprintf(f, "%s\n", *(const bool *)(const void *)p ? "yes" : "no");
-        else
-            fprintf(f, "\n");
-    }
-}
-
 void forces_print(FILE *f, const struct forces *m) {
     fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
     if (!source_shaken(&m->source)) return;
@@ -395,26 +312,22 @@ void forces_print(FILE *f, const struct forces *m) {
     for (int i = 0; i < m->source.knots; i++)
         fprintf(f, "%s(%.10g %.10g)", i ? " " : "", m->source.ramp[2 * i], m->source.ramp[2 * i + 1]);
     if (ramped) fprintf(f, ")\n");
-    print_values(f, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source);
+    params_print_values(f, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source);
 }
 
 void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
-    fprintf(f, "Models\n    %-22s %s\n", "equationOfState", m->gas.eos->name);
-    print_values(f, m->gas.eos->param, m->gas.eos->nparam, &m->gas.material);
-    print_values(f, grain_param, grain_nparam, &m->gas.material);
-    fprintf(f, "    %-22s %s\n", "cooling", cooling_names[m->gas.source.cooling]);
-    if (m->gas.transport) {
-        fprintf(f, "    %-22s %s\n", "transport", m->gas.transport->name);
-        print_values(f, m->gas.transport->param, m->gas.transport->nparam, &m->gas.numbers);
-        fprintf(f, "    %-22s %s\n", "bulk", bulk_names[m->gas.numbers.bulk_factor > 1]);
-        fprintf(f, "    %-22s %s\n", "diffusion", m->gas.diffusion->name);
+    fprintf(f, "Models\n");
+    for (int i = 0; i < FAMILIES; i++) {
+        if (!stands_in(&families[i], PROPERTIES)) continue;
+        family_print(f, &families[i], m);
+        if (i == EOS) params_print_values(f, grain_param, grain_nparam, &m->gas.material);
     }
-    fprintf(f, "    %-22s %s\n", "fluxScheme", m->gas.flux->name);
-    fprintf(f, "    %-22s %s\n", "meshEngine", engine_names[polyhedral]);
-    fprintf(f, "    %-22s %s\n", polyhedral ? "polyReconstruct" : "reconstruct",
-            polyhedral ? m->gas.polynomial->name : m->gas.reconstruct->name);
-    fprintf(f, "    %-22s %s\n", "timeScheme", m->gas.stepper->name);
-    print_values(f, solution_param, COUNT(solution_param), m);
-    print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
+    if (m->gas.transport) family_print(f, &families[DIFFUSION], m);
+    family_print(f, &families[FLUX], m);
+    fprintf(f, "    %-22s %s\n", families[ENGINE].key, engine_table[polyhedral].model.name);
+    family_print(f, &families[polyhedral ? POLYNOMIAL : RECONSTRUCT], m);
+    family_print(f, &families[STEPPER], m);
+    params_print_values(f, solution_param, COUNT(solution_param), m);
+    params_print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
     forces_print(f, &m->forces);
 }

@@ -6,14 +6,18 @@
 #include "solvers/dict/dict.h"
 #include <stdio.h>
 
-enum mesh_engine { ENGINE_FITTING, ENGINE_LATTICE, ENGINE_POLYHEDRAL }; /* the first: as the mesh is */
-struct forces {                                                         /* constant/g and constant/shaking */
-    struct dict *g, *shaking;                                           /* NULL: no such file */
-    double gravity[3];                                                  /* m/s^2, physical axes */
-    struct sources source;                                              /* gravity in computational axes, and shaking */
+struct mesh_engine {
+    struct model model;
+    bool polyhedral;
+};
+struct forces {               /* constant/g and constant/shaking */
+    struct dict *g, *shaking; /* NULL: no such file */
+    double gravity[3];        /* m/s^2, physical axes */
+    struct sources source;    /* gravity in computational axes, and shaking */
 };
 struct case_models {
-    enum mesh_engine engine; /* asked for; whether the mesh allows it is checked elsewhere */
+    const struct mesh_engine *engine; /* asked for, NULL: as the mesh is; whether it allows that is checked elsewhere */
+    const struct model *cooling;      /* NULL: none */
     struct gas_models gas;
     struct forces forces;
     double min_fraction; /* of the calm time step: below it the gas has collapsed */
@@ -22,6 +26,9 @@ struct case_models {
 /* dim and axis: of the mesh, for gravity in computational axes. Misspelt keys are errors. */
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out);
 void models_free(struct case_models *m);
+
+/* Marks what constant/granularProperties says of these models as known, for programs without a use for it. */
+status models_leave(struct dict *properties);
 
 /* `out` zeroed; also after an error its dictionaries are to be freed. */
 status forces_read(const char *case_dir, int dim, const int axis[3], struct forces *out);

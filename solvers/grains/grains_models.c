@@ -1,7 +1,6 @@
 #include "solvers/grains/grains_models.h"
 
 #include "libcore/models/boundary.h"
-#include "libcore/models/transport.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/params.h"
 
@@ -11,81 +10,45 @@
 
 enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
-#define MEMBER(m)    offsetof(struct grains_models, m)
 
+#define PARAM_STRUCT struct grains_models
 static const struct param grains_param[] = {
-    {"N",
-     PARAM_COUNT,
-     MEMBER(number),
-     0,
-     0,
-     2e9,
-     false,
-     {0, 0, 0},
-     "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"},
-    {"seed", PARAM_COUNT, MEMBER(seed), 1, 0, 2e9, false, {0, 0, 0}, "of the random places and velocities"},
-    {"writeCloud",
-     PARAM_SWITCH,
-     MEMBER(write_cloud),
-     1,
-     0,
-     1,
-     false,
-     {0, 0, 0},
-     "lagrangian/grains in every written time; restarts do not need it"},
+    WHOLE("N", number, 0, FROM_TO(0, 2e9),
+          "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"),
+    WHOLE("seed", seed, 1, FROM_TO(0, 2e9), "of the random places and velocities"),
+    SWITCH("writeCloud", write_cloud, true, "lagrangian/grains in every written time; restarts do not need it"),
 };
 static const struct param coarse_param[] = {
-    {"width",
-     PARAM_NUMBER,
-     MEMBER(width),
-     0,
-     0,
-     HUGE_VAL,
-     false,
-     {0, 1, 0},
-     "radius of Heaviside, standard deviation of Gaussian; 0: a grain diameter"},
-    {"window",
-     PARAM_NUMBER,
-     MEMBER(window),
-     0,
-     0,
-     HUGE_VAL,
-     false,
-     {0, 0, 1},
-     "fields are means over windows of this length from t = 0; 0: the write interval"},
-    {"samples", PARAM_COUNT, MEMBER(samples), 10, 1, 1e9, false, {0, 0, 0}, "moments of a window, evenly spread"},
+    NUMBER("width", width, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 1, 0),
+           "radius of Heaviside, standard deviation of Gaussian; 0: a grain diameter"),
+    NUMBER("window", window, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 0, 1),
+           "fields are means over windows of this length from t = 0; 0: the write interval"),
+    WHOLE("samples", samples, 10, FROM_TO(1, 1e9), "moments of a window, evenly spread"),
 };
+#undef PARAM_STRUCT
+struct wall {
+    double restitution;
+};
+#define PARAM_STRUCT struct wall
 static const struct param wall_param[] = {
-    {"restitution", PARAM_NUMBER, 0, 1, 0, 1, false, {0, 0, 0}, "of impacts on that patch"},
+    NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "of impacts on that patch"),
 };
 static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian"};
 static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
                                            "over a normal distribution around a centre, cut at 3 width"};
 
-/* Of a model of the gas: its coefficients are no one's here. */
-static status leave_coeffs(struct dict *d, const char *model) {
-    char coeffs[128];
-    struct dict *sub;
-    snprintf(coeffs, sizeof coeffs, "%sCoeffs", model);
-    TRY(dict_sub_optional(d, coeffs, &sub));
-    if (sub) dict_mark_used(sub);
-    return OK;
-}
-
 static status read_granular(struct dict *d, struct grains_models *m) {
-    static const char *const words[] = {"equationOfState", "cooling", "transport"};
     struct dict *sub;
     TRY(dict_sub(d, "grain", &sub));
     TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
     if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
-    for (int i = 0; i < COUNT(words); i++) (void)dict_has(d, words[i]);
-    for (int i = 0; i < eos_count; i++) TRY(leave_coeffs(d, eos_table[i].name));
-    for (int i = 0; i < transport_count; i++) TRY(leave_coeffs(d, transport_table[i].name));
+    TRY(models_leave(d));
     return dict_check_used(d);
 }
 
 static status read_walls(struct dict *d, const struct polymesh *mesh, struct grains_models *m) {
     struct dict *walls, *one;
+    struct wall wall;
     TRY(dict_sub_optional(d, "walls", &walls));
     for (int p = 0; p < mesh->npatches; p++) {
         const struct patch *patch = &mesh->patch[p];
@@ -97,7 +60,8 @@ static status read_walls(struct dict *d, const struct polymesh *mesh, struct gra
         if (!strcmp(patch->type, "cyclic") || !strcmp(patch->type, "empty"))
             return fail(ERR_INPUT, "%s:%d: walls: patch %s is of type %s in constant/polyMesh/boundary: it is no wall",
                         dict_path(d), m->restitution_line[p], patch->name, patch->type);
-        TRY(params_read(one, wall_param, COUNT(wall_param), &m->restitution[p]));
+        TRY(params_read(one, wall_param, COUNT(wall_param), &wall));
+        m->restitution[p] = wall.restitution;
     }
     return OK;
 }

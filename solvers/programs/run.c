@@ -58,7 +58,7 @@ static void print_control(const struct setup *s) {
         const struct param *p = &control_table[i];
         const char *at = (const char *)c + p->offset;
         double value = p->kind == PARAM_NUMBER  ? *(const double *)(const void *)at
-                       : p->kind == PARAM_COUNT ? *(const int *)(const void *)at
+                       : p->kind == PARAM_WHOLE ? *(const int *)(const void *)at
                                                 : *(const bool *)(const void *)at;
         printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default",
                p->meaning);

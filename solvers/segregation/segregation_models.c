@@ -7,38 +7,33 @@
 
 enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
-#define MEMBER(m)    offsetof(struct segregation_models, m)
-#define NUMBER(name, member, standard, low, high, open, ...)                                                           \
-    { name, PARAM_NUMBER, MEMBER(member), standard, low, high, open, __VA_ARGS__ }
 
+#define PARAM_STRUCT struct segregation_models
 static const struct param velocity_param[] = {
-    NUMBER("velocity", velocity, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 1, -1},
-           "f, along the solved axis, or direction (x y z) (default: against constant/g)")};
+    NUMBER("velocity", velocity, REQUIRED, ANY_NUMBER, UNIT(0, 1, -1),
+           "f, along the solved axis, or direction (x y z) (default: against constant/g)"),
+};
 static const struct param exponential_param[] = {
-    NUMBER("A", A, NAN, 0, HUGE_VAL, false, {1, -1, -2}, "kinetic stress A exp(B|y|)"),
-    NUMBER("B", B, NAN, -HUGE_VAL, HUGE_VAL, true, {0, -1, 0}, "of A exp(B|y|)"),
-    NUMBER("q", q, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 1}, "f = (q/rho) d/dy A exp(B|y|)"),
-    NUMBER("rho", rho, NAN, 0, HUGE_VAL, true, {1, -3, 0}, "density of the grains")};
+    NUMBER("A", A, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(1, -1, -2), "kinetic stress A exp(B|y|)"),
+    NUMBER("B", B, REQUIRED, ANY_NUMBER, UNIT(0, -1, 0), "of A exp(B|y|)"),
+    NUMBER("q", q, REQUIRED, ANY_NUMBER, UNIT(0, 0, 1), "f = (q/rho) d/dy A exp(B|y|)"),
+    NUMBER("rho", rho, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the grains"),
+};
 static const struct param stress_param[] = {
-    NUMBER("q", q, NAN, -HUGE_VAL, HUGE_VAL, true, {0, 0, 1}, "f = (q/rho) d(rho T)/dy of that run's fields"),
-    NUMBER("rho", rho, NAN, 0, HUGE_VAL, true, {1, -3, 0}, "density of the grains")};
+    NUMBER("q", q, REQUIRED, ANY_NUMBER, UNIT(0, 0, 1), "f = (q/rho) d(rho T)/dy of that run's fields"),
+    NUMBER("rho", rho, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the grains"),
+};
 static const struct param diffusivity_param[] = {
-    NUMBER("value", diffusivity, NAN, 0, HUGE_VAL, false, {0, 2, -1}, "D")};
+    NUMBER("value", diffusivity, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(0, 2, -1), "D"),
+};
 static const struct param solution_param[] = {
-    NUMBER("tolerance", scheme.tolerance, 1e-8, 1e-15, 1, false, {0, 0, 0},
+    NUMBER("tolerance", scheme.tolerance, 1e-8, FROM_TO(1e-15, 1), NO_UNIT,
            "largest change of an iteration / largest phi"),
-    {"maxIterations", PARAM_COUNT, MEMBER(scheme.most), 100, 1, 1e6, false, {0, 0, 0}, "iterations a step may take"},
-    {"dampedSteps",
-     PARAM_COUNT,
-     MEMBER(damped),
-     1,
-     0,
-     1e6,
-     false,
-     {0, 0, 0},
-     "first steps by two implicit Euler halves, which end the ringing of a start that does not meet the walls"},
-    NUMBER("timeTolerance", time_tolerance, 1e-6, 0, HUGE_VAL, true, {0, 0, 0},
-           "with adjustTimeStep: mean error of a step")};
+    WHOLE("maxIterations", scheme.most, 100, FROM_TO(1, 1e6), "iterations a step may take"),
+    WHOLE("dampedSteps", damped, 1, FROM_TO(0, 1e6),
+          "first steps by two implicit Euler halves, which end the ringing of a start that does not meet the walls"),
+    NUMBER("timeTolerance", time_tolerance, 1e-6, POSITIVE, NO_UNIT, "with adjustTimeStep: mean error of a step"),
+};
 static const char *const percolation_names[] = {"constant", "expression", "exponential", "kineticStress"};
 static const char *const diffusivity_names[] = {"constant", "expression"};
 static const char *const closure_names[] = {"conservative", "paper", "neumann"};

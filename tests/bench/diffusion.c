@@ -4,6 +4,7 @@
 #include "libcore/gas/gas_private.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
+#include "tests/defaults.h"
 
 #include <stdio.h>
 
@@ -55,11 +56,9 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
                            .reconstruct = reconstruct_find("WENO5"),
                            .stepper = stepper_find("SSPRK3"),
                            .transport = transport_find("JenkinsRichman"),
-                           .numbers = {1e-4, 1},
                            .diffusion = diffusion_find("RKL2")};
-    for (int i = 0; i < m.eos->nparam; i++)
-        if (m.eos->param[i].kind == PARAM_NUMBER)
-            memcpy((char *)&m.material + m.eos->param[i].offset, &m.eos->param[i].standard, sizeof(double));
+    model_defaults(&m.eos->model, &m.material);
+    m.transport_params = own_defaults(&m.transport->model);
     for (int p = 0; p < 6; p++) {
         rules[p].density.type = rules[p].temperature.type = boundary_find("zeroGradient");
         rules[p].velocity.type = boundary_find("slip");

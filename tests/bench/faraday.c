@@ -8,6 +8,7 @@
 #include "solvers/gas/linear.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
+#include "tests/defaults.h"
 
 #include <stdio.h>
 
@@ -90,16 +91,14 @@ static struct gas_models models_of(const struct scheme *s) {
                            .reconstruct = reconstruct_find("WPENO5"),
                            .stepper = s->stepper,
                            .transport = transport_find("JenkinsRichman"),
-                           .numbers = {1e-4, 1},
                            .diffusion = s->diffusion,
                            .source = {.cooling = true,
                                       .gravity = {0, -981, 0},
                                       .amplitude = 2.74588290437239,
                                       .frequency = 3.5,
                                       .phase = PI / 2}};
-    for (int i = 0; i < m.eos->nparam; i++)
-        if (m.eos->param[i].kind == PARAM_NUMBER)
-            memcpy((char *)&m.material + m.eos->param[i].offset, &m.eos->param[i].standard, sizeof(double));
+    model_defaults(&m.eos->model, &m.material);
+    m.transport_params = own_defaults(&m.transport->model);
     return m;
 }
 
@@ -145,8 +144,8 @@ static status row(const struct comm *c, int periods, const struct scheme *s, str
     TRY(run(c, periods, s, &r));
     if (!exact->steps) *exact = r;
     const double halves = larger(1, (double)r.counts.halves);
-    printf("%-8s %-8s %5g %8.2f %8ld %7.1f %7.1f %8ld   %8.1e", s->diffusion->name, s->stepper->name, s->courant,
-           r.seconds, r.steps, (double)r.counts.stages[0] / halves, (double)r.counts.stages[1] / halves,
+    printf("%-8s %-8s %5g %8.2f %8ld %7.1f %7.1f %8ld   %8.1e", s->diffusion->model.name, s->stepper->model.name,
+           s->courant, r.seconds, r.steps, (double)r.counts.stages[0] / halves, (double)r.counts.stages[1] / halves,
            r.counts.repeated, worst(&r, exact, periods));
     if (periods > GROWTH)
         printf("  %7.4f %8.1e", growth(&r, periods), growth(&r, periods) / growth(exact, periods) - 1);
@@ -158,7 +157,7 @@ static status all_rows(const struct comm *c, int periods, struct result *exact) 
     static const double courants[] = {0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 1.6};
     for (int i = -1; i < diffusion_count; i++) {
         struct scheme s = {&diffusion_table[i < 0 ? 0 : i], stepper_find(i < 0 ? "SSPRK43" : "SSPRK3"), 0};
-        if (!strcmp(s.diffusion->name, "explicit")) continue;
+        if (!strcmp(s.diffusion->model.name, "explicit")) continue;
         for (int k = i < 0 ? 3 : 0; k < (i < 0 ? 7 : 5); k++) {
             s.courant = courants[k];
             TRY(row(c, periods, &s, exact));

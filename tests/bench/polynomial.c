@@ -48,7 +48,7 @@ static status time_fit(const struct polyhedra *m, enum shape shape, const struct
         each[k] = 1e6 * seconds[k][rounds / 2] / m->nown;
     }
     printf("%-9s %-10s %d variables: %6.2f M cells/s (cells %.3f, points %.3f us a cell; made in %.2f s)\n",
-           name[shape], kind->name, nvar, 1 / (each[0] + each[1]), each[0], each[1], made);
+           name[shape], kind->model.name, nvar, 1 / (each[0] + each[1]), each[0], each[1], made);
     for (int k = 0; k < 2; k++) free(seconds[k]);
     free(all);
     fit_free(f);

@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "libcore/models/eos.h"
+#include "tests/defaults.h"
 #include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
@@ -54,9 +55,7 @@ static inline void assert_near(double found, double expected, double allowed) {
 /* Grains of diameter sigma with the defaults of an equation of state. */
 static inline struct material grains_of(const struct eos *eos, double e, double sigma) {
     struct material m = {.diameter = sigma, .mass = 1, .restitution = e, .disks = eos->disks};
-    for (int i = 0; i < eos->nparam; i++)
-        if (eos->param[i].kind == PARAM_NUMBER)
-            memcpy((char *)&m + eos->param[i].offset, &eos->param[i].standard, sizeof(double));
+    model_defaults(&eos->model, &m);
     return m;
 }
 

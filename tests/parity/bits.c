@@ -5,6 +5,7 @@
 #include "libcore/grains/coarse.h"
 #include "libcore/grains/packing.h"
 #include "tests/box.h"
+#include "tests/defaults.h"
 
 #include <stdio.h>
 
@@ -94,7 +95,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     TRY(advance(g));
     TRY(checksum(g, box.mesh.ncells, &sum));
     if (harsh && !gas_counts(g).faces) return (fail)(ERR_STATE, "nothing was limited");
-    if (comm_root(c)) printf("%dD %s %s %016llx\n", dim, flux->name, r->name, (unsigned long long)sum);
+    if (comm_root(c)) printf("%dD %s %s %016llx\n", dim, flux->model.name, r->model.name, (unsigned long long)sum);
     gas_free(g);
     forest_free(f);
     box_free(&box);
@@ -113,7 +114,7 @@ static struct gas_models disks_of(const struct diffusion *diffusion) {
                                    .smoothing = 0.01};
     m.eos = eos_find("TorquatoDisks");
     m.transport = transport_find("JenkinsRichman");
-    m.numbers = (struct transport_numbers){1e-4, 1};
+    m.transport_params = own_defaults(&m.transport->model);
     m.diffusion = diffusion;
     return m;
 }
@@ -138,7 +139,7 @@ static status print_diffusion(const struct comm *c, int dim, const struct diffus
     TRY(fill(g, box.mesh.ncells, n));
     TRY(advance(g));
     TRY(checksum(g, box.mesh.ncells, &sum));
-    if (comm_root(c)) printf("%dD %s %016llx\n", dim, diffusion->name, (unsigned long long)sum);
+    if (comm_root(c)) printf("%dD %s %016llx\n", dim, diffusion->model.name, (unsigned long long)sum);
     gas_free(g);
     forest_free(f);
     box_free(&box);
@@ -165,7 +166,8 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
     TRY(checksum(g, mesh->ncells, &sum));
     if (harsh && !gas_counts(g).faces) return (fail)(ERR_STATE, "nothing was limited");
     if (comm_root(c))
-        printf("%s %s %s %016llx\n", r->name, p->name, diffusion ? diffusion->name : "", (unsigned long long)sum);
+        printf("%s %s %s %016llx\n", r->name, p->model.name, diffusion ? diffusion->model.name : "",
+               (unsigned long long)sum);
     gas_free(g);
     grid_free(grid);
     polymesh_free(mesh);

@@ -1,5 +1,7 @@
 #include "tests/stress/problem.h"
 
+#include "tests/defaults.h"
+
 static double limit_alpha(const struct problem *p) {
     return p->material.alpha_max;
 }
@@ -236,16 +238,16 @@ static void draw_grains(struct problem *p, struct seed *s) {
     double e = seed_uniform(s, 0.5, 1);
     p->eos = eos_find("TorquatoDisks");
     p->material = (struct material){.disks = true, .mass = 1, .gamma = 2};
-    for (int i = 0; i < p->eos->nparam; i++)
-        if (p->eos->param[i].kind == PARAM_NUMBER)
-            memcpy((char *)&p->material + p->eos->param[i].offset, &p->eos->param[i].standard, sizeof(double));
+    model_defaults(&p->eos->model, &p->material);
     p->material.diameter = seed_power(s, -3, -1);
     p->material.restitution = seed_chance(s, 0.2) ? 1 : e;
     p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.85);
     p->p0 = density(p, 0.1) * seed_power(s, -2, 2);
     p->transport = transport_find("JenkinsRichman");
-    p->numbers.alpha_min = seed_chance(s, 0.5) ? 1e-4 : seed_power(s, -5, -2);
-    p->numbers.bulk_factor = 1 + seed_below(s, 2);
+    p->transport_params = own_defaults(&p->transport->model);
+    model_put(&p->transport->model, &p->transport_params, "alphaMin",
+              seed_chance(s, 0.5) ? 1e-4 : seed_power(s, -5, -2));
+    model_put(&p->transport->model, &p->transport_params, "bulk", seed_below(s, 2));
     p->diffusion = diffusion_find(seed_below(s, 3) ? "RKJ2" : "RKL2");
     p->alpha_floor = seed_chance(s, 0.3) ? seed_power(s, -8, -4) : 0;
 }

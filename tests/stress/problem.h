@@ -36,7 +36,7 @@ struct problem {
     const struct eos *eos;
     struct sources source;
     const struct transport *transport; /* and what it needs */
-    struct transport_numbers numbers;
+    struct own_params transport_params;
     const struct diffusion *diffusion;
     double alpha_floor;
     struct wall wall[6];

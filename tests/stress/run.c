@@ -39,7 +39,7 @@ static void set_models(struct scene *s, const struct scheme *scheme) {
                                     .stepper = stepper_find(scheme->stepper),
                                     .polynomial = polynomial_find(scheme->polynomial),
                                     .transport = p->transport,
-                                    .numbers = p->numbers,
+                                    .transport_params = p->transport_params,
                                     .diffusion = p->diffusion,
                                     .alpha_floor = p->alpha_floor,
                                     .skip_uniform = true};

@@ -84,7 +84,7 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
     printf("  drift over its bound: mass %.3g momentum %.3g energy %.3g; source %.3g\n", o->drift[0], o->drift[1],
            o->drift[2], o->source);
     printf("  %s e %.4g, cooling %d, threshold %.3g, alphaMax %.4g, sigma %.3g, gamma %.4g, g %.3g, %s, %dD %s\n",
-           p->eos->name, p->material.restitution, p->source.cooling, p->material.threshold, p->material.alpha_max,
+           p->eos->model.name, p->material.restitution, p->source.cooling, p->material.threshold, p->material.alpha_max,
            p->material.diameter, p->material.gamma, p->source.gravity[0],
            p->edge == CLOSED     ? "closed"
            : p->edge == PERIODIC ? "periodic"
@@ -169,13 +169,14 @@ static status run_schemes(const struct request *r, const struct comm *c, struct 
     for (int f = 0; f < flux_count; f++)
         for (int i = 0; i < stepper_count; i++) {
             const struct stepper *p = &stepper_table[i];
-            struct scheme s = {flux_table[f].name, standard.reconstruct, standard.polynomial, p->name, p->courant};
+            struct scheme s = {flux_table[f].model.name, standard.reconstruct, standard.polynomial, p->model.name,
+                               p->courant};
             for (int j = 0; j < reconstruct_count; j++) {
-                s.reconstruct = reconstruct_table[j].name;
+                s.reconstruct = reconstruct_table[j].model.name;
                 TRY(run_scheme(r, c, &s, false, t, failed));
             }
             for (int j = 0; j < polynomial_count; j++) {
-                s.polynomial = polynomial_table[j].name;
+                s.polynomial = polynomial_table[j].model.name;
                 TRY(run_scheme(r, c, &s, true, t, failed));
             }
         }

@@ -22,10 +22,10 @@ static inline void manufactured_fields(const double x[3], double *rho, double u[
 }
 
 /* A law for any grains, in which each coefficient depends on rho and T in a way of its own. */
-static inline void manufactured_law(const struct transport_numbers *t, const struct eos *eos, const struct material *m,
+static inline void manufactured_law(const struct own_params *params, const struct eos *eos, const struct material *m,
                                     int n, const double *restrict rho, const double *restrict T, double *restrict bulk,
                                     double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m;
+    (void)params, (void)eos, (void)m;
     for (int i = 0; i < n; i++) {
         bulk[i] = 0.4 * rho[i] * T[i];
         shear[i] = 0.3 * rho[i] * rho[i] * sqrt(T[i]);
@@ -75,7 +75,8 @@ static inline void manufactured_flux(const void *context, const double x[3], dou
     }
     const double eps = T / (grains->gamma - 1), E = rho * (eps + 0.5 * square);
     m->models->eos->state(grains, 1, &rho, &eps, &p, &c2, &gruneisen);
-    m->models->transport->coefficients(&m->models->numbers, m->models->eos, grains, 1, &rho, &T, &bulk, &shear, &heat);
+    m->models->transport->coefficients(&m->models->transport_params, m->models->eos, grains, 1, &rho, &T, &bulk, &shear,
+                                       &heat);
     for (int v = 0; v <= energy; v++) out[v] = 0;
     if (m->parts & OF_CONVECTION) {
         out[0] = rho * u[k];

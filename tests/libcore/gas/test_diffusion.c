@@ -32,8 +32,8 @@ static void visit_modes(visitor *visit) {
 static void compare_with_crank_nicolson(const struct diffusion *d, int stages, double z) {
     const double R = left_of(d, stages, z), slow = (2 + z) / (2 - z);
     if (!(R >= slow - 1e-9 && R <= 1 + 1e-9))
-        fail_msg("%s, %d stages: %g is left of a mode with z = %g, Crank-Nicolson leaves %g", d->name, stages, R, z,
-                 slow);
+        fail_msg("%s, %d stages: %g is left of a mode with z = %g, Crank-Nicolson leaves %g", d->model.name, stages, R,
+                 z, slow);
 }
 
 /* So the work of the stress never cools (libcore/gas/diffusion.h), and nothing grows. */
@@ -55,7 +55,7 @@ static void slow_modes_are_of_second_order(void **state) {
 }
 
 static void leave_a_tenth(const struct diffusion *d, int stages, double z) {
-    if (!strcmp(d->name, "RKJ2") && z < -8 && fabs(left_of(d, stages, z)) > 0.11)
+    if (!strcmp(d->model.name, "RKJ2") && z < -8 && fabs(left_of(d, stages, z)) > 0.11)
         fail_msg("%d stages: %g is left of a mode with z = %g", stages, left_of(d, stages, z), z);
 }
 

@@ -6,10 +6,10 @@ static struct comm *world;
 enum { N = 32, WIDE = 4 };
 
 static const double SLOW = 0.7, FAST = 70; /* viscosity, heat conductivity */
-static void law(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+static void law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                 const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
                 double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)rho, (void)T;
+    (void)params, (void)eos, (void)m, (void)rho, (void)T;
     for (int i = 0; i < n; i++) {
         bulk[i] = shear[i] = SLOW;
         heat[i] = FAST;
@@ -84,9 +84,9 @@ static void fast_conduction_holds_the_heat_of_friction(void **state) {
     for (int scheme = 0; scheme < diffusion_count; scheme++)
         for (int polyhedral = 0; polyhedral < 2 && can(scheme, polyhedral); polyhedral++) {
             struct scene s;
-            open_scene(&s, diffusion_table[scheme].name, polyhedral, shearing);
+            open_scene(&s, diffusion_table[scheme].model.name, polyhedral, shearing);
             double *all = after(&s, 1, time);
-            assert_close(wave_of(&s, all), exact_wave(time), 0.2, diffusion_table[scheme].name);
+            assert_close(wave_of(&s, all), exact_wave(time), 0.2, diffusion_table[scheme].model.name);
             free(all);
             close_scene(&s);
         }
@@ -104,7 +104,7 @@ static void friction_and_conduction_are_of_second_order(void **state) {
         for (int scheme = 0; scheme < diffusion_count && can(scheme, polyhedral); scheme++) {
             double error[2] = {0, 0};
             for (int i = 0; i < 2; i++) {
-                open_scene(&s, diffusion_table[scheme].name, polyhedral, shearing);
+                open_scene(&s, diffusion_table[scheme].model.name, polyhedral, shearing);
                 double *all = after(&s, 4 << i, time);
                 for (int k = 0; k < 4 * s.cells; k++) error[i] = fmax(error[i], fabs(all[k] - exact[k]));
                 free(all);
@@ -157,10 +157,10 @@ static void thin_cells_stay_cold(void **state) {
             free(all);
             close_scene(&s);
             for (int scheme = 0; scheme < diffusion_count && can(scheme, polyhedral); scheme++) {
-                open_scene(&s, diffusion_table[scheme].name, polyhedral, thin_cells);
+                open_scene(&s, diffusion_table[scheme].model.name, polyhedral, thin_cells);
                 all = after(&s, 1, time);
                 repeated += gas_counts(s.gas).repeated;
-                assert_close(excess(&s, all), exact, 0.12, diffusion_table[scheme].name);
+                assert_close(excess(&s, all), exact, 0.12, diffusion_table[scheme].model.name);
                 free(all);
                 close_scene(&s);
             }
@@ -209,10 +209,10 @@ static void cooling_and_conduction_are_of_second_order(void **state) {
 
 /* Viscous columns between others that are not: through the faces of the first only those parts of the stress of a
  * flow that turns pass that take from T, of which there is little. */
-static void law_of_stripes(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+static void law_of_stripes(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                            const double *restrict rho, const double *restrict T, double *restrict bulk,
                            double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)T;
+    (void)params, (void)eos, (void)m, (void)T;
     for (int i = 0; i < n; i++) {
         bulk[i] = shear[i] = rho[i] > 1.5 ? SLOW : 1e-3 * SLOW;
         heat[i] = 1e-4;

@@ -98,7 +98,7 @@ static void conservation(void **state) {
             for (int walls = 0; walls < 2; walls++) {
                 struct scene s;
                 double before[MAX_VAR], after[MAX_VAR];
-                open_scene(&s, dim, (int[3]){dim == 1 ? 60 : 16, 12, 8}, !walls, flux_table[flux].name, "WENO5");
+                open_scene(&s, dim, (int[3]){dim == 1 ? 60 : 16, 12, 8}, !walls, flux_table[flux].model.name, "WENO5");
                 start(&s, splash);
                 must(gas_totals(s.gas, before));
                 run(&s, 20, 0.5);
@@ -127,7 +127,8 @@ static void one_is_two_is_three(void **state) {
         for (int r = 0; r < reconstruct_count; r++) {
             struct scene line;
             direction = 0;
-            open_scene(&line, 1, (int[3]){40, 1, 1}, false, flux_table[flux].name, reconstruct_table[r].name);
+            open_scene(&line, 1, (int[3]){40, 1, 1}, false, flux_table[flux].model.name,
+                       reconstruct_table[r].model.name);
             start(&line, planar);
             for (int i = 0; i < 15; i++) { /* a given dt: the Courant number counts the axes */
                 struct gas_speed speed;
@@ -142,7 +143,7 @@ static void one_is_two_is_three(void **state) {
                     int n[3] = {4, 4, 4}, stride = 1;
                     n[direction] = 40;
                     for (int k = 0; k < direction; k++) stride *= n[k];
-                    open_scene(&s, dim, n, false, flux_table[flux].name, reconstruct_table[r].name);
+                    open_scene(&s, dim, n, false, flux_table[flux].model.name, reconstruct_table[r].model.name);
                     /* the same cell size along the flow */
                     start(&s, planar);
                     for (int i = 0; i < 15; i++) {
@@ -181,7 +182,7 @@ static void free_stream(void **state) {
     for (int flux = 0; flux < flux_count; flux++)
         for (int r = 0; r < reconstruct_count; r++) {
             struct scene s;
-            open_scene(&s, 2, (int[3]){20, 12, 1}, true, flux_table[flux].name, reconstruct_table[r].name);
+            open_scene(&s, 2, (int[3]){20, 12, 1}, true, flux_table[flux].model.name, reconstruct_table[r].model.name);
             gas_free(s.gas);
             s.models.material.restitution = 0.9;
             s.models.source = (struct sources){.cooling = true, .gravity = {700, -700, 0}};
@@ -217,8 +218,8 @@ static void skipping_changes_no_bit(void **state) {
                     int cells = 0, nvar = dim + 2;
                     for (int skip = 0; skip < 2; skip++) {
                         struct scene s;
-                        open_scene(&s, dim, (int[3]){dim == 1 ? 120 : 41, 27, 9}, periodic, flux_table[flux].name,
-                                   reconstruct_table[r].name);
+                        open_scene(&s, dim, (int[3]){dim == 1 ? 120 : 41, 27, 9}, periodic, flux_table[flux].model.name,
+                                   reconstruct_table[r].model.name);
                         gas_free(s.gas);
                         s.models.skip_uniform = skip;
                         s.models.material.restitution = 0.9;
@@ -233,8 +234,8 @@ static void skipping_changes_no_bit(void **state) {
                     for (int i = 0; i < nvar * cells; i++)
                         if (U[0][i] != U[1][i])
                             fail_msg("%s %s %dD%s: variable %d of cell %d is %.17g, with skipping %.17g",
-                                     flux_table[flux].name, reconstruct_table[r].name, dim, periodic ? " periodic" : "",
-                                     i / cells, i % cells, U[0][i], U[1][i]);
+                                     flux_table[flux].model.name, reconstruct_table[r].model.name, dim,
+                                     periodic ? " periodic" : "", i / cells, i % cells, U[0][i], U[1][i]);
                     free(U[0]);
                     free(U[1]);
                 }
@@ -253,7 +254,7 @@ static void safety_net(void **state) {
     for (int flux = 0; flux < flux_count; flux++) {
         struct scene s;
         double before[MAX_VAR], after[MAX_VAR];
-        open_scene(&s, 1, (int[3]){80, 1, 1}, false, flux_table[flux].name, "WENO5");
+        open_scene(&s, 1, (int[3]){80, 1, 1}, false, flux_table[flux].model.name, "WENO5");
         start(&s, blast);
         must(gas_totals(s.gas, before));
         run(&s, 40, 0.5);
@@ -262,7 +263,7 @@ static void safety_net(void **state) {
         assert_near(after[0], before[0], 1e-13 * before[0]);
         assert_near(after[2], before[2], 1e-13 * before[2]);
         struct gas_counts c = gas_counts(s.gas);
-        if (strcmp(flux_table[flux].name, "Rusanov") != 0) assert_true(c.cells + c.rejected > 0);
+        if (strcmp(flux_table[flux].model.name, "Rusanov") != 0) assert_true(c.cells + c.rejected > 0);
         assert_true(c.faces <= 2 * c.cells);
         close_scene(&s);
     }

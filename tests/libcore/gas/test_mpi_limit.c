@@ -171,11 +171,11 @@ static void lattices(void **state) {
             for (int periodic = 0; periodic < 2; periodic++) {
                 struct scene s, one;
                 const int n[3] = {dim == 1 ? 200 : 22, 19, 11};
-                set_models(&s, "GoldshteinShapiro", flux_table[flux].name, "WENO5");
+                set_models(&s, "GoldshteinShapiro", flux_table[flux].model.name, "WENO5");
                 one = s;
                 open_lattice(&s, world, dim, n, periodic);
                 open_lattice(&one, alone, dim, n, periodic);
-                stages_from_random_states(&s, &one, periodic, flux_table[flux].name);
+                stages_from_random_states(&s, &one, periodic, flux_table[flux].model.name);
                 close_scene(&s);
                 close_scene(&one);
             }
@@ -192,7 +192,7 @@ static void polyhedra(void **state) {
     for (int r = 0; r < 4; r++)
         for (int p = 0; p < polynomial_count; p++) {
             struct scene s, one;
-            set_models(&s, "GoldshteinShapiro", p ? "common" : "Marquina", polynomial_table[p].name);
+            set_models(&s, "GoldshteinShapiro", p ? "common" : "Marquina", polynomial_table[p].model.name);
             one = s;
             open_polyhedra(&s, world, &recipes[r]);
             open_polyhedra(&one, alone, &recipes[r]);

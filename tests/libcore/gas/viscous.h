@@ -11,10 +11,10 @@
 
 static const double BULK_VISCOSITY = 0.4, VISCOSITY = 0.7, CONDUCTION = 1.1;
 
-static inline void constant_law(const struct transport_numbers *t, const struct eos *eos, const struct material *m,
-                                int n, const double *restrict rho, const double *restrict T, double *restrict bulk,
+static inline void constant_law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                                const double *restrict rho, const double *restrict T, double *restrict bulk,
                                 double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)rho, (void)T;
+    (void)params, (void)eos, (void)m, (void)rho, (void)T;
     for (int i = 0; i < n; i++) {
         bulk[i] = BULK_VISCOSITY;
         shear[i] = VISCOSITY;
@@ -22,10 +22,10 @@ static inline void constant_law(const struct transport_numbers *t, const struct 
     }
 }
 /* Coefficients that do not change with T or u: what is left in time is the schemes. */
-static inline void density_law(const struct transport_numbers *t, const struct eos *eos, const struct material *m,
-                               int n, const double *restrict rho, const double *restrict T, double *restrict bulk,
+static inline void density_law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                               const double *restrict rho, const double *restrict T, double *restrict bulk,
                                double *restrict shear, double *restrict heat) {
-    (void)t, (void)eos, (void)m, (void)T;
+    (void)params, (void)eos, (void)m, (void)T;
     for (int i = 0; i < n; i++) {
         bulk[i] = 0.4 * rho[i];
         shear[i] = 0.7 * rho[i] * rho[i];
@@ -51,7 +51,7 @@ static inline struct gas_models disks_models(const struct transport *transport, 
                                .reconstruct = reconstruct_find("WENO5"),
                                .stepper = stepper_find("SSPRK3"),
                                .transport = transport,
-                               .numbers = {1e-4, 1},
+                               .transport_params = own_defaults(&transport->model),
                                .diffusion = diffusion_find(diffusion),
                                .linear = diffusion_find(diffusion)->plan ? NULL : linear_module()};
 }

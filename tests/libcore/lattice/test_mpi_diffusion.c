@@ -52,7 +52,8 @@ static void waves_decay_at_second_order(void **state) {
     for (int scheme = 0; scheme < diffusion_count; scheme++)
         for (wave = 0; wave < 3 && can(scheme); wave++) {
             double error[3];
-            for (int i = 0; i < 3; i++) error[i] = decay_error(diffusion_table[scheme].name, wave < 2 ? 1 : 2, 16 << i);
+            for (int i = 0; i < 3; i++)
+                error[i] = decay_error(diffusion_table[scheme].model.name, wave < 2 ? 1 : 2, 16 << i);
             assert_near(error[2], 0, 2e-3);
             assert_near(log2(error[1] / error[2]), 2, 0.1);
         }
@@ -199,8 +200,8 @@ static void totals_are_conserved(void **state) {
     (void)state;
     for (int scheme = 0; scheme < diffusion_count; scheme++)
         for (int periodic = 0; periodic < 3 && can(scheme); periodic++) {
-            totals_stay("slip", periodic, diffusion_table[scheme].name);
-            totals_stay("noSlip", periodic, diffusion_table[scheme].name);
+            totals_stay("slip", periodic, diffusion_table[scheme].model.name);
+            totals_stay("noSlip", periodic, diffusion_table[scheme].model.name);
         }
     assert_true(repeated > 0);
 }

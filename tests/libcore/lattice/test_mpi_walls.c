@@ -6,10 +6,10 @@
 static struct comm *world;
 
 static const double DENSITY = 2;
-static void even(const struct transport_numbers *t, const struct eos *eos, const struct material *m, int n,
+static void even(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                  const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
                  double *restrict heat) {
-    constant_law(t, eos, m, n, rho, T, bulk, shear, heat);
+    constant_law(params, eos, m, n, rho, T, bulk, shear, heat);
     for (int i = 0; i < n; i++) heat[i] = 1e4;
 }
 static const struct transport EVEN = {.coefficients = even}; /* T is the same everywhere */

@@ -94,8 +94,8 @@ static void sound_speed_is_consistent(void **state) {
             eos_table[k].state(&m, 4, rho, eps, p, c2, g);
             eos_table[k].state(&m, 1, &one, &two, &p0, &c0, &g0);
             double p_rho = (p[0] - p[1]) / (2 * h * at), p_eps = (p[2] - p[3]) / (4 * h);
-            assert_close(c0, p_rho + p0 * p_eps / (at * at), 1e-6, eos_table[k].name);
-            assert_close(g0, p_eps / at, 1e-9, eos_table[k].name);
+            assert_close(c0, p_rho + p0 * p_eps / (at * at), 1e-6, eos_table[k].model.name);
+            assert_close(g0, p_eps / at, 1e-9, eos_table[k].model.name);
             assert_close(p0, at * two * g0, 1e-12, "linear in T");
         }
 }
@@ -190,7 +190,7 @@ static void gas_of_disks(void **state) {
 static void no_density_is_forbidden(void **state) {
     (void)state;
     for (int k = 0; k < eos_count; k++) {
-        if (strncmp(eos_table[k].name, "Torquato", 8) != 0) continue;
+        if (strncmp(eos_table[k].model.name, "Torquato", 8) != 0) continue;
         struct material m = grains_of(&eos_table[k], 0.8, 0.1);
         const double last = 0.9999 * m.alpha_max, h = 1e-9;
         double rho[4], G[4], nu[4] = {last * (1 - h), last, last * (1 + h), 3};

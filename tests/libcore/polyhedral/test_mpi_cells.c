@@ -118,7 +118,7 @@ static void free_stream(void **state) {
         for (int p = 0; p < polynomial_count; p++) {
             struct scene s;
             if (!boxes[b].cyclic[0]) continue;
-            open_scene(&s, &boxes[b], "GoldshteinShapiro", "common", polynomial_table[p].name);
+            open_scene(&s, &boxes[b], "GoldshteinShapiro", "common", polynomial_table[p].model.name);
             start(&s, stream);
             double *before = state_of(&s);
             run(&s, 20, 0.5, 1e9);
@@ -126,7 +126,8 @@ static void free_stream(void **state) {
             for (int i = 0; i < (s.dim + 2) * s.cells; i++) {
                 double scale = fabs(before[i / s.cells == s.dim + 1 ? i : s.cells]) + fabs(before[i]);
                 if (!(fabs(after[i] - before[i]) <= 1e-12 * scale))
-                    fail_msg("%s, %s: %g becomes %.17g", boxes[b].name, polynomial_table[p].name, before[i], after[i]);
+                    fail_msg("%s, %s: %g becomes %.17g", boxes[b].name, polynomial_table[p].model.name, before[i],
+                             after[i]);
             }
             free(before);
             free(after);
@@ -149,15 +150,16 @@ static void conservation(void **state) {
             for (int p = flux ? polynomial_count - 1 : 0; p < polynomial_count; p++) {
                 struct scene s;
                 double before[MAX_VAR], after[MAX_VAR];
-                open_scene(&s, &boxes[b], "GoldshteinShapiro", flux_table[flux].name, polynomial_table[p].name);
+                open_scene(&s, &boxes[b], "GoldshteinShapiro", flux_table[flux].model.name,
+                           polynomial_table[p].model.name);
                 start(&s, splash);
                 ok(gas_totals(s.gas, before));
                 run(&s, 10, 0.5, 1e9);
                 ok(gas_totals(s.gas, after));
                 double scale = before[s.dim + 1];
                 if (!(fabs(after[0] - before[0]) < 1e-13 * before[0]))
-                    fail_msg("%s, %s, %s: mass %.17g becomes %.17g", boxes[b].name, flux_table[flux].name,
-                             polynomial_table[p].name, before[0], after[0]);
+                    fail_msg("%s, %s, %s: mass %.17g becomes %.17g", boxes[b].name, flux_table[flux].model.name,
+                             polynomial_table[p].model.name, before[0], after[0]);
                 assert_true(fabs(after[s.dim + 1] - before[s.dim + 1]) < 1e-13 * scale);
                 for (int k = 1; k <= s.dim && boxes[b].cyclic[0]; k++)
                     assert_true(fabs(after[k] - before[k]) < 1e-13 * scale);
@@ -255,7 +257,7 @@ static void vacuum(void **state) {
         for (int p = 0; p < polynomial_count; p++) {
             struct scene s;
             double before[MAX_VAR], after[MAX_VAR];
-            open_scene(&s, &boxes[b], "GoldshteinShapiro", "common", polynomial_table[p].name);
+            open_scene(&s, &boxes[b], "GoldshteinShapiro", "common", polynomial_table[p].model.name);
             start(&s, slab);
             ok(gas_totals(s.gas, before));
             run(&s, 40, 0.5, 1e9);

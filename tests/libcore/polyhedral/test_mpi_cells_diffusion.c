@@ -302,9 +302,9 @@ static void totals_are_conserved(void **state) {
             struct cells_recipe round = rough[b];
             if (!is_there(scheme)) continue;
             for (int k = 0; k < 3; k++) round.cyclic[k] = true;
-            totals_stay(&rough[b], "slip", diffusion_table[scheme].name);
-            totals_stay(&rough[b], "noSlip", diffusion_table[scheme].name);
-            totals_stay(&round, "slip", diffusion_table[scheme].name);
+            totals_stay(&rough[b], "slip", diffusion_table[scheme].model.name);
+            totals_stay(&rough[b], "noSlip", diffusion_table[scheme].model.name);
+            totals_stay(&round, "slip", diffusion_table[scheme].model.name);
         }
     assert_true(repeated > 0);
 }

@@ -197,7 +197,7 @@ static void constants_are_exact(void **state) {
     for (int k = 0; k < polynomial_count; k++)
         for (enum shape shape = QUADS; shape <= TETS; shape++) {
             struct subject s;
-            subject_make(&s, shape, 5, 1, 0.2, polynomial_table[k].name);
+            subject_make(&s, shape, 5, 1, 0.2, polynomial_table[k].model.name);
             for (double c = 1e-9; c < 1e9; c *= 9.1) {
                 for (int i = 0; i < s.polyhedra->size; i++) s.average[0][i] = c;
                 blow(&s);
@@ -206,7 +206,8 @@ static void constants_are_exact(void **state) {
                     int side = i % 2, v = i / 2 % (s.polyhedra->dim + 2), p = i / 2 / (s.polyhedra->dim + 2);
                     double found = s.value[side][v][p], set = s.average[v][0];
                     if (inner(s.polyhedra, p, side) && found != set)
-                        fail_msg("%s, %s: %.17g for %.17g", polynomial_table[k].name, shape_name[shape], found, set);
+                        fail_msg("%s, %s: %.17g for %.17g", polynomial_table[k].model.name, shape_name[shape], found,
+                                 set);
                 }
             }
             subject_free(&s);
@@ -295,8 +296,8 @@ static void units_do_not_matter(void **state) {
     for (int k = 0; k < polynomial_count; k++)
         for (enum shape shape = QUADS; shape <= TETS; shape++) {
             struct subject s, t; /* t: lengths times 2^-10, densities 2^20, velocities 2^-7 */
-            subject_make(&s, shape, 6, 1, 0.2, polynomial_table[k].name);
-            subject_make(&t, shape, 6, 0x1p-10, 0.2, polynomial_table[k].name);
+            subject_make(&s, shape, 6, 1, 0.2, polynomial_table[k].model.name);
+            subject_make(&t, shape, 6, 0x1p-10, 0.2, polynomial_table[k].model.name);
             const int energy = s.polyhedra->dim + 1;
             average(&s, jump);
             for (int v = 0; v <= energy; v++)
@@ -309,7 +310,7 @@ static void units_do_not_matter(void **state) {
                     for (int v = 0; v <= energy && inner(s.polyhedra, p, side); v++) {
                         double a = s.value[side][v][p];
                         double b = t.value[side][v][p] / (v == 0 ? 0x1p20 : v < energy ? 0x1p13 : 0x1p6);
-                        if (!(fabs(a - b) <= 1e-12)) fail_msg("%s: %.17g, %.17g", polynomial_table[k].name, a, b);
+                        if (!(fabs(a - b) <= 1e-12)) fail_msg("%s: %.17g, %.17g", polynomial_table[k].model.name, a, b);
                     }
             subject_free(&t);
             subject_free(&s);
@@ -346,7 +347,7 @@ static void observers_do_not_matter(void **state) {
         for (enum shape shape = QUADS; shape <= TETS; shape++) {
             struct subject s[2];
             for (int moving = 0; moving < 2; moving++) {
-                subject_make(&s[moving], shape, sample_flat(shape) ? 20 : 8, 1, 0.2, polynomial_table[k].name);
+                subject_make(&s[moving], shape, sample_flat(shape) ? 20 : 8, 1, 0.2, polynomial_table[k].model.name);
                 for (int i = 0; i < s[moving].polyhedra->size; i++) {
                     const double *const *c = (const double *const *)s[moving].polyhedra->centre;
                     double x[3] = {c[0][i], c[1][i], s[moving].polyhedra->dim > 2 ? c[2][i] : 0};
@@ -362,7 +363,7 @@ static void observers_do_not_matter(void **state) {
                 double most = larger(fabs(a.rho - b.rho), 1e-2 * fabs(a.eps - b.eps));
                 for (int l = 0; l < s->polyhedra->dim; l++) most = larger(most, fabs(a.u[l] + 100 * wind[l] - b.u[l]));
                 if (!(most < 1e-11)) /* |u|^2 is 25,000, of which eps is the rest */
-                    fail_msg("%s, %s: %g", polynomial_table[k].name, shape_name[shape], most);
+                    fail_msg("%s, %s: %g", polynomial_table[k].model.name, shape_name[shape], most);
             }
             subject_free(&s[1]);
             subject_free(&s[0]);
@@ -403,9 +404,9 @@ static void shocks_cool_nothing(void **state) {
     for (int k = 0; k < polynomial_count; k++)
         for (enum shape shape = QUADS; shape <= TETS; shape++) {
             struct subject s;
-            subject_make(&s, shape, sample_flat(shape) ? 40 : 10, 1, 0.2, polynomial_table[k].name);
+            subject_make(&s, shape, sample_flat(shape) ? 40 : 10, 1, 0.2, polynomial_table[k].model.name);
             double least = least_ahead(&s);
-            if (!(least > 0.5)) fail_msg("%s, %s: %g", polynomial_table[k].name, shape_name[shape], least);
+            if (!(least > 0.5)) fail_msg("%s, %s: %g", polynomial_table[k].model.name, shape_name[shape], least);
             subject_free(&s);
         }
 }
@@ -415,8 +416,8 @@ static void pieces_do_not_matter(void **state) {
     (void)state;
     for (int k = 0; k < polynomial_count; k++) {
         struct subject s, t;
-        subject_make(&s, TRIANGLES, 11, 1, 0.2, polynomial_table[k].name);
-        subject_make(&t, TRIANGLES, 11, 1, 0.2, polynomial_table[k].name);
+        subject_make(&s, TRIANGLES, 11, 1, 0.2, polynomial_table[k].model.name);
+        subject_make(&t, TRIANGLES, 11, 1, 0.2, polynomial_table[k].model.name);
         average(&s, waves);
         values(&s);
         const double *const *U = (const double *const *)s.average;

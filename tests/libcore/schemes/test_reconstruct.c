@@ -39,7 +39,7 @@ static void orders(void **state) {
         const struct reconstruct *r = reconstruct_find(expected[k].name);
         double coarse = error_of(r, 0.02, 0.6), fine = error_of(r, 0.01, 0.6);
         if (!(log2(coarse / fine) > expected[k].least))
-            fail_msg("%s: order %.3f, expected at least %.2f", r->name, log2(coarse / fine), expected[k].least);
+            fail_msg("%s: order %.3f, expected at least %.2f", r->model.name, log2(coarse / fine), expected[k].least);
     }
 }
 

@@ -11,15 +11,19 @@
 
 struct grain {
     double restitution, diameter, axis[3];
-    int count;
+    int count, shape, lies;
     bool rough;
 };
+static const char *const shapes[] = {"disk", "sphere", "cube", NULL};
+#define PARAM_STRUCT struct grain
 static const struct param table[] = {
-    {"restitution", PARAM_NUMBER, offsetof(struct grain, restitution), 0.9, 0, 1, false, {0, 0, 0}, "of grains"},
-    {"diameter", PARAM_NUMBER, offsetof(struct grain, diameter), NAN, 0, 1, true, {0, 1, 0}, "of a grain"},
-    {"axis", PARAM_VECTOR, offsetof(struct grain, axis), 0, -10, 10, false, {0, 0, 0}, "of rotation"},
-    {"count", PARAM_COUNT, offsetof(struct grain, count), 3, 1, 8, false, {0, 0, 0}, "of stages"},
-    {"rough", PARAM_SWITCH, offsetof(struct grain, rough), 1, 0, 1, false, {0, 0, 0}, "walls"},
+    NUMBER("restitution", restitution, 0.9, FROM_TO(0, 1), NO_UNIT, "of grains"),
+    NUMBER("diameter", diameter, REQUIRED, BETWEEN(0, 1), UNIT(0, 1, 0), "of a grain"),
+    VECTOR("axis", axis, 0, FROM_TO(-10, 10), NO_UNIT, "of rotation"),
+    WHOLE("count", count, 3, FROM_TO(1, 8), "of stages"),
+    SWITCH("rough", rough, true, "walls"),
+    CHOICE("shape", shape, 1, shapes, "of a grain"),
+    CHOICE("lies", lies, -1, shapes, "what lies beside it"),
 };
 enum { N = sizeof table / sizeof *table };
 
@@ -56,9 +60,10 @@ static void test_read(void **state) {
     (void)state;
     struct grain g = taken("diameter 0.5;");
     assert_true(g.restitution == 0.9 && g.diameter == 0.5 && g.axis[0] == 0 && g.axis[2] == 0 && g.count == 3 &&
-                g.rough);
-    g = taken("diameter [0 1 0 0 0 0 0] 0.25; restitution 1; axis (1 2 3); count 8; rough off;");
-    assert_true(g.restitution == 1 && g.diameter == 0.25 && g.axis[1] == 2 && g.count == 8 && !g.rough);
+                g.rough && g.shape == 1 && g.lies == -1);
+    g = taken("diameter [0 1 0 0 0 0 0] 0.25; restitution 1; axis (1 2 3); count 8; rough off; shape cube; lies disk;");
+    assert_true(g.restitution == 1 && g.diameter == 0.25 && g.axis[1] == 2 && g.count == 8 && !g.rough &&
+                g.shape == 2 && g.lies == 0);
 }
 
 static void test_errors(void **state) {
@@ -71,7 +76,52 @@ static void test_errors(void **state) {
     refused("diameter 0.5;\ncount 2.5;", "T:2:", "whole");
     refused("diameter 0.5; count 9;", "T:1:", "1 .. 8");
     refused("diameter 0.5; rough perhaps;", "T:1:", "on yes true");
+    refused("diameter 0.5;\nshape spehre;", "T:2:", "allowed are: disk, sphere, cube; did you mean 'sphere'?");
+    refused("diameter 0.5;\nlies 2;", "T:2:", "one of: disk, sphere, cube");
+    refused("diameter 0.5;\nshaep cube;", "T:2:", "did you mean 'shape'?");
     refused("diameter 0.5;\nrestitutoin 1;", "T:2:", "did you mean 'restitution'?");
+}
+
+/* A word that must be given: the message says where, which words there are and what they mean. */
+static void test_required_word(void **state) {
+    (void)state;
+    static const struct param required[] = {CHOICE("shape", shape, REQUIRED, shapes, "of a grain")};
+    struct dict *d = parse("\nshpae disk;");
+    struct grain g;
+    char text[200] = "";
+    status s = params_read(d, required, 1, &g);
+    if (!s) fail_msg("a missing word was taken");
+    const char *const parts[] = {"T:2:", "'shape' is missing", "disk, sphere, cube", "(of a grain)"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (!strstr(status_text(s), parts[i])) fail_msg("'%s' is not in: %s", parts[i], status_text(s));
+    status_free(s);
+    dict_free(d);
+    FILE *f = tmpfile();
+    assert_non_null(f);
+    params_print(f, required, 1);
+    rewind(f);
+    text[fread(text, 1, sizeof text - 1, f)] = 0;
+    fclose(f);
+    assert_string_equal(text, "    shape                required   disk, sphere, cube -          of a grain\n");
+}
+
+static void test_print_values(void **state) {
+    (void)state;
+    const struct grain g = {
+        .restitution = 0.75, .diameter = 1e-3, .axis = {1, 2, 3}, .count = 4, .shape = 2, .lies = -1};
+    char text[1000] = "", line[100];
+    static const char *const expected[] = {"0.75", "0.001", "(1 2 3)", "4", "no", "cube", "-"};
+    FILE *f = tmpfile();
+    assert_non_null(f);
+    params_print_values(f, table, N, &g);
+    rewind(f);
+    for (int i = 0; i < N; i++) {
+        snprintf(text, sizeof text, "    %-22s %s\n", table[i].name, expected[i]);
+        assert_non_null(fgets(line, sizeof line, f));
+        assert_string_equal(line, text);
+    }
+    assert_null(fgets(line, sizeof line, f));
+    fclose(f);
 }
 
 static void test_print(void **state) {
@@ -83,14 +133,22 @@ static void test_print(void **state) {
     rewind(f);
     text[fread(text, 1, sizeof text - 1, f)] = 0;
     fclose(f);
-    static const char *const parts[] = {"restitution", "0.9",        "0 .. 1", "required",
-                                        "0 < .. < 1",  "of a grain", "on, off"};
+    static const char *const parts[] = {"restitution",
+                                        "0.9",
+                                        "0 .. 1",
+                                        "required",
+                                        "0 < .. < 1",
+                                        "of a grain",
+                                        "on, off",
+                                        "sphere     or disk, cube",
+                                        "-          disk, sphere, cube"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (!strstr(text, parts[i])) fail_msg("'%s' is not in:\n%s", parts[i], text);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_read), cmocka_unit_test(test_errors),
-                                       cmocka_unit_test(test_print)};
+                                       cmocka_unit_test(test_required_word), cmocka_unit_test(test_print),
+                                       cmocka_unit_test(test_print_values)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -112,6 +112,12 @@ def replace(path, old, new):
     return lambda case: Row("", (path, old, new)).spoil(case)
 
 
+def disks(coefficients):
+    """A gas of disks with transport and these coefficients."""
+    return both(replace(PROPERTIES, "equationOfState GoldshteinShapiro;", "equationOfState TorquatoDisks;"),
+                replace(PROPERTIES, "transport none;", "transport JenkinsRichman;\n" + coefficients))
+
+
 def mesh(n=bad_case.CELLS, types=None):
     def change(case):
         shutil.rmtree(os.path.join(case, MESH))
@@ -176,6 +182,20 @@ DICTIONARIES = [
         "did you mean 'Haff'?"),
     Row("no cooling with e < 1", (PROPERTIES, "cooling Haff;\n", ""), "'cooling' is missing", "cooling Haff;", at=""),
     Row("unknown transport", (PROPERTIES, "transport none", "transport Jenkins"), "Jenkins", "allowed are: none"),
+    Row("misspelt transport", (PROPERTIES, "transport none", "transport JenkinsRichmann"),
+        "allowed are: none, JenkinsRichman", "did you mean 'JenkinsRichman'?"),
+    Row("transport of other grains", (PROPERTIES, "transport none", "transport JenkinsRichman"),
+        "JenkinsRichman is for disks, equationOfState GoldshteinShapiro for spheres"),
+    # of disks; the coefficients of GoldshteinShapiro stay in the file
+    Row("misspelt word in Coeffs", disks("JenkinsRichmanCoeffs { bulk papre; }"), "'bulk' is papre",
+        "allowed are: corrected, paper", "did you mean 'paper'?", at="JenkinsRichmanCoeffs", where=PROPERTIES),
+    Row("unknown key in Coeffs of a law", disks("JenkinsRichmanCoeffs { alphaMim 1e-3; }"), "'alphaMim' is not used",
+        "did you mean 'alphaMin'?", at="JenkinsRichmanCoeffs", where=PROPERTIES),
+    Row("misspelt Coeffs of a law", disks("JenkinsRichmannCoeffs { bulk paper; }"),
+        "'JenkinsRichmannCoeffs' is not used", "did you mean 'JenkinsRichmanCoeffs'?", at="JenkinsRichmannCoeffs",
+        where=PROPERTIES),
+    Row("alphaMin 0", disks("JenkinsRichmanCoeffs { alphaMin 0; }"), "alphaMin is 0", "allowed is 0 .. 1",
+        at="JenkinsRichmanCoeffs", where=PROPERTIES),
     Row("unknown flux", (SCHEMES, "fluxScheme common;", "fluxScheme Marqina;"), "Marqina", "allowed are: common, ",
         "did you mean 'Marquina'?"),
     Row("unknown reconstruct", (SCHEMES, "reconstruct PHM", "reconstruct WENO6"), "WENO6", "allowed are",

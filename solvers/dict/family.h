@@ -1,0 +1,43 @@
+/* A family of models: a keyword of a dictionary names a row of a table (equation of state, transport, flux, ..). One
+ * loop over a table of families reads, prints and lists them all.
+ *
+ * A row begins with struct model (libcore/models/param.h). Its parameters stand in the dictionary NAMECoeffs { } beside
+ * the keyword; those of rows that are not chosen may stay in the file. */
+#ifndef SOLVERS_FAMILY_H
+#define SOLVERS_FAMILY_H
+
+#include "libcore/models/param.h"
+#include "solvers/dict/dict.h"
+#include <stdio.h>
+
+struct family {
+    const char *file;  /* of the keyword, relative to the case */
+    const char *title; /* of the list of rows */
+    const char *sub;   /* dictionary that the keyword stands in, in which it must be given; NULL: the file itself */
+    const char *key;
+    const void *rows; /* [*count] of `stride` bytes */
+    size_t stride;
+    const int *count;
+    const char *none;     /* what the word `none` means, which chooses no row; NULL: the word is not allowed */
+    const char *standard; /* row that is chosen where the keyword is missing */
+    bool must;            /* the keyword may not be missing; else, without a standard, no row is chosen */
+    bool tacit;           /* `none` is not printed */
+    size_t chosen;        /* offset of the pointer to the row, NULL: none, in the struct that is filled */
+    size_t params;        /* offset of what the parameters of the row fill */
+    /* What a row asks of what was read before, once it is chosen (d: dictionary of the keyword), and of its parameters,
+     * once these are read; NULL: nothing. */
+    status (*suits)(struct dict *d, void *base);
+    status (*holds)(struct dict *d, void *base);
+};
+/* The members `rows`, `stride` and `count` of the table NAME_table with NAME_count rows */
+#define FAMILY_ROWS(name) .rows = name##_table, .stride = sizeof *name##_table, .count = &name##_count
+
+/* Reads from d, the file's dictionary, into the struct at base. */
+status family_read(const struct family *k, struct dict *d, void *base);
+/* Marks the keyword and all NAMECoeffs as known, for programs that leave the family to others. */
+status family_leave(const struct family *k, struct dict *d);
+
+void family_list(FILE *f, const struct family *k);                    /* title, rows, their parameters */
+void family_print(FILE *f, const struct family *k, const void *base); /* the chosen row and its parameters */
+
+#endif
