@@ -11,13 +11,18 @@ static void choose(struct scene *s, int dim, const char *wall, const struct tran
     set_walls(s, wall);
 }
 
-/* In the unit box. */
-static void open_cells(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
+/* In the unit box; its cells grow along x if they are graded. */
+static void open_graded(struct scene *s, const struct comm *c, const struct cells_recipe *r, bool graded) {
     s->mesh = cells_make(r);
     for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * r->n[i % 3];
+    for (int i = 0; i < s->mesh->npoints && graded; i++) s->mesh->points[3 * i] *= 0.2 + 0.8 * s->mesh->points[3 * i];
     open_mesh(s, c);
     for (int i = 0; i < s->cells; i++)
         for (int k = s->dim; k < 3; k++) s->centre[3 * i + k] = 0;
+}
+
+static void open_cells(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
+    open_graded(s, c, r, false);
 }
 
 /* An Euler step of the viscous part alone. */
@@ -166,6 +171,56 @@ static void linear_temperature_is_steady(void **state) {
         after = state_of(&s, world);
         for (int i = 0; i < (s.dim + 2) * s.cells; i++)
             if (!(fabs(after[i] - before[i]) < 1e-12)) fail_msg("%s: %g", rough[b].name, after[i] - before[i]);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+static const double BOUNDARY = 0.5 * (0.2 + 0.8 * 0.5); /* of layers: where a face of the graded meshes lies */
+static double conductivity[2];                          /* of both layers: left, right */
+
+/* Layers differ in density. */
+static void law_of_layers(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                          const double *restrict rho, const double *restrict T, double *restrict bulk,
+                          double *restrict shear, double *restrict heat) {
+    (void)params, (void)eos, (void)m, (void)T;
+    for (int i = 0; i < n; i++) {
+        bulk[i] = shear[i] = 1;
+        heat[i] = conductivity[rho[i] > 0.8];
+    }
+}
+static const struct transport LAYERS = {.coefficients = law_of_layers};
+
+/* The same heat flows through both layers, from a wall of T = 2 to one of T = 5. */
+static void through_layers(const double x[3], double *rho, double u[3], double *T) {
+    const double flux = 3 / (BOUNDARY / conductivity[0] + (1 - BOUNDARY) / conductivity[1]);
+    (void)u;
+    *rho = x[0] < BOUNDARY ? 0.7 : 0.9;
+    *T = x[0] < BOUNDARY ? 2 + flux / conductivity[0] * x[0] : 5 - flux / conductivity[1] * (1 - x[0]);
+}
+
+/* The steady profile through two layers is linear in each: exact where faces do not lie in the middle between centres,
+ * too, as the resistances of both ways to the face add up. */
+static void layers_conduct_one_behind_the_other(void **state) {
+    (void)state;
+    for (int b = 0; b < 6; b++) {
+        const int dim = 1 + b / 2;
+        const struct cells_recipe r = {"graded",  dim, BOXES, {12, dim > 1 ? 4 : 1, dim > 2 ? 4 : 1},
+                                       {0, 1, 2}, 0,   OPEN};
+        struct scene s;
+        conductivity[b % 2] = 1;
+        conductivity[1 - b % 2] = 10;
+        choose(&s, dim, "slip", &LAYERS);
+        for (int p = 0; p < 2; p++)
+            s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {p ? 5 : 2}};
+        open_graded(&s, world, &r, true);
+        start(&s, through_layers);
+        double *before = state_of(&s, world), *after;
+        spread(&s, 1, 30 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < (dim + 2) * s.cells; i++)
+            if (!(fabs(after[i] - before[i]) < 1e-12)) fail_msg("%d dimensions: %g", dim, after[i] - before[i]);
         free(before);
         free(after);
         close_scene(&s);
@@ -363,6 +418,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(driven_gas_stays_at_second_order),
         cmocka_unit_test(rotation_makes_no_heat),
         cmocka_unit_test(linear_temperature_is_steady),
+        cmocka_unit_test(layers_conduct_one_behind_the_other),
         cmocka_unit_test(mirrors_continue_shear),
         cmocka_unit_test(boxes_are_a_lattice),
         cmocka_unit_test(totals_are_conserved),
