@@ -349,12 +349,42 @@ static void collapse(void **state) {
     close_scene(&s);
 }
 
+/* dt is maxCo over the largest sum of (|u_k| + c)/width_k of all cells: no larger, and no smaller. */
+static void speed_is_the_largest_rate(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++) {
+        const int n[3] = {24, 20, 16};
+        struct scene s = {.gas = NULL};
+        struct gas_speed speed;
+        double most = 0, fast[3] = {0, 0, 0};
+        open_scene(&s, dim, n, true, "common", "WENO5");
+        start(&s, splash);
+        gas_speed(s.gas, &speed);
+        for (int i = 0; i < s.cells; i++) {
+            const int at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+            double x[3], u[3] = {0, 0, 0}, rho, T, p, c2, g, rate = 0;
+            for (int k = 0; k < 3; k++) x[k] = k < dim ? (at[k] + 0.5) / n[k] : 0.5;
+            splash(x, &rho, u, &T);
+            const double eps = T / (s.models.material.gamma - 1);
+            s.models.eos->state(&s.models.material, 1, &rho, &eps, &p, &c2, &g);
+            for (int k = 0; k < dim; k++) {
+                rate += (fabs(u[k]) + sqrt(c2)) * n[k];
+                fast[k] = larger(fast[k], fabs(u[k]) + sqrt(c2));
+            }
+            most = larger(most, rate);
+        }
+        assert_close(speed.rate, most, 1e-12, "rate");
+        for (int k = 0; k < dim; k++) assert_close(speed.axis[k], fast[k], 1e-12, "speed along an axis");
+        close_scene(&s);
+    }
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conservation),        cmocka_unit_test(one_is_two_is_three),
         cmocka_unit_test(free_stream),         cmocka_unit_test(skipping_changes_no_bit),
         cmocka_unit_test(safety_net),          cmocka_unit_test(collapse),
-        cmocka_unit_test(looking_once_a_step),
+        cmocka_unit_test(looking_once_a_step), cmocka_unit_test(speed_is_the_largest_rate),
     };
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);

@@ -71,7 +71,8 @@ static void test_errors(void **state) {
     expect_error("endTime 1; startFrom startTime; startTime 2; writeControl none;", "startTime");
 }
 
-/* Steps of any size end on every multiple of the interval and on endTime exactly, and none exceeds what is stable. */
+/* Steps of any size end on every multiple of the interval and on endTime exactly, and none exceeds what is stable: far
+ * from these they are just that. */
 static void test_write_times_are_hit(void **state) {
     (void)state;
     struct control *c = good("endTime 1.05; writeControl adjustableRunTime; writeInterval 0.1;");
@@ -83,6 +84,7 @@ static void test_write_times_are_hit(void **state) {
         double next = trigger_next(&c->write, t);
         double dt = control_step(c, t, step, stable, next, &end, &limit);
         assert_true(dt > 0 && dt <= stable * (1 + 1e-9) && end <= next && step < 1000);
+        if (fmin(next, 1.05) - t > 2 * stable) assert_true(dt == stable && limit == DT_COURANT);
         smallest = fmin(smallest, dt);
         struct moment before = {.t = t, .step = step}, now = {.t = end, .step = step + 1};
         if (trigger_due(&c->write, &before, &now)) {
@@ -178,6 +180,32 @@ static void test_folders_appear_whole(void **state) {
     assert_int_equal(access(path, F_OK), 0);
 }
 
+/* What a restart takes for the time of a folder must be what the name was rounded from: within half a unit of its last
+ * digit, however that is written. */
+static void test_times_round_to_their_names(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double value, unit;
+    } cases[] = {{"3", 3, 1},           {"0.7", 0.7, 0.1},         {"0.70", 0.7, 0.01},         {"-12.5", -12.5, 0.1},
+                 {"2e-05", 2e-5, 1e-5}, {"1.25e+06", 1.25e6, 1e4}, {"1.250e-3", 1.25e-3, 1e-6}, {"100000", 1e5, 1}};
+    for (int i = 0; i < (int)(sizeof cases / sizeof *cases); i++)
+        for (int k = -3; k <= 3; k++) {
+            const double share = (const double[]){0, 0.2, 0.49, 0.6}[abs(k)] * (k < 0 ? -1 : 1);
+            struct instant at = {.t = cases[i].value + share * cases[i].unit, .digits = 6};
+            char tmp[TIME_PATH];
+            snprintf(at.name, sizeof at.name, "%s", cases[i].name);
+            assert_null(time_begin(folder, at.name, tmp));
+            assert_null(time_stamp_write(tmp, &at, NULL));
+            assert_null(time_commit(folder, at.name));
+            status s = time_verify(folder, &at);
+            if ((s != OK) != (abs(k) == 3)) fail_msg("time %s of value %.17g: %s", at.name, at.t, status_text(s));
+            if (s) assert_non_null(strstr(status_text(s), "the folder is that of time"));
+            status_free(s);
+            assert_null(time_remove(folder, at.name));
+        }
+}
+
 static int set_up(void **state) {
     (void)state;
     char path[256];
@@ -199,6 +227,7 @@ int main(void) {
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_restart_takes_the_same_steps),
         cmocka_unit_test(test_folders_appear_whole),
+        cmocka_unit_test(test_times_round_to_their_names),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
