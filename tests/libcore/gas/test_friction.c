@@ -18,7 +18,7 @@ static void law(const struct own_params *params, const struct eos *eos, const st
 static const struct transport LAW = {.coefficients = law};
 
 static bool can(int scheme, bool polyhedral) {
-    return diffusion_table[scheme].plan || (!polyhedral && linear_module());
+    return diffusion_table[scheme].plan || (!polyhedral && scheme_is_there(scheme));
 }
 
 /* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools. */

@@ -346,7 +346,7 @@ static void totals_stay(const struct cells_recipe *r, const char *wall, const ch
 
 /* The implicit one is slow where ranks share cores (test_mpi_cells_implicit.c). */
 static bool is_there(int scheme) {
-    return diffusion_table[scheme].plan || (linear_module() && comm_size(world) == 1);
+    return diffusion_table[scheme].plan || (comm_size(world) == 1 && scheme_is_there(scheme));
 }
 
 /* In boxes that slip and that do not, and periodic: neither mass nor energy gets lost, nor momentum. */
