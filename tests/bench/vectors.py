@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Guards against silent loss of vectorisation: the solver with the machine's widest vectors against the same sources
-compiled without any, in turn on one core, best of several. Exit code 1 if a ratio is below FLOOR.
+compiled without any, in turn on one core, best of several. Exit code 1 if a ratio is below FLOOR. Builds both first, where the folder
+is that of a build: the sources without vectors are compiled for nothing else.
 
     tests/bench/vectors.py [folder of programs]
 """
@@ -22,7 +23,15 @@ def rate(program, scheme):
     return float(re.search(r"best +([0-9.]+) M", output)[1])
 
 
+def build(folder):
+    top = os.path.dirname(os.path.abspath(folder))
+    if os.path.exists(os.path.join(top, "CMakeCache.txt")):
+        subprocess.run(["cmake", "--build", top, "--parallel", "--target", "bench_throughput", "bench_throughput_plain"], check=True,
+                       stdout=subprocess.DEVNULL)
+
+
 def main(folder):
+    build(folder)
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     failed = False
     print("M cell-stages/s, 2D          vectors   without   ratio")
