@@ -9,6 +9,7 @@ from tests.cases import harness
 
 import disks  # noqa: E402  (the harness knows where)
 
+MARGIN = 1.3  # what an error may exceed the measured one by; that it falls at second order is asserted beside it
 POLYHEDRAL = ("system/fvSchemes", "fluxScheme  common;", "fluxScheme  common; meshEngine polyhedral;")
 
 
@@ -38,33 +39,33 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         return found, np.log2(found[:-1] / found[1:])
 
     def test_heated_walls(self):
-        for e, other, largest in ((1, (), 1.5e-4), (1, [POLYHEDRAL], 1.5e-4), (0.95, (), 5e-4)):
+        for e, other, measured in ((1, (), 8.3e-5), (1, [POLYHEDRAL], 7.9e-5), (0.95, (), 2.9e-4)):
             with self.subTest(restitution=e, other=other):
                 errors, order = self.errors("heatedWalls", (20, 40), disks.heated_walls, (("T",), ("alpha",), ("p",)),
                                             {"restitution": e}, {"maxCo": 0.4}, other)
                 self.assertGreater(order.min(), 1.9)
-                self.assertLess(errors[-1].max(), largest)
+                self.assertLess(errors[-1].max(), MARGIN * measured)
 
     def test_poiseuille(self):
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
         errors, order = self.errors("poiseuilleDisks", (16, 32), disks.poiseuille, fields)
         self.assertGreater(order.min(), 1.85)
-        self.assertLess(errors[-1].max(), 3e-3)
+        self.assertLess(errors[-1].max(), MARGIN * 2.4e-3)
 
     def test_granular_wall(self):
         """Heat from one wall, which gas and impacts with the other take."""
         wall = ("0/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
         errors, order = self.errors("heatedWalls", (20, 40), disks.heated_walls, (("T",), ("alpha",), ("p",)), other=[wall])
         self.assertGreater(order.min(), 1.9)
-        self.assertLess(errors[-1].max(), 3e-4)
+        self.assertLess(errors[-1].max(), MARGIN * 1.6e-4)
 
     def test_couette(self):
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
-        for other in ((), [POLYHEDRAL]):
+        for other, measured in (((), 3.3e-4), ([POLYHEDRAL], 4e-4)):
             with self.subTest(other=other):
                 errors, order = self.errors("couetteDisks", (16, 32), disks.couette, fields, {}, {"maxCo": 0.4}, other)
                 self.assertGreater(order.min(), 1.85)
-                self.assertLess(errors[-1].max(), 6e-4)
+                self.assertLess(errors[-1].max(), MARGIN * measured)
 
     def test_start(self):
         """A wall begins to move, so slowly that the gas stays as it is: u obeys the heat equation."""
@@ -84,7 +85,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
             exact = y + sum(2 / (k * np.pi) * (-1)**k * np.sin(k * np.pi * y) * np.exp(-nu * end * (k * np.pi / 20)**2)
                             for k in range(1, 40))
             errors.append(np.abs(result.field("U")[:, 0] / faint - exact).max())
-        self.assertLess(errors[1], 1e-3)
+        self.assertLess(errors[1], MARGIN * 4.5e-4)
         self.assertGreater(np.log2(errors[0] / errors[1]), 1.85)
 
 
