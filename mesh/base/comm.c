@@ -1,3 +1,5 @@
+/* The only source file of mesh/ that calls MPI: start and end, minima and maxima, gathers, and the repeated messages of
+ * ghost exchanges (comm.h). */
 #include "mesh/base/comm.h"
 
 #include <limits.h>
@@ -12,14 +14,15 @@ struct comm {
     int rank, size;
 };
 
-/* A program started without mpirun needs no daemon and no network: Open MPI then starts in 0.1 s instead of 0.4 s. The
- * user's own settings stand; other MPIs do not read these. */
+/* Open MPI starts a program without mpirun in 0.1 s instead of 0.4 s if it needs no daemon and no network. The settings
+ * below say so; they do not replace the user's own, and other MPIs ignore them. */
 static void settle_alone(void) {
     static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"};
     for (int i = 0; i < (int)(sizeof launched / sizeof *launched); i++)
         if (getenv(launched[i])) return;
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    setenv("OMPI_MCA_orte_create_session_dirs", "0", 0); /* all such programs would share one, and remove it */
+    /* programs without mpirun would share one session directory, and remove it */
+    setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
     setenv("OMPI_MCA_btl", "self", 0);
     setenv("OMPI_MCA_pml", "ob1", 0);
 }
@@ -81,7 +84,7 @@ void comm_sum_long(const struct comm *c, long *value, int n) {
     reduce(c, value, n, MPI_LONG, MPI_SUM);
 }
 
-/* Counts and displacements of MPI are ints: an array that is longer in all is refused, by every rank. */
+/* MPI's counts and displacements are ints: every rank refuses an array that is longer in all than an int can say. */
 static status gather(const struct comm *c, const void *mine, long n, void *all, long *total, MPI_Datatype type,
                      long bytes) {
     long sum = n;
@@ -133,7 +136,7 @@ struct comm_exchange {
     MPI_Comm world;
     int nlinks;
     const struct comm_link *link; /* borrowed */
-    MPI_Request request[];        /* [2 * nlinks] receiving, sending */
+    MPI_Request request[];        /* [2 * nlinks] first the receives, then the sends */
 };
 
 status comm_exchange_make(const struct comm *c, int nlinks, const struct comm_link *link, struct comm_exchange **out) {

@@ -1,5 +1,5 @@
-/* The one thin layer over MPI. Every rank calls each function (collective) unless it says otherwise.
- * Only minima and maxima feed back into a run, so results do not depend on the number of ranks. */
+/* The one thin layer over MPI. Every rank calls each function (collective) unless its comment says otherwise. Only
+ * minima and maxima feed back into a run, so results do not depend on the number of ranks. */
 #ifndef MESH_COMM_H
 #define MESH_COMM_H
 
@@ -7,30 +7,35 @@
 
 struct comm;
 
-/* MPI_Init (once per program) and the world communicator. */
+/* comm_start calls MPI_Init (once per program) and makes the communicator of all ranks; comm_finish frees it and calls
+ * MPI_Finalize. */
 status comm_start(int *argc, char ***argv, struct comm **out);
 void comm_finish(struct comm *c);
-/* This rank by itself, for what it does without the others; comm_alone_free it before comm_finish. */
+/* Makes a communicator of this rank alone, for work that it does without the others. comm_alone_free frees it, before
+ * comm_finish. */
 status comm_alone(struct comm **out);
 void comm_alone_free(struct comm *c);
 
 int comm_rank(const struct comm *c);
 int comm_size(const struct comm *c);
-bool comm_root(const struct comm *c);    /* rank 0? */
+bool comm_root(const struct comm *c);    /* is this rank 0? */
 void *comm_handle(const struct comm *c); /* pointer to the MPI_Comm, for the libraries of mesh/ (p4est) */
 
-void comm_min(const struct comm *c, double *value, int n); /* in place, elementwise */
+/* Replace value[n] by the minimum (maximum, sum) over all ranks, element by element. */
+void comm_min(const struct comm *c, double *value, int n);
 void comm_max(const struct comm *c, double *value, int n);
 void comm_sum_long(const struct comm *c, long *value, int n);
 
-/* Root gets every rank's count[r] doubles, one rank after the other; all[] is allocated there (NULL elsewhere).
- * gather_int the same for ints. */
+/* Gathers every rank's mine[n] on the root, in the order of the ranks: *all holds *total values there (the caller frees
+ * it) and is NULL on the other ranks. Fails on every rank if there are more values than an int can count.
+ * comm_gather_int does the same for ints. */
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total);
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total);
-void comm_broadcast(const struct comm *c, void *data, long bytes); /* from root */
+void comm_broadcast(const struct comm *c, void *data, long bytes); /* copies the root's data to all ranks */
 
-/* Equally long messages to and from some other ranks, again and again. Each rank that is linked to another is linked
- * back. start sends `times` * n doubles of every link's `out`, to be kept until finish, which waits for `in`. */
+/* Messages of the same lengths between the same ranks, again and again. Links are mutual: a rank linked to another is
+ * linked back. comm_exchange_start sends `times` * n doubles of every link's `out`, which must not change until
+ * comm_exchange_finish has waited for every link's `in`. */
 struct comm_link {
     int rank;
     long n;

@@ -1,3 +1,4 @@
+/* Errors as values, and the memory allocation that returns them (status.h). */
 #include "mesh/base/status.h"
 
 #include <stdarg.h>
@@ -17,7 +18,7 @@ struct error {
     } way[TRAIL];
 };
 
-/* What a file holds must not steer the terminal. */
+/* Replaces control characters by blanks: messages quote files, and what a file holds must not steer the terminal. */
 static void make_printable(char *text) {
     for (char *c = text; *c; c++)
         if (((unsigned char)*c < ' ' && *c != '\n') || *c == 127) *c = ' ';

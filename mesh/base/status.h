@@ -15,19 +15,20 @@ struct error;
 typedef struct error *status;
 #define OK ((status)0)
 
-/* Returns a new error with the printf-like text; "FILE:LINE: what was found; what is allowed; the cure". */
+/* Returns a new error with the text of a printf format. The text reads "FILE:LINE: what was found; what is allowed; the
+ * cure". */
 status fail(enum status_kind kind, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Puts a line of context in front of an error ("while reading ..."); OK stays OK. */
 status status_note(status s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Records the way up (shown by -debug only); returns s. */
+/* Records one place (file, line) on the error's way up, which -debug shows; returns s. */
 status status_up(status s, const char *file, int line);
 
-enum status_kind status_kind(status s); /* s != OK */
-const char *status_text(status s);      /* s != OK */
+enum status_kind status_kind(status s); /* s is an error */
+const char *status_text(status s);      /* s is an error */
 
-/* Prints an error to stderr, with the way up if trail; returns the exit code (0 for OK). Does not free. */
+/* Prints an error to stderr, with its way up if `trail`; returns the exit code (0 for OK). Does not free the error. */
 int status_print(status s, bool trail);
 void status_free(status s); /* OK is allowed */
 
@@ -37,7 +38,8 @@ void status_free(status s); /* OK is allowed */
         if (try_status_) return status_up(try_status_, __FILE__, __LINE__);                                            \
     } while (0)
 
-/* calloc that fails with a status: `count` objects of `size` bytes, zeroed, aligned to 64 bytes; free() them. */
+/* Sets *out, a pointer to any type, to `count` zeroed objects of `size` bytes, aligned to 64 bytes; the caller calls
+ * free(). The error names the objects by `what`. */
 status allocate(void *out, long count, long size, const char *what);
 
 #endif
