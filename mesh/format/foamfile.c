@@ -1,3 +1,5 @@
+/* Reads files in OpenFOAM's grammar: the whole file into memory (unzipped), numbers, tokens with their lines, the
+ * FoamFile header. foamlist.c reads lists, foamwrite.c writes. */
 #include "mesh/format/foamfile.h"
 
 #include <errno.h>
@@ -20,10 +22,11 @@ void source_free(struct source *s) {
     free(s);
 }
 
-/* What a file may unzip to is bounded: as sound data it is seldom a hundred times larger, and never by accident. */
+/* A file that unzips to more than UNZIPPED bytes may not grow by more than RATIO: sound data seldom do, a gzip bomb
+ * does. */
 static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
 
-/* gzread passes files through that are not gzipped. */
+/* Reads the whole file; gzread passes a file that is not gzipped through unchanged. */
 static status read_all(struct source *s, size_t guess) {
     gzFile f = gzopen(s->path, "rb");
     if (!f) return fail(ERR_INPUT, "%s: cannot open: %s", s->path, strerror(errno));
@@ -119,7 +122,7 @@ static bool ends_token(const char *p) {
     return c <= ' ' || strchr("()[]{};,\"'", c) || (c == '/' && (p[1] == '/' || p[1] == '*'));
 }
 
-/* strtod needs the decimal point of the locale, which a library may have set. */
+/* Calls strtod, which wants the decimal point of the locale; a library may have set one with a comma. */
 static double slow_number(const char *text, size_t length) {
     char copy[128];
     memcpy(copy, text, length);
@@ -129,8 +132,8 @@ static double slow_number(const char *text, size_t length) {
     return strtod(copy, NULL);
 }
 
-/* Up to 2^53 and 10^22 mantissa and power are exact, so that one division or product rounds correctly (Clinger 1990);
- * the rest is strtod's. */
+/* Mantissas up to 2^53 and powers of ten up to 10^22 are exact doubles, so one division or product of them rounds
+ * correctly (Clinger 1990); strtod reads all other numbers. */
 const char *foam_number(const char *text, double *out) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -321,7 +324,7 @@ static status copy_text(const struct lexer *l, const struct token *t, char *to, 
     return OK;
 }
 
-/* arch "LSB;label=32;scalar=64" */
+/* Reads the sizes of numbers from the value of `arch`, for example "LSB;label=32;scalar=64". */
 static status read_arch(const struct lexer *l, const struct token *t, struct foam_header *h) {
     char arch[128];
     TRY(copy_text(l, t, arch, sizeof arch, "arch"));

@@ -1,5 +1,5 @@
 /* Text and binary files in the grammar of OpenFOAM: tokens with line numbers, the FoamFile header, lists in ascii and
- * binary, gzip, and writing that is atomic (temporary name, then rename). Knows no dictionary and no mesh. */
+ * binary, gzip, and writing that is atomic (temporary name, then rename). Nothing here knows a dictionary or a mesh. */
 #ifndef MESH_FOAMFILE_H
 #define MESH_FOAMFILE_H
 
@@ -9,40 +9,40 @@
 /* ---- reading ---------------------------------------------------------------------------------------------------- */
 
 struct source { /* a file in memory, already unzipped; text[size] is 0 */
-    char *path; /* as given, or with .gz */
+    char *path; /* as given, or with .gz added */
     char *text;
     size_t size;
 };
 /* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file. */
 status source_open(const char *path, struct source **out);
-/* A source from a string in memory (copied); `name` stands for the path in messages. */
+/* Makes a source from a string in memory (copied); `name` stands for the path in messages. */
 status source_from_text(const char *name, const char *text, struct source **out);
 void source_free(struct source *s);
 
 enum token_kind { TOKEN_END, TOKEN_WORD, TOKEN_STRING, TOKEN_NUMBER, TOKEN_PUNCTUATION, TOKEN_VERBATIM };
 struct token {
     enum token_kind kind;
-    const char *text; /* not terminated: the span in the source; of a string without its quotes */
+    const char *text; /* first character in the source, not terminated; a string stands without its quotes */
     int length;
     double number; /* TOKEN_NUMBER */
-    int line;      /* from 1 */
+    int line;      /* line number, from 1 */
     bool first_on_line;
 };
 struct lexer {
     const struct source *source;
     size_t position;
     int line;
-    int last_line; /* where the token before ended; 0: none yet */
+    int last_line; /* line where the token before this one ended; 0: no token yet */
 };
 struct lexer lexer_start(const struct source *s);
-/* The next token; comments are skipped. Words may hold balanced parentheses and commas: div(rho*U,T). `${...}` is one
- * word, `#{ ... #}` is verbatim (without the marks), punctuation is one of ( ) { } [ ] ; , and numbers are finite: nan,
- * inf, 0x10 and 1d3 are words. */
+/* Reads the next token and skips comments. A word may hold balanced parentheses and commas: div(rho*U,T). `${...}` is
+ * one word, `#{ ... #}` is verbatim (without the marks), punctuation is one of ( ) { } [ ] ; , and a number is finite:
+ * nan, inf, 0x10 and 1d3 are words. lexer_peek does not move on; lexer_expect fails unless `punctuation` comes next. */
 status lexer_next(struct lexer *l, struct token *t);
 status lexer_peek(const struct lexer *l, struct token *t);
 status lexer_expect(struct lexer *l, char punctuation);
 bool token_is(const struct token *t, const char *text);
-/* "PATH:LINE: found 'TOKEN'; <format...>" */
+/* Returns the error "PATH:LINE: found 'TOKEN'; <format...>". */
 status lexer_fail(const struct lexer *l, const struct token *found, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -56,19 +56,21 @@ struct foam_header {
 /* Reads `FoamFile { ... }` if it is there (present = false, ascii if not). */
 status foam_header_read(struct lexer *l, struct foam_header *h);
 
-/* Reads `N ( ... )`, `N { v }`, `( ... )`, binary `N` + `(` bytes `)`; components per entry (3: `(x y z)`).
- * *out is allocated [n * components]; non-finite numbers and wrong counts are errors with their line. `N { v }` is
- * refused where N > most: what else a list holds, and so its memory, is bounded by the size of the file. */
+/* Reads a list of doubles: `N ( ... )`, `N { v }`, `( ... )`, or binary `N` + `(` bytes `)`; an entry has `components`
+ * numbers (3: `(x y z)`). *out is allocated [n * components]; non-finite numbers and wrong counts are errors with their
+ * line. `N { v }` is refused where N > most, because a few bytes could ask for any amount of memory; the size of the
+ * file bounds all other lists. */
 status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
                               double **out);
 status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long most, long *n, int **out);
-/* faceList `N ( 4(0 1 2 3) ... )` or binary faceCompactList: start [n+1], points [start[n]]. */
+/* Reads a faceList `N ( 4(0 1 2 3) ... )` or a binary faceCompactList: start [n+1], points [start[n]]. */
 status foam_list_read_faces(struct lexer *l, const struct foam_header *h, long *n, int **start, int **points);
-/* Passes over a list without reading its values; item_bytes: of one entry in a binary file. */
+/* Passes over a list without reading its values; item_bytes is the size of one entry in a binary file. */
 status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_bytes);
 
-/* The decimal number at text[0]; NULL if there is none that a blank, bracket, ';', ',', quote or comment ends, else the
- * character after it. May be infinite (1e999). Independent of the locale. */
+/* Reads the decimal number at text[0] and returns the character after it, or NULL if there is no number or if anything
+ * but a blank, bracket, ';', ',', quote or comment follows. *out may be infinite (1e999). The locale does not
+ * matter. */
 const char *foam_number(const char *text, double *out);
 
 /* ---- writing ---------------------------------------------------------------------------------------------------- */
@@ -79,25 +81,26 @@ struct foam_format {
     int precision; /* significant digits of ascii numbers; 17 round-trips */
 };
 struct sink;
-/* Opens path.tmp (path.gz.tmp if compress); nothing is at `path` until sink_close. */
+/* Opens path.tmp (path.gz.tmp if `compress`); nothing stands at `path` until sink_close. */
 status sink_open(const char *path, bool compress, struct sink **out);
 void sink_printf(struct sink *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void sink_write(struct sink *s, const void *data, size_t bytes);
-/* Flushes and renames; any error since sink_open (full disk) is returned here, and the old file is left. */
+/* Flushes and renames. Returns the first error since sink_open (for example a full disk) and then leaves the old
+ * file. */
 status sink_close(struct sink *s);
 
-struct file_sum {             /* of a file's contents, before compression */
+struct file_sum {             /* size and checksum of a file's contents before compression */
     unsigned long bytes, crc; /* CRC-32 (zlib) */
 };
-/* The same; sum, if not NULL: of all that was written, added up on the way. */
+/* Closes as sink_close does; *sum (if not NULL) gets the sum of everything written, added up while writing. */
 status sink_close_sum(struct sink *s, struct file_sum *sum);
-/* Of path, or path.gz where only that exists. */
+/* Reads path, or path.gz where only that exists, and adds up its sum. */
 status file_sum_read(const char *path, struct file_sum *sum);
 
-/* `FoamFile { version 2.0; format ...; arch ...; class ...; note (if not NULL); location ...; object ...; }` */
+/* Writes `FoamFile { version 2.0; format ...; arch ...; class ...; note (if not NULL); location ...; object ...; }`. */
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,
                        const char *object, const char *note);
-/* The list alone, as the readers above and OpenFOAM's own take it. */
+/* Write one list without header or keyword, in the form that the readers above and OpenFOAM's own accept. */
 void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v);
 void foam_list_write_labels(struct sink *s, const struct foam_format *f, long n, const int *v);
 void foam_list_write_faces(struct sink *s, const struct foam_format *f, long n, const int *start, const int *points);

@@ -1,3 +1,4 @@
+/* Reads lists in OpenFOAM's grammar, ascii and binary: numbers, vectors, labels, faces (foamfile.h). */
 #include "mesh/format/foamfile.h"
 
 #include <limits.h>
@@ -6,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EQUAL = 8 }; /* faces with equal corners are in no mesh, so that they need not be read in numbers */
+enum { EQUAL = 8 }; /* most entries of `N { v }` in lists of corners and offsets: sound faces have no equal ones */
 
-/* Where a list is being read to; grows, because `( ... )` may come without a count. */
+/* The array that a list is read into. It grows, because `( ... )` may come without a count. */
 struct growing {
     void *data;
     long count, room;
-    size_t size; /* of one item */
+    size_t size; /* bytes of one item */
 };
 
 static status grow(struct growing *g, long more) {
@@ -25,7 +26,8 @@ static status grow(struct growing *g, long more) {
     return OK;
 }
 
-/* An owner always gets something to free, also of an empty list. */
+/* Hands the array over to the caller, or frees it if e is an error. The array of an empty list is allocated, too: the
+ * caller always has something to free. */
 static status take(struct growing *g, status e, void *out) {
     if (!e && !g->data) e = grow(g, 1);
     if (e) {
@@ -43,13 +45,14 @@ static status whole_number(const struct lexer *l, const struct token *t, const c
     return OK;
 }
 
-/* How a list starts. count: -1 if not given. most: of equal entries, `count { value }`. */
+/* How a list starts: `count` is -1 if not given. */
 struct opening {
     long count;
     int line;
     bool binary, uniform, empty;
 };
 
+/* Reads how a list starts; `count { value }`, equal entries, may have at most `most` of them. */
 static status open_list(struct lexer *l, const struct foam_header *h, long most, struct opening *o) {
     struct token t;
     *o = (struct opening){.count = -1};
@@ -79,7 +82,7 @@ static status open_list(struct lexer *l, const struct foam_header *h, long most,
     return OK;
 }
 
-/* The raw bytes of a binary list and its ')'. */
+/* Passes over the raw bytes of a binary list and its ')'; *raw points to the bytes. */
 static status raw_bytes(struct lexer *l, const struct opening *o, int bytes, const char **raw) {
     size_t left = l->source->size - l->position, need = (size_t)o->count * (size_t)bytes;
     if (need >= left || l->source->text[l->position + need] != ')')
@@ -98,7 +101,8 @@ static status wrong_count(const struct lexer *l, const struct opening *o, long f
                 l->line, o->line, o->count, found);
 }
 
-/* Past the blanks and line ends that writers put between entries; comments are left to lexer_next. */
+/* Returns the lexer moved past the blanks and line ends that writers put between entries; lexer_next handles
+ * comments. */
 static struct lexer past_blanks(const struct lexer *l) {
     struct lexer next = *l;
     for (const char *p = l->source->text + l->position; *p == ' ' || *p == '\n'; p++) {
@@ -113,7 +117,7 @@ static status too_many(const struct lexer *l, const struct opening *o) {
                 past_blanks(l).line, o->line, o->count);
 }
 
-/* Past the closing bracket if it is next. */
+/* Moves past the closing bracket if it comes next, and sets *closed. */
 static status closes(struct lexer *l, const struct opening *o, bool *closed) {
     struct token t;
     struct lexer next = past_blanks(l);
@@ -132,7 +136,7 @@ static status closes(struct lexer *l, const struct opening *o, bool *closed) {
 static status read_value(struct lexer *l, double *v) {
     struct lexer next = past_blanks(l);
     const char *text = l->source->text, *end = foam_number(text + next.position, v);
-    if (end && isfinite(*v)) { /* the common case without a token */
+    if (end && isfinite(*v)) { /* the common case is read without making a token */
         *l = next;
         l->last_line = l->line;
         l->position = (size_t)(end - text);
@@ -249,7 +253,7 @@ static status binary_labels(struct lexer *l, const struct foam_header *h, const 
     return OK;
 }
 
-/* Appends one list. */
+/* Appends the labels of one list to g. */
 static status labels(struct lexer *l, const struct foam_header *h, long most, struct growing *g) {
     struct opening o;
     TRY(open_list(l, h, most, &o));
@@ -288,7 +292,7 @@ static status append(struct growing *g, int v) {
     return OK;
 }
 
-/* faceCompactList: n + 1 offsets, then the points of all faces. */
+/* Reads a faceCompactList: n + 1 offsets, then the points of all faces. */
 static status compact_faces(struct lexer *l, const struct foam_header *h, struct growing *start,
                             struct growing *points) {
     int line = l->line;

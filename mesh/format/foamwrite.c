@@ -1,3 +1,5 @@
+/* Writes files in OpenFOAM's grammar: a buffered, optionally gzipped file that replaces the old one when it is closed,
+ * headers and lists (foamfile.h). */
 #include "mesh/format/foamfile.h"
 
 #include <errno.h>
@@ -12,10 +14,11 @@
 enum { BUFFER = 1 << 16 };
 
 struct sink {
-    char *path, *temporary, *other; /* other: the same file with the other compression, which a reader might prefer */
+    char *path, *temporary, *other; /* other: the name with the other compression; sink_close removes that file, as a
+                                       reader might prefer it */
     int file;
     gzFile zip;
-    int error; /* errno of the first failure; what follows is dropped */
+    int error; /* errno of the first failure; later output is dropped */
     struct file_sum sum;
     size_t used;
     char buffer[BUFFER];
@@ -151,7 +154,7 @@ status file_sum_read(const char *path, struct file_sum *sum) {
     if (!zipped) return fail(ERR_SYSTEM, "no memory to read %s", path);
     *sum = (struct file_sum){0};
     const char *found = access(path, F_OK) ? zipped : path;
-    gzFile f = access(found, F_OK) ? NULL : gzopen(found, "rb"); /* takes files that are not zipped as they are */
+    gzFile f = access(found, F_OK) ? NULL : gzopen(found, "rb"); /* reads plain files, too */
     int got = -1, closed = Z_OK;
     if (f)
         while ((got = gzread(f, buffer, BUFFER)) > 0) add_up(sum, buffer, (size_t)got);
@@ -176,7 +179,8 @@ void foam_header_write(struct sink *s, const struct foam_format *f, const char *
     sink_printf(s, "    location    \"%s\";\n    object      %s;\n}\n\n", location, object);
 }
 
-/* An empty list: the reader of OpenFOAM takes no brackets after the count in a binary file. */
+/* Writes the list if it is empty, and returns whether it is. In a binary file OpenFOAM's reader accepts no brackets
+ * after the count 0. */
 static bool write_empty(struct sink *s, const struct foam_format *f, long n) {
     if (n == 0) sink_printf(s, f->binary ? "0\n" : "0()\n");
     return n == 0;

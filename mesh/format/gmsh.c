@@ -1,3 +1,5 @@
+/* Makes a polyMesh of a .msh file that gmsh_file.c has read: drops unused nodes, extrudes 1D and 2D meshes by one cell,
+ * joins cells by their faces, turns physical groups into patches. */
 #include "mesh/format/gmsh.h"
 
 #include "mesh/format/gmsh_file.h"
@@ -15,7 +17,7 @@ static const char *const COMMAND[] = {"Physical Point", "Physical Curve", "Physi
 /* ---- a table of sets of nodes: finds the face or cell with the same nodes in any order --------------------------- */
 
 struct table {
-    int width; /* nodes of an entry, filled up with -1 */
+    int width; /* nodes of an entry; a set of fewer nodes is filled up with -1 */
     long n;
     int *key;  /* [n][width], each sorted */
     int *slot; /* [mask + 1] entry + 1, or 0 */
@@ -39,7 +41,8 @@ static void table_free(struct table *t) {
     free(t->slot);
 }
 
-/* The entry with these nodes, or the new one (*is_new), or -1 if there is none and is_new is NULL. */
+/* Returns the entry with these nodes; if there is none, adds it and sets *is_new, or returns -1 where is_new is
+ * NULL. */
 static long table_find(struct table *t, const int *node, int n, bool *is_new) {
     int key[8];
     for (int i = 0; i < t->width; i++) {
@@ -92,7 +95,7 @@ static status find_dim(const struct gmsh_file *f, int *dim) {
     return OK;
 }
 
-/* Keeps cells (once) and named boundary elements; drops nodes that no cell uses. */
+/* Keeps every cell once and the boundary elements that have a group; drops nodes that no cell uses. */
 static status keep_used(struct gmsh_file *f, int dim) {
     struct table cells;
     int *moved;
@@ -219,8 +222,8 @@ static struct gmsh_element raised(const struct gmsh_element *e, int npoints) {
     return r;
 }
 
-/* Cells of dimension dim become cells of dim + 1 between the plane and plane + thickness, boundary elements likewise;
- * copies of the cells in both planes are the new boundary, in the groups low and high. */
+/* Extrudes cells of dimension dim to cells of dim + 1 between the plane and plane + thickness, boundary elements
+ * likewise. Copies of the cells in both planes become the new boundary, in the groups low and high. */
 static status extrude(struct gmsh_file *f, int dim, int axis, double thickness, int low, int high) {
     long n = f->nelements, np = f->npoints;
     if (np > INT_MAX / 4) return fail(ERR_INPUT, "%s: %ld nodes are too many", f->path, np);
@@ -265,7 +268,7 @@ static status add_group(struct gmsh_file *f, const char *name, int *index) {
     return f->group[*index].name ? OK : fail(ERR_SYSTEM, "no memory for a name");
 }
 
-/* *first_added: groups from here on are made by the extrusion. */
+/* Extrudes the mesh until it is 3D. Groups from *first_added on were added by the extrusion. */
 static status make_3d(struct gmsh_file *f, int dim, int *first_added) {
     *first_added = INT_MAX;
     if (dim == 3) return OK;
@@ -291,7 +294,7 @@ struct faces {
     const struct gmsh_file *file;
     struct polymesh *m;
     struct table table;
-    int *group; /* [nfaces] of the boundary element on it, or -1 */
+    int *group; /* [nfaces] group of the boundary element on the face, or -1 */
 };
 
 static void face_centre(const struct faces *b, long face, double c[3]) {
@@ -436,7 +439,8 @@ static status check_rules(const struct polymesh *m, const struct gmsh_rule *rule
     return OK;
 }
 
-/* patch_of_group is filled, then faces' groups become patches. */
+/* Makes a patch of every group that has faces, fills patch_of_group[ngroups] (-1: a group without faces), and replaces
+ * the faces' groups by their patches. */
 static status make_patches(struct faces *b, int first_added, const struct gmsh_rule *rules, int nrules,
                            int *patch_of_group) {
     const struct gmsh_file *f = b->file;

@@ -1,3 +1,6 @@
+/* Reads a .msh file into memory, section by section, as the gmsh reference manual describes the formats 2.2 and 4.1:
+ * $MeshFormat, $PhysicalNames, $Entities, $Nodes, $Elements; other sections are skipped. Every count is checked against
+ * the size of the file before memory is asked for. */
 #include "mesh/format/gmsh_file.h"
 
 #include "mesh/format/foamfile.h"
@@ -36,7 +39,7 @@ struct cursor {
     const char *path, *text;
     size_t size, at;
     bool binary;
-    const char *section; /* for messages */
+    const char *section; /* name of the section, for messages */
 };
 
 static status cursor_fail(const struct cursor *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -89,7 +92,7 @@ static status take_text_long(struct cursor *c, long *out) {
     return OK;
 }
 
-/* bytes: size of the number in a binary file, 4 or 8 */
+/* Reads a whole number; `bytes` is its size in a binary file, 4 or 8. */
 static status take_long(struct cursor *c, int bytes, long *out) {
     if (!c->binary) return take_text_long(c, out);
     int32_t small = 0;
@@ -123,7 +126,7 @@ static status take_double(struct cursor *c, double *out) {
     return OK;
 }
 
-/* A count of things that take at least `least` bytes each: bounded by what is left of the file. */
+/* Checks a count of things that take at least `least` bytes each: what is left of the file bounds it. */
 static status check_count(struct cursor *c, long n, size_t least, const char *what) {
     if (n < 0 || n > INT_MAX || (size_t)n > (c->size - c->at) / least)
         return cursor_fail(c, "%ld %s cannot be: %zu bytes are left; the file is truncated or the count is wrong", n,
@@ -136,7 +139,7 @@ static status take_count(struct cursor *c, size_t least, const char *what, long 
     return check_count(c, *n, least, what);
 }
 
-/* In 2.2 the count before a binary block is text and ends with one newline. */
+/* Reads the count before a binary block of format 2.2: it is text and ends with one newline. */
 static status take_line_count(struct cursor *c, size_t least, const char *what, long *n) {
     TRY(take_text_long(c, n));
     if (c->binary && c->at < c->size) c->at++;
@@ -146,7 +149,7 @@ static status take_line_count(struct cursor *c, size_t least, const char *what, 
 /* ---- sections ---------------------------------------------------------------------------------------------------- */
 
 struct entity {
-    int dim, tag, first, count; /* its groups: owned[first .. first + count) */
+    int dim, tag, first, count; /* first, count: its groups are owned[first .. first + count) */
 };
 struct reader {
     struct cursor c;
@@ -154,11 +157,11 @@ struct reader {
     bool new_format; /* 4.1 */
     int nentities, nowned;
     struct entity *entity;
-    int *owned; /* groups of entities */
-    long *tag;  /* [npoints] node numbers, until elements are read */
+    int *owned; /* [nowned] the groups of all entities, entity by entity */
+    long *tag;  /* [npoints] the nodes' numbers in the file */
     long max_tag;
-    int *index_of_tag;  /* [max_tag + 1] or NULL where numbers are sparse */
-    struct pair *pairs; /* sorted by tag, where they are */
+    int *index_of_tag;  /* [max_tag + 1] index + 1, 0: no such node; NULL where numbers are sparse */
+    struct pair *pairs; /* [npoints] sorted by tag, where numbers are sparse; else NULL */
 };
 struct pair {
     long tag;
@@ -497,7 +500,8 @@ static status read_block(struct reader *r, long left, long *m) {
     for (long i = 0; i < *m; i++) {
         TRY(take_long(c, 8, &number));
         TRY(read_element_nodes(r, 8, &e));
-        int copies = where && where->count > 1 ? 2 : 1; /* two tell that it is in more than one */
+        /* two copies are enough to tell that the element is in more than one group */
+        int copies = where && where->count > 1 ? 2 : 1;
         for (int g = 0; g < copies; g++) {
             e.group = where && where->count ? r->owned[where->first + g] : -1;
             TRY(gmsh_file_add(r->file, &e));

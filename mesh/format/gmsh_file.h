@@ -1,4 +1,5 @@
-/* What a .msh file says, before anything is made of it. */
+/* The contents of a gmsh .msh file (formats 2.2 and 4.1, ascii and binary): nodes, elements, physical groups, as they
+ * stand in the file. gmsh.c makes a polyMesh of them. */
 #ifndef MESH_GMSH_FILE_H
 #define MESH_GMSH_FILE_H
 
@@ -19,7 +20,7 @@ struct gmsh_shape {
     const char *name;
     int type; /* gmsh's number */
     int dim, nodes, faces;
-    signed char face[6][4]; /* of a volume element: nodes in cyclic order, -1: a triangle */
+    signed char face[6][4]; /* faces of a volume element: nodes in cyclic order; -1 ends a triangle */
 };
 extern const struct gmsh_shape gmsh_shapes[GMSH_KINDS];
 
@@ -37,14 +38,16 @@ struct gmsh_file {
     long npoints;
     double *points; /* [npoints][3] */
     long nelements, capacity;
-    struct gmsh_element *element; /* one that is in two groups stands here twice */
+    struct gmsh_element *element; /* [nelements]; an element that is in two groups stands here twice */
     int ngroups;
     struct gmsh_group *group;
 };
+/* gmsh_file_read fails with the line (ascii) or byte (binary) on everything that is not a sound .msh file.
+ * gmsh_file_add appends a copy of an element. */
 status gmsh_file_read(const char *path, struct gmsh_file **out);
 void gmsh_file_free(struct gmsh_file *f);
 status gmsh_file_add(struct gmsh_file *f, const struct gmsh_element *e);
-/* The group with this dimension and number, made if there is none. */
+/* Finds the group with this dimension and number, or adds it; *index is its place in group[]. */
 status gmsh_file_group(struct gmsh_file *f, int dim, int tag, int *index);
 
 #endif

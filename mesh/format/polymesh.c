@@ -1,3 +1,6 @@
+/* The polyMesh in memory: look-up, checksum, the faces of cells, and the geometry of faces and cells, which follows
+ * OpenFOAM's primitiveMesh (triangles about the mean of a face's points, pyramids about the mean of a cell's face
+ * centres). */
 #include "mesh/format/polymesh.h"
 
 #include <math.h>
@@ -52,7 +55,7 @@ status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
     *start = *face = NULL;
     TRY(allocate(start, m->ncells + 2L, sizeof(int), "faces of cells"));
     TRY(allocate(face, m->nfaces + (long)m->ninternal, sizeof(int), "faces of cells"));
-    int *next = *start + 1; /* shifted by one, it ends as the start of each cell */
+    int *next = *start + 1; /* counted one entry late: filling `face` moves every entry to its cell's start */
     for (int f = 0; f < m->nfaces; f++) {
         next[m->owner[f] + 1]++;
         if (f < m->ninternal) next[m->neighbour[f] + 1]++;
@@ -67,7 +70,7 @@ status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
 
 status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]) {
     static const char *const names[] = {"tetrahedra", "pyramids", "prisms", "hexahedra", "polyhedra"};
-    int(*count)[2], total[5] = {0}, length = 0; /* of faces with three corners, with four */
+    int(*count)[2], total[5] = {0}, length = 0; /* [ncells][2] faces of a cell without four corners, with four */
     text[0] = 0;
     TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
     for (int f = 0; f < m->nfaces; f++)
@@ -149,7 +152,7 @@ static void add_pyramid(const double *mean, const double *fc, const double *fa, 
     *v += volume;
 }
 
-/* The mean of the centres of the faces of every cell; `volume` is used for their number. */
+/* Finds the mean of the face centres of every cell; `volume` counts the faces meanwhile. */
 static void cell_means(const struct polymesh *m, const double *face_centre, double *mean, double *volume) {
     memset(mean, 0, (size_t)m->ncells * 3 * sizeof *mean);
     memset(volume, 0, (size_t)m->ncells * sizeof *volume);

@@ -1,3 +1,5 @@
+/* Checks a polyMesh before a run (polymesh_check): cells are closed, volumes positive, normals point out of the owner,
+ * `empty` and cyclic patches are sound. Lists the first defects with their places. */
 #include "mesh/format/polymesh.h"
 
 #include <math.h>
@@ -8,9 +10,9 @@
 
 enum { SHOWN = 3, TEXT = 1400 };
 static const double CLOSED = 1e-6; /* |sum of area vectors| / sum of |areas|: OpenFOAM's closedThreshold */
-static const double FLAT = 1e-6;   /* 1 - |cosine| of an empty face to its axis */
-static const double FAR = 1e60;    /* |coordinate|, m; products of five are still numbers */
-static const double MATCH = 1e-4;  /* cyclic faces, times the square root of the area */
+static const double FLAT = 1e-6;   /* largest 1 - |cosine| between the normal of an empty face and its axis */
+static const double FAR = 1e60;    /* largest |coordinate|, m: products of five of them are still finite */
+static const double MATCH = 1e-4;  /* tolerance of positions for cyclic faces, times the square root of the area */
 
 struct check {
     const struct polymesh *m;

@@ -1,3 +1,5 @@
+/* Reads and writes the folder constant/polyMesh: points, faces, owner, neighbour, boundary. Reading validates every
+ * index and the order of faces, and names file and line of the first entry that is wrong. */
 #include "mesh/format/polymesh.h"
 
 #include <errno.h>
@@ -8,14 +10,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PATH = 4096, PATCHES = 10000 }; /* as many as a field can name */
+enum { PATH = 4096, PATCHES = 10000 }; /* PATCHES: as many as a field can name */
 
 /* ---- one file ---------------------------------------------------------------------------------------------------- */
 
 struct file {
     struct source *source;
     struct foam_header header;
-    struct lexer lexer; /* at the list */
+    struct lexer lexer; /* stands before the list */
 };
 
 static status file_open(const char *dir, const char *name, const char *class_name, struct file *f) {
@@ -35,7 +37,8 @@ static status file_open(const char *dir, const char *name, const char *class_nam
     return s;
 }
 
-/* Line of an entry of the list, for messages: counts numbers at the list's own depth. 0 in a binary file. */
+/* Returns the line of an entry of the list, for messages, by counting numbers at the list's own depth; 0 in a binary
+ * file. */
 static int entry_line(const struct file *f, long entry) {
     if (f->header.present && f->header.binary) return 0;
     struct lexer l = f->lexer;
@@ -112,8 +115,8 @@ static status read_faces(const char *dir, struct polymesh *m) {
 static status check_owner(const struct file *f, struct polymesh *m) {
     char text[200];
     for (int i = 0; i < m->nfaces; i++) {
-        if (m->owner[i] < 0 ||
-            m->owner[i] >= m->nfaces) { /* each cell owns a face, or ends faces owned by lower ones */
+        /* A closed cell has at least 4 faces, and a face at most 2 cells: there are fewer cells than faces. */
+        if (m->owner[i] < 0 || m->owner[i] >= m->nfaces) {
             snprintf(text, sizeof text, "cell %d; a mesh of %d faces has cells from 0 and fewer than faces",
                      m->owner[i], m->nfaces);
             return entry_fail(f, i, text);
@@ -165,14 +168,14 @@ static status read_neighbour(const char *dir, struct polymesh *m) {
     status s = foam_list_read_labels(&f.lexer, &f.header, m->nfaces, &n, &m->neighbour);
     f.lexer = start;
     if (!s && n > m->nfaces) s = fail(ERR_INPUT, "%s: %ld entries; there are %d faces", f.source->path, n, m->nfaces);
-    while (!s && n > 0 && m->neighbour[n - 1] == -1) n--; /* older files go on over the boundary */
+    while (!s && n > 0 && m->neighbour[n - 1] == -1) n--; /* older files also list -1 for every boundary face */
     m->ninternal = (int)n;
     if (!s) s = check_neighbour(&f, m);
     source_free(f.source);
     return s;
 }
 
-/* Every cell has four faces or more. */
+/* Checks that every cell has four faces or more. */
 static status check_cells(const char *dir, const struct polymesh *m) {
     int *count;
     TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
@@ -349,7 +352,7 @@ static status write_start(const char *dir, const char *name, const char *class_n
     return OK;
 }
 
-/* The same file in the other compression would shadow the new one. */
+/* Closes the file and removes the same file in the other compression, which would shadow the new one. */
 static status write_end(const char *dir, const char *name, const struct foam_format *f, struct sink *s) {
     char path[PATH];
     TRY(sink_close(s));

@@ -1,3 +1,5 @@
+/* Sorts faces into OpenFOAM's order (polymesh_order): internal faces by owner and neighbour, then patch by patch; turns
+ * faces so that normals point out of the owner; orders the second half of a cyclic pair as the first. */
 #include "mesh/format/polymesh.h"
 
 #include <math.h>
@@ -5,11 +7,11 @@
 #include <string.h>
 
 struct key {
-    int patch; /* -1: internal, these come first */
+    int patch; /* -1: an internal face; these come first */
     int owner, neighbour, face;
 };
 struct place {
-    double s; /* coordinate along a direction in general position: faces of a lattice differ in it */
+    double s; /* coordinate along GENERAL, a direction in general position: no two faces of a lattice have the same */
     int face;
 };
 static const double GENERAL[3] = {0.5406, 0.6713, 0.5071};
@@ -28,7 +30,8 @@ static int place_order(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Owner below neighbour, normal out of the owner: seen from the mean of the owner's face centres. */
+/* Makes the owner the lower of the two cells and turns the face until its normal points out of the owner, that is away
+ * from the mean of the owner's face centres. */
 static status orient(struct polymesh *m, double *centre, double *area) {
     double *mean;
     int *count;
@@ -70,7 +73,7 @@ struct halves {
     struct polymesh *m;
     const double *centre, *area;
     const char *name[2];
-    double shift[3]; /* from the first half to the second */
+    double shift[3]; /* m, from the first half to the second */
 };
 
 static double distance(const double *a, const double *shift, const double *b) {
