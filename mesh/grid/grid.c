@@ -1,3 +1,4 @@
+/* Makes the grid of a run from a lattice or a polyhedral mesh (grid.h), and gathers, sums and finds values by block. */
 #include "mesh/grid/grid.h"
 
 #include <stdlib.h>
@@ -9,13 +10,13 @@ struct grid_private {
     int *order;       /* root: [ncells_all] polyMesh cells, block by block, rank by rank */
     int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
 
-    int *cell;             /* of polyhedra: what the blocks' lists point into */
+    int *cell;             /* polyhedral: [nown] cells, block by block */
     int *place;            /* [ncells_all] where a cell stands in `cell`, -1: on another rank */
-    struct search *search; /* in the whole mesh: every rank finds the same cell */
+    struct search *search; /* searches the whole mesh, so that every rank finds the same cell */
 };
 
 static status take_forest(struct grid *g, const struct lattice *l) {
-    /* a row of a tile and one face more fit a batch of the core */
+    /* A row of 60 cells has 61 faces, which fit one batch of libcore. */
     static const int tile_size[4] = {0, 60, 60, 24};
     TRY(forest_make(l, g->mesh, g->comm, tile_size[l->dim], &g->forest));
     const struct forest *f = g->forest;
@@ -58,7 +59,7 @@ static status take_polyhedra(struct grid *g, int rings) {
     return comm_agree(g->comm, list_blocks(g));
 }
 
-/* What the root must know to put what it gathers in its places. */
+/* Tells the root in which order cells and blocks arrive when it gathers: fills `order` and `block_order`. */
 static status find_order(struct grid *g) {
     int *cells = NULL, *ids = NULL, ncells = 0;
     long total;

@@ -1,45 +1,49 @@
-/* A mesh made ready for a run, of either kind: a forest of tiles or polyhedra. What both tell those who
- * read fields: this rank's cells, in blocks that do not depend on the number of ranks. */
+/* A mesh made ready for a run: a lattice, as a forest (the lattice cut into tiles, one p4est tree per tile; forest.h),
+ * or a polyhedral mesh, as struct polyhedra (polyhedra.h). Readers and writers of fields see what both have: this
+ * rank's cells, in blocks that do not depend on the number of ranks. */
 #ifndef MESH_GRID_H
 #define MESH_GRID_H
 
 #include "mesh/lattice/forest.h"
 #include "mesh/polyhedral/polyhedra.h"
 
-struct grid_block { /* a tile, or a block of polyhedra */
-    int id;         /* over all ranks, 0 .. nblocks_all - 1 */
+struct grid_block { /* a tile, or a block of polyhedral cells */
+    int id;         /* number among the blocks of all ranks, 0 .. nblocks_all - 1 */
     int ncells;
     const int *cell; /* [ncells] polyMesh cells, in the order in which the gas gives values of a block */
 };
 struct grid {
-    int dim;     /* axes that are solved */
+    int dim;     /* number of solved axes */
     int axis[3]; /* [dim] physical axis (0 x, 1 y, 2 z) of computational axis k */
     int ncells_all, nblocks_all;
-    int nblocks; /* of this rank */
+    int nblocks; /* blocks of this rank */
     struct grid_block *block;
     const double *volume; /* [ncells_all] m^3, polyMesh order; borrowed */
     const double *centre; /* [ncells_all][3] m; borrowed */
     const struct polymesh *mesh;
     const struct comm *comm;
-    struct forest *forest; /* one of the two, the other NULL; the grid's own */
+    struct forest *forest; /* forest of a lattice, polyhedra of any other mesh; NULL otherwise. The grid frees both */
     struct polyhedra *polyhedra;
-    struct grid_private *hidden; /* where gathered values belong, the search by place */
+    struct grid_private *hidden; /* the order of gathered values, the search for the cell of a point */
 };
 
-/* Collective. With a lattice a forest, with lattice NULL polyhedra of the given rings (struct polyhedra). */
+/* Makes a forest of the lattice l or, where l is NULL, polyhedra with stencils of `rings` rings (polyhedra_make). m,
+ * centre, volume and c are borrowed. Collective. */
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
                  const struct comm *c, int rings, struct grid **out);
 void grid_free(struct grid *g);
 
-/* Root's all[ncells_all] <- values[block][cell of the block]; all is NULL on the other ranks. */
+/* Gathers values[block][cell of the block] in the root's all[ncells_all], in polyMesh order; all is NULL on the other
+ * ranks. Collective. */
 status grid_gather(const struct grid *g, const double *const *values, double *all);
 
-/* Sum over all ranks of one number per block, in the order of the blocks' ids: the same bits for any number of ranks.
- */
+/* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of
+ * ranks. Collective. */
 status grid_sum(const struct grid *g, const double *per_block, double *sum);
 
-/* The block and the cell within it that hold a point, or block -1: outside, or not on this rank. A point between
- * cells belongs to one of them, the same for any number of ranks. Only the solved axes count. */
+/* Finds the block of this rank and the cell within it that hold a point (x, y, z in m; only the solved axes count);
+ * *block is -1 if the point lies outside the mesh or on another rank. A point between cells belongs to one of them, the
+ * same for any number of ranks. */
 void grid_locate(const struct grid *g, const double point[3], int *block, int *cell);
 
 #endif

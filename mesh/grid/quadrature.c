@@ -1,3 +1,5 @@
+/* Fills quadrature points of cells (quadrature.h): cuts a cell into simplices about its centre and puts a symmetric
+ * rule on each. The rules are Gauss's (1D), Dunavant's (2D) and Walkington's (3D); fill_rule cites them. */
 #include "mesh/grid/quadrature.h"
 
 #include <math.h>
@@ -6,12 +8,12 @@
 
 enum { MOST_CORNERS = 4, MOST_POINTS = 14 };
 
-struct rule { /* for a simplex; barycentric[i] of the corners, the same as the weights of x */
+struct rule { /* a rule for a simplex; point i is the sum of the simplex's corners times barycentric[i] */
     int npoints;
     double weight[MOST_POINTS], barycentric[MOST_POINTS][MOST_CORNERS];
 };
 
-/* All points with the barycentric coordinate `one` at one corner and `rest` at the others. */
+/* Adds all points with the barycentric coordinate `one` at one corner and `rest` at the others. */
 static void add_corners(struct rule *r, int dim, double one, double rest, double weight) {
     for (int c = 0; c <= dim; c++) {
         for (int k = 0; k <= dim; k++) r->barycentric[r->npoints][k] = k == c ? one : rest;
@@ -19,7 +21,8 @@ static void add_corners(struct rule *r, int dim, double one, double rest, double
     }
 }
 
-/* Gauss; Dunavant (Int. J. Numer. Methods Eng. 21, 1985), degree 4; Walkington (2000), degree 5. */
+/* Fills the rule of Gauss (1D, degree 5), Dunavant (2D, degree 4; Int. J. Numer. Methods Eng. 21, 1985) or Walkington
+ * (3D, degree 5; 2000). */
 static void fill_rule(struct rule *r, int dim) {
     *r = (struct rule){0};
     if (dim == 1) {
@@ -46,12 +49,13 @@ static void fill_rule(struct rule *r, int dim) {
 struct filler {
     const struct quadrature *q;
     struct rule rule;
-    const double *apex, *centre; /* of the simplices, and of the cell */
+    const double *apex, *centre; /* the corner that all simplices share, the centre of the cell */
     int n;
     double (*x)[3], *weight;
 };
 
-/* corner: dim of them, beside the apex; volume: of the simplex in any unit, negative where the apex lies outside. */
+/* Adds the points of the simplex of the apex and dim corners. `volume` is in any unit, negative where the apex lies
+ * outside the cell. */
 static void add_simplex(struct filler *f, const double *const *corner, double volume) {
     const struct rule *r = &f->rule;
     for (int i = 0; i < r->npoints; i++, f->n++) {
@@ -78,7 +82,8 @@ static double tet_volume(const double *o, const double *a, const double *b, cons
     return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] + (u[0] * v[1] - u[1] * v[0]) * w[2];
 }
 
-/* A face of a 2D mesh is an edge, drawn out along the empty axis: its ends are any point and the farthest from it. */
+/* Finds the other end of a 2D mesh's face, an edge extruded along the empty axis: its ends are any point and the
+ * farthest from it. */
 static const double *far_end(const struct filler *f, int face) {
     const struct polymesh *m = f->q->mesh;
     const int x = f->q->axis[0], y = f->q->axis[1], first = m->face_start[face];
@@ -115,7 +120,7 @@ static bool solved(const struct quadrature *q, int face) {
     return along > 0.5 * (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* The solved faces of a cell, into face; returns how many. */
+/* Lists the solved faces of a cell in `face`; returns how many. */
 static int list_faces(const struct quadrature *q, int cell, int *face) {
     int n = 0;
     for (int i = q->cell_start[cell]; i < q->cell_start[cell + 1]; i++)
@@ -133,7 +138,7 @@ static bool is_simplex(const struct quadrature *q, int n, const int *face) {
     return all;
 }
 
-/* The corner of a simplex beyond one of its faces: of another face the point farthest from it. */
+/* Finds the corner of a simplex that is not on `face`: of another face's points the farthest from `face`. */
 static const double *corner_beyond(const struct filler *f, int face, int other) {
     const struct polymesh *m = f->q->mesh;
     const double *a = m->points + 3L * m->face_points[m->face_start[face]], *area = f->q->face_area + 3L * face,

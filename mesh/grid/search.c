@@ -1,19 +1,22 @@
+/* Finds the cell that holds a point (search.h): the cells of a bucket are cut into tetrahedra of the cell's centre, the
+ * mean of a face and one of its edges. */
 #include "mesh/grid/search.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Barycentric coordinates from -TOLERANCE on count as inside: cells share the points between them. */
 static const double TOLERANCE = 1e-6;
 
 struct search {
     const struct polymesh *m;
     const double *centre; /* [ncells][3] */
     int dim, axis[3];
-    int *face_start, *face;  /* of each cell */
-    double low[3], width[3]; /* of the buckets along the solved axes */
-    int n[3];                /* buckets */
-    int *cell_start, *cell;  /* of each bucket, ascending: the cells that may hold a point of it */
+    int *face_start, *face;  /* [ncells + 1], faces of each cell */
+    double low[3], width[3]; /* lower corner of the first bucket and size of a bucket, along the solved axes, m */
+    int n[3];                /* number of buckets along the solved axes, 1 beyond */
+    int *cell_start, *cell;  /* [buckets + 1], cells that may hold a point of a bucket, ascending */
 };
 
 static double solve(const double a[3], const double b[3], const double c[3]) { /* a . (b x c) */
@@ -31,7 +34,7 @@ static bool in_tetrahedron(const double a[3], const double b[3], const double c[
 static bool holds(const struct search *s, int c, const double point[3]) {
     const struct polymesh *m = s->m;
     const double *o = s->centre + 3L * c;
-    double x[3] = {0}; /* from the cell's centre, there along the axes that do not count */
+    double x[3] = {0}; /* position from the cell's centre, 0 along the empty axes */
     for (int k = 0; k < s->dim; k++) x[s->axis[k]] = point[s->axis[k]] - o[s->axis[k]];
     for (int i = s->face_start[c]; i < s->face_start[c + 1]; i++) {
         int f = s->face[i], n = m->face_start[f + 1] - m->face_start[f];
@@ -56,7 +59,7 @@ static int bucket_of(const struct search *s, int k, double x) {
     return i < 0 ? 0 : i >= s->n[k] ? s->n[k] - 1 : (int)i;
 }
 
-/* The buckets, low to high, that a cell's box and some slack touch along each axis. */
+/* Finds the buckets, low to high, that a cell's box and some slack touch along each axis. */
 static void buckets_of_cell(const struct search *s, int c, int low[3], int high[3]) {
     const struct polymesh *m = s->m;
     double from[3] = {INFINITY, INFINITY, INFINITY}, to[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -74,7 +77,7 @@ static void buckets_of_cell(const struct search *s, int c, int low[3], int high[
     }
 }
 
-/* About one bucket a cell. */
+/* Chooses the buckets, about one per cell. */
 static void lay_out(struct search *s) {
     const struct polymesh *m = s->m;
     double extent[3], size = 1;
@@ -95,7 +98,7 @@ static void lay_out(struct search *s) {
     }
 }
 
-/* Counts what a bucket gets, or, with room for them, lists the cells. */
+/* Counts the cells of every bucket in next[] or, if `list`, writes the cells where next[] points and moves it on. */
 static void fill_buckets(struct search *s, int *next, bool list) {
     for (int c = 0; c < s->m->ncells; c++) {
         int low[3], high[3];

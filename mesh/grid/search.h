@@ -1,15 +1,16 @@
-/* Which cell of a polyMesh holds a point? Cells are star-shaped about their centres, faces are made of triangles about
- * the mean of their corners, so that cells leave no gaps between warped faces. */
+/* Finds the cell of a polyMesh that holds a point. Cells are star-shaped about their centres, faces are made of
+ * triangles about the mean of their corners, so that cells leave no gaps between warped faces. */
 #ifndef MESH_SEARCH_H
 #define MESH_SEARCH_H
 
 #include "mesh/format/polymesh.h"
 
-struct search; /* the cells in buckets by place; mesh and centres are borrowed */
-/* axis[dim]: the solved ones, which alone count. */
+struct search; /* the cells in buckets by place */
+/* axis[dim] are the solved axes; positions along the others do not matter. m and centre[ncells][3] (m) are borrowed. */
 status search_make(const struct polymesh *m, const double *centre, int dim, const int axis[3], struct search **out);
 void search_free(struct search *s);
-/* Of cells that share the point (within a millionth of their size) the lowest; -1: outside. */
+/* Returns the cell that holds the point, the lowest of those that share it (within a millionth of their size), or -1
+ * outside the mesh. */
 int search_cell(const struct search *s, const double point[3]);
 
 #endif
