@@ -1,3 +1,5 @@
+/* Makes the forest of a lattice (forest.h): the memory layout of a tile, this rank's tiles with their cells, and the
+ * faces on their patches. */
 #include "mesh/lattice/forest.h"
 
 #include <stdlib.h>
@@ -9,8 +11,8 @@ static long round_up(long n, long to) {
     return (n + to - 1) / to * to;
 }
 
-/* The blocks hold the longest tile along each axis. A row's high ghosts and the next row's low ghosts share the
- * padding, so the cells of every row start on a multiple of 8. */
+/* Lays out the block of one variable of a tile, which has room for the longest tile along each axis. A row's high
+ * ghosts and the next row's low ghosts share the padding, so the cells of every row start on a multiple of 8. */
 static void lay_out(struct forest *f) {
     int most[3] = {1, 1, 1}, ghosts[3] = {0};
     for (int k = 0; k < 3; k++) {
@@ -25,7 +27,7 @@ static void lay_out(struct forest *f) {
     f->size = 8 + f->stride[2] * (most[2] + 2 * ghosts[2]);
 }
 
-/* Patch of every boundary face, -1 for cyclic ones: those have cells on both sides. */
+/* Finds the patch of every boundary face; cyclic faces get -1, since they have cells on both sides. */
 static status find_patches(const struct polymesh *m, int **patch_of) {
     TRY(allocate(patch_of, m->nfaces - m->ninternal, sizeof **patch_of, "the patches of the faces"));
     for (int f = 0; f < m->nfaces - m->ninternal; f++) (*patch_of)[f] = -1;
@@ -46,7 +48,7 @@ static int *list_cells(const struct lattice *l, const int low[3], const int n[3]
     return next;
 }
 
-/* The faces along one side of a tile, counted within their patch. */
+/* Lists the faces along one side of a tile, numbered within their patch; returns the end of the list. */
 static int *list_faces(const struct lattice *l, const struct polymesh *m, const struct tile *t, int side, int *next) {
     int k = side / 2, low[3], n[3];
     for (int a = 0; a < 3; a++) {

@@ -1,4 +1,5 @@
-/* Values by cell: to and from the order of the polyMesh, summed, looked up by place. */
+/* Values by cell on a forest (the lattice cut into tiles, forest.h): moved to and from the order of the polyMesh,
+ * summed, found by place. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -51,7 +52,8 @@ status forest_sum(const struct forest *f, const double *per_tile, double *sum) {
     return OK;
 }
 
-/* The one or two lattice positions along axis k that a coordinate may belong to, the upper one first. */
+/* Finds the one or two lattice positions along axis k that a coordinate may belong to, the upper one first; returns how
+ * many. */
 static int candidates(const struct forest *f, int k, double x, int position[2]) {
     double s = (x - f->origin[k]) / f->width[k], plane = round(s);
     if (!(s > -1 && s < f->hidden->n[k] + 1.0)) return 0;

@@ -1,5 +1,6 @@
-/* From a lattice to tiles: planes where something changes, pieces between them, the tensor product of the pieces, and
- * its solid members in the order of a Morton curve. */
+/* Cuts a lattice into the tiles of the forest (forest.h): finds the planes where the boundary or its patch changes,
+ * cuts every axis into pieces between them, and numbers the solid boxes of the pieces' tensor product along a Morton
+ * curve. */
 #include "mesh/lattice/forest_private.h"
 
 #include <stdint.h>
@@ -9,7 +10,7 @@ struct cutter {
     const struct lattice *l;
     const struct polymesh *m;
     const int *patch_of;
-    bool *plane[3]; /* [n + 1] must tiles end here? */
+    bool *plane[3]; /* [n + 1] must tiles end at this plane? */
 };
 
 static long at(const int n[3], const int i[3]) {
@@ -20,7 +21,7 @@ static int side_face(const struct cutter *c, const int i[3], int side) {
     return c->l->face[6 * (long)c->l->cell[at(c->l->n, i)] + side];
 }
 
-/* The patch at a side of the solid cell i, or -1: another cell. */
+/* Returns the patch at a side of the solid cell i, or -1 where another cell follows. */
 static int side_patch(const struct cutter *c, const int i[3], int side) {
     int face = side_face(c, i, side);
     return face < c->m->ninternal ? -1 : c->patch_of[face - c->m->ninternal];
@@ -34,7 +35,7 @@ static char axis_name(const struct lattice *l, int k) {
     return "xyz"[l->axis[k]];
 }
 
-/* A cyclic face must lead across the whole lattice to a cell on its other edge. */
+/* Checks that a cyclic face leads across the whole lattice to a cell on its other edge. */
 static status check_cyclic(const struct cutter *c, const int i[3], int side) {
     const struct lattice *l = c->l;
     int face = side_face(c, i, side), k = side / 2;
@@ -48,8 +49,8 @@ static status check_cyclic(const struct cutter *c, const int i[3], int side) {
                 face, axis_name(l, k), position(l, k, i[k] + side % 2));
 }
 
-/* Planes through the sides of cell i: where a patch lies, and where the patch at a side differs from the next cell's.
- */
+/* Marks the planes at which cell i makes tiles end: a side of the cell with a patch, and the plane to a next cell that
+ * has another patch, or none, on the same side. */
 static status mark_planes(struct cutter *c, const int i[3]) {
     for (int side = 0; side < 2 * c->l->dim; side++) {
         TRY(check_cyclic(c, i, side));
@@ -77,7 +78,8 @@ static status find_planes(struct cutter *c) {
     return OK;
 }
 
-/* Pieces of nearly equal length, none above tile_size or, which goes first, below GHOSTS if that can be had. */
+/* Cuts axis k between its planes into pieces of nearly equal length: of at most tile_size cells, but no shorter than
+ * GHOSTS where the planes allow it. */
 static status cut_axis(struct forest_private *h, const bool *plane, int k, int tile_size) {
     TRY(allocate(&h->start[k], h->n[k] + 1L, sizeof *h->start[k], "the pieces of an axis"));
     int low = 0;
@@ -109,7 +111,7 @@ static int by_key(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Solid tiles, numbered along the curve; seat[id] is the place in the tile grid. */
+/* Numbers the solid tiles along the curve; seat[id] is a tile's place in the tile grid. */
 static void number_tiles(struct forest_private *h, const struct cutter *c, struct seat *seat) {
     const int *pieces = h->pieces;
     for (int p[3] = {0}; p[2] < pieces[2]; p[2]++)
@@ -137,7 +139,8 @@ static void describe_tile(struct forest_private *h, const struct cutter *c, cons
     }
 }
 
-/* Whoever takes ghost layers from tile t needs GHOSTS cells of it; its own image wraps round as often as it must. */
+/* Refuses tile t if a neighbour tile takes ghost layers from it and it has fewer than GHOSTS cells there. A tile that
+ * is its own periodic image may be thinner: it wraps round as often as it must. */
 static status check_thickness(const struct forest_private *h, const struct lattice *l, int t) {
     const struct trees_tile *tile = &h->all[t];
     for (int side = 0; side < 2 * l->dim; side++) {

@@ -1,6 +1,6 @@
-/* Ghost layers: lists of boxes to copy, made once. A tile's ghosts are filled just before the tile is computed, while
- * its rows pass through the cache anyway: from blocks of this rank, or from what another rank sent, one message each.
- */
+/* Fills the ghost layers of a forest (the lattice cut into tiles, forest.h) by lists of boxes to copy, made once. A
+ * tile's ghosts are filled just before the tile is computed, while its rows pass through the cache anyway: from other
+ * tiles of this rank, or from the one message that every neighbour rank sends. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ static long cell_offset(const struct forest *f, const int i[3]) {
     return f->first + i[0] + i[1] * f->stride[1] + i[2] * f->stride[2];
 }
 
-/* The offset of cell `layer` along the side's axis, first across it. */
+/* Returns the offset of the first cell of layer `layer`, counted along the side's axis. */
 static long layer_offset(const struct forest *f, int side, int layer) {
     int i[3] = {0};
     i[side / 2] = layer;
@@ -26,7 +26,8 @@ static int first_ghost(const int *n, int side) {
     return side % 2 ? n[side / 2] : -GHOSTS;
 }
 
-/* GHOSTS layers beyond a side of my tile t, from my tile `from`. */
+/* Plans the copies of GHOSTS layers beyond a side of my tile t from my tile `from`; layer by layer if that tile is
+ * thinner, as it then wraps round. */
 static void plan_local(const struct forest *f, struct copies *list, int t, int from, int side) {
     const int *n = f->tile[t].n, *from_n = f->tile[from].n;
     int k = side / 2, ghost = first_ghost(n, side), thick = from_n[k] < GHOSTS ? 1 : GHOSTS;
@@ -41,7 +42,7 @@ static void plan_local(const struct forest *f, struct copies *list, int t, int f
     }
 }
 
-/* The number of the link to the rank that has tile `id`. */
+/* Returns the link to the rank that has tile `id`, and adds it if there is none yet. */
 static int link_of(struct forest *f, int id) {
     struct forest_private *h = f->hidden;
     int rank = 0, link = 0;
@@ -51,12 +52,13 @@ static int link_of(struct forest *f, int id) {
     return link;
 }
 
-/* Of one layer: a message has as many of each box as are asked for. */
+/* Returns the cells of one layer of a box. Offsets in a message are for one layer of one variable, because each fill
+ * chooses how many of both it sends. */
 static long layer_cells(const int n[3], int side) {
     return (long)n[(side / 2 + 1) % 3] * n[(side / 2 + 2) % 3];
 }
 
-/* GHOSTS layers beyond a side of my tile t, from what the rank of tile `id` sends. */
+/* Plans the copy of GHOSTS layers beyond a side of my tile t from the message of the rank that has tile `id`. */
 static void plan_unpack(struct forest *f, struct copies *list, int t, int id, int side) {
     int link = link_of(f, id);
     struct copy c = {.to = t, .side = side, .link = link, .from_start = f->hidden->arriving[link]};
@@ -68,7 +70,8 @@ static void plan_unpack(struct forest *f, struct copies *list, int t, int id, in
     f->tile[t].remote = true;
 }
 
-/* The same layers where they leave: the ghosts of tile `id`, beyond `side` of it, are cells of my tile `from`. */
+/* Plans the copy of the same layers into the message: the ghosts of tile `id`, beyond `side` of it, are cells of my
+ * tile `from`. */
 static void plan_pack(struct forest *f, struct copies *list, int id, int from, int side) {
     int link = link_of(f, id), k = side / 2;
     struct copy c = {.from = from, .side = side, .link = link, .to_start = f->hidden->link[link].n};
@@ -79,7 +82,8 @@ static void plan_pack(struct forest *f, struct copies *list, int id, int from, i
     f->hidden->link[link].n += layer_cells(c.n, side);
 }
 
-/* The layers of a message stand in the order of the tiles that receive them, and of those tiles' sides. */
+/* Plans all copies; while the lists are not allocated it only counts them. The layers of a message stand in the order
+ * of the tiles that receive them, and of those tiles' sides. */
 static void plan_all(struct forest *f) {
     struct forest_private *h = f->hidden;
     const int first = h->trees->first, end = first + h->trees->count;
@@ -113,7 +117,7 @@ status fill_make(struct forest *f) {
     TRY(allocate(&h->pack.item, h->pack.n, sizeof *h->pack.item, "the ghost exchange plan"));
     plan_all(f);
     for (int i = 0; i < h->nlinks; i++) {
-        long n = h->link[i].n * GHOSTS * FILL_VARIABLES; /* what leaves is as much as what arrives */
+        long n = h->link[i].n * GHOSTS * FILL_VARIABLES; /* as many layers leave as arrive */
         TRY(allocate(&h->link[i].out, n, sizeof *h->link[i].out, "the ghost exchange"));
         TRY(allocate(&h->link[i].in, n, sizeof *h->link[i].in, "the ghost exchange"));
     }
@@ -156,7 +160,8 @@ static long cells_of(const int n[3]) {
     return (long)n[0] * n[1] * n[2];
 }
 
-/* Of a box, the first `layers` beyond its side; inner: where these start in a block. false: none of it. */
+/* Cuts a box down to the first `layers` beyond its side; *inner is their offset from the start of the whole box in a
+ * block. Returns false if nothing is left. */
 static bool trim(const struct forest *f, int layers, struct copy *c, long *inner) {
     const int k = c->side / 2;
     *inner = 0;
@@ -167,7 +172,8 @@ static bool trim(const struct forest *f, int layers, struct copy *c, long *inner
     return true;
 }
 
-/* Where variable v of those that a box takes stands in a block. */
+/* Returns where variable v of those that a box takes starts in a block; forest_fill_derivatives leaves out the
+ * derivatives along the box's own axis. */
 static long line_of(const struct forest *f, const struct copy *c, int v) {
     const int axis = c->side / 2;
     return (f->hidden->derivatives && v >= axis * f->dim ? v + f->dim : v) * f->size;

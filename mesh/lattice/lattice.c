@@ -1,3 +1,5 @@
+/* Recognises a lattice (lattice.h): finds the boxes of the cells, the grid they lie on, the face on each of their
+ * sides, and what empty and cyclic patches do to the axes. */
 #include "mesh/lattice/lattice.h"
 
 #include <limits.h>
@@ -7,18 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WHY = 256, HOLES = 64 }; /* at most this many places per cell, so that memory stays in proportion */
+enum { WHY = 256, HOLES = 64 }; /* HOLES: most places of the grid per cell, so that memory stays in proportion */
 static const double TOLERANCE = 1e-6;
 
 struct search {
     const struct polymesh *m;
     double *box;  /* [ncells][6]: low x y z, high x y z */
-    int *side;    /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), -1 */
+    int *side;    /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), or -1 */
     int *at;      /* [ncells][3] position along the physical axes */
     bool gone[3]; /* axes that empty patches remove */
     double low[3], extent[3], width[3];
     int n[3];
-    int *cell; /* [n0*n1*n2] by physical axes */
+    int *cell; /* [n0*n1*n2] cell at a place of the grid, by physical axes, or -1 */
     bool periodic[3];
     char *why;
 };
@@ -48,7 +50,8 @@ static void find_boxes(struct search *s) {
         }
 }
 
-/* The grid that the boxes would lie on: widths from their mean, then from the whole extent. */
+/* Finds the grid on which the boxes would lie: the number of cells from the boxes' mean size, then the width from the
+ * whole extent. */
 static bool find_grid(struct search *s) {
     const struct polymesh *m = s->m;
     for (int k = 0; k < 3; k++) {
@@ -90,7 +93,7 @@ static bool place_cells(struct search *s) {
     return true;
 }
 
-/* The side (2*axis + 0/1) of the cell's box that face f fills, or -1. */
+/* Returns the side (2*axis + 0/1) of the cell's box that face f fills, or -1. */
 static int find_side(const struct search *s, int c, int f) {
     const struct polymesh *m = s->m;
     const double *box = s->box + 6L * c;
@@ -139,7 +142,8 @@ static long place_of(const struct search *s, const int *at) {
     return at[0] + s->n[0] * (at[1] + (long)s->n[1] * at[2]);
 }
 
-/* One cell per place; neighbours on the grid share a face, else a wall without thickness stands between them. */
+/* Puts each cell in its place, one per place. Neighbours on the grid must share a face, else a wall without thickness
+ * stands between them. */
 static bool fill_places(struct search *s) {
     const struct polymesh *m = s->m;
     for (int c = 0; c < m->ncells; c++) {
@@ -181,7 +185,8 @@ static bool check_empty(struct search *s) {
     return true;
 }
 
-/* Both halves fill opposite ends of the whole grid: face i at (0, j, k) belongs to face i at (n - 1, j, k). */
+/* Checks that both halves fill opposite ends of the whole grid: face i at (0, j, k) belongs to face i at (n - 1, j,
+ * k). */
 static bool check_cyclic(struct search *s, const struct patch *p, const struct patch *q) {
     int axis = -1;
     for (int i = 0; i < p->nfaces; i++) {
@@ -201,7 +206,7 @@ static bool check_cyclic(struct search *s, const struct patch *p, const struct p
     return true;
 }
 
-/* Where an axis is wrapped, all of both ends is. */
+/* Checks that a cyclic axis is cyclic everywhere: no other patch lies at its ends. */
 static bool check_ends(struct search *s) {
     const struct polymesh *m = s->m;
     for (int i = 0; i < m->npatches; i++) {
@@ -254,7 +259,8 @@ static void set_axes(const struct search *s, struct lattice *l) {
     }
 }
 
-/* Empty axes have one cell, so places keep their order when the axes are renamed. */
+/* Makes the lattice in computational axes. Empty axes have one cell, so places keep their order when the axes are
+ * renamed. */
 static status make_lattice(const struct search *s, struct lattice *l) {
     const struct polymesh *m = s->m;
     set_axes(s, l);

@@ -1,11 +1,12 @@
-/* Is a mesh a union of equal axis-parallel boxes (holes allowed)? Then it is a lattice, and fast. */
+/* A lattice is a mesh of equal axis-parallel boxes (holes allowed). It is recognised in the polyMesh, because the fast
+ * engine needs one. */
 #ifndef MESH_LATTICE_H
 #define MESH_LATTICE_H
 
 #include "mesh/format/polymesh.h"
 
 struct lattice {
-    int dim;          /* 1..3: axes that `empty` patches leave */
+    int dim;          /* 1..3, number of axes that `empty` patches leave */
     int axis[3];      /* [dim] physical axis (0 x, 1 y, 2 z) of computational axis k, ascending */
     int n[3];         /* cells along computational axis k of the bounding box; 1 for k >= dim */
     double origin[3]; /* lower corner along computational axis k, m */
@@ -16,8 +17,8 @@ struct lattice {
     bool periodic[3]; /* axis k is wrapped by cyclic patches */
 };
 
-/* OK with *out = NULL and a reason in why[] if the mesh is sound but no lattice (e.g. "cell 17 is no box");
- * an error only for what no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
+/* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell
+ * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
 void lattice_free(struct lattice *l);
 

@@ -1,11 +1,11 @@
-/* What p4est does for the forest: deals the tiles (one tree each, in the order of their ids) to the ranks, so that each
- * has about as many cells. Private to forest*.c. */
+/* The trees of a forest (the lattice cut into tiles, one p4est tree per tile; forest.h): p4est deals the tiles, in the
+ * order of their ids, to the ranks, so that all ranks get about the same number of cells. Private to forest*.c. */
 #ifndef MESH_TREES_H
 #define MESH_TREES_H
 
 #include "mesh/base/comm.h"
 
-struct trees_tile {   /* all tiles, on every rank */
+struct trees_tile {   /* one tile; every rank has the list of all */
     int low[3], n[3]; /* lattice position and cells */
     int neighbour[6]; /* tile id beyond side 2*k + (0 low, 1 high), itself for its own periodic image; -1: a patch */
 };

@@ -1,4 +1,5 @@
-/* Compiled twice: as it stands for p4est, through trees_solid.c for p8est (p4est_to_p8est.h renames what it names). */
+/* Lets p4est deal the tiles of a lattice to the ranks (trees.h). This file is compiled twice: as it stands for p4est
+ * (1D, 2D), and through trees_solid.c for p8est (3D), where p4est_to_p8est.h renames p4est's functions. */
 #include "mesh/lattice/trees.h"
 
 #include <stdlib.h>
@@ -26,7 +27,8 @@ static void make_vertices(p4est_connectivity_t *k, const struct trees_tile *tile
     }
 }
 
-/* Only faces join trees: the ghost layers have no corners. Vertices are for pictures; each tree has its own. */
+/* Makes p4est's table of neighbours. Trees are joined at faces only, because the ghost layers have no corners. Vertices
+ * only serve pictures; each tree has its own. */
 static p4est_connectivity_t *make_connectivity(const struct trees_tile *all, int nall) {
 #ifndef P4_TO_P8
     p4est_connectivity_t *k = p4est_connectivity_new(nall * P4EST_CHILDREN, nall, 0, 0);
