@@ -1,3 +1,5 @@
+/* Makes the struct polyhedra of a rank (polyhedra.h): numbers its cells, ghosts and mirrors, lists its faces, and joins
+ * cells and faces. */
 #include "mesh/polyhedral/polyhedra.h"
 
 #include <stdlib.h>
@@ -5,25 +7,25 @@
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
-enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4 }; /* in `local` until the cells are numbered */
+enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4 }; /* marks in `local` until the cells are numbered */
 
 struct ghost {
-    int kind, rank, cell; /* NEAR or FAR; the rank that has the polyMesh cell */
+    int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the polyMesh cell `cell` */
 };
-struct work { /* what is needed while polyhedra is made; lists by polyMesh cell or link */
+struct work { /* scratch that is needed only while a struct polyhedra is made; lists are by polyMesh cell or link */
     struct links links;
     struct cut cut;
     struct grower grower;
     int *mine;    /* [nown] polyMesh cells, block by block */
-    int *local;   /* [ncells_all] number here */
-    int *members; /* [ncells_all] of the stencil */
-    bool *waits;  /* [ncells_all] its stencil holds ghosts */
+    int *local;   /* [ncells_all] number on this rank, or one of the marks above */
+    int *members; /* [ncells_all] members of the cell's stencil */
+    bool *waits;  /* [ncells_all] does the cell's stencil hold ghosts? */
     int nghosts;
     struct ghost *ghost;
-    int *ghost_rank;          /* [ghosts] */
-    int *face_of, *mirror_of; /* [links] number here, or -1 */
-    int *link_of;             /* [faces] */
-    int *mirror_link;         /* [mirrors] */
+    int *ghost_rank;          /* [ghosts] rank that has the ghost */
+    int *face_of, *mirror_of; /* [links] number of the face, of the mirror, on this rank, or -1 */
+    int *link_of;             /* [faces] link of a face */
+    int *mirror_link;         /* [mirrors] link of a mirror */
 };
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
@@ -70,7 +72,7 @@ static status list_near(struct polyhedra *m, struct work *w) {
     return OK;
 }
 
-/* Grows the stencils once to learn their sizes and members. */
+/* Grows the stencil of a cell once to learn its size and its ghosts. */
 static status scout(struct work *w, int cell) {
     TRY(grower_run(&w->grower, cell));
     w->members[cell] = w->grower.n - 1;
@@ -128,7 +130,8 @@ static status make_cells(struct polyhedra *m, struct work *w, int rings) {
 
 /* ---- faces ------------------------------------------------------------------------------------------------------- */
 
-/* Faces of cell i that it shares with higher cells (or ghosts), in the order of those. */
+/* Lists the faces that cell i shares with higher cells (ghosts are higher than all of mine), in the order of those
+ * cells: the faces to inner cells if `local`, else the others. */
 static void list_inside(struct polyhedra *m, struct work *w, int i, bool local) {
     const struct links *l = &w->links;
     const int first = m->face.n, *number = w->local;
@@ -146,7 +149,7 @@ static void list_inside(struct polyhedra *m, struct work *w, int i, bool local) 
     }
 }
 
-/* Boundary faces patch by patch, in the order of the cells. */
+/* Lists the boundary faces patch by patch, in the order of the cells. */
 static status list_boundary(struct polyhedra *m, struct work *w) {
     const struct links *l = &w->links;
     const int npatches = l->mesh->npatches;

@@ -1,5 +1,6 @@
-/* Moments of cells, frames and quadrature points of faces, mirrors: from the polyMesh alone, so that every rank that
- * holds a cell or a face has the same bits. */
+/* Geometry of a polyhedral mesh: moments of cells, frames and quadrature points of faces, mirror cells. All come from
+ * the polyMesh alone, so that every rank that holds a cell or a face has the same bits. Integrals over a cell are sums
+ * over simplices about a point inside it. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -30,7 +31,7 @@ static double dot(const double *a, const double *b) {
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
-struct shape { /* of a cell; sums about `origin` while it is made */
+struct shape { /* a cell; sums about `origin` while it is made */
     int dim;
     double origin[3], volume, first[3], second[POLYHEDRA_MOMENTS];
 };
@@ -39,8 +40,8 @@ static int moment_of(int dim, int a, int b) {
     return a * dim - a * (a - 1) / 2 + b - a;
 }
 
-/* Adds the simplex of the origin and dim more corners, of `volume`. For one of d + 1 corners v (v_0 = 0) and sum S:
- * int x_a = V S_a / (d + 1), int x_a x_b = V (sum_i v_ia v_ib + S_a S_b) / ((d + 1) (d + 2)). */
+/* Adds the simplex of the origin and d corners v_i, of volume V. With the sum S of the corners
+ *   int x_a = V S_a / (d + 1),   int x_a x_b = V (sum_i v_ia v_ib + S_a S_b) / ((d + 1) (d + 2)). */
 static void add_simplex(struct shape *s, const double v[3][3], double volume) {
     const int d = s->dim;
     double sum[3] = {0};
@@ -82,7 +83,7 @@ static void add_face_3d(struct shape *s, const struct links *l, int face, double
 static void add_face_2d(struct shape *s, const struct links *l, int face, double sign) {
     double v[3][3] = {{0}};
     int p, q;
-    if (!links_edge(l, face, &p, &q)) return; /* refused before */
+    if (!links_edge(l, face, &p, &q)) return; /* links_make has refused such a face */
     for (int k = 0; k < 2; k++) {
         v[0][k] = point_of(l, p)[l->axis[k]] - s->origin[k];
         v[1][k] = point_of(l, q)[l->axis[k]] - s->origin[k];
@@ -95,7 +96,7 @@ static void add_face_1d(struct shape *s, const struct links *l, int face, double
     add_simplex(s, (const double(*)[3])v, l->face_area[3L * face + l->axis[0]] * sign > 0 ? v[0][0] : -v[0][0]);
 }
 
-/* Volume, centre (in `first`) and mean second moments about the centre of polyMesh cell c. */
+/* Measures polyMesh cell c: volume, centre (in `first`) and mean second moments about the centre. */
 static void measure_cell(const struct links *l, int c, struct shape *s) {
     static void (*const add_face[])(struct shape *, const struct links *, int, double) = {add_face_1d, add_face_2d,
                                                                                           add_face_3d};
@@ -141,11 +142,11 @@ static status make_cells(struct polyhedra *m, const struct links *l) {
 
 /* ---- faces ------------------------------------------------------------------------------------------------------- */
 
-struct frame { /* of a polyMesh face; centre and normal in computational axes */
+struct frame { /* a polyMesh face; centre and normal in computational axes */
     double centre[3], area, normal[3], tangent[2][3];
 };
 
-/* The first tangent is the axis most nearly normal to the normal, made exactly so. */
+/* Completes the frame: the first tangent is the axis most nearly normal to n, made exactly so. */
 static void complete_frame(struct frame *f) {
     const double *n = f->normal;
     int a = fabs(n[1]) <= fabs(n[0]) ? 1 : 0;
@@ -165,7 +166,7 @@ static void measure_face(const struct links *l, int face, struct frame *f) {
         f->normal[0] = area[l->axis[0]] > 0 ? 1 : -1;
     } else if (l->dim == 2) {
         int p, q;
-        if (!links_edge(l, face, &p, &q)) return; /* refused before */
+        if (!links_edge(l, face, &p, &q)) return; /* links_make has refused such a face */
         const double *a = point_of(l, p), *b = point_of(l, q);
         const double x = b[l->axis[0]] - a[l->axis[0]], y = b[l->axis[1]] - a[l->axis[1]];
         for (int k = 0; k < 2; k++) f->centre[k] = 0.5 * (a[l->axis[k]] + b[l->axis[k]]);
@@ -204,7 +205,7 @@ static status make_faces(struct polyhedra *m, const struct links *l, const int *
 
 /* ---- mirrors ----------------------------------------------------------------------------------------------------- */
 
-/* Cell `to` = cell `from` reflected in the plane of f: R = 1 - 2 n n^T. */
+/* Makes cell `to` the image of cell `from` in the plane of f: R = 1 - 2 n n^T, moments R M R. */
 static void reflect(struct polyhedra *m, int from, int to, const struct frame *f) {
     const int d = m->dim;
     const double *n = f->normal;
@@ -255,7 +256,7 @@ static void add_point(struct rule *r, const double *x, double weight) {
     r->weight[r->n++] = weight;
 }
 
-/* Three points, exact for quadratic functions, weighted by the triangle's area along the normal. */
+/* Adds three points, exact for quadratic functions, weighted by the triangle's area along the normal. */
 static void add_triangle(struct rule *r, const double *a, const double *b, const double *c, const double *normal) {
     const double *v[3] = {a, b, c};
     double u[3], w[3], n[3];
@@ -268,11 +269,11 @@ static void add_triangle(struct rule *r, const double *a, const double *b, const
     }
 }
 
-/* Gauss points of the bilinear patch, weighted by its Jacobian along the normal: exact for quadratic functions on a
- * plane quadrilateral, as function times Jacobian is cubic along either coordinate. */
+/* Adds the four Gauss points of the bilinear patch, weighted by its Jacobian along the normal. They are exact for
+ * quadratic functions on a plane quadrilateral, as function times Jacobian is cubic along either coordinate. */
 static void add_quad(struct rule *r, const double *v[4], const double *normal) {
     const double g = 0.5 - 0.5 / sqrt(3.0);
-    for (int i = 0; i < 4; i++) { /* nearest to corner i */
+    for (int i = 0; i < 4; i++) { /* the point nearest to corner i */
         double s = i == 1 || i == 2 ? 1 - g : g, t = i >= 2 ? 1 - g : g, x[3], xs[3], xt[3], n[3];
         for (int k = 0; k < 3; k++) {
             x[k] = (1 - s) * (1 - t) * v[0][k] + s * (1 - t) * v[1][k] + s * t * v[2][k] + (1 - s) * t * v[3][k];

@@ -1,4 +1,5 @@
-/* METIS cuts the mesh into blocks and the blocks into ranks; ghosts are filled by one message per neighbour rank. */
+/* Deals a polyhedral mesh to the ranks and exchanges ghosts: METIS cuts the mesh into blocks and the blocks into ranks;
+ * one message per neighbour rank fills the ghosts. */
 #include <metis.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +12,7 @@ enum { BLOCK = 500, SEED = 1 };
 
 struct graph {
     int n;
-    int *start, *to, *weight, *vertex_weight; /* the last two may be NULL */
+    int *start, *to, *weight, *vertex_weight; /* weights of edges and vertices may be NULL */
 };
 
 static void graph_free(struct graph *g) {
@@ -21,7 +22,7 @@ static void graph_free(struct graph *g) {
     free(g->vertex_weight);
 }
 
-/* METIS refuses to look for contiguous parts of a graph that is not. */
+/* Is the graph connected? METIS refuses to look for contiguous parts of a graph that is not. */
 static status find_connected(const struct graph *g, bool *connected) {
     int *queue, *seen, n = 1;
     TRY(allocate(&queue, 2L * g->n, sizeof *queue, "the graph of the cells"));
@@ -36,7 +37,7 @@ static status find_connected(const struct graph *g, bool *connected) {
 }
 
 static status graph_cut(const struct graph *g, int parts, bool by_bisection, int *part) {
-    if (parts == 1 || g->n == 0) return OK; /* part is zeroed */
+    if (parts == 1 || g->n == 0) return OK; /* part is all zeros already */
     idx_t options[METIS_NOPTIONS], n = g->n, constraints = 1, nparts = parts, cut;
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = SEED;
@@ -67,7 +68,7 @@ static status graph_of_cells(const struct links *l, struct graph *g) {
     return OK;
 }
 
-/* Cells by block, in the order of the polyMesh; blocks without cells are dropped. */
+/* Lists the cells by block, in the order of the polyMesh; blocks without cells are dropped. */
 static status list_blocks(struct cut *cut, int ncells) {
     int *number, n = 0;
     TRY(allocate(&cut->start, cut->nblocks + 2L, sizeof *cut->start, "the blocks"));
@@ -76,7 +77,7 @@ static status list_blocks(struct cut *cut, int ncells) {
     for (int c = 0; c < ncells; c++) number[cut->block_of[c]] = 1;
     for (int b = 0; b < cut->nblocks; b++) number[b] = number[b] ? n++ : -1;
     cut->nblocks = n;
-    int *start = cut->start + 1; /* of the next cell while they fill */
+    int *start = cut->start + 1; /* start[b]: place of the next cell of block b while `order` fills */
     for (int c = 0; c < ncells; c++) {
         cut->block_of[c] = number[cut->block_of[c]];
         start[cut->block_of[c] + 1]++;
@@ -87,7 +88,7 @@ static status list_blocks(struct cut *cut, int ncells) {
     return OK;
 }
 
-/* Breadth first within each block, from its lowest cell: cells that are neighbours stand near each other. */
+/* Orders the cells of each block breadth first from its lowest cell, so that neighbours stand near each other. */
 static status order_blocks(const struct links *l, struct cut *cut) {
     int *queue, *done;
     const int ncells = l->mesh->ncells;
@@ -111,7 +112,7 @@ static status order_blocks(const struct links *l, struct cut *cut) {
     return OK;
 }
 
-/* Blocks that share faces, weighted by their number. */
+/* Makes the graph of blocks: blocks that share faces are joined, with the number of these faces as weight. */
 static status graph_of_blocks(const struct links *l, const struct cut *cut, struct graph *g) {
     int *place, n = 0, image, room = l->cell_start[l->mesh->ncells];
     g->n = cut->nblocks;
@@ -140,7 +141,7 @@ static status graph_of_blocks(const struct links *l, const struct cut *cut, stru
     return OK;
 }
 
-/* Ranks that got no block take one from the rank that has most; with fewer blocks than ranks some stay without. */
+/* Gives each rank without a block one of the rank that has most; with fewer blocks than ranks some stay without. */
 static status fill_ranks(struct cut *cut, int ranks) {
     int *count;
     TRY(allocate(&count, ranks, sizeof *count, "the ranks"));
@@ -175,7 +176,8 @@ static status cut_to_ranks(const struct links *l, int ranks, struct cut *cut) {
     return s ? s : fill_ranks(cut, ranks);
 }
 
-/* The root asks METIS, so that all ranks have the same answer. */
+/* Cuts the cells into blocks and the blocks into ranks. Only the root asks METIS, so that all ranks have the same
+ * answer. */
 status cut_cells(const struct links *l, const struct comm *c, struct cut *cut) {
     const int ncells = l->mesh->ncells, wanted = ncells / BLOCK > 1 ? ncells / BLOCK : 1;
     *cut = (struct cut){.nblocks = wanted};
@@ -201,7 +203,7 @@ void cut_cells_free(struct cut *cut) {
 
 /* ---- ghosts ------------------------------------------------------------------------------------------------------ */
 
-/* Every rank's list of ghosts: [ranks] counts in `start` (as starts), polyMesh cells in `all`. */
+/* Gives every rank the ghosts of all ranks: polyMesh cells in `all`, rank r's from start[r] to start[r + 1]. */
 static status share_ghosts(const struct polyhedra *m, int *start, int **all) {
     const int ranks = comm_size(m->comm), nghosts = m->ncells - m->nown;
     int *counts = NULL;
@@ -217,7 +219,7 @@ static status share_ghosts(const struct polyhedra *m, int *start, int **all) {
     return OK;
 }
 
-/* Link by link what leaves (in the order of the receiver's ghosts) and what arrives. */
+/* Plans link by link which cells leave (in the order of the receiver's ghosts) and which arrive. */
 static status plan(struct polyhedra *m, const int *rank, const int *local, const int *start, const int *all) {
     struct polyhedra_private *h = m->hidden;
     const int ranks = comm_size(m->comm), nghosts = m->ncells - m->nown;

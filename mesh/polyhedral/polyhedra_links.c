@@ -1,13 +1,14 @@
-/* The whole polyMesh as cells and links: which axes are solved, cyclic halves joined, images of a periodic domain. */
+/* The whole polyMesh as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves join, which
+ * images a periodic domain has. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
-static const double FLAT = 1e-3;     /* points off the two planes of an empty axis, times the thickness */
-static const double SAME = 1e-4;     /* two translations, relative */
-static const double NO_SHIFT = 1e-6; /* of cyclic halves that lie on each other, times the extent of the mesh */
+static const double FLAT = 1e-3;     /* distance of points from the two planes of an empty axis, times the thickness */
+static const double SAME = 1e-4;     /* relative difference of two translations that count as one */
+static const double NO_SHIFT = 1e-6; /* shift of cyclic halves that lie on each other, times the extent of the mesh */
 
 static bool has_type(const struct patch *p, const char *type) {
     return strcmp(p->type, type) == 0;
@@ -78,7 +79,8 @@ bool links_edge(const struct links *l, int face, int *p, int *q) {
 
 /* ---- links ------------------------------------------------------------------------------------------------------- */
 
-/* twin[f - ninternal]: the higher face of the pair for the lower one, -1 for the higher, -2 for a face without. */
+/* Fills twin[f - ninternal]: the pair's higher face where f is the lower one, -1 where f is the higher one, -2 where f
+ * is not cyclic. */
 static status pair_faces(const struct polymesh *m, int *twin) {
     for (int f = 0; f < m->nfaces - m->ninternal; f++) twin[f] = -2;
     for (int i = 0; i < m->npatches; i++) {
@@ -122,7 +124,7 @@ static void list_links(struct links *l, const int *twin) {
 static status list_cells(struct links *l) {
     const int ncells = l->mesh->ncells;
     TRY(allocate(&l->cell_start, ncells + 2L, sizeof *l->cell_start, "the links of the cells"));
-    int *start = l->cell_start + 1; /* of the next cell while they fill */
+    int *start = l->cell_start + 1; /* start[c]: place of the next link of cell c while cell_link fills */
     for (int i = 0; i < l->n; i++) {
         start[l->left[i] + 1]++;
         if (l->right[i] >= 0) start[l->right[i] + 1]++;
@@ -172,7 +174,8 @@ static double distance(const double *a, const double *b, double sign) {
                 (a[2] - sign * b[2]) * (a[2] - sign * b[2]));
 }
 
-/* The mean shift of the halves of cyclic patch i to its other half j, cleaned of round-off; false: they coincide. */
+/* Finds the mean shift from cyclic patch q to its other half p, cleaned of round-off; returns false if they
+ * coincide. */
 static bool find_shift(const struct links *l, const struct patch *p, const struct patch *q, double shift[3]) {
     double size = 0;
     shift[0] = shift[1] = shift[2] = 0;
@@ -233,7 +236,7 @@ static int find_image(struct links *l, const double shift[3]) {
     return l->nimages++;
 }
 
-/* Ring by ring of crossings, so that the shift of an image has the same bits on every rank. */
+/* Finds the images ring by ring of crossings, so that the shift of an image has the same bits on every rank. */
 static status find_images(struct links *l) {
     TRY(allocate(&l->image, MOST_IMAGES, sizeof *l->image, "the images of a periodic domain"));
     TRY(allocate(&l->next, 2L * MOST_IMAGES * l->ntranslations, sizeof *l->next, "the images of a periodic domain"));

@@ -1,5 +1,5 @@
-/* Stencils: rings of cells across faces, with their images in a periodic domain; corners: members that share a vertex.
- */
+/* Grows the stencils of a polyhedral mesh: rings of cells across faces, with their images in a periodic domain; finds
+ * the corners of cells, members that share a vertex. */
 #include <stdlib.h>
 
 #include "mesh/polyhedral/polyhedra_private.h"
@@ -96,7 +96,7 @@ struct corners {
     } entry[MOST_ENTRIES];
 };
 
-/* The vertices of a face that are corners of the solved axes. */
+/* Adds the vertices of a face in the solved axes: all in 3D, the ends of its edge in 2D, one point in 1D. */
 static void add_vertices(const struct links *l, int face, int member, struct corners *k) {
     const struct polymesh *m = l->mesh;
     int pair[2], n = m->face_start[face + 1] - m->face_start[face];
@@ -130,8 +130,8 @@ static void list_corners(const struct grower *g, struct corners *k) {
     }
 }
 
-/* Takes the members at the vertex of entry `first` off the list (each once) into member; vertices of fewer faces than
- * axes are no corners. Returns how many. */
+/* Takes the members at the vertex of entry `first` off the list into member[], each once; returns how many. Vertices
+ * with fewer members than axes are no corners and return 0. */
 static int take_corner(struct corners *k, int first, int dim, int *member) {
     int point = k->entry[first].point, n = 0;
     if (point < 0) return 0;
@@ -147,7 +147,7 @@ static int take_corner(struct corners *k, int first, int dim, int *member) {
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-struct room { /* of the lists, which grow cell by cell */
+struct room { /* room in the lists, which grow cell by cell */
     long corners, members;
 };
 
