@@ -1,4 +1,5 @@
-/* What every kernel shares: the batch, the instruction sets, and a power function with the same bits everywhere.
+/* The tools that every kernel shares: the batch, the clones for instruction sets, and powers, exponentials and
+ * logarithms with the same bits everywhere.
  *
  * A kernel works on lines of at most BATCH numbers: variables outside, faces (or cells) inside. It cannot fail, calls
  * no library function in a loop but sqrt, fabs and fma (all exact to the last bit), and selects where others branch.
@@ -17,8 +18,9 @@ enum {
     MAX_VAR = 5  /* rho, rho u (dim of them), E */
 };
 
-/* One clone per instruction set, chosen when the program starts; sums stay in program order, so the bits agree. Names
- * are unique over all files: clang exports what chooses among the clones. */
+/* KERNEL makes one clone of a function per instruction set, chosen when the program starts; sums stay in program order,
+ * so the bits agree. clang gives target_clones resolvers external linkage even for static functions: KERNEL names must
+ * be unique in the whole program (a test checks). */
 #if defined(__x86_64__) && !defined(HAFF_NO_CLONES)
 #define KERNEL __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
@@ -86,13 +88,13 @@ static inline double exponential(double y) {
     return double_of(bits_of(e) + exponent);
 }
 
-/* x^a for a normal x > 0 and |a ln x| < 690, relative error below 4e-16 (2 + |a ln x|) */
+/* x^a for a normal x > 0 and |a ln x| < 690, relative error below 4e-16 (2 + |a ln x|). */
 static inline double power(double x, double a) {
     return exponential(a * logarithm(x));
 }
 
-/* e^y - 1 for |y| < 690 and ln(1 + y) for 0 <= y < 1e300, relative errors of 4e-16 (2 + |y|) and 1e-15 however small y
- * is */
+/* e^y - 1 for |y| < 690 and ln(1 + y) for 0 <= y < 1e300, with relative errors of 4e-16 (2 + |y|) and 1e-15 however
+ * small y is. */
 static inline double exponential_minus_one(double y) {
     uint64_t exponent;
     double rest = exponential_rest(y, &exponent), scale = double_of(bits_of(1.0) + exponent);

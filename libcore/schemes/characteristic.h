@@ -1,11 +1,12 @@
-/* Projection on eigenbases of faces, and the reconstruction of what was projected in one go: flux.c makes the bases,
- * reconstruct.c instantiates the loops below for each of its rows. */
+/* Projects the cells of a stencil on the eigenbasis of a face (physics 1.1) and reconstructs the projected fields, in
+ * one loop over the faces: flux.c makes the bases, reconstruct.c instantiates the loops below for each row of its
+ * table. */
 #ifndef LIBCORE_CHARACTERISTIC_H
 #define LIBCORE_CHARACTERISTIC_H
 
 #include "libcore/schemes/flux.h"
 
-enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* u - c; entropy and shears; u + c */
+enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* families of fields by their speeds: u - c; u (entropy and shears); u + c */
 #define UPWIND_LEFT  (-1.)
 #define UPWIND_RIGHT (-2.)
 
@@ -17,10 +18,10 @@ struct winds { /* per family: UPWIND_LEFT, UPWIND_RIGHT, or the speed alpha >= 0
     double speed[FAMILIES][BATCH];
 };
 
-/* The face value of one field at one face: right-face value of c, whose neighbours are b and d. */
+/* Returns the value of one field at the right face of cell c, from five cells in a row. */
 typedef double face_value(double a, double b, double c, double d, double e);
 
-struct fields { /* of one cell: u - c, entropy, shears, u + c */
+struct fields { /* amplitudes of one cell in the fields u - c, entropy, shears, u + c */
     double minus, entropy, shear[2], plus;
 };
 struct rows { /* left eigenvectors of one face */
@@ -34,7 +35,8 @@ ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b,
     return l;
 }
 
-/* With s = (b2 q0 - b1 (u.q - q_E))/2 and d = (q_n - u_n q0)/(2c), the rows of L (physics 1.1) are
+/* Projects cell i of q on the left eigenvectors. With s = (b2 q0 - b1 (u.q - q_E))/2 and d = (q_n - u_n q0)/(2c), the
+ * rows of L (physics 1.1) are
  *   l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+ q = s + d. */
 ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i) {
     double q0 = q[0][i], qn = q[1][i], work = fma(l.u[0], qn, -q[dim + 1][i]);
@@ -50,7 +52,7 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
     return w;
 }
 
-/* Fields of the six cells of a stencil; cells that a reconstruction does not use cost nothing. */
+/* The fields of the six cells of a stencil; the compiler drops the cells that a reconstruction does not use. */
 #define PROJECT_STENCIL(dim, l, q, i, stride)                                                                          \
     {                                                                                                                  \
         project(dim, l, q, (i)-2 * (stride)), project(dim, l, q, (i) - (stride)), project(dim, l, q, i),               \
@@ -61,7 +63,7 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
 #define RIGHT_OF(w, field) w[5].field, w[4].field, w[3].field, w[2].field, w[1].field
 #define ALL_OF(w, field)   LEFT_OF(w, field), w[5].field
 
-struct lines { /* what the loops read, as local pointers */
+struct lines { /* the lines that the loops read, as local pointers */
     const double *flux[MAX_VAR], *state[MAX_VAR];
 };
 ALWAYS_INLINE struct lines lines_of(const struct faces *f, const int dim, long offset) {
@@ -73,7 +75,8 @@ ALWAYS_INLINE struct lines lines_of(const struct faces *f, const int dim, long o
     return l;
 }
 
-/* A field's value from its own side; 0 where that is `drop` (UPWIND_LEFT, UPWIND_RIGHT or 0 for neither). */
+/* Returns a field's face value from its upwind side; 0 if that side is `drop` (UPWIND_LEFT, UPWIND_RIGHT, or 0 to drop
+ * neither). */
 ALWAYS_INLINE double upwind_value(face_value *value, double speed, double drop, double a, double b, double c, double d,
                                   double e, double f) {
     bool right = speed == UPWIND_RIGHT;
@@ -81,7 +84,7 @@ ALWAYS_INLINE double upwind_value(face_value *value, double speed, double drop, 
     return speed == drop ? 0 : v;
 }
 
-/* Amplitudes of faces that split no field. */
+/* Computes the amplitudes a[field] at faces that split no field. */
 ALWAYS_INLINE void upwind(const int dim, face_value *value, int from, int to, const struct faces *f,
                           const struct bases *restrict b, const struct winds *restrict w, double drop,
                           double (*restrict a)[BATCH]) {
@@ -99,8 +102,8 @@ ALWAYS_INLINE void upwind(const int dim, face_value *value, int from, int to, co
     }
 }
 
-/* What a field brings from one side (alpha signed: + from the left): (phi + alpha w)/2 where the face splits it, phi or
- * 0 elsewhere. */
+/* Returns the part of a field that comes from one side (+1: left, -1: right): the face value of (phi + side alpha w)/2
+ * where the face splits the field with the speed alpha, else of phi, or 0 where the field comes from the other side. */
 ALWAYS_INLINE double side_value(face_value *value, double speed, double side, double a, double b, double c, double d,
                                 double e, double wa, double wb, double wc, double wd, double we) {
     bool split = speed >= 0;
@@ -110,7 +113,7 @@ ALWAYS_INLINE double side_value(face_value *value, double speed, double side, do
     return speed == (side > 0 ? UPWIND_RIGHT : UPWIND_LEFT) ? 0 : v;
 }
 
-/* Amplitudes of faces that split fields on one basis: both sides. */
+/* Computes the amplitudes at faces that split fields on one basis: the parts of both sides. */
 ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, const struct faces *f,
                          const struct bases *restrict b, const struct winds *restrict w, double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
@@ -132,7 +135,7 @@ ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, con
 #undef BOTH
 }
 
-/* Amplitudes of what comes from one side (+1: from the left, -1: from the right). */
+/* Computes the part of the amplitudes that comes from one side (+1: from the left, -1: from the right). */
 ALWAYS_INLINE void sided(const int dim, face_value *value, int from, int to, const struct faces *f,
                          const struct bases *restrict b, const struct winds *restrict w, double side,
                          double (*restrict a)[BATCH]) {

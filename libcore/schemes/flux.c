@@ -1,14 +1,14 @@
+/* Characteristic fluxes in the form of Shu & Osher (1989): project the nodal fluxes (and, where a field is split, the
+ * states) of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The
+ * fluxes below differ in the basis and in which fields are split; their sources are cited beside them. A batch is cut
+ * into runs of faces that need the same work; the flux of a face does not depend on its run. */
 #include "libcore/schemes/characteristic.h"
 
-/* Characteristic fluxes in the form of Shu & Osher: project the nodal fluxes (and, where a field is split, the states)
- * of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The fluxes
- * below differ in the basis and in which fields are split. A batch is cut into runs of faces that need the same work;
- * what a face gets does not depend on its run. */
+enum { GROUP = 8 }; /* faces that are kept in one run: a vector */
 
-enum { GROUP = 8 }; /* faces of one kind: a vector */
-
-/* Marquina's rule (19)-(23): a field whose speed has one sign on both sides is upwinded, others are split with the
- * larger speed; a zero product splits. `always`: split all; `least`: smallest alpha of a split. */
+/* Finds the winds by Marquina's rule (Serna & Marquina, (19)-(23)): a field whose speed has one sign on both sides is
+ * upwinded, others are split with the larger speed; a zero product splits. `always`: split all fields; `least`:
+ * smallest alpha of a split. */
 KERNEL static void find_winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
                               const double *restrict cr, bool always, double least, struct winds *restrict w) {
     for (int k = 0; k < FAMILIES; k++) {
@@ -23,7 +23,8 @@ KERNEL static void find_winds(int n, const double *restrict ul, const double *re
     }
 }
 
-/* Does any of n faces split a field? Speeds of fields that are not split are negative: their sign bits stand. */
+/* Does any of n faces split a field? The speed of a field that is not split is negative, so that its sign bit is
+ * set. */
 ALWAYS_INLINE bool any_split(int n, const struct winds *restrict w, int from) {
     uint64_t signs = ~(uint64_t)0;
     for (int i = from; i < from + n; i++)
@@ -35,7 +36,7 @@ static bool group_splits(int n, const struct winds *w, int from) {
     return n - from >= GROUP ? any_split(GROUP, w, from) : any_split(n - from, w, from);
 }
 
-/* The end of the run of groups of one kind that starts at face `from`. */
+/* Returns the end of the run of groups of one kind that starts at face `from`; *splits: do its faces split fields? */
 KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) {
     int end = from + GROUP;
     *splits = group_splits(n, w, from);
@@ -43,8 +44,8 @@ KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) 
     return end < n ? end : n;
 }
 
-/* The eigenbasis of physics 1.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho: total enthalpy h,
- * b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
+/* Computes the eigenbasis of physics 1.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho: total
+ * enthalpy h, b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
 ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, double c, double g,
                                struct bases *restrict b, int i) {
     double inverse = 1 / (c * g), inverse_c = g * inverse, b1 = g * inverse_c * inverse_c, t = 0;
@@ -62,13 +63,13 @@ ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, 
     b->half_inverse_c[i] = 0.5 * inverse_c;
 }
 
-/* eps + p/rho, as every equation of state here is linear in T (eos.h): p = rho eps g. */
+/* Returns eps + p/rho. Every equation of state here is linear in T (eos.h), so that p = rho eps g. */
 ALWAYS_INLINE double static_enthalpy(double eps, double g) {
     return fma(g, eps, eps);
 }
 
-struct face_states { /* of n faces */
-    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* squared */, gruneisen[BATCH];
+struct face_states { /* states at n faces, from one side */
+    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
     double good[BATCH];
 };
 
@@ -105,17 +106,17 @@ ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const 
     }
 }
 
-/* One basis a face: of the means of the two cells' u, static enthalpy, c^2 and g. That is the basis of the mean (u, T)
- * for the perfect gas, whose contacts are kept exactly, and as accurate as that of the mean state for other equations
- * of state, which need not be evaluated. Where all speeds have one sign both states are the upwind cell's, so that
- * nothing downwind of a supersonic face touches its flux, not even by round-off. */
+/* Computes one basis per face, from the means of the two cells' u, static enthalpy, c^2 and g. For the perfect gas this
+ * is the basis of the mean (u, T), which keeps contacts exactly; for other equations of state it is as accurate as the
+ * basis of the mean state, without evaluating them. Where all speeds have one sign both states are the upwind cell's,
+ * so that nothing downwind of a supersonic face touches its flux, not even by round-off. */
 KERNEL static void common_bases(const struct faces *f, const struct winds *restrict w, struct bases *restrict b) {
     if (f->dim == 1) common_bases_dim(1, f, w, b);
     if (f->dim == 2) common_bases_dim(2, f, w, b);
     if (f->dim == 3) common_bases_dim(3, f, w, b);
 }
 
-/* The columns of R: F = sum over fields of amplitude times r, added to what is there. */
+/* Projects back: F = sum over the fields of amplitude times column of R, added to `out` if `add`. */
 ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *restrict b, double (*restrict a)[BATCH],
                         const bool add, double *const out[MAX_VAR]) {
     double *restrict f0 = out[0], *restrict fn = out[1], *restrict fe = out[dim + 1];
@@ -180,7 +181,7 @@ static void global_lax_friedrichs(const struct faces *f, const struct eos *eos, 
     one_basis(f, r, true, f->fastest);
 }
 
-/* Falls back to the cell's state where the reconstructed one is not admissible. */
+/* Replaces a reconstructed state that is not admissible by the cell's state. */
 KERNEL static void admit(int n, int dim, double limit, const double *restrict rho, const double *const u[MAX_DIM],
                          const double *restrict eps, struct face_states *restrict s) {
     for (int i = 0; i < n; i++) {
@@ -202,7 +203,7 @@ static void reconstruct_line(const struct faces *f, const double *q, int side, c
     r->face(f->n, line, out);
 }
 
-/* The states reconstructed to the faces from one side, (rho, u, T) by the same operator. */
+/* Reconstructs states to the faces from one side, rho, u and T (as eps) by the same operator. */
 static void sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
                          const struct reconstruct *r, struct face_states *s) {
     int n = f->n, dim = f->dim;
@@ -218,7 +219,7 @@ static void sided_states(const struct faces *f, const struct eos *eos, const str
     eos->state(m, n, s->rho, s->eps, s->p, s->c, s->gruneisen);
 }
 
-/* Does any face of the run take something from the side whose opposite is `other`? */
+/* Does any field of the run come, at least in part, from the side opposite to `other`? */
 static bool side_needed(const struct winds *w, int from, int to, double other) {
     for (int k = 0; k < FAMILIES; k++)
         for (int i = from; i < to; i++)
@@ -226,7 +227,7 @@ static bool side_needed(const struct winds *w, int from, int to, double other) {
     return false;
 }
 
-struct two_bases { /* of faces: what stands to the left and to the right of each */
+struct two_bases { /* states and bases to the left (0) and to the right (1) of the faces */
     struct face_states s[2];
     struct bases b[2];
     struct winds w;
@@ -258,8 +259,8 @@ static void two_bases_flux(const struct faces *f, const struct eos *eos, const s
     }
 }
 
-/* Marquina's flux, Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_- (erratum S6), bases at the
- * reconstructed face states: with the cells' states it is first order only (physics 1.2). */
+/* Marquina's flux: Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_- (erratum S6). The bases belong
+ * to the reconstructed face states: with the cells' states the flux is first order only (physics 1.2). */
 static void marquina(const struct faces *f, const struct eos *eos, const struct material *m,
                      const struct reconstruct *r) {
     struct two_bases t;
@@ -267,9 +268,10 @@ static void marquina(const struct faces *f, const struct eos *eos, const struct 
 }
 
 /* Marquina's flux of two states l, r is that of an upwind scheme with the fluxes measured from f* = (f_l + f_r)/2 (and
- * states from their mean), plus D = (Q_l + Q_r - 1) f*, where Q f sums what the fields take from a side. D is of the
- * order of the jump: Marquina's own. It damps shocks along the grid and the heating of walls, but makes entropy in
- * dense gas, at rest above alpha 0.45, and the noise grows there (postprocessing/reports/marquinaStability.md). */
+ * states from their mean), plus D = (Q_l + Q_r - 1) f*. Q_l f is the part of f that the fields take from the left side
+ * on its basis, Q_r f likewise. D is of the order of the jump and belongs to Marquina's flux alone. It damps shocks
+ * along the grid and the heating of walls. But it makes entropy in dense gas, at rest above alpha 0.45, and noise grows
+ * there (postprocessing/reports/marquinaStability.md). */
 struct excess {
     double f[MAX_VAR][BATCH], u[MAX_VAR][BATCH]; /* means of the two sides */
     double jump[MAX_VAR][BATCH], D[MAX_VAR][BATCH];
@@ -305,7 +307,7 @@ KERNEL static void means(int dim, int n, const struct face_states s[2], struct e
     if (dim == 3) means_dim(3, n, s, e);
 }
 
-/* D: what first order upwinding on the two bases makes of the means, less their flux. */
+/* Computes (Q_l + Q_r) f*: first-order upwinding of the means on the two bases. tame_dim subtracts f* to get D. */
 static void excess_of(const struct faces *f, const struct two_bases *t, struct excess *e) {
     struct faces mean = {.n = f->n, .dim = f->dim};
     double a[MAX_VAR][BATCH], *D[MAX_VAR];
@@ -320,7 +322,7 @@ static void excess_of(const struct faces *f, const struct two_bases *t, struct e
     }
 }
 
-/* dp/c^2, rho du_n/c, rho du_t, and drho at constant p of a change of state: in them |A| is symmetric. */
+/* A change of state as dp/c^2, rho du_n/c, rho du_t, and drho at constant p: in these variables |A| is symmetric. */
 struct change {
     double p, normal, tangent[2], entropy;
 };
@@ -328,7 +330,8 @@ ALWAYS_INLINE struct change change_of(const int dim, const struct rows l, const 
     const struct fields w = project(dim, l, q, i);
     return (struct change){w.plus + w.minus, w.plus - w.minus, {w.shear[0], w.shear[1]}, w.entropy};
 }
-/* The second derivative of the entropy, times -rho T: entropy weighs (c^2/(g^2 eps) - 1). */
+/* Returns the product of two changes that the second derivative of the entropy makes, times -rho T: the entropy's
+ * change weighs (c^2/(g^2 eps) - 1). */
 ALWAYS_INLINE double product(double c2, double weight, const struct change a, const struct change b) {
     double t = a.tangent[0] * b.tangent[0] + a.tangent[1] * b.tangent[1];
     return c2 * (a.p * b.p + a.normal * b.normal + weight * (a.entropy * b.entropy)) + t;
@@ -337,10 +340,11 @@ ALWAYS_INLINE double entropy_weight(const struct face_states *s, int i) {
     return s->c[i] / (s->gruneisen[i] * s->gruneisen[i] * s->eps[i]) - 1;
 }
 
-/* Takes from the flux what of D makes entropy, D.dv > 0 with the jump dv of the entropy's derivatives: just as much of
- * dU that D.dv = 0. What is left is held to half of what upwinding may dissipate, |D| <= s |dU|/4, s = max(|u| + c) +
- * du^2/c (the last for shocks, where dU says little about D), as it grows without bound towards close packing and the
- * steps would have to be shorter than the speed of sound asks for. Elsewhere the flux keeps its bits. */
+/* Removes from the flux the part of D that makes entropy: where D.dv > 0 with the jump dv of the entropy's derivatives,
+ * it subtracts the multiple of dU that leaves D.dv = 0. The remaining D is held to half of what upwinding may
+ * dissipate, |D| <= s |dU|/4, s = max(|u| + c) + du^2/c (the last term for shocks, where dU says little about D). Else
+ * D would grow without bound towards close packing, and the steps would have to be shorter than the speed of sound asks
+ * for. Where nothing is removed the flux keeps its bits. */
 ALWAYS_INLINE void tame_dim(const int dim, int n, const struct two_bases *restrict x, const struct bases *restrict mean,
                             struct excess *restrict e, double *const out[MAX_VAR]) {
     const double *restrict minus = x->w.speed[MINUS], *restrict plus = x->w.speed[PLUS];
@@ -391,7 +395,7 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     tame(f->dim, f->n, &t, &mean, &e, f->out);
 }
 
-/* F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r): Rusanov (1961). */
+/* Rusanov's flux (1961): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r). */
 KERNEL static void rusanov_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
                                 const double *restrict ul, const double *restrict ur, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);

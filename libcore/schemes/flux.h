@@ -13,13 +13,14 @@ struct faces {
     int n, dim;
     long stride;
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
-    const double *flux[MAX_VAR];  /* of the cells, along the normal */
+    const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */
     const double *velocity[MAX_DIM];
-    const double *eps, *c, *gruneisen; /* eos of the cells; c sound speed */
+    const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     double fastest;                    /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
     double *out[MAX_VAR];              /* [n] face fluxes */
 };
 
+/* A row of the table: `through` computes f->out, the fluxes through f's faces, with the reconstruction r. */
 struct flux {
     struct model model;
     void (*through)(const struct faces *f, const struct eos *eos, const struct material *m,
@@ -30,12 +31,13 @@ extern const struct flux flux_table[];
 extern const int flux_count;
 const struct flux *flux_find(const char *name); /* NULL: none */
 
-/* First order with a wave-speed bound. */
+/* The first-order flux with a bound of the wave speeds (Rusanov 1961); eos, m and r are ignored. */
 void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);
 
-/* Left (rows) and right (columns) eigenvectors of the Jacobian along the normal for one state, normal component first,
- * order u - c, entropy, shears, u + c (physics 1.1): what the fluxes use line by line, for tests. */
-struct basis { /* of one face: what the eigenvectors are made of */
+/* Computes left (rows) and right (columns) eigenvectors of the Jacobian along the normal for one state, normal
+ * component first, in the order u - c, entropy, shears, u + c (physics 1.1). Tests look at the bases of the fluxes by
+ * this function. */
+struct basis { /* the state of one face, as the eigenvectors need it */
     double u[MAX_DIM], c, h /* total enthalpy */, b1 /* p_eps / (rho c^2) */;
 };
 void flux_eigenvectors(int dim, const struct basis *b, double left[MAX_VAR][MAX_VAR], double right[MAX_VAR][MAX_VAR]);

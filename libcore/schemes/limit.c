@@ -1,3 +1,5 @@
+/* Limits fluxes and states to the admissible set and applies the floors. limit.h states the theorem, its proof and
+ * sources. */
 #include "libcore/schemes/limit.h"
 
 KERNEL static void move_towards(int n, int dim, double least, double limit, const double (*restrict average)[BATCH],
@@ -5,7 +7,8 @@ KERNEL static void move_towards(int n, int dim, double least, double limit, cons
     double square[2][BATCH];
     for (int i = 0; i < n; i++) {
         double mean = average[0][i], rho = at[0][i], high = mean + (1 - KEPT) * (limit - mean);
-        double low = smaller(least + KEPT * (mean - least), mean); /* an average below the floor: no lower */
+        /* an average below the floor: the state may not be lower than it */
+        double low = smaller(least + KEPT * (mean - least), mean);
         double down = (mean - low) / (mean - rho), up = (high - mean) / (rho - mean);
         double share = rho < low ? down : rho > high ? up : 0; /* NaN: 0 */
         const bool inside = (rho >= low) & (rho <= high);
@@ -22,7 +25,7 @@ KERNEL static void move_towards(int n, int dim, double least, double limit, cons
             square[0][i] += average[k][i] * average[k][i];
             square[1][i] += at[k][i] * at[k][i];
         }
-    for (int i = 0; i < n; i++) { /* rho e is concave: along the way to the average it is at least linear */
+    for (int i = 0; i < n; i++) { /* rho e is concave: on the way to the average it rises at least linearly */
         double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
         double here = at[dim + 1][i] - 0.5 * square[1][i] / at[0][i], low = KEPT * mean;
         double share = (mean - low) / (mean - here), some = here < low ? share : 0;
@@ -54,7 +57,7 @@ KERNEL static void guaranteed_speed(int n, double limit, const struct faces *f, 
     }
 }
 
-/* One variable: F_L, ubar, ubar + D and ubar - D */
+/* Computes F_L, ubar, ubar + D and ubar - D (limit.h) of one variable. */
 KERNEL static void bar_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
                             const double *restrict ul, const double *restrict ur, const double *restrict high,
                             double *restrict low, double *restrict bar, double *restrict up, double *restrict down) {
@@ -87,7 +90,8 @@ void limit_faces(const struct faces *f, double least, double limit, double *thet
     for (int v = 0; v < f->dim + 2; v++) blend_line(f->n, theta, low[v], f->out[v]);
 }
 
-/* The squares are summed from the last axis so that two of three commute under a swap of axes. */
+/* Marks states that are not admissible. The squares are summed from the last axis, so that two of three commute under a
+ * swap of axes. */
 KERNEL static bool mark_bad(int n, int dim, long size, double least, double limit, const double *restrict U,
                             double *restrict bad) {
     const double *restrict rho = U, *restrict E = U + (dim + 1) * size;

@@ -1,13 +1,15 @@
 /* Invariant-domain limiting: states stay in the convex set 0 < rho < rho_max, rho e > 0 by a theorem.
  *
- * Two cells l, r, the normal n from l to r, nodal fluxes f_l, f_r along n; v the normal velocity, c the sound speed,
- * e = T/(gamma - 1), p = rho T A(rho). Low-order flux and bar state (Guermond & Popov 2016), D for a flux F_H:
+ * Let n be the normal from cell l to cell r, f_l, f_r the nodal fluxes along n, v the normal velocity, c the sound
+ * speed, e = T/(gamma - 1), p = rho T A(rho). Low-order flux and bar state (Guermond & Popov 2016), and D of a flux
+ * F_H, are
  *     F_L = (f_l + f_r)/2 - s (u_r - u_l)/2,  ubar = (u_l + u_r)/2 - (f_r - f_l)/(2 s),  D = (F_H - F_L)/s.
- * Speed: s = max of |v| + c on both sides and of (rho_l v_l - rho_r v_r)/(rho_max - max(rho_l, rho_r)).
+ * The speed s is the maximum of |v| + c on both sides and of (rho_l v_l - rho_r v_r)/(rho_max - max(rho_l, rho_r)).
  *
- * 1. ubar is in the set. It is the mean of u_l + f_l/s and u_r - f_r/s. Of u -+ f/s the density is rho a, a = 1 -+ v/s,
- * positive as s > |v|, and the internal energy rho a [e - p^2/(2 rho^2 (s -+ v)^2)], positive as s -+ v >= c and
- * c^2 >= T [A + (gamma - 1) A^2] > (gamma - 1) T A^2/2 = p^2/(2 rho^2 e) (the misprinted sound speed included). And
+ * 1. ubar is in the set. It is the mean of u_l + f_l/s and u_r - f_r/s. The density of u -+ f/s is rho a, where
+ * a = 1 -+ v/s is positive as s > |v|. Its internal energy is rho a [e - p^2/(2 rho^2 (s -+ v)^2)], positive as
+ * s -+ v >= c and c^2 >= T [A + (gamma - 1) A^2] > (gamma - 1) T A^2/2 = p^2/(2 rho^2 e) (the misprinted sound speed
+ * included). The density of ubar stays below rho_max as
  * 2 rhobar = rho_l + rho_r + (rho_l v_l - rho_r v_r)/s <= rho_l + rho_r + rho_max - max(rho_l, rho_r) < 2 rho_max.
  * 2. With F = F_L + theta D s:  u_l - (F - f_l)/s = ubar - theta D,  u_r + (F - f_r)/s = ubar + theta D. The areas of a
  * cell's faces sum to 0 as vectors, so its forward-Euler update is
@@ -31,26 +33,30 @@
 
 #include "libcore/schemes/flux.h"
 
-#define KEPT  0.1   /* of the distance from the edge of the set, at least */
-#define ROUND 1e-13 /* of the kinetic energy: what an admissible internal energy exceeds */
+#define KEPT  0.1   /* share of an average's distance from the edge of the set that a limited state keeps at least */
+#define ROUND 1e-13 /* share of the kinetic energy that an admissible internal energy exceeds */
 
-/* f->out: F_H (NaN is allowed) -> F_L + theta (F_H - F_L), F_H itself where theta is 1 and F_L where it is 0; least,
- * limit: what rho stays above and below; theta [n]. The stencil of f is its cells 0 and 1. */
+/* Limits fluxes: f->out is F_H (NaN is allowed) and becomes F_L + theta (F_H - F_L), exactly F_H where theta is 1 and
+ * F_L where it is 0. rho stays above `least` and below `limit`, kg/m^3. theta[n] is an output. Only cells 0 and 1 of
+ * the stencil of f are read. */
 void limit_faces(const struct faces *f, double least, double limit, double *theta);
 
-/* Moves n states towards admissible averages until they keep a share KEPT of their distance from the edge of the set
- * (Zhang & Shu 2010), by theta [n] of the way: 1 not moved, 0 (NaN, too) now the average. */
+/* Moves n states at[dim + 2] towards admissible averages until they keep a share KEPT of their distance from the edge
+ * of the set (Zhang & Shu 2010). theta[n] is what remains of a state's distance from its average: 1: the state did not
+ * move, 0 (also for NaN): it is the average. */
 void limit_towards(int n, int dim, double least, double limit, const double (*average)[BATCH], double (*at)[BATCH],
                    double *theta);
 
-/* Of n <= BATCH states whose variables are `size` apart: bad = 1 where one is not admissible, else 0. Is any? */
+/* Sets bad[i] to 1 where one of n <= BATCH states (variables `size` apart) is not admissible, else to 0; returns
+ * whether any is bad. */
 bool find_bad(int n, int dim, long size, double least, double limit, const double *restrict U, double *restrict bad);
-/* The density floor: of the bad ones with 0 < rho <= least raises rho above it at their own velocity and temperature;
- * bad <- whether they still are; added [2] <- mass and energy added (else 0), kg/m^3 and J/m^3. Returns how many. */
+/* Applies the density floor: raises rho above `least` at the same velocity and temperature in bad states with 0 < rho
+ * <= least. bad[i] becomes whether the state is still bad, added[2] the mass and energy added (else 0), kg/m^3 and
+ * J/m^3. Returns how many states were raised. */
 int raise_density(int n, int dim, long size, double least, double limit, double *restrict U, double *restrict bad,
                   double (*restrict added)[BATCH]);
-/* The round-off floor: raises E of the bad ones that miss it by round-off, bad <- 0, raised <- the energy added (else
- * 0), J/m^3. Returns how many. */
+/* Applies the round-off floor: raises E in bad states that miss admissibility by round-off, and sets bad to 0 there.
+ * raised is the energy added (else 0), J/m^3. Returns how many states were raised. */
 int raise_energy(int n, int dim, long size, double least, double limit, double *restrict U, double *restrict bad,
                  double *restrict raised);
 

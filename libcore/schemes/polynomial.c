@@ -1,10 +1,13 @@
+/* Applies fits to batches of polyhedral cells (polynomial.h): limited linear polynomials and CWENO3, which cite their
+ * sources below; polynomial_fit.c makes the weights. */
 #include "libcore/schemes/polynomial_fit.h"
 
 #define EACH_LANE for (int l = 0; l < LANES; l++)
-static const double SMALL = 1e-6;   /* squared ratio of variation to scale below which nothing is limited */
-static const double EPSILON = 1e-4; /* of the weights of CWENO3: what varies by 1 % of its scale a cell is smooth */
-static const double OVER = 0.2;     /* what CWENO3 may leave the range of its stencil by, as a part of that range */
-static const double TINY = 1e-100;  /* keeps 0/0 away */
+static const double SMALL = 1e-6; /* squared ratio of variation to scale below which nothing is limited */
+/* The epsilon of CWENO3's weights: a variation by 1 % of the scale per cell is smooth. */
+static const double EPSILON = 1e-4;
+static const double OVER = 0.2;    /* how far CWENO3 may leave the range of its stencil, in units of that range */
+static const double TINY = 1e-100; /* keeps 0/0 away */
 
 ALWAYS_INLINE void own_values(const struct fit *f, int batch, const double *restrict q, double *restrict own) {
     int first = batch * LANES, n = f->polyhedra->nnear - first < LANES ? f->polyhedra->nnear - first : LANES;
@@ -22,7 +25,7 @@ ALWAYS_INLINE void differences(const int *restrict cell, const double *restrict 
  * internal energy, which in E is no more than the noise. There E' = rho eps, and the variables have scales. */
 struct frame {
     double velocity[MAX_DIM][LANES], half_square[LANES];
-    double square[MAX_VAR][LANES]; /* of the scales: rho, rho sqrt(2 eps), rho eps */
+    double square[MAX_VAR][LANES]; /* squares of the scales rho, rho sqrt(2 eps), rho eps */
 };
 ALWAYS_INLINE void find_frame(int dim, double (*restrict own)[LANES], struct frame *restrict f) {
     EACH_LANE {
@@ -38,7 +41,7 @@ ALWAYS_INLINE void find_frame(int dim, double (*restrict own)[LANES], struct fra
         f->square[dim + 1][l] = energy * energy;
     }
 }
-/* Lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
+/* Moves lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
 ALWAYS_INLINE void boost(int dim, double sign, const struct frame *restrict f, double *const *line) {
     double *restrict rho = line[0], *restrict E = line[dim + 1], dot[LANES] = {0};
     for (int k = 0; k < dim; k++) {
@@ -52,7 +55,7 @@ ALWAYS_INLINE void boost(int dim, double sign, const struct frame *restrict f, d
 }
 
 struct bounds {
-    double low[LANES], high[LANES]; /* less the cell's value */
+    double low[LANES], high[LANES]; /* range of the stencil's values, less the cell's */
 };
 ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
     EACH_LANE {
@@ -61,12 +64,12 @@ ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
     }
 }
 
-/* Gradient by least squares, weights 1/distance^2, times the limiter of Barth & Jespersen (AIAA 89-0366, 1989): values
- * halfway to first-ring members stay within the values of the stencil, and face values are cut to these bounds one by
- * one, too. On a linear field the bounds are twice as far away as the values halfway, whatever the mesh: the more room
- * there is, the less is cut. Where the stencil varies by less than 1e-3 of the scale nothing acts, and it fades in to
- * sqrt(2) times that: smooth extrema keep their order (the switch of Michalak & Ollivier-Gooch, J. Comput. Phys. 228,
- * 2009, made independent of units). */
+/* Limits a gradient, which comes from least squares with weights 1/distance^2, by the limiter of Barth & Jespersen
+ * (AIAA 89-0366, 1989): values halfway to first-ring members stay within the values of the stencil, and face values are
+ * cut to these bounds one by one, too. On a linear field the bounds are twice as far away as the values halfway,
+ * whatever the mesh: the more room there is, the less is cut. Where the stencil varies by less than 1e-3 of the scale
+ * the limiter does not act, and it fades in up to sqrt(2) times that variation: smooth extrema keep their order (the
+ * switch of Michalak & Ollivier-Gooch, J. Comput. Phys. 228, 2009, made independent of units). */
 ALWAYS_INLINE void limit(int dim, const struct rows *halfway, int batch, const double *restrict square,
                          struct bounds *restrict b, double (*restrict a)[LANES]) {
     double least[LANES] = {0}, most[LANES] = {0};
@@ -97,7 +100,7 @@ struct batch {
     struct frame frame;
     struct bounds bounds[MAX_VAR]; /* in their frames */
 };
-/* a += the coefficients of the polynomials of the whole stencils, in the frames of the cells. */
+/* Adds to a the coefficients of the polynomials of the whole stencils, in the frames of the cells. */
 ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batch, const double *const *U,
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     double d[MAX_VAR][LANES], *line[MAX_VAR];
@@ -117,7 +120,7 @@ ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batc
     }
 }
 
-/* From changes in the frame of the cell to values. */
+/* Turns changes at face points, in the frame of the cell, into values. */
 ALWAYS_INLINE void finish_points(int dim, const struct fit *f, int batch, double (*restrict own)[LANES],
                                  const struct frame *restrict frame) {
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
@@ -153,23 +156,23 @@ ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double 
 }
 
 /* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000) with the quadratic of the whole stencil as the optimal
- * polynomial P_opt and linear ones, one per sector, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci. Comput. 39,
- * 2017):
+ * polynomial P_opt and linear polynomials, one per sector, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci.
+ * Comput. 39, 2017):
  *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
- * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019): I = sum over the derivatives of
- * the mean over the cell (taken as a cube) of their square, in units of the squared scales of the frame, and over the
- * variables: one set of weights for all of them makes less noise behind shocks than one for each, as their profiles
- * keep together. epsilon = 1e-4: a smooth wave keeps the quadratic alone from 30 cells a length on. tau = mean
- * |I_s - I_opt|, which is large wherever one sector is smooth and another is not, while a difference of means cancels
- * at some jumps. The bounds count where no sector is smooth: in wedges at a wall. */
+ * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019). I is the sum over the derivatives
+ * of the mean over the cell (taken as a cube) of their square, in units of the squared scales of the frame, and over
+ * the variables: one set of weights for all variables makes less noise behind shocks than one for each, as their
+ * profiles keep together. epsilon = 1e-4: a smooth wave keeps the quadratic alone from 30 cells a length on. tau = mean
+ * |I_s - I_opt| is large wherever one sector is smooth and another is not, while a difference of means cancels at some
+ * jumps. The bounds count where no sector is smooth: in wedges at a wall. */
 ALWAYS_INLINE int quadratics(int dim) {
     return dim * (dim + 1) / 2;
 }
-ALWAYS_INLINE int product(int dim, int i, int j) { /* of coordinates i <= j, among the coefficients */
+ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, among the coefficients */
     return dim + i * dim - i * (i - 1) / 2 + j - i;
 }
 
-/* Gradients of the sectors in the frame of the cell: g[v][s][k]. */
+/* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
 ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int sectors, const double *const *U,
                                     double (*restrict own)[LANES], const struct frame *restrict frame,
                                     double (*restrict g)[LANES]) {
@@ -193,21 +196,23 @@ ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int
     }
 }
 
-/* I += the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared scale. */
+/* Adds to I the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared
+ * scale. */
 ALWAYS_INLINE void add_smoothness(int dim, double (*restrict a)[LANES], const double *restrict inverse,
                                   double *restrict I) {
     EACH_LANE {
         double first = 0, second = 0;
         for (int k = 0; k < dim; k++) first += a[k][l] * a[k][l];
-        for (int i = 0; i < dim; i++) /* from 0, or compilers do not unroll these loops, which would cost vectors */
+        /* j starts at 0: from i on compilers do not unroll these loops, which would cost vectors */
+        for (int i = 0; i < dim; i++)
             for (int j = 0; j < dim; j++)
                 if (j >= i) second += (i == j ? 4. : 2.) * (a[product(dim, i, j)][l] * a[product(dim, i, j)][l]);
         I[l] = fma(fma(13. / 12, second, first), inverse[l], I[l]);
     }
 }
 
-/* Nonlinear weights, from the smoothness I of the quadratic and w of the sectors: w_0/d_0 in `central`, w_s - d_s
- * w_0/d_0 in w. */
+/* Turns the smoothness I of the quadratic and w of the sectors into nonlinear weights: `central` becomes w_0/d_0, w
+ * becomes w_s - d_s w_0/d_0. */
 ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double *restrict I,
                          double (*restrict w)[LANES], double *restrict central) {
     double tau[LANES] = {0}, shares[LANES] = {0}, sum[LANES];
@@ -233,7 +238,8 @@ ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double
     for (int s = 0; s < sectors; s++) EACH_LANE w[s][l] = fma(w[s][l], sum[l], -central[l] * share[s * LANES + l]);
 }
 
-/* a <- the coefficients of P, from those of P_opt and the gradients g of the sectors; w: room for their weights. */
+/* Turns a, the coefficients of P_opt, into those of P with the gradients g of the sectors; w is room for their
+ * weights. */
 ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, const struct frame *restrict frame,
                            double (*restrict g)[LANES], double (*restrict w)[LANES],
                            double (*restrict a)[MAX_COEFFICIENT][LANES]) {

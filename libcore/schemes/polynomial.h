@@ -1,10 +1,11 @@
-/* Face values on polyhedra: a polynomial in each cell from the averages of its stencil. A table of ways to fit it.
+/* Face values on polyhedral meshes: a polynomial in each cell from the averages of its stencil, and a table of ways to
+ * fit it.
  *
- * U(x) = average + sum_k a_k phi_k(x), phi_k = the monomials of degree 1 (and 2) of (x - c)/h less their means over the
- * cell, h = volume^(1/dim): the average stays. Fits are linear in the averages and their weights are made once;
- * limiters and nonlinear weights act on the coefficients, in the frame that moves with the cell. The variables are
- * those of a gas, (rho, rho u, E). Constants are reproduced to the last bit, and results depend neither on units nor on
- * the velocity of the observer: what is small is so against the cell's density, sqrt(2 eps), and internal energy. */
+ * U(x) = average + sum_k a_k phi_k(x), where phi_k are the monomials of degree 1 (and 2) of (x - c)/h less their means
+ * over the cell, h = volume^(1/dim): the average stays. Fits are linear in the averages and their weights are made
+ * once; limiters and nonlinear weights act on the coefficients, in the frame that moves with the cell. The variables
+ * are those of a gas, (rho, rho u, E). Constants are reproduced to the last bit. Results depend neither on units nor on
+ * the velocity of the observer: thresholds are relative to the cell's density, sqrt(2 eps), and internal energy. */
 #ifndef LIBCORE_POLYNOMIAL_H
 #define LIBCORE_POLYNOMIAL_H
 
@@ -12,12 +13,12 @@
 #include "libcore/models/param.h"
 #include "mesh/polyhedral/polyhedra.h"
 
-enum { MAX_COEFFICIENT = 9 }; /* of a quadratic in 3D, without the constant */
+enum { MAX_COEFFICIENT = 9 }; /* coefficients of a quadratic in 3D, without the constant */
 
-struct fit;         /* weights, face points, and the values there of the last fit_cells */
+struct fit;         /* the weights, the face points, and the values there after the last fit_cells */
 struct polynomial { /* a way to fit */
     struct model model;
-    int rings;  /* of the polyhedra (mesh/polyhedral/polyhedra.h) */
+    int rings;  /* rings of the stencils (polyhedra_make) */
     int degree; /* 0, 1, 2 */
     /* Fits a batch of cells to the averages U[dim + 2][size], mirrors included; NULL: the averages are the values. */
     void (*cells)(struct fit *f, int batch, const double *const *U);
@@ -26,16 +27,16 @@ extern const struct polynomial polynomial_table[]; /* firstOrder, linear (limite
 extern const int polynomial_count;
 const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 
-/* The polyhedra must outlive the fit. unknown: [mirror.n] mirrors that nothing is fitted to; NULL: there are none. They
- * count for limits all the same. */
+/* Makes the weights of a fit. The polyhedra must outlive it. unknown[mirror.n] marks mirrors that are left out of fits
+ * (NULL: none is); they count for limits all the same. */
 status fit_make(const struct polyhedra *m, const struct polynomial *p, const bool *unknown, struct fit **out);
 void fit_free(struct fit *f);
 
-/* Fits cells from <= i < to (< nnear): dim + 2 lines U[v][size]. Cells are fitted in batches: those that share a batch
- * with the first and the last one are fitted, too, from what U holds, and rightly once their own turn comes. */
+/* Fits cells from <= i < to (< nnear) to dim + 2 lines U[v][size]. Cells are fitted batch by batch: cells that share a
+ * batch with the first or the last one are fitted, too, from whatever U holds, and again when their own turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);
-/* Values at the face points from <= i < from + n, n <= BATCH, of the cells on side 0 (left) or 1 (right; not for
- * boundary faces): out[v][n]. */
+/* Copies values at the face points from <= i < from + n, n <= BATCH, in the cells on side 0 (left) or 1 (right; not for
+ * boundary faces), to out[v][n]. */
 void fit_points(const struct fit *f, int side, int from, int n, const double *const *U, double *const *out);
 
 #endif

@@ -1,11 +1,13 @@
+/* Makes the weights of fits on polyhedral meshes (polynomial.h) by least squares: of whole stencils, of the sectors of
+ * CWENO3, of gradients; and the places of face points. */
 #include "libcore/schemes/polynomial_fit.h"
 
 #include <stdlib.h>
 
 /* A column of a least-squares problem that depends on the ones before it up to this fraction gets no coefficient. */
 static const double DEPENDENT = 1e-2;
-static const double FLAT_SECTOR = 0.1; /* the same for the members of a sector, which is then left out */
-static const double CONE = 0.55;       /* cosine of the angle that a sector beyond a face takes in to each side */
+static const double FLAT_SECTOR = 0.1; /* the fraction for the members of a sector, which is then left out */
+static const double CONE = 0.55;       /* cosine of the half-angle of the cone of a sector beyond a face */
 static const double CENTRAL = 1e3;     /* linear weight of the quadratic against that of one sector */
 
 struct point_list { /* face points of the cells */
@@ -21,7 +23,8 @@ static int smallest(int a, int b) {
     return a < b ? a : b;
 }
 
-/* Rows for lists with the given numbers of entries per cell, all of them empty: the cell itself, weight 0. */
+/* Makes rows for lists with the given numbers of entries per cell. All entries are empty: the cell itself with weight
+ * 0. */
 static status rows_make(const struct fit *f, const int *length, int width, bool cells, struct rows *r) {
     int n = f->polyhedra->nnear;
     r->width = width;
@@ -55,8 +58,9 @@ static void put_cell(struct rows *r, int cell, int entry, int member) {
     r->cell[row_of(r, cell, entry) * LANES + cell % LANES] = member;
 }
 
-/* Solution operator W[k][n] of the least-squares problem w_j (sum_k A[k][j] a_k - d_j) -> 0, a = W d, by Gram-Schmidt,
- * twice is enough (A is overwritten). Returns how many coefficients are 0 because their columns depend on others. */
+/* Computes the solution operator W[k][n] of the least-squares problem w_j (sum_k A[k][j] a_k - d_j) -> 0, a = W d, by
+ * Gram-Schmidt (orthogonalised twice, which is enough; A is overwritten). Returns how many coefficients are 0 because
+ * their columns depend on others. */
 static int least_squares(int n, int ncoef, double *A, const double *w, double dependent, double *W) {
     double R[MAX_COEFFICIENT][MAX_COEFFICIENT] = {{0}}, longest = 0;
     int dropped = 0;
@@ -66,7 +70,7 @@ static int least_squares(int n, int ncoef, double *A, const double *w, double de
             q[j] *= w[j];
             square += q[j] * q[j];
         }
-        longest = larger(longest, square); /* one may be nothing but round-off: members in a plane */
+        longest = larger(longest, square); /* a column may be nothing but round-off: the members lie in a plane */
     }
     for (int k = 0; k < ncoef; k++) {
         double *q = A + (long)k * n, after = 0;
@@ -93,7 +97,7 @@ static int least_squares(int n, int ncoef, double *A, const double *w, double de
     return dropped;
 }
 
-/* Means of the basis functions of cell i over n members: A[k][n]; and weights 1/distance. */
+/* Computes the means A[k][n] of the basis functions of cell i over n members, and weights w = 1/distance. */
 static void member_means(const struct polyhedra *m, int i, int degree, int n, const int *member, double *A, double *w) {
     double h = unit(m, i);
     for (int j = 0; j < n; j++) {
@@ -112,7 +116,7 @@ static void member_means(const struct polyhedra *m, int i, int degree, int n, co
     }
 }
 
-/* w <- 0 of members that nothing is known of. */
+/* Sets the weight of members whose values are unknown to 0. */
 static void leave_out(const struct polyhedra *m, const bool *unknown, int i, int n, const int *member, double *w) {
     for (int j = 0; j < n && unknown; j++) {
         const int cell = m->stencil[m->stencil_start[i] + member[j]];
@@ -129,7 +133,7 @@ static int most_members(const struct polyhedra *m) {
     return most;
 }
 
-/* Weights of the polynomial of the whole stencil. */
+/* Computes the weights of the polynomials of whole stencils. */
 static void member_weights(struct fit *f, const bool *unknown, int *all, double *A, double *w, double *W) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
@@ -145,9 +149,9 @@ static void member_weights(struct fit *f, const bool *unknown, int *all, double 
     }
 }
 
-/* Sectors of a cell: sets of members for linear polynomials, of which one lies on its side of a shock wherever that
- * passes. Those at a corner; and of a cell with dim + 1 neighbours, where a shock may cut two members of every corner,
- * those of the first two rings beyond a face. */
+/* Sectors of a cell are sets of members for linear polynomials. Wherever a shock passes, one sector should lie on the
+ * cell's side of it. The members at a corner make a sector. In a cell with dim + 1 neighbours a shock may cut two
+ * members of every corner: there the members of the first two rings beyond a face make a sector, too. */
 static bool beyond(const struct polyhedra *m, int i, int face, int member) {
     double dot = 0, aa = 0, bb = 0;
     for (int k = 0; k < m->dim; k++) {
@@ -173,7 +177,7 @@ static int find_sector(const struct polyhedra *m, int i, int sector, int *member
     return n;
 }
 
-/* Gradients of the sectors, and which of them count. */
+/* Computes the weights of the sectors' gradients, and which sectors count. */
 static void sector_weights(struct fit *f, const bool *unknown, int *member, double *A, double *w, double *W) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
@@ -225,7 +229,7 @@ static status make_moments(struct fit *f, int *length) {
     return OK;
 }
 
-/* Half the offsets to the members of the first ring. */
+/* Lists half the offsets to the members of the first ring. */
 static status make_halfway(struct fit *f, int *length) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
@@ -243,7 +247,7 @@ static status make_halfway(struct fit *f, int *length) {
 static status list_points(const struct polyhedra *m, struct point_list *l) {
     TRY(allocate(&l->start, m->nnear + 2, sizeof *l->start, "face points of the cells"));
     TRY(allocate(&l->entry, 2L * m->point.n, sizeof *l->entry, "face points of the cells"));
-    for (int pass = 0; pass < 2; pass++) { /* counts, two places on; then puts in and moves the starts back */
+    for (int pass = 0; pass < 2; pass++) { /* pass 0 counts, two places on; pass 1 puts in and moves the starts back */
         for (int e = 0; e < 2 * m->point.n; e++) {
             int face = m->point.face[e / 2], cell = e % 2 ? m->face.right[face] : m->face.left[face];
             if (cell >= m->nnear) continue;
@@ -312,7 +316,7 @@ static int nearest_members(const struct polyhedra *m, int i) {
     return n;
 }
 
-/* Weights of the gradient of cell i from its first n members; returns whether they span the axes. */
+/* Computes the weights of the gradient of cell i from its first n members; returns whether these span the axes. */
 static bool gradient_weights(const struct polyhedra *m, int i, int n, const int *all, double *work, double *W) {
     double *w = work + (long)m->dim * n;
     member_means(m, i, 1, n, all, work, w);

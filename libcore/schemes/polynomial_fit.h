@@ -1,7 +1,8 @@
-/* Inside of a fit: polynomial_fit.c makes it, the kernels of polynomial.c apply it, LANES cells at a time.
+/* The inside of a fit (polynomial.h): polynomial_fit.c makes it, the kernels of polynomial.c apply it to LANES
+ * polyhedral cells at a time.
  *
  * Cells of a batch have lists of different lengths (members, face points, sectors): all get as many rows as the longest
- * needs; a row holds one entry of each of the LANES cells. What is missing is the cell itself with weight 0. */
+ * list needs; a row holds one entry of each of the LANES cells. A missing entry is the cell itself with weight 0. */
 #ifndef LIBCORE_POLYNOMIAL_FIT_H
 #define LIBCORE_POLYNOMIAL_FIT_H
 
@@ -19,22 +20,22 @@ struct fit {
     const struct polyhedra *polyhedra; /* borrowed */
     const struct polynomial *kind;
     int nvar, nbatches;  /* nvar = dim + 2 */
-    struct rows member;  /* of the stencil, with the weights of its value in every coefficient */
+    struct rows member;  /* members of the stencil, with the weights of their values in every coefficient */
     struct rows halfway; /* linear: half the offsets to first-ring members, over h; no cells */
-    struct rows sector;  /* CWENO3: sector by sector its members with their weights in the gradient */
+    struct rows sector;  /* CWENO3: the members of each sector with their weights in its gradient */
     int *sector_members; /* [nbatches] rows of each sector */
-    struct rows share;   /* CWENO3: linear weight of each sector, 0: left out */
+    struct rows share;   /* CWENO3: linear weight of each sector; 0: the sector is left out */
     struct rows moment;  /* CWENO3: one row, moments over h^2 */
     struct rows point;   /* face points of the cells, arms over h; no cells */
-    double *gradient;    /* CWENO3: of the sectors of one batch, [nvar][sectors][dim][LANES] */
-    double *weight;      /* and their nonlinear weights, [sectors][LANES] */
+    double *gradient;    /* CWENO3: gradients of the sectors of one batch, [nvar][sectors][dim][LANES] */
+    double *weight;      /* CWENO3: nonlinear weights of the sectors of one batch, [sectors][LANES] */
     double *value;       /* [nvar][nvalues] at the rows of `point` */
-    long nvalues;        /* of one variable */
-    int *place[2];       /* [points] of the face points, where their values stand: left and right */
+    long nvalues;        /* values of one variable */
+    int *place[2];       /* [points] where a face point's value in the left and in the right cell stands */
 };
 
-/* Members and weights, 1/m, of the unlimited gradients of linear fits to the neighbours across faces, or to the whole
- * stencil where those do not span the axes: of cells < nnear. rows_free when done. */
+/* Finds members and weights (1/m) of the unlimited gradients of linear fits in cells < nnear: to the neighbours across
+ * faces, or to the whole stencil where these do not span the axes. The caller frees them by rows_free. */
 status fit_gradients(const struct fit *f, struct rows *r);
 void rows_free(struct rows *r);
 

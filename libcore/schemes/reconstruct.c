@@ -1,7 +1,7 @@
+/* The formulas of the reconstructions; each cites its source. A row of the table is a function of the five cells of a
+ * stencil; ROW makes its loops: over lines, and over faces with the projection on their eigenbases
+ * (characteristic.h). */
 #include "libcore/schemes/characteristic.h"
-
-/* A row of the table is a function of the five cells of a stencil; ROW makes its loops: over lines, and over faces
- * with the projection on their eigenbases. */
 
 ALWAYS_INLINE double first_order(double a, double b, double c, double d, double e) {
     (void)a, (void)b, (void)d, (void)e;
@@ -32,15 +32,17 @@ ALWAYS_INLINE double phm(double a, double b, double c, double d, double e) {
     return l * r > 0 ? c + change : c;
 }
 
-/* Squared scale of a stencil times 1e-6: the epsilon of the weights, so that they do not depend on the unit. */
+/* Returns the epsilon of the weights: 1e-6 of the squared scale of the stencil, so that weights do not depend on the
+ * unit. */
 ALWAYS_INLINE double weight_epsilon(double a, double b, double c, double d, double e) {
     return fma(2e-7, fma(a, a, b * b) + fma(c, c, d * d) + e * e, 1e-40);
 }
 
-struct parabolas { /* of the three stencils: smoothness (Jiang & Shu) plus epsilon, and 6 (face value - c) */
+struct parabolas { /* smoothness (Jiang & Shu) plus epsilon, and 6 (face value - c), of the three stencils */
     double b0, b1, b2, v0, v1, v2;
 };
-/* In differences, so that constants are kept exactly; the smoothness is 12/13 of theirs. */
+/* Computes the parabolas from differences, so that constants are kept exactly; the smoothness is 12/13 of Jiang &
+ * Shu's. */
 ALWAYS_INLINE struct parabolas parabolas(double a, double b, double c, double d, double e) {
     double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d;
     double epsilon = 12. / 13 * weight_epsilon(a, b, c, d, e);
@@ -54,7 +56,7 @@ ALWAYS_INLINE struct parabolas parabolas(double a, double b, double c, double d,
                               .v2 = fma(4, e3, -e4)};
 }
 
-/* Weights n0, n1, n2 of the parabolas. */
+/* Returns the face value for weights n0, n1, n2 of the parabolas. */
 ALWAYS_INLINE double weighted(double c, struct parabolas p, double n0, double n1, double n2) {
     return c + fma(n0, p.v0, fma(n1, p.v1, n2 * p.v2)) / (6 * (n0 + n1 + n2));
 }

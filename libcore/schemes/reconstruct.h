@@ -1,7 +1,5 @@
-/* Face values from cell averages: a table of one-dimensional reconstructions.
- *
- * face: right-face value of the middle cell of five (q[2] holds the cell, q[3] its downwind neighbour), for n cells; a
- * left-face value is the same function on the mirrored stencil. Exact for constants, to the last bit. */
+/* Face values from cell averages: a table of one-dimensional reconstructions for lattices. Exact for constants, to the
+ * last bit. */
 #ifndef LIBCORE_RECONSTRUCT_H
 #define LIBCORE_RECONSTRUCT_H
 
@@ -9,16 +7,19 @@
 #include "libcore/models/param.h"
 
 struct faces; /* libcore/schemes/flux.h */
-struct bases; /* libcore/schemes/characteristic.h, as is winds */
+struct bases; /* bases and winds: libcore/schemes/characteristic.h */
 struct winds;
 
 struct reconstruct {
     struct model model;
     int reach; /* cells used on each side: 0, 1 or 2 */
+    /* Right-face values of the middle cells of n stencils of five (q[2] holds the cell, q[3] its downwind neighbour); a
+     * left-face value is the same function on the mirrored stencil. */
     void (*face)(int n, const double *const q[5], double *restrict out);
     /* Amplitudes a[field] of the nodal fluxes projected on the faces' eigenbases, for faces from <= i < to (all lines
-     * are those of the batch): of faces that split no field, without the ones of speed `drop`; of faces that split
-     * some; what comes from one side of such faces. */
+     * are those of the batch). `upwind` is for faces that split no field; a field with the speed `drop` gives 0.
+     * `split` is for faces that split fields on one basis. `sided` gives the part that comes from one side (+1: left,
+     * -1: right) of such faces. */
     void (*upwind)(int from, int to, const struct faces *f, const struct bases *restrict b,
                    const struct winds *restrict w, double drop, double (*restrict a)[BATCH]);
     void (*split)(int from, int to, const struct faces *f, const struct bases *restrict b,

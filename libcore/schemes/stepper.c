@@ -1,13 +1,14 @@
+/* The table of Runge-Kutta schemes; each row cites its paper. */
 #include "libcore/schemes/stepper.h"
 
 #define ALL(x)                                                                                                         \
     { x, x, x, x, x, x, x, x, x, x }
 
-/* a, b: struct stepper. Ketcheson's two registers are the state and the start, which the fifth stage exchanges for
- * 0.1 start + 0.9 state, the state becoming 0.6 start + 0.4 state: all are convex, so admissible. The theory allows it
- * maxCo 6, but there fifth-order reconstructions no longer converge (postprocessing/reports/workPrecision.md).
+/* Ketcheson's two registers are the state and the start. After the fifth stage the start becomes 0.1 start + 0.9 state,
+ * the state 0.6 start + 0.4 state; all these means are convex, hence admissible. The theory allows maxCo 6, but there
+ * fifth-order reconstructions no longer converge (postprocessing/reports/workPrecision.md).
  * The limiter's theorem wants a Courant number of 1/2 of every Euler step (libcore/schemes/limit.h): maxCo up to 0.5 /
- * max(b). Above that steps may be rejected where something was limited. */
+ * max(b). Above that steps may be rejected where a face was limited. */
 const struct stepper stepper_table[] = {
     {MODEL("SSPRK3", "three stages, third order, maxCo up to 1; admissible by theorem to 0.5 (Shu & Osher 1988)"),
      .stages = 3, .courant = 1, .a = {0, 3. / 4, 1. / 3}, .b = ALL(1)},

@@ -1,4 +1,5 @@
-/* Strong-stability-preserving Runge-Kutta schemes: a table of coefficients. */
+/* Strong-stability-preserving Runge-Kutta schemes for both kinds of mesh: a table of coefficients (stepper.c cites the
+ * papers). */
 #ifndef LIBCORE_STEPPER_H
 #define LIBCORE_STEPPER_H
 
@@ -7,7 +8,7 @@
 struct stepper { /* stage s: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) */
     struct model model;
     int stages;
-    int exchange;   /* after so many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
+    int exchange;   /* after this many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
     double courant; /* largest maxCo allowed (the Euler step: 1) */
     double a[10], b[10];
 };
@@ -15,7 +16,7 @@ extern const struct stepper stepper_table[];
 extern const int stepper_count;
 const struct stepper *stepper_find(const char *name); /* NULL: none */
 
-/* What struct stepper's exchange does with one number. */
+/* Makes struct stepper's exchange for one number: U0 is `start` and becomes *next, U is *state. */
 static inline void stepper_exchange(double start, double *next, double *state) {
     double s = *state;
     *next = start + 0.9 * (s - start);
