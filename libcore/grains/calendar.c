@@ -1,13 +1,14 @@
+/* The queue of grains' events (calendar.h). All times up to the horizon stand sorted in a short line, the earliest
+ * last. When the line is empty the horizon moves on, and the line takes the times in between: each GROUP of items, and
+ * each GROUP of groups, has a bound below all its times beyond the horizon, so that few groups are opened. A time that
+ * changes lowers two bounds; a bound rises when its group is opened. Items that are near in number share the memory of
+ * their times and bounds. */
 #include "libcore/grains/calendar.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* All times up to the horizon stand sorted in a short line, the earliest last. When it is empty the horizon moves on,
- * and the times between are looked for: over each GROUP of items, and over each GROUP of those, stands a bound that no
- * time beyond the horizon falls below, so that few groups are opened. A time that changes lowers two bounds; they rise
- * when their group is opened. Items that are near in number share the memory of their times and bounds. */
 enum { SHIFT = 4, GROUP = 1 << SHIFT, LEVELS = 2, BATCH = 32 /* times in the line that suit best */, MANY = 4 * BATCH };
 
 struct due {
@@ -15,12 +16,12 @@ struct due {
     int32_t item;
 };
 struct calendar {
-    int n, groups[LEVELS + 1]; /* at level 0 the items, filled up to whole groups */
-    double *least[LEVELS + 1]; /* at level 0 the times */
+    int n, groups[LEVELS + 1]; /* numbers of groups; at level 0 of items, filled up to whole groups */
+    double *least[LEVELS + 1]; /* bounds of the groups; at level 0 the items' times */
     double horizon, step;
     int dues;
-    struct due *due; /* [n]; those in use are few */
-    int32_t *open;   /* [groups[1]] */
+    struct due *due; /* [n] the line; few are in use */
+    int32_t *open;   /* [groups[1]] groups to open */
 };
 
 status calendar_make(int n, struct calendar **out) {
@@ -55,7 +56,7 @@ static inline bool earlier(struct due a, struct due b) {
     return a.t < b.t || (a.t == b.t && a.item < b.item);
 }
 
-/* To the line, at its place */
+/* Puts an item into the line at its place. */
 static void line_add(struct calendar *c, struct due new) {
     int at = c->dues++;
     for (; at > 0 && earlier(c->due[at - 1], new); at--) c->due[at] = c->due[at - 1];
@@ -106,7 +107,7 @@ void calendar_move(struct calendar *c, int item, double t) {
         lower_bounds(c, item, t);
 }
 
-/* Which groups the horizon has passed: memory is asked for all of their times at once. */
+/* Lists the groups that the horizon has passed, and prefetches all of their times at once. */
 static int find_groups(struct calendar *c) {
     int m = 0;
     for (int block = 0; block < c->groups[2]; block++) {
@@ -127,7 +128,8 @@ static int find_groups(struct calendar *c) {
     return m;
 }
 
-/* The last first, so that equal times come in the line's order. False: found too many, not all at one time. */
+/* Moves the times up to the horizon into the line, the last group first, so that equal times come in the line's order.
+ * Returns false if it found too many, unless all are equal. */
 static bool open_groups(struct calendar *c) {
     int m = find_groups(c);
     bool good = true;
@@ -148,7 +150,7 @@ static bool open_groups(struct calendar *c) {
     return good;
 }
 
-/* Empties the line; returns an earlier horizon, at which its first ones stay. */
+/* Empties the line again; returns an earlier horizon, up to which only its first times lie. */
 static double put_back(struct calendar *c) {
     double first = c->due[c->dues - 1].t, some = c->due[c->dues - BATCH].t, last = c->due[0].t;
     for (int q = 0; q < c->dues; q++) lower_bounds(c, c->due[q].item, c->due[q].t);
@@ -156,7 +158,7 @@ static double put_back(struct calendar *c) {
     return some < last ? some : first;
 }
 
-/* Moves the horizon on until something is due; false: all are never. */
+/* Moves the horizon on until an item is due; returns false if all times are HUGE_VAL. */
 static bool look_ahead(struct calendar *c) {
     for (double to = c->horizon + c->step; c->dues == 0;) {
         c->horizon = to;

@@ -1,33 +1,36 @@
+/* Sums shares of grains and impacts in cells for the three kernels, and turns the sums into fields; coarse.h has the
+ * formulas and their sources. */
 #include "libcore/grains/coarse.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Sums of a cell, one behind the other: the shares of grains, what their impacts gave, the sum of shares times
- * squared deviation from the mean, the mean velocity. Behind those of all cells: the number of samples. */
+/* Sums of a cell, one behind the other: the shares of grains, the impulse * branch * psi of their impacts, the sum of
+ * shares times squared deviation from the mean, the mean velocity. The number of samples stands behind the sums of all
+ * cells. */
 enum { SHARE, IMPACTS, DEVIATION, MEAN, MOST_CELLS = 1 << 24, TERMS = 38 };
 
 struct share {
     long cell;
     double w;
 };
-struct reach { /* of a kernel along one axis */
+struct reach { /* the cells that a kernel covers along one axis */
     int n;
-    long *offset;  /* of the cell, mirrored or wrapped, in the grid */
+    long *offset;  /* part of the cell's index, mirrored or wrapped into the grid */
     double *value; /* Gaussian: share; Heaviside: squared distance of the centre */
     double *s;     /* Gaussian: place of the upper face in widths */
 };
 struct coarse {
     struct grain_observer observer; /* first */
     struct coarse_grid grid;
-    long cells, stride[3]; /* of the axes, in cells */
-    int size;              /* doubles of a cell */
+    long cells, stride[3]; /* stride: of the axes, in cells */
+    int size;              /* doubles per cell */
     double per[3];         /* 1/h */
     double *sums;
-    double term[TERMS], half; /* bell_integrals; the integral to 3 */
+    double term[TERMS], half; /* coefficients of bell_integrals; the integral from 0 to 3 */
     struct reach reach[3];
-    struct share *shares; /* of the place at hand */
+    struct share *shares; /* shares of the place last spread */
 };
 
 static void observe(struct grain_observer *self, const struct grain_impact *i);
@@ -50,7 +53,7 @@ static status make_reach(struct coarse *c) {
         TRY(allocate(&c->reach[k].offset, (long)most, sizeof(long), "a kernel"));
         TRY(allocate(&c->reach[k].value, (long)most, sizeof(double), "a kernel"));
         TRY(allocate(&c->reach[k].s, (long)most, sizeof(double), "a kernel"));
-        c->reach[k].n = 1; /* of axes that are not solved */
+        c->reach[k].n = 1; /* remains 1 for axes that are not solved */
         c->reach[k].value[0] = g->kernel == COARSE_GAUSSIAN;
     }
     return allocate(&c->shares, (long)room, sizeof *c->shares, "a kernel");
@@ -108,13 +111,14 @@ void coarse_clear(struct coarse *c) {
     memset(c->sums, 0, (size_t)coarse_size(c) * sizeof(double));
 }
 
-/* floor, which is a call where the instruction set has none */
+/* Returns floor(v); the library's floor is a call where the instruction set has none. */
 static inline int below(double v) {
     const int i = (int)v;
     return i - (v < i);
 }
 
-/* The cell of the grid that cell i of the endless row beside it is an image of. */
+/* Returns the part of the index of the grid's cell of which cell i along axis k, perhaps beyond the grid, is an
+ * image. */
 static inline long fold(const struct coarse *c, int k, int i) {
     const int n = c->grid.n[k];
     while (i < 0 || i >= n)
@@ -131,8 +135,8 @@ static inline long cell_of(const struct coarse *c, const double x[3]) {
     return cell;
 }
 
-/* out[i]: integral of exp(-t^2/2) from 0 to s[i], |s[i]| <= 3, by its series: the same bits everywhere, which exp does
- * not give. */
+/* Computes out[i], the integral of exp(-t^2/2) from 0 to s[i], |s[i]| <= 3, by its series: unlike exp it gives the same
+ * bits everywhere. */
 static void bell_integrals(const struct coarse *c, int n, const double *restrict s, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = 0;
     for (int k = TERMS - 1; k >= 0; k--)
@@ -202,7 +206,7 @@ static int heaviside(struct coarse *c, const double x[3]) {
     return n;
 }
 
-/* c->shares of a place, a cell more than once where images meet; how many. */
+/* Fills c->shares for a place; a cell stands there more than once where images meet. Returns how many. */
 static inline int spread(struct coarse *c, const double x[3]) {
     if (c->grid.kernel == COARSE_GAUSSIAN) return gaussian(c, x);
     if (c->grid.kernel == COARSE_HEAVISIDE) return heaviside(c, x);
@@ -228,7 +232,7 @@ void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (
     c->sums[c->cells * c->size] += 1;
 }
 
-/* Where both ends lie in one cell, so does the middle. */
+/* Adds an impact with the kernel COARSE_CELL. Where both ends of the branch lie in one cell, so does the middle. */
 static void observe_in_cells(struct coarse *c, const struct grain_impact *i, double branch) {
     long cell[3] = {0};
     for (int k = 0; k < c->grid.dim; k++) {

@@ -5,13 +5,12 @@
  *   p_kin = rho T,  p_coll = 1/(dim V tau) sum over impacts in tau of impulse * branch * psi,
  *
  * V: volume of a cell (disks: area); branch: distance of the centres (to a wall: radius); psi: the mean of w along the
- * branch, of its ends and its middle by Simpson's rule, which has the first three moments of the whole branch right.
- * U is the cell's own, so T has nothing of the mean flow but its change across the kernel. Averages over time are those
- * of the sums, so that U and T are of all grains that were there. Because the shares of a grain add up to 1, the fields
- * have the mass, momentum and energy of the grains to round-off, and the impacts' impulse * branch, for every kernel:
- * what would lie beyond a wall is mirrored, beyond a periodic side wrapped. T is summed as deviations from a running
- * mean (West, Comm. ACM 22 (1979) 532): a cold stream has T = 0, however fast.
- */
+ * branch, from its ends and its middle by Simpson's rule, which has the first three moments of the whole branch right.
+ * U is the cell's own mean velocity, so the mean flow adds to T only by its change across the kernel. Averages over
+ * time are averages of the sums, so that U and T belong to all grains that were there. Because the shares of a grain
+ * add up to 1, the fields have the mass, momentum and energy of the grains to round-off, and the impacts' impulse *
+ * branch, for every kernel: a kernel is mirrored at walls and wrapped at periodic sides. T is summed as deviations from
+ * a running mean (West, Comm. ACM 22 (1979) 532): a cold stream has T = 0, however fast. */
 #ifndef LIBCORE_COARSE_H
 #define LIBCORE_COARSE_H
 
@@ -24,28 +23,29 @@ enum coarse_kernel {
                        * variance with the cell's is width^2 + h^2/12, and width -> 0 is COARSE_CELL */
 };
 struct coarse_grid {
-    int dim, n[3];       /* cells; 1 for axes >= dim */
+    int dim, n[3];       /* cells along each axis; 1 for axes >= dim */
     double low[3], h[3]; /* m: lower corner, size of a cell */
     bool periodic[3];
     enum coarse_kernel kernel;
     double width;          /* m, at most the longest side of the grid */
-    double mass, diameter; /* of a grain */
+    double mass, diameter; /* kg, m: of a grain */
 };
 enum coarse_field { COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_FIELDS };
 
-struct coarse; /* sums; a grain_observer of the impacts */
-/* ERR_INPUT: a width that is not positive or too large; a kernel of more than 2^24 cells. */
+struct coarse; /* the sums; it is a grain_observer of the impacts */
+/* Fails with ERR_INPUT on a width that is not positive or too large, and on a kernel of more than 2^24 cells. */
 status coarse_make(const struct coarse_grid *grid, struct coarse **out);
 void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);
 
-void coarse_clear(struct coarse *c); /* all sums 0 */
-/* A moment, box frame. x may lie beyond the grid by less than the grid's size; it is mirrored or wrapped. */
+void coarse_clear(struct coarse *c); /* sets all sums to 0 */
+/* Adds n grains at one moment, in the frame of the box (m, m/s). x may lie beyond the grid by less than the grid's
+ * size; it is mirrored or wrapped. */
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]);
-/* Fields of what was summed, impacts over `tau` seconds (0: no p_coll). out[k]: [cells], axis 0 fastest, component k of
- * U (else k = 0). Cells without grains have U = T = 0 and p = p_coll. */
+/* Computes a field from the sums, with impacts observed for `tau` seconds (0: no p_coll). out[k]: [cells], axis 0
+ * fastest, component k of U (else k = 0). Cells without grains have U = T = 0 and p = p_coll. */
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]);
-/* The sums themselves, for restarts: how many doubles, and where. */
+/* The sums for restarts: coarse_size doubles at coarse_sums. */
 long coarse_size(const struct coarse *c);
 double *coarse_sums(struct coarse *c);
 

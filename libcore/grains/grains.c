@@ -1,3 +1,5 @@
+/* Makes, resumes and advances hard grains (grains.h): checks of the input, the loop over events, and what callers
+ * ask. */
 #include "libcore/grains/grains_private.h"
 
 #include <stdlib.h>
@@ -165,7 +167,7 @@ status grains_make(const struct grain_box *box, const struct grain_law *law, int
     return OK;
 }
 
-/* A saved grain can be gone on with: nothing in it leads outside the arrays. */
+/* Checks that a run can go on with a saved grain: nothing in it leads outside the arrays. */
 static status check_saved(const struct grains *g, int i) {
     const struct grain *p = &g->grain[i];
     const struct grain_event *e = &g->event[i];
@@ -198,7 +200,7 @@ static status check_ids(const struct grains *g) {
     return s;
 }
 
-/* The queue from the grains and their events */
+/* Fills the queue from the grains and their events. */
 static void schedule_all(struct grains *g) {
     for (int i = 0; i < g->n; i++) calendar_set(g->queue, i, grains_schedule(g, i));
     calendar_start(g->queue, g->time);
@@ -232,7 +234,8 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, i
     return OK;
 }
 
-/* Asks for what coming events will touch, while this one is worked on: first the grain, later what it names. */
+/* Prefetches the memory that coming events will touch: of a later event the grain, of the next one its partner and
+ * cells. */
 static void fetch(const struct grains *g) {
     const struct grain_cells *c = &g->cells;
     struct grain_block b;
@@ -249,13 +252,13 @@ static void fetch(const struct grains *g) {
     }
     grains_block(c, g->event[next].cell, STAYS, &b);
     for (int z = 0; z < b.to[2]; z++)
-        for (int corner = 0; corner < 4; corner++) { /* two by two cells are in a line of the cache */
+        for (int corner = 0; corner < 4; corner++) { /* two by two cells share a line of the cache */
             long q = b.around[0][corner & 2] + b.around[1][2 * (corner & 1)] + b.around[2][z];
             __builtin_prefetch(c->slot + q * SLOTS);
         }
 }
 
-/* Takes the first event. */
+/* Works off the first event, which is grain i's. */
 static void take(struct grains *g, int i, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[i];
     const struct grain_event e = g->event[i];
@@ -279,7 +282,7 @@ static void take(struct grains *g, int i, double t, struct grain_observer *obser
     }
 }
 
-/* Cells for grains that have grown to the width of the old ones */
+/* Makes wider cells for grains that have grown to the width of the old ones; returns false if there is no room. */
 static bool regrow(struct grains *g) {
     g->time = g->outgrown;
     for (int i = 0; i < g->n; i++) bring(g, &g->grain[i], g->time);
@@ -359,7 +362,7 @@ double grains_time(const struct grains *g) {
     return g->time;
 }
 double grains_bytes(int n, int dim) {
-    double cells = dim == 2 ? 1.3 : 2; /* a grain, at packing 0.6 and 0.26 */
+    double cells = dim == 2 ? 1.3 : 2; /* cells per grain, at packing 0.6 and 0.26 */
     double grain = sizeof(struct grain) + sizeof(struct grain_event) + sizeof(uint64_t) + 3 * sizeof(int32_t);
     return n * (grain + cells * SLOTS * sizeof(uint32_t)) + calendar_bytes(n);
 }

@@ -29,34 +29,35 @@ struct grain_box {
     int dim;                /* 2: disks, 3: spheres */
     double low[3], high[3]; /* m, along axis k < dim */
     bool periodic[3];
-    double restitution[3][2]; /* of the walls low and high of an axis that is not periodic */
-    double shake[3];          /* m: amplitude of s_k */
+    double restitution[3][2]; /* restitution of the low and the high wall of an axis that is not periodic */
+    double shake[3];          /* m: amplitudes of s_k */
     double omega, phase;      /* 1/s, rad */
 };
 struct grain_law {
     double diameter; /* m, at time 0 */
     double growth;   /* m/s: diameter + growth * t, for packing.h; 0 in runs. Only in boxes at rest without gravity */
     double mass;     /* kg */
-    double restitution, threshold; /* m/s */
+    double restitution, threshold; /* of two grains; m/s: slower impacts are elastic */
     double gravity[3];             /* m/s^2 */
 };
 
-/* One grain, saved and resumed as it is: a cache line with what others ask of it when they predict, and the rest.
- * Frame at rest; x within the box in periodic axes. */
+/* One grain, saved and resumed as it is: struct grain is the cache line that other grains read when they predict,
+ * struct grain_event the rest. Frame at rest; x is within the box along periodic axes. */
 struct grain {
     double x[3], u[3], t; /* m, m/s, s: at its own time t */
-    double impact;        /* s: of the impact predicted for it, no later than its first; HUGE_VAL: none */
+    double impact;        /* s: time of the impact predicted for it, no later than its first; HUGE_VAL: none */
 };
 struct grain_event {
-    int32_t partner;  /* of that impact; >= 0: grain; < 0: -1 - (2 axis + side) a wall; others are the engine's own */
-    uint32_t known;   /* changes of the partner when it was predicted */
-    uint32_t changes; /* of the grain's velocity: events predicted with an older number are void */
-    int32_t cell;     /* that the grain is in */
+    /* partner in that impact: >= 0: grain; < 0: -1 - (2 axis + side) a wall; other values are the engine's own */
+    int32_t partner;
+    uint32_t known;   /* the partner's `changes` when the impact was predicted */
+    uint32_t changes; /* count of changes of the grain's velocity: events predicted with an older number are void */
+    int32_t cell;     /* cell that the grain is in */
 };
 struct grain_counts {
     int64_t pairs, walls;      /* impacts */
     int64_t elastic;           /* impacts of e < 1 that were below the threshold, or too slow to tell from rest */
-    int64_t events;            /* all that were taken from the queue */
+    int64_t events;            /* events taken from the queue */
     double lost;               /* J: energy the impacts took (pairs and walls), in the frame of the wall for walls */
     double wall_impulse[3][2]; /* kg m/s: sum of the impulses given to the walls, along their outward normal */
 };
@@ -64,33 +65,34 @@ struct grain_impact {
     double t;
     double x[2]
             [3]; /* m: centres of both grains (box frame, the second unwrapped beside the first); a wall: x[1] = x[0] */
-    double normal[3]; /* from the first to the second, or to the wall */
+    double normal[3]; /* unit vector from the first to the second, or to the wall */
     double impulse;   /* kg m/s, > 0: the first grain gets -impulse * normal */
-    int a, b;         /* indices at that time; b < 0: the wall, as in struct grain_event */
+    int a, b;         /* indices of the grains at that time; b < 0: the wall, as in struct grain_event */
 };
-struct grain_observer { /* told of every impact; first member of whatever listens */
+struct grain_observer { /* hears of every impact; the first member of any struct that listens */
     void (*impact)(struct grain_observer *self, const struct grain_impact *i);
 };
 
 struct grains; /* opaque */
-/* n grains at time t. ERR_INPUT: a grain outside, two that overlap by more than 1e-9 diameters (both are named, with
- * their places), a box too small for its axes (periodic: under 3 cells) or too full. */
+/* Makes n grains at time t. Fails with ERR_INPUT on a grain outside, two that overlap by more than 1e-9 diameters (both
+ * are named, with their places), a box too small for its axes (periodic: under 3 cells) or too full. */
 status grains_make(const struct grain_box *box, const struct grain_law *law, int n, const double (*x)[3],
                    const double (*u)[3], double t, struct grains **out);
-/* From what grains_all, grains_events and grains_counts gave, and the time reached: continues to the bit. */
+/* Makes grains from what grains_all, grains_events, grains_ids and grains_counted gave, and the time reached: the run
+ * continues to the bit. */
 status grains_resume(const struct grain_box *box, const struct grain_law *law, int n, const struct grain *grain,
                      const struct grain_event *event, const int32_t *id, const struct grain_counts *counts, double t,
                      struct grains **out);
 void grains_free(struct grains *g);
 
-/* All events up to `until`, but no more than `most` of them; returns the time reached: `until`, or that of the last
- * event (until = HUGE_VAL: also when nothing will ever happen). observer: NULL or who listens. */
+/* Works off all events up to `until`, but no more than `most` of them; returns the time reached: `until`, or that of
+ * the last event (until = HUGE_VAL: also when nothing will ever happen). observer may be NULL. */
 double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer);
 
-/* Where all are at time t, not before the time reached and not after the next event; changes nothing. Indexed by id,
- * which is the place a grain had in grains_make; u relative to the box. */
+/* Sets x (m) and u (m/s, relative to the box) of all grains at time t, which is not before the time reached and not
+ * after the next event; changes nothing in g. Indexed by id, which is the place a grain had in grains_make. */
 void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3]);
-/* Kinetic energy (J, frame of the box) and momentum at the time reached. */
+/* Sets kinetic and potential energy (J, frame of the box) and momentum (kg m/s) at the time reached. */
 void grains_energy(const struct grains *g, double *kinetic, double *potential, double momentum[3]);
 
 int grains_number(const struct grains *g);
@@ -99,6 +101,6 @@ const struct grain_event *grains_events(const struct grains *g); /* [n] */
 const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
 double grains_time(const struct grains *g);
-double grains_bytes(int n, int dim); /* memory a run takes, about */
+double grains_bytes(int n, int dim); /* memory that a run takes, about */
 
 #endif

@@ -1,7 +1,8 @@
-/* The cells that find neighbours. */
+/* The cells in which grains find their neighbours (struct grain_cells in grains_private.h): their layout, and grains
+ * that enter, leave and cross them. */
 #include "libcore/grains/grains_private.h"
 
-/* Cells along k: at least `width` wide; a periodic axis keeps three. */
+/* Divides axis k into cells at least `width` wide, at most `most` of them. */
 static void divide(struct grain_cells *c, int k, double width, int most) {
     double count = floor((c->high[k] - c->low[k]) / width * (1 - 1e-12));
     c->n[k] = (int)fmax(1, fmin(count, most));
@@ -10,7 +11,7 @@ static void divide(struct grain_cells *c, int k, double width, int most) {
     while ((1 << c->bits[k]) < c->n[k]) c->bits[k]++;
 }
 
-/* Which cells a wall's contact may lie in. */
+/* Finds the cells in which a grain can touch a wall. */
 static void set_reach(struct grains *g, int k, double diameter) {
     struct grain_cells *c = &g->cells;
     double far = (is_shaken(&g->box, k) ? 2 * fabs(g->box.shake[k]) : 0) + 0.5 * diameter;
@@ -29,7 +30,8 @@ static bool too_many(const struct grains *g) {
     return total > 8. * g->n + 1000 || c->bits[0] + c->bits[1] + c->bits[2] > 30;
 }
 
-/* Cells for grains of the diameter; those that grow get a tenth more. False: a periodic axis has not three. */
+/* Chooses cells for grains of the diameter; grains that grow get a tenth more. Returns false if a periodic axis has no
+ * room for three. */
 static bool choose(struct grains *g, double diameter) {
     struct grain_cells *c = &g->cells;
     for (double width = diameter * (g->law.growth > 0 ? 1.1 : 1);; width *= 1.1) {
@@ -47,8 +49,8 @@ static bool choose(struct grains *g, double diameter) {
     return true;
 }
 
-/* What a place along axis k adds to the index. Cells lie in memory by cubes of 2, these by cubes of 4 (in 2D squares):
- * the neighbours of a cell are in few lines of the cache. */
+/* Returns what a place along axis k adds to the index. Cells lie in memory by cubes of 2, these by cubes of 4 (in 2D
+ * squares), so that the neighbours of a cell are in few lines of the cache. */
 static int32_t index_part(int place, int k, int dim, int32_t stride) {
     return (place & 1) << k | (place >> 1 & 1) << (dim + k) | (place >> 2) * stride;
 }
@@ -58,14 +60,15 @@ static void set_rows(struct grains *g) {
     int32_t stride = 1 << 2 * g->dim;
     c->planes = g->dim > 2 ? 3 : 1;
     for (int k = 0; k < g->dim; k++) {
-        int n = c->n[k], beyond = !g->box.periodic[k]; /* layers before the first */
+        int n = c->n[k], beyond = !g->box.periodic[k]; /* layers of cells before the first */
         for (int q = 0; q < n; q++) {
             struct grain_row *r = &c->row[k][q];
             for (int side = -1; side <= 1; side++) {
                 int place = beyond ? q + side + 1 : (q + side + n) % n;
                 r->around[side + 1] = index_part(place, k, g->dim, stride);
             }
-            r->wraps = !beyond && (n < 5 || q == 0 || q == n - 1); /* of few the nearest image may lie behind others */
+            /* with few cells the nearest image may lie behind others */
+            r->wraps = !beyond && (n < 5 || q == 0 || q == n - 1);
             r->edge[0] = beyond && q == 0 ? -HUGE_VAL : grains_cell_edge(c, k, q);
             r->edge[1] = beyond && q == n - 1 ? HUGE_VAL : grains_cell_edge(c, k, q + 1);
         }
@@ -115,7 +118,7 @@ static uint32_t *slots_of(struct grain_cells *c, int32_t cell) {
     return c->slot + q * SLOTS;
 }
 
-/* Their count is taken out of the slots and put back, so that they hold indices in between. */
+/* Takes the count out of the slots, so that all of them hold indices until put_count puts it back. */
 static int take_count(uint32_t *slot) {
     uint32_t count = slot[SLOTS - 1] >> SLOT_BITS;
     slot[SLOTS - 1] &= INDEX;
@@ -146,7 +149,7 @@ void grains_cells_fill(struct grains *g) {
     for (int i = 0; i < g->n; i++) grains_cell_enter(g, i);
 }
 
-/* The last of those in slots, of a chain the first, takes the place of i. */
+/* Takes grain i out of its cell: the last grain in the slots (in a chain: the first of the chain) takes its place. */
 static void leave(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
     uint32_t *slot = slots_of(c, g->event[i].cell);
@@ -189,10 +192,10 @@ void grains_cell_cross(struct grains *g, int i, int exit) {
     grains_cell_enter(g, i);
 }
 
-/* Those of one cell go to the end of the list. */
+/* Adds the grains of one cell at the end of the list; returns the new end. */
 static inline uint32_t *add_occupants(const uint32_t *slot, const int32_t *next, uint32_t *end) {
     uint32_t last = slot[SLOTS - 1];
-    memcpy(end, slot, SLOTS * sizeof *end); /* all of them: no branches */
+    memcpy(end, slot, SLOTS * sizeof *end); /* all slots, so that nothing branches */
     if (last < SLOTS_FULL) return end + (last >> SLOT_BITS);
     end += SLOTS;
     end[-1] = last & INDEX;

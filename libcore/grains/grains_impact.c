@@ -1,16 +1,17 @@
-/* Impacts.
+/* Changes the velocities of two grains, or of a grain at a wall, in an impact; grains.h has the rule.
  *
- * What leaves an impact does so with at least a normal speed of v0 = 1e-13 (|u_a| + |u_b|) + 1e-7 sqrt(G d), which is
- * far below any approach speed except where without a threshold infinitely many impacts would fall into a finite time
- * (inelastic collapse; a grain at rest on the floor). There it is what bounds their number: a grain that hops on a
- * floor stays 2 v0/G > 0 in the air, and grains that touch within round-off move apart by more than round-off. */
+ * A grain leaves an impact with at least a normal speed of v0 = 1e-13 (|u_a| + |u_b|) + 1e-7 sqrt(G d). That is far
+ * below any approach speed except where without a threshold infinitely many impacts would fall into a finite time
+ * (inelastic collapse; a grain at rest on the floor). There v0 bounds their number: a grain that hops on a floor stays
+ * 2 v0/G > 0 in the air, and grains that touch within round-off move apart by more than round-off. */
 #include "libcore/grains/grains_private.h"
 
 static double speed(const double u[3]) {
     return sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
 }
 
-/* What comes back of an approach: `ratio` times its speed, but no less than `least`; counted if elastic. */
+/* The speed after an approach: `ratio` times the speed before, but no less than `least`. Elastic impacts are
+ * counted. */
 struct rebound {
     double ratio, speed;
 };
@@ -45,7 +46,7 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
     double distance = sqrt(square), normal = rv / distance, growth = g->law.growth, approach = fmax(growth - normal, 0);
     struct rebound back = rebound(g, approach, g->law.restitution, least);
     double after = back.speed + growth, factor = 0.5 * (after - normal) / distance;
-    /* The same without the root, whose rounding has a bias: all distances are nearly one diameter. */
+    /* The same factor without the root, whose rounding has a bias: all distances are nearly one diameter. */
     if (growth == 0 && back.speed == back.ratio * approach) factor = -0.5 * (1 + back.ratio) * rv / square;
     for (int k = 0; k < 3; k++) {
         double du = factor * r[k];

@@ -1,13 +1,13 @@
-/* Grains that are near each other in space lie near each other in memory: they are put into the order of a Z-curve
- * through the cells when they are made, and again each time every one has had so many impacts. That moment follows from
- * the counts alone, and the order is saved, so it is the same in whatever pieces a run is made. */
+/* Sorts grains so that those near each other in space lie near each other in memory: into the order of a Z-curve
+ * through the cells when they are made, and again each time there were IMPACTS pair impacts per grain. That moment
+ * follows from the counts alone, and the order is saved, so it is the same in whatever pieces a run is made. */
 #include "libcore/grains/grains_private.h"
 
 #include <stdlib.h>
 
-enum { FEW = 2000, IMPACTS = 8 /* pairs a grain */ }; /* few fit into a cache in any order */
+enum { FEW = 2000, IMPACTS = 8 /* pair impacts per grain */ }; /* FEW grains fit into a cache in any order */
 
-/* Place of a cell on the curve: the bits of its numbers in turn */
+/* Returns the place of a cell on the curve: the bits of its numbers in turn. */
 static uint64_t curve(const struct grain_cells *c, int32_t cell) {
     uint64_t code = 0;
     int to = 0;
@@ -22,7 +22,7 @@ static int by_key(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Grain order[p] comes to p, cycle by cycle; order becomes the identity. */
+/* Moves grain order[p] to p, cycle by cycle; order becomes the identity. */
 static void permute(struct grains *g, uint64_t *order) {
     for (int p = 0; p < g->n; p++) {
         struct grain grain = g->grain[p];

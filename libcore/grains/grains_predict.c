@@ -1,7 +1,7 @@
-/* What happens to a grain next.
+/* Predicts what happens to a grain next.
  *
- * Each grain stores one predicted impact, and the time at which it leaves its cell if that comes first. What holds
- * between events, for every pair i, j in neighbouring cells that would meet at t_ij on their present courses, is
+ * Each grain stores one predicted impact, and the time at which it leaves its cell if that comes first. Between events
+ * this holds for every pair i, j in neighbouring cells that would meet at t_ij on their present courses:
  *
  *   grain[i].impact <= t_ij  or  grain[j].impact <= t_ij.                                                      (1)
  *
@@ -34,7 +34,7 @@ ALWAYS_INLINE void take_root(lanes *of) {
     memcpy(of, v, sizeof v);
 }
 
-/* Four times four numbers of LANES grains, so that column k holds the k-th of all. */
+/* Gathers four numbers of each of LANES grains: column[k] holds the k-th number of all. */
 ALWAYS_INLINE void gather(const struct grain *grain, const uint32_t *list, size_t offset, lanes column[4]) {
     lanes r[LANES];
     for (int q = 0; q < LANES; q++) memcpy(&r[q], (const char *)&grain[list[q]] + offset, sizeof r[q]);
@@ -52,9 +52,9 @@ struct found {
     int64_t partner;
 };
 
-/* The earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which is
- * before the other's own event; equal times by the partner. Grains may touch or overlap by round-off: then it is now if
- * they close. Nothing branches, so that all candidates cost the same. */
+/* Finds the earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which
+ * is before the other's own event; of equal times that with the lowest partner. Grains may touch or overlap by
+ * round-off: if they close the time is now. Nothing branches, so that all candidates cost the same. */
 ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, int dim, bool wraps,
                         bool falls, bool grows) {
     const struct grain *me = &g->grain[i];
@@ -87,7 +87,8 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         indices index;
         memcpy(&index, list, sizeof index);
         marks j = __builtin_convertvector(index, marks);
-        t = CHOOSE(grows ? (impact > t) & (j != i) : impact > t, t, never); /* else b = 0 for the grain itself */
+        /* without growth b = 0 excludes the grain itself */
+        t = CHOOSE(grows ? (impact > t) & (j != i) : impact > t, t, never);
         marks better = (t < least) | ((t == least) & (j < with));
         least = CHOOSE(better, t, least);
         with = (better & j) | (~better & with);
@@ -98,7 +99,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         first->partner = better ? with[q] : first->partner;
     }
 }
-/* Of disks and spheres; Near: none of them is seen beyond a periodic end; Free: without gravity */
+/* One function each for disks and spheres; near: no candidate is seen beyond a periodic end; free: no gravity. */
 typedef void meeting(const struct grains *g, int i, double now, int m, struct found *first);
 #define MEETING(name, ...)                                                                                             \
     KERNEL static void name(const struct grains *g, int i, double now, int m, struct found *first) {                   \
@@ -139,7 +140,8 @@ static void consider_cells(struct grains *g, int i, double now, int exit) {
     e->known = g->event[e->partner].changes;
 }
 
-/* When x, moving at u between the edges, leaves them, and on which side; nothing branches on the sign of u. */
+/* Returns the time in which x, moving at u, leaves the space between the edges, and on which side; nothing branches on
+ * the sign of u. */
 static inline double leaves_straight(const double edge[2], double x, double u, int *side) {
     int up = u > 0;
     *side = up;
@@ -158,7 +160,7 @@ static inline double leaves_falling(const double edge[2], double x, double u, do
     return first;
 }
 
-/* When and where grain i leaves its cell */
+/* Returns when grain i leaves its cell; *exit is the face. */
 static double leaves(const struct grains *g, int i, int *exit) {
     const struct grain *p = &g->grain[i];
     double first = HUGE_VAL;
@@ -168,14 +170,14 @@ static double leaves(const struct grains *g, int i, int *exit) {
         int side = 0;
         double t = g->law.gravity[k] == 0 ? leaves_straight(edge, p->x[k], p->u[k], &side)
                                           : leaves_falling(edge, p->x[k], p->u[k], g->law.gravity[k], &side);
-        through += (2 * k + side - through) * (t < first); /* a product: no branch; 0/0 is not less */
+        through += (2 * k + side - through) * (t < first); /* a product does not branch; 0/0 is not less */
         first = smaller(t, first);
     }
     *exit = through;
     return p->t + first;
 }
 
-/* Walls no later than the exit from the cell: after it they are looked for again. */
+/* Looks for impacts on walls no later than the exit from the cell: after it the grain looks again. */
 static void consider_walls(struct grains *g, int i, double leaving) {
     const struct grain_cells *c = &g->cells;
     struct grain *p = &g->grain[i];

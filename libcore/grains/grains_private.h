@@ -1,4 +1,5 @@
-/* What the files of the engine share. Times of events are absolute; all places and velocities in the frame at rest. */
+/* Shared by the files of the engine for hard grains (grains.h). Times of events are absolute; all places and velocities
+ * are in the frame at rest. */
 #ifndef LIBCORE_GRAINS_PRIVATE_H
 #define LIBCORE_GRAINS_PRIVATE_H
 
@@ -7,56 +8,60 @@
 #include "libcore/models/kernel.h"
 
 enum {
-    NO_PARTNER = -1000, /* with t = HUGE_VAL */
-    LOOK_AGAIN = -100,  /* nothing found up to t: predict anew */
-    STAYS = -1,         /* in its cell */
-    CACHED = 8000       /* so many grains fit into a cache; beyond, memory is asked for ahead */
+    NO_PARTNER = -1000, /* no impact is predicted; its time is HUGE_VAL */
+    LOOK_AGAIN = -100,  /* no impact is found up to t: predict anew then */
+    STAYS = -1,         /* the grain does not leave its cell */
+    CACHED = 8000       /* this many grains fit into a cache; for more, memory is prefetched */
 };
 
-/* Cells of at least one diameter. A grain's `cell` packs its three numbers, `bits` each; arrays of cells are indexed by
- * the sum of what its rows say. Along axes with walls a layer of empty cells lies beyond each wall, so that every cell
- * has neighbours on both sides. As many as SLOTS occupants stand in a cell's slots; a fuller one (a dense or a wide
- * cell) has all but SLOTS - 1 of them in a chain through `next` that begins in the last. */
+/* Cells of at least one diameter. A grain's `cell` packs the cell's numbers along the three axes, `bits` each; arrays
+ * of cells are indexed by the sum of the parts in its three rows. Along axes with walls a layer of empty cells lies
+ * beyond each wall, so that every cell has neighbours on both sides. Up to SLOTS occupants stand in a cell's slots; a
+ * fuller cell (of a dense gas, or a wide cell) has all but SLOTS - 1 of them in a chain through `next` that begins in
+ * the last slot. */
 enum { SLOTS = 4, CHAINED = SLOTS + 1, SLOT_BITS = 29, NEIGHBOURS = 27, ROOM = (NEIGHBOURS + 2) * SLOTS };
 struct grain_row {     /* the cells of one number along an axis */
-    int32_t around[3]; /* parts of the index: of the cells before, of its own, of those after */
-    int32_t wraps;     /* some of those are beyond a periodic end */
-    double edge[2];    /* where it is left; a wall: -HUGE_VAL, HUGE_VAL */
+    int32_t around[3]; /* parts of the index: of the cells before, of these, of those after */
+    int32_t wraps;     /* some of those lie beyond a periodic end */
+    double edge[2];    /* m, where a grain leaves the cell; at a wall -HUGE_VAL, HUGE_VAL */
 };
 struct grain_cells {
-    int n[3], bits[3], planes;        /* planes: of neighbours along the last axis, 1 in 2D, else 3 */
-    struct grain_row *row[3];         /* [n[k]] */
-    double low[3], high[3], width[3]; /* what they cover, at rest; a shaken wall's whole reach */
-    int reach[3][2];                  /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
-    int32_t all;                      /* cells, with those beyond the walls */
-    uint32_t *slot;                   /* [all][SLOTS]; count << SLOT_BITS is added to the last, count: or CHAINED */
-    int32_t *next;                    /* [n] */
+    int n[3], bits[3], planes; /* planes: of neighbours along the last axis, 1 in 2D, else 3 */
+    struct grain_row *row[3];  /* [n[k]] */
+    /* m: what the cells cover in the frame at rest, with a shaken wall's whole reach */
+    double low[3], high[3], width[3];
+    int reach[3][2]; /* cells <= reach[k][0], >= reach[k][1] may touch a wall */
+    int32_t all;     /* number of cells, with those beyond the walls */
+    /* [all][SLOTS] grains; the last slot also holds count << SLOT_BITS, where count may be CHAINED */
+    uint32_t *slot;
+    int32_t *next; /* [n] next grain of a chain, -1: none */
 };
 
 struct grains {
     struct grain_box box;
     struct grain_law law;
     int n, dim;
-    double start, time; /* start: when the diameter was law.diameter */
-    double outgrown;    /* when it reaches the width of the cells; HUGE_VAL: never */
+    double start, time; /* start: time at which the diameter was law.diameter */
+    double outgrown;    /* time at which the diameter reaches the width of the cells; HUGE_VAL: never */
     struct grain *grain;
     struct grain_event *event;
     int32_t *id;
     struct grain_counts counts;
     struct grain_cells cells;
     struct calendar *queue;
-    int64_t sort_at;           /* so many pairs; -1: never */
+    int64_t sort_at;           /* number of pair impacts at which the grains are sorted next; -1: never */
     uint64_t *order;           /* [n] scratch of grains_sort */
-    uint32_t *list;            /* [n + ROOM] of occupants: scratch of a prediction */
-    double period[3], half[3]; /* of periodic axes: length and half of it; else 0, HUGE_VAL */
+    uint32_t *list;            /* [n + ROOM] occupants: scratch of a prediction */
+    double period[3], half[3]; /* length of a periodic axis and half of it; else 0, HUGE_VAL */
     bool falls;                /* gravity is not zero */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
 };
 
-struct swing { /* of the box along one axis */
+struct swing { /* displacement (m) and velocity (m/s) of the box along one axis */
     double s, v;
 };
+/* Returns cos x and sets *sine to sin x, with the same bits everywhere (grains_walls.c). */
 double grains_phase_cos(double x, double *sine);
 struct swing grains_swing(const struct grain_box *box, int axis, double t);
 static inline double grains_diameter(const struct grains *g, double t) {
@@ -66,7 +71,7 @@ static inline bool is_shaken(const struct grain_box *box, int k) {
     return !box->periodic[k] && box->shake[k] != 0;
 }
 
-/* x and u at time t */
+/* Computes x and u of grain p at time t. */
 static inline void fly(const struct grains *g, const struct grain *p, double t, double x[3], double u[3]) {
     double dt = t - p->t;
     for (int k = 0; k < 3; k++) {
@@ -75,6 +80,7 @@ static inline void fly(const struct grains *g, const struct grain *p, double t, 
         u[k] = p->u[k] + a * dt;
     }
 }
+/* Moves grain p and its clock to time t. */
 static inline void bring(const struct grains *g, struct grain *p, double t) {
     double x[3], u[3];
     fly(g, p, t, x, u);
@@ -84,7 +90,7 @@ static inline void bring(const struct grains *g, struct grain *p, double t) {
     }
     p->t = t;
 }
-/* r becomes the difference to the nearest image (of grains that are in neighbouring cells). */
+/* Turns the difference r along axis k into that to the nearest image (of grains in neighbouring cells). */
 static inline double nearest(const struct grains *g, int k, double r) {
     r -= r > g->half[k] ? g->period[k] : 0;
     return r + (r < -g->half[k] ? g->period[k] : 0);
@@ -92,7 +98,8 @@ static inline double nearest(const struct grains *g, int k, double r) {
 
 /* grains_cells.c */
 status grains_cells_make(struct grains *g);
-bool grains_cells_widen(struct grains *g); /* for the diameter at g->time, all clocks showing it; false: no room */
+/* Fits cells to the diameter at g->time, which all clocks show; false: no room. */
+bool grains_cells_widen(struct grains *g);
 static inline int cell_number(const struct grain_cells *c, int32_t cell, int k) {
     int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
     return (cell >> shift) & ((1 << c->bits[k]) - 1);
@@ -107,11 +114,11 @@ int32_t grains_cell_of(const struct grains *g, const double x[3]);
 void grains_cell_enter(struct grains *g, int i);
 /* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
 void grains_cell_cross(struct grains *g, int i, int exit);
-struct grain_block { /* of cells: the product of those around one along each axis */
+struct grain_block { /* a block of cells: the product of the cells around one along each axis */
     const int32_t *around[3];
     int from[3], to[3], wraps;
 };
-/* All about a cell; exit != STAYS: only those new beyond that face. */
+/* Makes the block of all cells around a cell or, if exit != STAYS, of only those that are new beyond that face. */
 static inline void grains_block(const struct grain_cells *c, int32_t cell, int exit, struct grain_block *b) {
     b->wraps = 0;
     for (int k = 0; k < 3; k++) {
@@ -125,24 +132,24 @@ static inline void grains_block(const struct grain_cells *c, int32_t cell, int e
     b->from[exit / 2] = exit & 1 ? 2 : 0;
     b->to[exit / 2] = b->from[exit / 2] + 1;
 }
-/* All in the cells of a block; list has room for n + ROOM. Returns how many. */
+/* Lists all grains in the cells of a block; list has room for n + ROOM. Returns how many. */
 int grains_occupants(const struct grain_cells *c, const struct grain_block *b, uint32_t *list);
 
-void grains_cells_fill(struct grains *g); /* from the grains' cells */
+void grains_cells_fill(struct grains *g); /* puts all grains into the cells that they name */
 
-/* grains_order.c: indices change; the queue is to be made anew from the grains. */
+/* grains_order.c: the indices change; the caller makes the queue anew from the grains. */
 void grains_sort(struct grains *g);
-void grains_set_sorting(struct grains *g); /* sort_at from the counts */
+void grains_set_sorting(struct grains *g); /* sets sort_at from the counts */
 
-/* grains_predict.c; grain i's clock shows `now` */
-void grains_predict(struct grains *g, int i, double now);                  /* from all neighbours */
+/* grains_predict.c: grain i's clock shows `now`. */
+void grains_predict(struct grains *g, int i, double now);                  /* predicts from all neighbours */
 void grains_predict_beyond(struct grains *g, int i, double now, int exit); /* after a crossing */
 double grains_schedule(const struct grains *g, int i);                     /* the time of its next event */
 int grains_exit(const struct grains *g, int i); /* the face where it leaves its cell: 2 axis + side, or STAYS */
 void grains_predict_all(struct grains *g);      /* all clocks show g->time */
-double grains_wrap(const struct grain_box *box, int k, double x); /* into the box */
-/* grains_walls.c: the wall's first contact no later than `limit`, else HUGE_VAL; *again: none up to the time returned
- */
+double grains_wrap(const struct grain_box *box, int k, double x); /* x moved into the box by whole periods */
+/* grains_walls.c: returns the time of the first contact with the wall no later than `limit`, else HUGE_VAL. *again:
+ * there is no contact up to the time returned, but one may follow. */
 double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again);
 double grains_first_root(double h, double v, double a);
 

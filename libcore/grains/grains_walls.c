@@ -1,8 +1,9 @@
-/* Flat walls: at rest by the root of a parabola, in motion by steps that cannot pass the first contact. */
+/* Finds when a grain touches a flat wall: a wall at rest by the root of a parabola, a moving wall by steps that cannot
+ * pass the first contact. */
 #include "libcore/grains/grains_private.h"
 
-/* First t >= 0 at which h + v t + a t^2/2 falls to zero; HUGE_VAL: never. h <= 0 is a contact: now if it closes, else
- * the next. */
+/* Returns the first t >= 0 at which h + v t + a t^2/2 falls to zero; HUGE_VAL: never. h <= 0 is a contact: the root is
+ * 0 if it closes, else the next one. */
 double grains_first_root(double h, double v, double a) {
     if (h <= 0) {
         if (v < 0 || (v == 0 && a < 0)) return 0;
@@ -14,8 +15,8 @@ double grains_first_root(double h, double v, double a) {
     return v < 0 ? 2 * h / (root - v) : (v + root) / -a;
 }
 
-/* cos x and sin x to 1e-16 for |x| < 1e6, the same bits everywhere: x - n pi/2 with pi/2 in three parts (33 bits each),
- * then the minimax polynomials of fdlibm on |y| < pi/4. */
+/* Computes cos x and sin x to 1e-16 for |x| < 1e6, the same bits everywhere: x - n pi/2 with pi/2 in three parts (33
+ * bits each), then the minimax polynomials of fdlibm on |y| < pi/4. */
 double grains_phase_cos(double x, double *sine) {
     const double round_bits = 6755399441055744.0; /* 1.5 * 2^52 */
     double n = x * 0.63661977236758138243 + round_bits - round_bits;
@@ -40,8 +41,8 @@ struct swing grains_swing(const struct grain_box *box, int axis, double t) {
 }
 
 /* The distance h of the surfaces has |h''| <= G, so that it cannot reach zero before h + h' d - G d^2/2 does; steps of
- * that d never pass the first contact, and near it they converge as Newton's do. Done when a step no longer changes the
- * time: the contact is then exact to a few units in the last place of the time (and of x, through h'). */
+ * that d never pass the first contact, and near it they converge as Newton's do. The search ends when a step no longer
+ * changes the time: the contact is then exact to a few units in the last place of the time (and of x, through h'). */
 static double moving_wall_time(const struct grains *g, const struct grain *p, int k, int side, double limit,
                                bool *again) {
     enum { STEPS = 100 };

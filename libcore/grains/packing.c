@@ -1,8 +1,8 @@
-/* Starts of hard grains: random sequential addition, growth, Maxwellian velocities.
+/* Makes starts of hard grains by random sequential addition, growth, Maxwellian velocities; packing.h cites the method.
  *
  * Addition refuses a place more often where it is dense, which would empty dense regions. So cells of (nearly) equal
- * alpha make a level; a level gets its share of the grains, and a place that is refused is looked for anew in the same
- * level. A uniform field is one level: plain random sequential addition. */
+ * alpha make a level; a level gets its share of the grains, and a grain whose place is refused tries another place in
+ * the same level. A uniform field is one level: plain random sequential addition. */
 #include "libcore/grains/packing.h"
 
 #include "libcore/grains/random.h"
@@ -15,7 +15,7 @@
 
 #define PI 3.14159265358979323846
 
-static const double SLACK = 1e-9;                /* of the diameter: rounding then leaves no overlap */
+static const double SLACK = 1e-9;                /* share of the diameter: rounding then leaves no overlap */
 enum { PLACES = 1, GROWTH = 2, VELOCITIES = 3 }; /* streams of random numbers */
 
 static double volume_of(int dim, double diameter) {
@@ -47,7 +47,7 @@ struct cell {
     long index;
 };
 struct level {
-    long first, end;    /* cells */
+    long first, end;    /* cell[first .. end) */
     double share, room; /* sums of alpha and of room */
 };
 struct levels {
@@ -56,7 +56,7 @@ struct levels {
     long cells, count;
     struct cell *cell;   /* [cells], falling alpha */
     double *reach;       /* [cells]: running sum of alpha * room within a level */
-    struct level *level; /* [count], one has room each */
+    struct level *level; /* [count], each has room for a centre */
     double radius, total;
 };
 
@@ -72,7 +72,8 @@ static int denser_first(const void *a, const void *b) {
     return p->index < q->index ? -1 : p->index > q->index;
 }
 
-/* The part of a cell along axis k that centres can reach, [*from, *to]; its length as a share of the cell's. */
+/* Finds the part of a cell along axis k that centres can reach, [*from, *to]; returns its length as a share of the
+ * cell's. */
 static double cell_reach(const struct levels *l, long index, int k, double *from, double *to) {
     const struct grain_box *b = l->box;
     const int *n = l->field->n;
@@ -83,7 +84,8 @@ static double cell_reach(const struct levels *l, long index, int k, double *from
     return fmax(*to - *from, 0) / h;
 }
 
-/* Cells whose alpha is within 2 % are one level; a level that walls leave no room is joined to the next. */
+/* Groups cells whose alpha is within 2 % into one level; a level without room between the walls is joined to the
+ * next. */
 static void levels_group(struct levels *l) {
     for (long c = 0; c < l->cells;) {
         struct level v = {.first = c};
@@ -125,14 +127,15 @@ static status levels_make(const struct grain_box *box, double diameter, const st
     return OK;
 }
 
-/* The highest packing fraction a level will have, counted on the room there is. */
+/* Returns the highest packing fraction that a level will have, counted on the room there is. */
 static double levels_densest(const struct levels *l, int n, double diameter) {
     double cell = box_volume(l->box) / (double)field_cells(l->field), most = 0;
     for (long v = 0; v < l->count; v++) most = fmax(most, l->level[v].share / l->level[v].room);
     return most / l->total * n * volume_of(l->box->dim, diameter) / cell;
 }
 
-/* Shares are dealt by the golden ratio's multiples: for every n each level has its share of the first n, to a few. */
+/* Deals grain `number` to a level, by multiples of the golden ratio: for every n each level has its share of the first
+ * n grains, to within a few. */
 static const struct level *levels_deal(const struct levels *l, double start, int number) {
     double p = start + number * 0.6180339887498949, sum = 0;
     p = (p - floor(p)) * l->total;
@@ -236,7 +239,7 @@ static void shelf_put(struct shelf *s, int number) {
     *head = number;
 }
 
-/* All n, or *added < n where one found no place in `tries`. */
+/* Adds all n grains, or *added < n if one found no place in TRIES tries. */
 static status add(const struct levels *l, double diameter, int n, struct random *r, double (*x)[3], int *added) {
     enum { TRIES = 20000 };
     struct shelf s;
@@ -257,9 +260,9 @@ static status add(const struct levels *l, double diameter, int n, struct random 
 /* ---- growth */
 
 struct growing {
-    struct grain_box box;  /* at rest, elastic */
+    struct grain_box box;  /* the box at rest with elastic walls */
     double diameter, full; /* m */
-    double rate;           /* of the diameter, in thermal velocities sqrt(T) = full / s */
+    double rate;           /* growth of the diameter, in units of the thermal velocity sqrt(T) = full / s */
     int n;
     double (*x)[3], (*u)[3];
     int64_t impacts;
@@ -269,7 +272,7 @@ static double packing_of(const struct growing *w) {
     return w->n * volume_of(w->box.dim, w->diameter) / box_volume(&w->box);
 }
 
-/* Growth heats the grains: T is set back to full^2, the centre of mass to rest. */
+/* Sets T back to full^2, because growth heats the grains, and the centre of mass to rest. */
 static void rescale(struct growing *w) {
     double mean[3] = {0}, sum = 0;
     for (int i = 0; i < w->n; i++)
@@ -284,7 +287,7 @@ static void rescale(struct growing *w) {
         for (int k = 0; k < w->box.dim; k++) w->u[i][k] *= scale;
 }
 
-/* Up to 5 % of the diameter; less where the impacts are too many, which is how jamming shows. */
+/* Grows the grains by up to 5 % of the diameter; by less where the impacts are too many, which is how jamming shows. */
 static status grow_piece(struct growing *w) {
     struct grain_law law = {.diameter = w->diameter, .growth = w->rate * w->full, .mass = 1, .restitution = 1};
     double end = fmin(w->full, 1.05 * w->diameter), until = (end - w->diameter) / law.growth;
@@ -298,7 +301,8 @@ static status grow_piece(struct growing *w) {
     return OK;
 }
 
-/* Fast at first, so that dense regions have no time to spread; near jamming more slowly, or the grains jam early. */
+/* Grows the grains to their full size: fast at first, so that dense regions have no time to spread; near jamming more
+ * slowly, or the grains jam early. */
 static status grow(struct growing *w) {
     static const double rates[] = {3, 0.1, 0.03};
     double wanted = w->n * volume_of(w->box.dim, w->full) / box_volume(&w->box);
@@ -353,7 +357,8 @@ static status check_room(const struct grain_box *box, double diameter, int n) {
     return OK;
 }
 
-/* Addition is easy to 0.45 for disks and 0.28 for spheres (it ends at 0.547 and 0.384). */
+/* Adds the grains as large as is easy, to 0.45 for disks and 0.28 for spheres (addition ends at 0.547 and 0.384), then
+ * grows them. */
 static status place(const struct levels *l, double diameter, int n, uint64_t seed, double (*x)[3],
                     struct packing_report *report) {
     int dim = l->box->dim, added = 0;
@@ -394,8 +399,8 @@ static long cell_of(const struct grain_box *box, const struct packing_field *f, 
     return index;
 }
 
-/* Peculiar velocities c = sqrt(T) (normal - mean), so that their sum is 0, times the factor that solves
- * sum |u + factor c|^2 = sum |u|^2 + dim T. */
+/* Draws peculiar velocities c = sqrt(T) (normal - mean), so that their sum is 0, and scales them by the factor that
+ * solves sum |u + factor c|^2 = sum |u|^2 + dim T. */
 void packing_velocities(const struct grain_box *box, const struct packing_field *f, int n, uint64_t seed,
                         const double (*x)[3], double (*u)[3]) {
     struct random r = random_make(seed, VELOCITIES);

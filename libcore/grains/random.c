@@ -1,5 +1,5 @@
-/* xoshiro256++ and normals by Marsaglia's polar method, with our logarithm: those of libraries differ in their last
- * bits. */
+/* Draws random numbers by xoshiro256++, and normal ones by Marsaglia's polar method with our own logarithm: those of
+ * libraries differ in their last bits. */
 #include "libcore/grains/random.h"
 
 #include "libcore/models/kernel.h"
@@ -8,7 +8,7 @@ static uint64_t rotate(uint64_t x, int k) {
     return (x << k) | (x >> (64 - k));
 }
 
-/* The bijection of splitmix64 (Steele, Lea & Flood 2014); 0 stays 0. */
+/* Applies the bijection of splitmix64 (Steele, Lea & Flood 2014); 0 stays 0. */
 static uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
     z = (z ^ (z >> 27)) * 0x94d049bb133111eb;

@@ -1,4 +1,5 @@
-/* Random numbers that are the same everywhere: xoshiro256++ (Blackman & Vigna 2019), seeded through splitmix64. */
+/* Random numbers that are the same on every machine: xoshiro256++ (Blackman & Vigna 2019), seeded through
+ * splitmix64. */
 #ifndef LIBCORE_RANDOM_H
 #define LIBCORE_RANDOM_H
 
@@ -6,7 +7,7 @@
 
 struct random {
     uint64_t s[4];
-    double spare; /* second normal of a pair; NAN: none */
+    double spare; /* second normal number of a pair; NAN: none */
 };
 struct random random_make(uint64_t seed, uint64_t stream); /* streams of a seed are independent */
 double random_uniform(struct random *r);                   /* [0, 1), 53 bits */
