@@ -1,3 +1,5 @@
+/* Crank-Nicolson steps of segregation on a line, iterated by Newton or Picard; equation numbers are those of Christov
+ * (2018). segregation.h has the scheme. */
 #include "libcore/segregation/segregation_private.h"
 
 #include <lapacke.h>
@@ -73,8 +75,8 @@ double segregation_mass(const struct segregation *s, const double *phi) {
     return mass;
 }
 
-/* N = f P (1 - P) at P = (1 - late) phi + late found, and its slope: dN/dfound (Newton), or what (4) has there
- * (Picard, which keeps one factor of found^2). */
+/* Computes N = f P (1 - P) at P = (1 - late) phi + late found, and its slope: dN/dfound (Newton), or the factor that
+ * (4) has there (Picard, which keeps one factor of found^2). */
 KERNEL static void percolation_line(int n, const double *restrict f, double late, bool newton,
                                     const double *restrict phi, const double *restrict found, double *restrict P,
                                     double *restrict value, double *restrict slope) {
@@ -98,7 +100,7 @@ KERNEL static void central_flux(int n, const struct segregation *s, double late)
     }
 }
 
-/* P at the faces; the walls have that of the cell beside them. */
+/* Computes P + add at the faces; at a wall P is that of the cell beside it. */
 static void at_faces(const struct segregation *s, double add, double *out) {
     const double *P = s->mean, *share = s->share;
     const int n = s->line.n;
@@ -107,13 +109,13 @@ static void at_faces(const struct segregation *s, double add, double *out) {
     out[n] = P[n - 1] + add;
 }
 
-/* Where D depends on phi: D at the present P. */
+/* Sets D from the law at the present P, where D depends on phi. */
 static void use_law(struct segregation *s) {
     const struct segregation_line *l = &s->line;
     at_faces(s, 0, s->part);
     l->law(l->context, l->n + 1, s->part, s->diffusivity);
 }
-/* For Newton dD/dphi in the slopes of the flux. */
+/* Adds dD/dphi to the slopes of the flux, for Newton's iteration. */
 static void use_law_slope(struct segregation *s, double late) {
     const double small = 1e-7;
     const struct segregation_line *l = &s->line;
@@ -144,7 +146,7 @@ KERNEL static void segregation_line_rows(int n, double dt, const double *restric
         double k = dt / width[j];
         right[j] = (phi[j] - found[j]) - k * (flux[j + 1] - flux[j]);
         diagonal[j] = 1 + k * (up[j + 1] - down[j]);
-        above[j] = k * down[j + 1]; /* the last one is 0, and not used */
+        above[j] = k * down[j + 1]; /* the last one is 0 and is not used */
     }
     for (int j = 0; j < n - 1; j++) below[j] = -(dt / width[j + 1]) * up[j + 1];
 }
@@ -158,8 +160,8 @@ bool segregation_solve(struct segregation *s) {
     return LAPACKE_dgtsv_work(LAPACK_COL_MAJOR, n, 1, m->below, m->diagonal, m->above, m->right, n) == 0;
 }
 
-/* The closures (5) and (7) at one wall: c0 phi0 + c1 phi1 + c2 phi2 of the nodes from the wall on, freed of phi2 by
- * the next row. Both times: (5) at the new time, as the paper has it. */
+/* Makes the row of a wall from closure (5) or (7), at the new time as in the paper: c0 phi0 + c1 phi1 + c2 phi2 of the
+ * nodes from the wall on; the next row eliminates phi2. */
 static void close_wall(struct segregation *s, bool top, const double *found) {
     const struct segregation_line *l = &s->line;
     struct tridiagonal *m = &s->matrix;
@@ -181,7 +183,7 @@ static void close_wall(struct segregation *s, bool top, const double *found) {
     m->right[wall] = -left - times * m->right[next];
 }
 
-/* The largest |x|; not a number if one of them is none. */
+/* Returns the largest |x|; not a number if one of them is none. */
 KERNEL static double largest_magnitude(int n, const double *restrict x) {
     enum { LANES = 8 };
     double most[LANES] = {0}, none[LANES] = {0};
@@ -202,13 +204,14 @@ KERNEL static double largest_magnitude(int n, const double *restrict x) {
     return most[0] + none[0];
 }
 
-/* Newton leaves of the balance what is quadratic in the change: at most this times its square. */
+/* Returns the factor c such that Newton's iteration leaves a residual of at most c change^2 in the balance, which is
+ * quadratic. */
 static double leftover(const struct segregation *s, double dt, double late) {
     return 2 * late * late * dt * largest_magnitude(s->line.n, s->line.speed) / s->thinnest;
 }
 
-/* s->found; false: it did not settle. The paper's criterion: the last change is below tolerance * largest phi; with
- * Newton and D independent of phi the next change is known to be. */
+/* Iterates s->found; returns false if it did not settle. The paper's criterion: the last change is below tolerance *
+ * largest phi; with Newton and D independent of phi the size of the next change is known and counts instead. */
 static bool settle(struct segregation *s, double dt, double late, const double *phi) {
     const int n = s->line.n;
     const bool closed = s->scheme.closure == SEGREGATION_CONSERVATIVE, quadratic = s->scheme.newton && !s->line.law;
@@ -230,7 +233,7 @@ static bool settle(struct segregation *s, double dt, double late, const double *
     return false;
 }
 
-/* By how much a phi is beyond 0 or 1. */
+/* Returns by how much phi exceeds 0 .. 1 at most. */
 static double beyond(int n, const double *phi) {
     double least = 0, most = 1;
     for (int i = 0; i < n; i++) {
@@ -239,13 +242,14 @@ static double beyond(int n, const double *phi) {
     }
     return larger(-least, most - 1);
 }
+/* Is the central flux monotone on all faces? */
 static bool resolved(const struct segregation *s) {
     for (int i = 1; i < s->line.n; i++)
         if (segregation_coarse(s, i)) return false;
     return true;
 }
 
-/* What is beyond 0 or 1 goes to the next cell, and from the last one back. */
+/* Moves round-off beyond 0 or 1 to the next cell, and from the last one back. */
 static void round_off(const struct segregation *s, double *phi) {
     const int n = s->line.n;
     for (int j = 0; j < n - 1; j++) {
@@ -261,7 +265,7 @@ static void round_off(const struct segregation *s, double *phi) {
     phi[0] = smaller(larger(phi[0], 0), 1);
 }
 
-/* One step with the flux at (1 - late) phi + late phi': 1/2 is Crank-Nicolson, 1 implicit Euler. */
+/* Makes one step with the flux at (1 - late) phi + late phi': late 1/2 is Crank-Nicolson, 1 implicit Euler. */
 static status step(struct segregation *s, double dt, double late, double *phi) {
     const bool bounds = s->scheme.closure == SEGREGATION_CONSERVATIVE && !s->scheme.unbounded;
     if (!s->line.law) memcpy(s->diffusivity, s->line.diffusivity, (size_t)(s->line.n + 1) * sizeof(double));

@@ -11,8 +11,7 @@
  * by a tridiagonal system. F is central, which makes the scheme monotone in space where |f| dy <= 2 D. Beyond that, and
  * wherever phi' would leave 0 .. 1, F is pulled towards the flux of a scheme that is monotone for every step (implicit
  * Euler with the Engquist-Osher flux), face by face, as little as the bounds ask for: flux-corrected transport (Zalesak
- * 1979), which conserves. Where it has nothing to do it changes nothing.
- */
+ * 1979), which conserves. Where phi' keeps its bounds F stays as it is. */
 #ifndef LIBCORE_SEGREGATION_H
 #define LIBCORE_SEGREGATION_H
 
@@ -25,28 +24,29 @@ struct segregation_line {      /* borrowed, with its arrays */
     const double *node;        /* [n] m, ascending; within its cell, or on a wall */
     const double *speed;       /* [n] f at the nodes, m/s: percolation velocity, either sign */
     const double *diffusivity; /* [n + 1] D at the faces, m^2/s, at least 0 */
-    /* Or D(y, phi) at the faces, from phi at the faces; NULL: the array above, which then may not be NULL. */
+    /* Computes D(y, phi) at the faces from phi at the faces. NULL: `diffusivity` above holds, which then may not be
+     * NULL. */
     void (*law)(const void *context, int nfaces, const double *phi, double *diffusivity);
-    const void *context; /* of law */
+    const void *context; /* the first argument of law */
 };
 
 enum segregation_closure {
     SEGREGATION_CONSERVATIVE, /* no flux through the outer faces: conserves to round-off */
-    SEGREGATION_PAPER,        /* (5): f phi (1 - phi) = D phi_y at the walls, one-sided, at the new time; needs D > 0 */
-    SEGREGATION_NEUMANN       /* (7): phi_y = 0, one-sided; both need nodes on the walls, and have no bounds */
+    SEGREGATION_PAPER,        /* (5): f phi (1 - phi) = D phi_y at the walls, one-sided, at the new time; wants D > 0 */
+    SEGREGATION_NEUMANN       /* (7): phi_y = 0, one-sided; (5) and (7) want nodes on the walls, and keep no bounds */
 };
 struct segregation_scheme {
     enum segregation_closure closure;
-    bool newton;      /* else the paper's Picard iteration (4) */
-    bool unbounded;   /* leave phi as Crank-Nicolson gives it */
-    double tolerance; /* of the iteration: largest change < tolerance * largest phi; the paper: 1e-8 */
+    bool newton;      /* Newton's iteration instead of the paper's Picard iteration (4) */
+    bool unbounded;   /* phi stays as Crank-Nicolson gives it, without bounds */
+    double tolerance; /* the iteration ends when its largest change < tolerance * largest phi; the paper: 1e-8 */
     int most;         /* iterations allowed */
 };
 
 struct segregation_counts { /* since segregation_make */
     long steps, iterations;
-    long bounded;   /* steps in which the bounds had to be looked after */
-    long unsolved;  /* of these, steps whose Crank-Nicolson flux is that of an iterate that had not settled */
+    long bounded;   /* steps in which phi had to be brought within its bounds */
+    long unsolved;  /* steps among these whose Crank-Nicolson iteration had not settled: its last flux was used */
     long corrected; /* faces whose flux was pulled back */
     long rejected;  /* steps that segregation_advance repeated with a smaller one */
 };
@@ -56,15 +56,15 @@ status segregation_make(const struct segregation_line *line, const struct segreg
                         struct segregation **out);
 void segregation_free(struct segregation *s);
 
-/* phi[n] <- phi after dt (s). ERR_STATE: the iteration did not settle; phi is then as it was.
- * damped: by two implicit Euler steps of dt/2. A start that does not meet the conditions at the walls leaves
- * Crank-Nicolson an oscillation there that it hardly damps; a few such steps at the start end it, and the order stays
+/* Advances phi[n] by dt (s). Fails with ERR_STATE if the iteration does not settle; phi is then as it was.
+ * `damped` steps are two implicit Euler steps of dt/2. A start that does not meet the conditions at the walls leaves
+ * Crank-Nicolson an oscillation there that it hardly damps; a few damped steps at the start end it, and the order stays
  * two (Rannacher 1984). */
 status segregation_step(struct segregation *s, double dt, bool damped, double *phi);
-/* Once by dt and once by two halves; phi becomes the mean of both, which conserves, keeps the bounds, is of second
- * order and, unlike Crank-Nicolson alone, damps what is fast. *dt is halved or less until the error of that is at most
- * `allowed` (mean of |.| over the line); *next is the step to try after it. Depends on phi and *dt only, so that a
- * restart repeats it. */
+/* Advances phi once by *dt and once by two halves and takes the mean of both, which conserves, keeps the bounds, is of
+ * second order and, unlike Crank-Nicolson alone, damps fast modes. *dt is halved or more until the error of that mean
+ * is at most `allowed` (average of |error| over the line); *next is the step to try after it. The result depends on phi
+ * and *dt only, so that a restart repeats it. */
 status segregation_advance(struct segregation *s, double allowed, double *dt, double *next, double *phi);
 
 struct segregation_counts segregation_counts(const struct segregation *s);

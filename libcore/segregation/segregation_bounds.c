@@ -1,6 +1,9 @@
+/* Brings a Crank-Nicolson step of segregation on a line within its bounds by flux-corrected transport (Zalesak 1979):
+ * an implicit Euler step with the Engquist-Osher flux, and as much of Crank-Nicolson's flux as the bounds allow. */
 #include "libcore/segregation/segregation_private.h"
 
-/* The Engquist-Osher flux of f phi (1 - phi) at phi', and diffusion; monotone: upward >= 0 >= downward. */
+/* Computes the Engquist-Osher flux of f phi (1 - phi) at phi', and diffusion. It is monotone: upward >= 0 >=
+ * downward. */
 KERNEL static void monotone_flux(int n, const struct segregation *s, const double *restrict f,
                                  const double *restrict phi) {
     const double *restrict share = s->share, *restrict nearness = s->nearness, *restrict D = s->diffusivity;
@@ -16,13 +19,13 @@ KERNEL static void monotone_flux(int n, const struct segregation *s, const doubl
     }
 }
 
-/* phi' <- phi - dt/width (F_{i+1} - F_i): to the last bit what s->flux moves. */
+/* Computes out = phi - dt/width (F_{i+1} - F_i): to the last bit what the flux moves. */
 static void balance(const struct segregation *s, double dt, const double *phi, const double *flux, double *out) {
     for (int j = 0; j < s->line.n; j++) out[j] = phi[j] - dt / s->width[j] * (flux[j + 1] - flux[j]);
 }
 
-/* Implicit Euler: s->low, s->low_flux. The matrix is an M-matrix with column sums 1 for every step, so Newton's method
- * needs no damping; the solution is within 0 .. 1, and so are the iterates kept. */
+/* Makes the implicit Euler step: s->low, s->low_flux. The matrix is an M-matrix with column sums 1 for every step, so
+ * Newton's method needs no damping; the solution is within 0 .. 1, and the iterates are kept there. */
 static status monotone_step(struct segregation *s, double dt, const double *phi) {
     const int n = s->line.n;
     memcpy(s->low, phi, (size_t)n * sizeof *phi);
@@ -36,7 +39,7 @@ static status monotone_step(struct segregation *s, double dt, const double *phi)
             change = larger(change, fabs(now - s->low[i]));
             s->low[i] = now;
         }
-        if (!(change < 1e-9)) continue; /* the next would be its square */
+        if (!(change < 1e-9)) continue; /* the next change would be the square of this one */
         monotone_flux(n, s, s->line.speed, s->low);
         memcpy(s->low_flux, s->flux, (size_t)(n + 1) * sizeof(double));
         balance(s, dt, phi, s->low_flux, s->low);
@@ -45,7 +48,8 @@ static status monotone_step(struct segregation *s, double dt, const double *phi)
     return fail(ERR_STATE, "the monotone step has not settled; a smaller deltaT helps");
 }
 
-/* 0 .. 1, and beside coarse faces the range of both times at the cell and its neighbours: no new extremes. */
+/* Sets the bounds of phi: 0 .. 1, and beside coarse faces the range of both times at the cell and its neighbours, so
+ * that no new extremes appear. */
 static void find_bounds(struct segregation *s, const double *phi) {
     const int n = s->line.n;
     for (int j = 0; j < n; j++) {
@@ -62,7 +66,7 @@ static void find_bounds(struct segregation *s, const double *phi) {
     }
 }
 
-/* Cell j lets in and out what keeps it within its bounds whatever the other faces do (Zalesak 1979). */
+/* Limits the faces of cell j to what keeps it within its bounds whatever the other faces do (Zalesak 1979). */
 static void limit_cell(struct segregation *s, double dt, int j) {
     const double k = dt / s->width[j], in = s->excess[j], out = s->excess[j + 1];
     const double gain = k * (larger(in, 0) - smaller(out, 0)), loss = k * (larger(out, 0) - smaller(in, 0));
@@ -72,7 +76,7 @@ static void limit_cell(struct segregation *s, double dt, int j) {
     s->part[j + 1] = smaller(s->part[j + 1], out > 0 ? losses : gains);
 }
 
-/* Limits the cells that leave their bounds, then those that this makes leave theirs, until none is left. */
+/* Limits the cells that leave their bounds, then the cells that leave theirs because of it, until none is left. */
 static void limit(struct segregation *s, double dt, double *found) {
     const int n = s->line.n;
     for (int i = 0; i <= n; i++) s->part[i] = 1;

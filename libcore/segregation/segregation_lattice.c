@@ -1,29 +1,35 @@
+/* Steps of segregation on a lattice: fluxes, lines of tridiagonal systems by axes (Beam & Warming 1976), bounds
+ * (Zalesak 1979). segregation_lattice.h has the scheme. */
 #include "libcore/segregation/segregation_lattice.h"
 #include "libcore/segregation/segregation_private.h"
 
 #include <stdlib.h>
 
-enum { LINES = BATCH }; /* solved at a time */
+enum { LINES = BATCH }; /* lines of cells that are solved at a time */
 
-static const double ROUND = 1e-15; /* of phi */
+static const double ROUND = 1e-15; /* an excess of phi beyond 0 or 1 up to this is round-off */
 
 struct segregation_field {
     struct segregation_lattice lattice;
     struct segregation_lattice_counts counts;
     long cells, faces[MAX_DIM], stride[MAX_DIM];
-    double rate, advance_rate; /* 1/s: of the flow; of the flow and diffusion */
-    bool coarse;               /* anywhere */
+    double rate, advance_rate; /* 1/s: largest rate of the flow; of the flow and diffusion */
+    bool coarse;               /* is the central flux on any face not monotone? */
     double *room;
-    double *flux[MAX_DIM], *low_flux[MAX_DIM], *part[MAX_DIM]; /* [faces] mean over the step; part of it let through */
-    double *change, *next, *low, *least, *most;                /* [cells] */
-    double *ease, *before, *whole, *halves;                    /* [cells] 1 / capacity; of steps made of steps */
-    double *D[MAX_DIM];                                        /* [faces] of the law; else NULL */
-    bool *watched, *sharp;                                     /* [cells] limiting; beside a coarse face */
+    /* [faces] fluxes, means over the step; share of `flux` let through */
+    double *flux[MAX_DIM], *low_flux[MAX_DIM], *part[MAX_DIM];
+    /* [cells] change of phi; phi' of Crank-Nicolson, of the monotone steps; bounds of phi' */
+    double *change, *next, *low, *least, *most;
+    /* [cells] 1 / capacity; room of struct segregation_steps */
+    double *ease, *before, *whole, *halves;
+    double *D[MAX_DIM]; /* [faces] D from the law; NULL without one */
+    /* [cells] does the cell limit its faces; is it beside a coarse face? */
+    bool *watched, *sharp;
     double *line_phi, *line_right, *line_up, *line_down, *line_above, *line_ease; /* [longest + 1][LINES] */
     double *line_seam;
 };
 
-/* A run: the inner faces of an axis within one outer index, contiguous with the cells below and above. */
+/* The inner faces of an axis within one outer index: they are contiguous, and so are the cells below and above them. */
 struct run {
     long cell, face, n;
 };
@@ -44,7 +50,7 @@ KERNEL static void central_flux_lattice(long n, double per_width, const double *
     }
 }
 
-/* Engquist-Osher: g = u phi + f phi (1 - phi) turns at `turn`. */
+/* Computes the Engquist-Osher flux: g = u phi + f phi (1 - phi) turns at `turn`. */
 KERNEL static void monotone_flux_lattice(long n, double per_width, const double *restrict below,
                                          const double *restrict above, const double *restrict u,
                                          const double *restrict f, const double *restrict D, double *restrict flux) {
@@ -62,7 +68,7 @@ KERNEL static void monotone_flux_lattice(long n, double per_width, const double 
 typedef void flux_function(long, double, const double *restrict, const double *restrict, const double *restrict,
                            const double *restrict, const double *restrict, double *restrict);
 
-/* The faces at both ends of a cyclic axis are one. */
+/* Computes the flux on the seam of a cyclic axis: the faces at both ends are one. */
 static void seam_flux(const struct segregation_field *s, flux_function *function, int k, const double *phi,
                       double *flux) {
     const struct segregation_lattice *l = &s->lattice;
@@ -74,7 +80,7 @@ static void seam_flux(const struct segregation_field *s, flux_function *function
         memcpy(flux + low + n * across, flux + low, (size_t)across * sizeof *flux);
     }
 }
-/* Boundary faces carry the cell's phi out and the inflow's in. */
+/* Computes the flux on the boundary: its faces carry the cell's phi out and the inflow's in. */
 static void boundary_flux(const struct segregation_field *s, int k, const double *phi, double *flux) {
     const struct segregation_lattice *l = &s->lattice;
     const long across = s->stride[k], n = l->n[k];
@@ -106,7 +112,7 @@ KERNEL static void add_difference(long n, double factor, const double *restrict 
                                   const double *restrict high, double *restrict out) {
     for (long i = 0; i < n; i++) out[i] -= factor * ease[i] * (high[i] - low[i]);
 }
-/* out -= dt/capacity div flux */
+/* Subtracts dt/capacity div flux from out. */
 static void subtract_divergence(const struct segregation_field *s, double dt, double *const flux[MAX_DIM],
                                 double *out) {
     for (int k = 0; k < s->lattice.dim; k++) {
@@ -122,13 +128,13 @@ static void subtract_divergence(const struct segregation_field *s, double dt, do
 /* ---- (I + late dt J_k) change = change along the lines of axis k; flux_k += late J_k change ---- */
 
 struct lines {
-    int k, count;              /* lines of a batch */
+    int k, count;              /* axis; lines of the batch */
     long n, step;              /* cells of a line; stride along it */
-    long cell, face;           /* first of the first line */
+    long cell, face;           /* first cell and face of the first line */
     long cell_next, face_next; /* stride from line to line */
 };
 
-/* The Jacobian of the flux at phi: up to the cell below a face, down to the one above. */
+/* Computes the Jacobian of the flux at phi: `up` to the cell below a face, `down` to the one above. */
 KERNEL static void assemble_lines(long count, double per_width, const double *restrict a, const double *restrict b,
                                   const double *restrict u, const double *restrict f, const double *restrict D,
                                   double *restrict up, double *restrict down) {
@@ -138,7 +144,7 @@ KERNEL static void assemble_lines(long count, double per_width, const double *re
         down[i] = 0.5 * (u[i] + f[i] * (1 - 2 * b[i])) - g;
     }
 }
-/* Thomas' elimination without pivots, LINES systems abreast. */
+/* Solves LINES tridiagonal systems abreast by Thomas' elimination without pivots. */
 KERNEL static void eliminate_lines(long n, double part, const double *restrict ease, const double *restrict up,
                                    const double *restrict down, double *restrict above, double *restrict right) {
     for (int c = 0; c < LINES; c++) {
@@ -159,7 +165,7 @@ KERNEL static void eliminate_lines(long n, double part, const double *restrict e
         for (int c = 0; c < LINES; c++) right[i * LINES + c] -= above[i * LINES + c] * right[(i + 1) * LINES + c];
 }
 
-/* The same where the last cells border on the first ones (Sherman & Morrison). up and down of the seam stand in front
+/* Solves lines whose last cells border on the first ones (Sherman & Morrison). up and down of the seam stand in front
  * and behind; those behind are put in order again. */
 static void eliminate_cyclic(long n, double part, const double *ease, double *up, double *down, double *above,
                              double *right, double *seam) {
@@ -236,7 +242,7 @@ static void solve_lines(struct segregation_field *s, double dt, double late, con
 static void solve_axis(struct segregation_field *s, double dt, double late, int k, const double *phi) {
     const long across = s->stride[k], n = s->lattice.n[k], outer = outer_count(s, k);
     struct lines b = {.k = k, .n = n, .step = across};
-    const long lines = k ? across : outer; /* that lie side by side */
+    const long lines = k ? across : outer; /* number of lines that lie side by side */
     b.cell_next = k ? 1 : n;
     b.face_next = k ? 1 : n + 1;
     for (long o = 0; o < (k ? outer : 1); o++)
@@ -250,7 +256,7 @@ static void solve_axis(struct segregation_field *s, double dt, double late, int 
 
 /* ---- bounds ---- */
 
-struct sides { /* of a cell along an axis: faces */
+struct sides { /* faces of a cell along an axis */
     long low, high;
 };
 static struct sides sides_of(const struct segregation_field *s, int k, long c) {
@@ -268,7 +274,7 @@ static bool beside_coarse(const struct segregation_field *s, int k, long cell, s
     return (low && (i > 0 || l->cyclic[k])) || (high && (i < l->n[k] - 1 || l->cyclic[k]));
 }
 
-/* Low fluxes: the mean of as many monotone steps as dt needs; s->low is their phi. */
+/* Computes the low fluxes, the mean of as many monotone steps as dt needs, and their phi in s->low. */
 static void monotone_steps(struct segregation_field *s, double dt, const double *phi) {
     long steps = (long)ceil(dt * s->advance_rate);
     if (steps < 1) steps = 1;
@@ -294,7 +300,8 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
         double least = 1, most = 0;
         widen(&least, &most, phi[c], s->low[c]);
         for (int k = 0; k < l->dim && s->sharp[c]; k++) {
-            const long around = l->cyclic[k] ? (l->n[k] - 1) * s->stride[k] : 0; /* 0: the cell itself */
+            /* 0: the cell itself stands for its neighbour */
+            const long around = l->cyclic[k] ? (l->n[k] - 1) * s->stride[k] : 0;
             const long below = i[k] > 0 ? c - s->stride[k] : c + around;
             const long above = i[k] < l->n[k] - 1 ? c + s->stride[k] : c - around;
             widen(&least, &most, phi[below], s->low[below]);
@@ -306,7 +313,7 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
     }
 }
 
-/* The cell's faces let through what keeps it within bounds whatever the others do. */
+/* Limits the cell's faces to what keeps it within its bounds whatever the other faces do. */
 static void limit_cell(struct segregation_field *s, double dt, long c) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {
@@ -323,6 +330,7 @@ static void limit_cell(struct segregation_field *s, double dt, long c) {
         s->part[k][f.high] = smaller(s->part[k][f.high], s->flux[k][f.high] > 0 ? losses : gains);
     }
 }
+/* Returns phi' of cell c with the fluxes as limited so far. */
 static double limited(const struct segregation_field *s, double dt, long c) {
     double out = s->low[c];
     for (int k = 0; k < s->lattice.dim; k++) {
@@ -333,7 +341,7 @@ static double limited(const struct segregation_field *s, double dt, long c) {
     return out;
 }
 
-/* Of a seam's two copies the smaller part holds for both. */
+/* Makes the shares on both copies of a seam's faces equal: the smaller one holds. */
 static void join_parts(struct segregation_field *s) {
     for (int k = 0; k < s->lattice.dim; k++) {
         const long across = s->stride[k], n = s->lattice.n[k] * across;
@@ -345,7 +353,7 @@ static void join_parts(struct segregation_field *s) {
     }
 }
 
-/* s->next within bounds; s->flux becomes what exceeds the low flux. */
+/* Brings s->next within its bounds; s->flux becomes its excess over the low flux. */
 static void bound(struct segregation_field *s, double dt, const double *phi) {
     s->counts.bounded++;
     monotone_steps(s, dt, phi);
@@ -371,7 +379,7 @@ static void bound(struct segregation_field *s, double dt, const double *phi) {
         for (long j = 0; j < s->faces[k]; j++) s->counts.corrected += s->part[k][j] < 1;
 }
 
-/* s->flux, s->next <- a step from phi with D as it is. late: 1/2 Crank-Nicolson, 1 implicit Euler. */
+/* Makes a step from phi with D as it is: s->flux, s->next. late: 1/2 Crank-Nicolson, 1 implicit Euler. */
 static void central_step(struct segregation_field *s, double dt, double late, const double *phi) {
     take_flux(s, central_flux_lattice, phi, s->flux);
     memset(s->change, 0, (size_t)s->cells * sizeof *s->change);
@@ -386,7 +394,7 @@ KERNEL static void face_means(long n, const double *restrict below, const double
                               double *restrict out) {
     for (long i = 0; i < n; i++) out[i] = 0.5 * (below[i] + above[i]);
 }
-/* D of the law at phi. */
+/* Sets D from the law at phi. */
 static void take_law(struct segregation_field *s, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
     for (int k = 0; k < l->dim; k++) {
@@ -480,7 +488,7 @@ static status make_room(struct segregation_field *s) {
                                              &s->line_seam, &s->line_ease,  &s->line_above},
            **const cells[] = {&s->change, &s->next,   &s->low,   &s->least, &s->most,
                               &s->ease,   &s->before, &s->whole, &s->halves};
-    for (int i = 0; i < 7; i++, at += buffer) *lines[i] = at; /* line_above: three of them */
+    for (int i = 0; i < 7; i++, at += buffer) *lines[i] = at; /* line_above has room for three buffers */
     at += 2 * buffer;
     for (int i = 0; i < 9; i++, at += s->cells) *cells[i] = at;
     for (int k = 0; k < dim; k++) {

@@ -1,4 +1,5 @@
-/* Steps made of steps: damped ones, and ones as long as the error allows. */
+/* Steps of segregation made of basic steps, for lines and lattices alike: damped ones (Rannacher 1984), and ones as
+ * long as the error allows (step doubling). */
 #include "libcore/segregation/segregation_private.h"
 
 status segregation_damped(const struct segregation_steps *s, double dt, double *phi) {
@@ -9,7 +10,7 @@ status segregation_damped(const struct segregation_steps *s, double dt, double *
     return e;
 }
 
-/* Mean over all cells of |whole - halves|. */
+/* Returns the weighted mean over all cells of |whole - halves|. */
 static double difference(const struct segregation_steps *s) {
     double sum = 0, size = 0;
     for (long i = 0; i < s->n; i++) {
@@ -20,15 +21,16 @@ static double difference(const struct segregation_steps *s) {
     return sum / size;
 }
 
-/* Is the mean of both near enough, and by which factor may the step grow? Steps of dt err by e, halves by e/4, the mean
- * of both by 5/6 of their difference. */
+/* Is the mean of both accurate enough, and by which factor may the step grow? Whole steps err by e, halves by e/4,
+ * their mean by 5/6 of their difference. */
 static bool good(double differ, double allowed, double *factor) {
-    const double error = smaller(5. / 6 * differ, 1); /* infinite: a step that failed */
+    const double error = smaller(5. / 6 * differ, 1); /* `differ` is infinite if a step failed */
     *factor = smaller(4, larger(0.25, 0.9 * power(larger(allowed, 1e-290) / larger(error, 1e-290), 1. / 3)));
     return error <= allowed;
 }
 
-/* Parts that decay within dt turn their sign in Crank-Nicolson's step and keep it in two: the mean ends them. */
+/* The mean of both damps modes that decay within dt: they change their sign in Crank-Nicolson's whole step and keep it
+ * in two halves. */
 status segregation_adapt(const struct segregation_steps *s, double allowed, double *dt, double *next, long *rejected,
                          double *phi) {
     const size_t size = (size_t)s->n * sizeof *phi;

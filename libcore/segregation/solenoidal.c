@@ -1,14 +1,17 @@
+/* Solves the Poisson equation of the projection (solenoidal.h), -div grad p = div u on the open faces, by conjugate
+ * gradients with Jacobi's preconditioner. */
 #include "libcore/segregation/solenoidal.h"
 
 #include <stdlib.h>
 
-struct poisson { /* p of the cells, in one piece of memory */
+/* Arrays of cells: p, the residual, the search direction, its image, the diagonal; one piece of memory at p. */
+struct poisson {
     const struct face_flow *flow;
     long cells, stride[MAX_DIM];
     double *p, *rest, *way, *image, *diagonal;
 };
 
-/* A row of cells along axis 0 .. : the faces between a block of cells and the next along axis k lie in one run. */
+/* Returns the number of runs of axis k: the cells within one outer index, whose faces along k are contiguous. */
 static long runs(const struct poisson *a, int k) {
     return a->cells / (a->flow->n[k] * a->stride[k]);
 }
@@ -25,7 +28,7 @@ static void divergence(const struct poisson *a, double *out) {
     }
 }
 
-/* out = -div(open grad p), which shall be div u; with p NULL the diagonal of that. */
+/* Computes out = -div(grad p on open faces), which shall become div u; with p NULL the diagonal of that operator. */
 static void apply(const struct poisson *a, const double *p, double *out) {
     const struct face_flow *l = a->flow;
     for (long c = 0; c < a->cells; c++) out[c] = 0;
@@ -61,7 +64,8 @@ static double largest(long n, const double *a) {
     return most;
 }
 
-/* Conjugate gradients, scaled by the diagonal. The mean of p in each room is free and stays 0 or what it is. */
+/* Iterates p by conjugate gradients, scaled by the diagonal. The mean of p in each closed room is free and stays as it
+ * is. */
 static int solve(struct poisson *a, double enough) {
     const long n = a->cells;
     double rho = 0, before;
@@ -82,6 +86,7 @@ static int solve(struct poisson *a, double enough) {
     return k;
 }
 
+/* Adds grad p to u on the open faces; returns the largest change. */
 static double take_gradient(const struct poisson *a) {
     const struct face_flow *l = a->flow;
     double most = 0;
@@ -106,7 +111,7 @@ static double take_gradient(const struct poisson *a) {
     return most;
 }
 
-/* What leaves becomes what enters. */
+/* Scales the outflow through the boundary to equal the inflow. */
 static status balance(const struct poisson *a, double *scaled) {
     const struct face_flow *l = a->flow;
     double in = 0, out = 0;

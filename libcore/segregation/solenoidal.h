@@ -1,4 +1,4 @@
-/* Face velocities without divergence, as near as possible to given ones (segregation_lattice.h needs them). */
+/* Projects face velocities on a lattice to the nearest ones without divergence (segregation_lattice.h needs them). */
 #ifndef LIBCORE_SOLENOIDAL_H
 #define LIBCORE_SOLENOIDAL_H
 
@@ -6,20 +6,21 @@
 #include "mesh/base/status.h"
 
 struct face_flow {       /* faces of axis k: n[k] + 1 along it, axis 0 fastest; cells likewise */
-    int dim, n[MAX_DIM]; /* 1 beyond dim */
+    int dim, n[MAX_DIM]; /* n: cells along each axis, 1 beyond dim */
     double width[MAX_DIM];
-    double *u[MAX_DIM];        /* m/s; 0 on walls */
-    const bool *open[MAX_DIM]; /* inner faces that are no walls; false on the boundary */
+    double *u[MAX_DIM];        /* [faces of axis k] m/s; 0 on walls */
+    const bool *open[MAX_DIM]; /* [faces of axis k] is the face an inner one and no wall? false on the boundary */
     bool cyclic[MAX_DIM];      /* the first and the last faces of the axis are the same: u and open are, too */
 };
 struct face_flow_change {
-    double scaled;        /* what leaves through the boundary was multiplied by it, to be what enters */
-    double largest;       /* change of an inner face's u, m/s */
-    double before, after; /* largest |divergence|, 1/s */
+    double scaled;        /* factor on the outflow through the boundary that made it equal the inflow */
+    double largest;       /* largest change of an inner face's u, m/s */
+    double before, after; /* largest |divergence| before and after, 1/s */
     int iterations;
 };
-/* u <- u + grad p on the open faces, div u = 0: the least change in the sum of squares, by conjugate gradients. The
- * boundary's u stays but for `scaled`. ERR_INPUT: nothing leaves of what enters, or a closed room has an inlet. */
+/* Adds grad p to u on the open faces so that div u = 0: the least change in the sum of squares, by conjugate gradients.
+ * The boundary's u stays but for `scaled`. Fails with ERR_INPUT if flow enters but none leaves (or the reverse), or if
+ * a closed room has an inlet. */
 status face_flow_project(struct face_flow *flow, struct face_flow_change *change);
 
 #endif
