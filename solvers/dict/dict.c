@@ -1,3 +1,5 @@
+/* Dictionaries in memory: what they own, look-up of keys and regular expressions, keys that no read asked for,
+ * suggestions, printing. dict_parse.c makes them from text, dict_typed.c has the typed reads. */
 #include "solvers/dict/dict.h"
 #include "solvers/dict/dict_parts.h"
 
@@ -53,7 +55,8 @@ status document_keep(struct document *d, struct source *s) {
     return e;
 }
 
-/* The library repeats what stands before {n} and + in memory, and tries back references one by one. */
+/* Names what makes a regular expression costly: the library repeats in memory what stands before {n} and +, and tries
+ * back references one by one. */
 static const char *costly(const char *key) {
     int plus = 0;
     for (const char *c = key; *c; c++) {
@@ -100,7 +103,7 @@ void dict_free(struct dict *d) {
     if (d) document_free(d->document);
 }
 
-/* Takes the source. */
+/* Makes a dictionary from a source, which it then owns. */
 static status dict_make(struct source *s, struct dict **out) {
     *out = NULL;
     struct document *d = calloc(1, sizeof *d);
@@ -155,7 +158,7 @@ struct entry *dict_find(const struct dict *d, const char *key) {
     return NULL;
 }
 
-/* Remembers that the program knows this key. Without memory for it only a suggestion is lost. */
+/* Remembers that the program knows this key. Without memory for the key only a suggestion is lost. */
 static void ask(const struct dict *d, const char *key) {
     struct names *a = d->asked;
     for (int i = 0; i < a->count; i++)
@@ -200,7 +203,7 @@ const char *dict_key(const struct dict *d, int i) {
 
 /* ---- names ---- */
 
-/* Levenshtein's distance, of words of at most 63 characters. */
+/* Returns Levenshtein's distance of words of at most 63 characters. */
 static int distance(const char *a, const char *b) {
     int row[64], n = (int)strlen(a), m = (int)strlen(b);
     if (n > 63 || m > 63) return 64;
@@ -306,7 +309,7 @@ void entry_print(const struct entry *e, char *text, size_t room) {
     free(t.text);
 }
 
-/* Would the key be read again without its quotes? */
+/* Is the key a word that can be read again without quotes? */
 static bool is_word(const char *key) {
     struct source *s = NULL;
     struct token t = {0};

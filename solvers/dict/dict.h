@@ -8,20 +8,21 @@
 struct dict;
 struct foam_header;
 
-status dict_read(const char *path, struct dict **out); /* header skipped; path or path.gz */
+status dict_read(const char *path, struct dict **out); /* the FoamFile header is skipped; path or path.gz */
 status dict_from_text(const char *name, const char *text, struct dict **out);
 void dict_free(struct dict *d); /* the top level only */
 
-bool dict_has(const struct dict *d, const char *key); /* counts as read: known to the reader */
-/* Sub-dictionary: error if missing or no dictionary; dict_sub_optional gives NULL if missing. */
+bool dict_has(const struct dict *d, const char *key); /* the key then counts as read */
+/* Find a sub-dictionary. A missing key is an error, but dict_sub_optional then gives NULL; any other value is an
+ * error. */
 status dict_sub(struct dict *d, const char *key, struct dict **out);
 status dict_sub_optional(struct dict *d, const char *key, struct dict **out);
-/* The FoamFile header of the file (present = false if it has none). */
+/* Returns the FoamFile header of the file (present = false if it has none). */
 const struct foam_header *dict_header(const struct dict *d);
-const char *dict_path(const struct dict *d); /* file, for messages */
+const char *dict_path(const struct dict *d); /* the dictionary's file, for messages */
 int dict_line(const struct dict *d, const char *key);
 
-/* Errors for a value: "FILE:LINE: key 'x' is VALUE; <format...>" */
+/* Returns an error for a value: "FILE:LINE: key 'x' is VALUE; <format...>". */
 status dict_fail(const struct dict *d, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* Typed reads. A missing key is an error, unless *_or gives a default. unit: exponents of kg, m, s; a dimensioned entry
@@ -33,36 +34,37 @@ status dict_switch_or(struct dict *d, const char *key, bool standard, bool *out)
 status dict_word(struct dict *d, const char *key, const char **out); /* one word or string */
 status dict_word_or(struct dict *d, const char *key, const char *standard, const char **out);
 status dict_vector(struct dict *d, const char *key, const signed char unit[3], double out[3]); /* (x y z) */
-/* The word must be one of the `count` names at names[0], names + stride bytes, ...: *index; the error lists them all
- * and suggests the nearest. */
+/* Reads a word that must be one of the `count` names at names[0], names + stride bytes, ...; *index is its place. The
+ * error lists all names and suggests the nearest. */
 status dict_choice(struct dict *d, const char *key, const char *const *names, int count, int *index);
 status dict_words(struct dict *d, const char *key, int *count, const char *const **out); /* ( a b c ) or a */
 status dict_numbers(struct dict *d, const char *key, int *count, const double **out);    /* ( 1 2 3 ) */
 status dict_vectors(struct dict *d, const char *key, int *count, const double **out);    /* ((x y z) ...) */
 status dict_dimensions(struct dict *d, const char *key, signed char out[7]);             /* [1 -3 0 0 0 0 0] */
-/* `table ((t v) ...)`, a Function1 of OpenFOAM: (*out)[*count][2] of rising t; *count = 0: the value is no table. */
+/* Reads `table ((t v) ...)`, a Function1 of OpenFOAM: (*out)[*count][2] of rising t; *count = 0: the value is no
+ * table. */
 status dict_table(struct dict *d, const char *key, int *count, const double **out);
 
-/* The tokens of a value, macros expanded: the lexer stands at the first one, and ';' follows the
- * last. A nonuniform List<...> of any size is read
- * through this alone: it was skipped when the file was read; dict_header says how its bytes lie. The lexer lives as
- * long as the dictionary. */
+/* Gives the tokens of a value, macros expanded: the lexer stands before the first one, and ';' follows the last. A
+ * nonuniform List<...> of any size is read through this function alone: the parser skipped it; dict_header says how its
+ * bytes lie. The lexer lives as long as the dictionary. */
 struct lexer;
 status dict_raw(struct dict *d, const char *key, struct lexer *out);
 
-/* Entries in order, for dictionaries whose keys are names (patches, functions). */
+/* The entries in order, for dictionaries whose keys are names (patches, functions). */
 int dict_count(const struct dict *d);
 const char *dict_key(const struct dict *d, int i);
 
-/* Error for the first key, in d and below, that no read asked for: "FILE:LINE: keyword 'maxC0' is not used; did you
- * mean 'maxCo'?" from the keys that were asked for in that dictionary. */
+/* Fails on the first key, in d and below, that no read asked for: "FILE:LINE: keyword 'maxC0' is not used; did you mean
+ * 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
 status dict_check_used(const struct dict *d);
-void dict_mark_used(struct dict *d); /* d and all below: for what is left to other programs */
+void dict_mark_used(struct dict *d); /* marks all keys in d and below as read: they are for other programs */
 
-/* The whole dictionary as text, macros expanded (provenance); malloc'd. */
+/* Returns the whole dictionary as text, macros expanded (for provenance); the caller frees it. */
 char *dict_print(const struct dict *d);
 
-/* The name nearest to `word` (edit distance at most 3 and half of the shorter one), or NULL: for "did you mean". */
+/* Returns the name nearest to `word` (edit distance at most 3 and at most half of the shorter one) for "did you mean",
+ * or NULL. */
 const char *nearest_name(const char *word, const char *const *names, int count);
 
 #endif

@@ -1,4 +1,4 @@
-/* Where the files of #include lie: within the case, and nowhere else. */
+/* Finds the files of #include: they lie within the case, or beside the file that includes them, and nowhere else. */
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/dict/dict_parts.h"
 
@@ -20,7 +20,8 @@ int include_root(const char *path) {
     return length;
 }
 
-/* The path without `.` and `..`; refused if it is absolute or leaves the case. */
+/* Joins the path of the including file and that of #include, without `.` and `..`; refuses a path that is absolute or
+ * leaves the case. */
 static status join(const struct lexer *l, const struct token *t, int root_length, char out[INCLUDE_PATH]) {
     const char *path = l->source->path, *slash = strrchr(path, '/');
     char joined[INCLUDE_PATH];
@@ -47,7 +48,7 @@ static status join(const struct lexer *l, const struct token *t, int root_length
     return OK;
 }
 
-/* Is the file, links followed, in the folder or below? folder: `length` characters. */
+/* Is the file, links followed, in the folder or below? The first `length` characters of `folder` name it. */
 static bool is_inside(const char *real, const char *folder, int length) {
     char name[INCLUDE_PATH];
     snprintf(name, sizeof name, "%.*s", length, folder);

@@ -1,3 +1,6 @@
+/* Makes a dictionary from text in OpenFOAM's grammar: entries and sub-dictionaries, macros ($name), #include, #eval,
+ * #if, #inputMode, #remove, #default. It runs no code and bounds depth and memory: macros and #include that multiply
+ * are refused. */
 #include "solvers/dict/dict_parts.h"
 #include "solvers/dict/expr.h"
 
@@ -9,17 +12,17 @@
 enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, KEYS = 10000, COPIES = 1000000 };
 enum mode { MERGE, OVERWRITE, PROTECT, ERROR };
 
-struct file { /* a file being read, and the one that includes it */
+struct file { /* a file being read; `from` is the file that includes it */
     struct lexer l;
     struct foam_header header;
     const struct file *from;
-    int case_length; /* of the path: the folder of the case with its '/' */
+    int case_length; /* characters of the path that name the folder of the case, with its '/' */
 };
 struct reading {
     struct document *document;
     enum mode mode;
     int depth;
-    long copied; /* values that macros and #include multiply: bounded, since copies of copies double */
+    long copied; /* values that macros and #include have multiplied: bounded, since copies of copies double */
 };
 
 static status read_entries(struct reading *r, struct file *f, struct dict *d, const struct token *opening);
@@ -38,8 +41,9 @@ static status charge(struct reading *r, const struct file *f, int line, size_t c
 
 /* ---- macros ---- */
 
-/* `name` is what follows '$', without braces: a, a.b, :a.b, ..a. NULL if there is none. A dictionary that is still
- * being read has no entries for a path that comes from above, as in OpenFOAM. */
+/* Finds the entry that a macro names. `name` is what follows '$', without braces: a, a.b, :a.b, ..a. Returns NULL if
+ * there is none. As in OpenFOAM, a dictionary that is still being read has no entries for a path that comes from
+ * above. */
 static struct entry *find_macro(struct dict *d, const char *name) {
     bool upwards = *name != ':' && *name != '.';
     if (*name == ':') {
@@ -108,7 +112,8 @@ static status push_macro(struct reading *r, struct file *f, struct dict *d, stru
 
 /* ---- #eval ---- */
 
-/* A number is put in brackets, so that $a^2 is the square also of a negative a. */
+/* Expands the macros in the text of #eval. Their values are put in brackets, so that $a^2 is the square also of a
+ * negative a. */
 static status expand_text(const struct file *f, struct dict *d, const char *text, int length, int line,
                           char out[EXPANSION]) {
     size_t n = 0;
@@ -179,7 +184,7 @@ struct brackets {
     int line[DEPTH];
 };
 
-/* A word that starts a line, with more than ';' behind it, is the next keyword: the ';' before it is missing. */
+/* Fails if a ';' is missing: a word that starts a line, with more than ';' behind it, is the next keyword. */
 static status check_semicolon(const struct file *f, const struct entry *e, const struct token *t) {
     if (!e->count || !t->first_on_line || (t->kind != TOKEN_WORD && t->kind != TOKEN_STRING)) return OK;
     if (t->length > 5 && !memcmp(t->text, "List<", 5)) return OK;
@@ -291,7 +296,7 @@ static status compile_pattern(struct reading *r, const struct file *f, struct en
     return fail(ERR_INPUT, "%s:%d: \"%.80s\" is no regular expression: %s", f->l.source->path, e->line, e->key, why);
 }
 
-/* The entry of that key, new or again; NULL in *out if the mode protects the old one. */
+/* Finds the entry of a key, or adds it, and empties it; *out is NULL if the mode protects the old entry. */
 static status place(struct reading *r, const struct file *f, struct dict *d, const char *key, bool pattern, int line,
                     bool is_sub, struct entry **out) {
     struct entry *e = dict_find_exact(d, key);
@@ -334,7 +339,7 @@ static status new_sub(struct reading *r, struct dict *d, struct entry *e) {
 
 static status insert(struct reading *r, const struct file *f, struct dict *to, const struct dict *from, int line,
                      int depth) {
-    int count = from->count; /* `to` may hold `from` */
+    int count = from->count; /* `to` may hold `from`, which then may grow */
     for (int i = 0; i < count; i++) {
         const struct entry *old = &from->entry[i];
         if (old->open || (old->sub && (old->sub == to || depth > DEPTH))) continue;
@@ -360,7 +365,7 @@ static status expect_end(struct file *f, const struct entry *e) {
     return fail(ERR_INPUT, "%s:%d: missing ';' after '%s'?", f->l.source->path, e->line, e->key);
 }
 
-/* `$base;` inserts a dictionary into this one. */
+/* Reads `$base;`, which inserts a dictionary into this one. */
 static status read_insertion(struct reading *r, struct file *f, struct dict *d, const struct token *key) {
     struct entry *from = NULL;
     TRY(get_macro(f, d, key->text, key->length, key->line, &from));
@@ -376,7 +381,7 @@ static status read_sub(struct reading *r, struct file *f, struct dict *d, const 
     struct entry *e = NULL, away = {.key = key, .path = f->l.source->path, .line = line};
     TRY(lexer_next(&f->l, &brace));
     TRY(place(r, f, d, key, pattern, line, true, &e));
-    if (!e) e = &away; /* protected: read, and dropped */
+    if (!e) e = &away; /* the old one is protected: the new one is read and dropped */
     bool fresh = !e->sub;
     if (fresh) TRY(new_sub(r, d, e));
     e->open = fresh;
@@ -387,7 +392,7 @@ static status read_sub(struct reading *r, struct file *f, struct dict *d, const 
     return OK;
 }
 
-/* Does a list of dictionaries follow: `( name { ... } ... )`? It is read as a dictionary. */
+/* Does a list of dictionaries follow, `( name { ... } ... )`? It is read as a dictionary. */
 static bool is_named_list(struct lexer l) {
     struct token t[3];
     for (int i = 0; i < 3; i++) {
@@ -398,7 +403,7 @@ static bool is_named_list(struct lexer l) {
     return token_is(&t[0], "(") && t[1].kind == TOKEN_WORD && token_is(&t[2], "{");
 }
 
-/* `key $base;` where base is a dictionary makes a copy of it. */
+/* Reads `key $base;`, which copies base if it is a dictionary (*done). */
 static status copy_sub(struct reading *r, struct file *f, struct dict *d, const char *key, bool pattern,
                        const struct token *t, bool *done) {
     struct entry *from = NULL, *e = NULL;
@@ -450,7 +455,7 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
 
 /* ---- directives ---- */
 
-/* A file that is included again is not read again. */
+/* Opens a file to include; a file that is included again is not read again. */
 static status open_once(struct reading *r, const struct file *f, const char *path, int line, struct source **out) {
     for (int i = 0; i < r->document->sources; i++) {
         *out = r->document->source[i];
@@ -535,7 +540,7 @@ static status read_remove(struct file *f, struct dict *d) {
     }
 }
 
-/* `#default key value;` sets what is not set. */
+/* Reads `#default key value;`, which sets a key that is not set. */
 static status read_default(struct reading *r, struct file *f, struct dict *d) {
     enum mode before = r->mode;
     struct token t;
@@ -548,7 +553,7 @@ static status read_default(struct reading *r, struct file *f, struct dict *d) {
 
 /* ---- conditions ---- */
 
-/* One value after #if or #ifeq, macros and #eval done. */
+/* Reads one value after #if or #ifeq, with macros and #eval done. */
 static status read_operand(struct reading *r, struct file *f, struct dict *d, const struct token *directive,
                            struct entry *e) {
     struct token t;
@@ -559,7 +564,7 @@ static status read_operand(struct reading *r, struct file *f, struct dict *d, co
     return push_token(r, f, d, e, &t);
 }
 
-/* To behind the #else or #endif that belongs to the #if at `line`. */
+/* Moves behind the #else or #endif that belongs to the #if at `line`. */
 static status skip_branch(struct file *f, int line, bool stop_at_else, bool *at_else) {
     int depth = 1;
     for (;;) {
@@ -600,7 +605,7 @@ static status read_condition(struct reading *r, struct file *f, struct dict *d, 
                 t->line, left);
 }
 
-/* ifs: how many #if are open among the entries being read. */
+/* Reads #if, #ifeq, #else or #endif; *ifs counts the #if that are open among the entries being read. */
 static status read_branch(struct reading *r, struct file *f, struct dict *d, const struct token *t, int *ifs) {
     bool holds = false, at_else = false;
     if (token_is(t, "#if") || token_is(t, "#ifeq")) {
@@ -627,7 +632,7 @@ static status read_directive(struct reading *r, struct file *f, struct dict *d, 
                       "#endif, and #eval #calc in values; no code is run");
 }
 
-/* Up to the '}' or ')' of `opening`, or to the end of the file if that is NULL. */
+/* Reads entries up to the '}' or ')' of `opening`, or to the end of the file if that is NULL. */
 static status read_entries(struct reading *r, struct file *f, struct dict *d, const struct token *opening) {
     int ifs = 0;
     char closing = opening && *opening->text == '(' ? ')' : '}';

@@ -1,3 +1,5 @@
+/* Typed and ranged reads of dictionary values (dict.h): numbers with dimensions, words, vectors, lists, tables. Every
+ * error names file, line, key and value, and says what is expected. */
 #include "solvers/dict/dict.h"
 #include "solvers/dict/dict_parts.h"
 
@@ -37,7 +39,7 @@ static status missing(const struct dict *d, const char *key, const char *what) {
                 where, hint);
 }
 
-/* The value of a key that must be there. */
+/* Finds the entry of a key that must be there and have a value of its own. */
 static status need(struct dict *d, const char *key, const char *what, struct entry **out) {
     *out = dict_ask(d, key);
     if (!*out) return missing(d, key, "key");
@@ -97,7 +99,7 @@ static bool is_number(const struct entry *e, int i) {
     return i < e->count && e->value[i].kind == TOKEN_NUMBER;
 }
 
-/* [a b c d e f g] at value *i, which is moved behind it. */
+/* Reads [a b c d e f g] at value *i, which is moved behind it. */
 static status read_dimensions(const struct dict *d, const char *key, const struct entry *e, int *i,
                               signed char out[7]) {
     int n = 0;
@@ -113,7 +115,7 @@ static status read_dimensions(const struct dict *d, const char *key, const struc
     return OK;
 }
 
-/* Past `[...]` or `name [...]`; *first is where the number or vector stands. */
+/* Passes over `[...]` or `name [...]` and checks the unit; *first is where the number or vector stands. */
 static status skip_dimensions(const struct dict *d, const char *key, const struct entry *e, const signed char unit[3],
                               int *first) {
     signed char found[7];
@@ -221,7 +223,7 @@ status dict_choice(struct dict *d, const char *key, const char *const *names, in
                      near ? "'?" : "");
 }
 
-/* `(x y z)`, of `width` numbers, at value *i. */
+/* Reads `(x y z)`, a tuple of `width` numbers, at value *i, which is moved behind it. */
 static bool read_tuple(const struct entry *e, int *i, int width, double *out) {
     if (!is_mark(e, *i, '(') || !is_mark(e, *i + width + 1, ')')) return false;
     for (int k = 0; k < width; k++) {
@@ -260,7 +262,7 @@ static status open_list(const struct dict *d, const char *key, const struct entr
     return OK;
 }
 
-/* first: where the list begins */
+/* Reads a list of tuples of `width` numbers that begins at value `first`. */
 static status numbers(struct dict *d, const char *key, const char *what, int first, int width, int *count,
                       const double **out) {
     struct entry *e;

@@ -1,3 +1,4 @@
+/* Compiles arithmetic expressions by recursive descent to steps of a stack machine, and evaluates them (expr.h). */
 #include "solvers/dict/expr.h"
 
 #include "mesh/format/foamfile.h"
@@ -110,7 +111,7 @@ enum { RANKS = 5 };
 struct compiler {
     const char *text, *p;
     int depth, stack;
-    bool mixture; /* are phi and shearRate variables? */
+    bool mixture; /* are phi and shearRate known? */
     struct expr *e;
 };
 
@@ -194,7 +195,7 @@ static status name(struct compiler *c) {
            "min max abs floor ceil round sign pos neg mod hypot");
 }
 
-/* foam_number wants a blank or bracket behind a number; here an operator may follow. */
+/* Reads a number: foam_number wants a blank or bracket behind it, but here an operator may follow. */
 static status number(struct compiler *c) {
     char copy[64];
     int n = 0;
@@ -325,7 +326,7 @@ bool expr_uses(const struct expr *e, int variable) {
 
 double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate) {
     const double variable[] = {x, y, z, t, phi, shear_rate};
-    double stack[STACK + 1], *top = stack; /* top: the last value */
+    double stack[STACK + 1], *top = stack; /* top: the last value on the stack */
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
         switch (s->op) {
         case NUMBER:

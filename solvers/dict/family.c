@@ -1,4 +1,4 @@
-/* Reads, prints and lists families of models. */
+/* Reads, prints and lists families of models (family.h). */
 #include "solvers/dict/family.h"
 
 #include "solvers/dict/params.h"
@@ -16,7 +16,7 @@ static const struct model *chosen_of(const struct family *k, const void *base) {
     return row;
 }
 
-/* The row whose name is the value of the keyword; NULL: `none` */
+/* Reads the row whose name is the value of the keyword; *row is NULL for the word `none`. */
 static status read_name(const struct family *k, struct dict *d, const struct model **row) {
     const int none = k->none ? 1 : 0, n = *k->count + none;
     const char **names;
@@ -38,7 +38,7 @@ static status choose(const struct family *k, struct dict *d, const struct model 
     return OK;
 }
 
-/* The dictionary NAMECoeffs of a row; NULL: missing */
+/* Finds the dictionary NAMECoeffs of a row; *out is NULL if it is missing. */
 static status find_coeffs(struct dict *d, const struct model *row, struct dict **out) {
     char name[128];
     snprintf(name, sizeof name, "%sCoeffs", row->name);

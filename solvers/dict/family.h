@@ -29,15 +29,15 @@ struct family {
     status (*suits)(struct dict *d, void *base);
     status (*holds)(struct dict *d, void *base);
 };
-/* The members `rows`, `stride` and `count` of the table NAME_table with NAME_count rows */
+/* The members `rows`, `stride` and `count` of the table NAME_table with NAME_count rows. */
 #define FAMILY_ROWS(name) .rows = name##_table, .stride = sizeof *name##_table, .count = &name##_count
 
-/* Reads from d, the file's dictionary, into the struct at base. */
+/* Reads the keyword and the row's parameters from d, the file's dictionary, into the struct at base. */
 status family_read(const struct family *k, struct dict *d, void *base);
 /* Marks the keyword and all NAMECoeffs as known, for programs that leave the family to others. */
 status family_leave(const struct family *k, struct dict *d);
 
-void family_list(FILE *f, const struct family *k);                    /* title, rows, their parameters */
-void family_print(FILE *f, const struct family *k, const void *base); /* the chosen row and its parameters */
+void family_list(FILE *f, const struct family *k);                    /* prints title, rows, their parameters */
+void family_print(FILE *f, const struct family *k, const void *base); /* prints the chosen row and its parameters */
 
 #endif

@@ -1,3 +1,4 @@
+/* Reads and prints parameters by their tables (params.h). */
 #include "solvers/dict/params.h"
 
 #include <limits.h>
@@ -24,7 +25,7 @@ static int count_words(const struct param *p) {
 static status missing(struct dict *d, const struct param *p) {
     double none;
     int index;
-    /* the error of reading says where, and what the key may be misspelt as */
+    /* the error of reading says where the key is missing and how it may be misspelt */
     status cause = p->kind == PARAM_CHOICE ? dict_choice(d, p->name, p->words, count_words(p), &index)
                                            : dict_number(d, p->name, p->unit, &none);
     status s = fail(ERR_INPUT, "%s (%s)", status_text(cause), p->meaning);
@@ -78,7 +79,7 @@ static void print_unit(char text[64], const signed char unit[3]) {
     if (!used) snprintf(text, 64, "-");
 }
 
-/* The words of a choice without the one that is chosen where the key is missing: "or paper". */
+/* Lists the words of a choice but the one that is chosen where the key is missing: "or paper". */
 static void print_words(const struct param *p, int standard, char *text, size_t size) {
     const char *before = standard < 0 ? "" : "or ";
     size_t used = 0;
@@ -90,7 +91,7 @@ static void print_words(const struct param *p, int standard, char *text, size_t 
     }
 }
 
-/* What is taken where the key is missing, and what is allowed. */
+/* Writes the default and the values that are allowed. */
 static void print_allowed(const struct param *p, char standard[32], char allowed[128]) {
     const int chosen = isnan(p->standard) ? -1 : (int)fmax(-1, fmin(p->standard, INT_MAX));
     snprintf(standard, 32, "%g", p->standard);

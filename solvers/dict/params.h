@@ -6,11 +6,11 @@
 #include "solvers/dict/dict.h"
 #include <stdio.h>
 
-/* Reads every row of table[n] from d into the struct at base: default where the key is missing (error where the row has
- * none), type, range, word and unit checked; "FILE:LINE: restitution is 1.2; allowed is 0 .. 1". */
+/* Reads every row of table[n] from d into the struct at base. A missing key gets its default (an error where the row
+ * has none); type, range, word and unit are checked: "FILE:LINE: restitution is 1.2; allowed is 0 .. 1". */
 status params_read(struct dict *d, const struct param *table, int n, void *base);
-void params_print(FILE *f, const struct param *table, int n); /* name, default, range or words, unit, meaning */
-/* Names and what the struct at base holds. */
+void params_print(FILE *f, const struct param *table, int n); /* prints name, default, range or words, unit, meaning */
+/* Prints names and the values that the struct at base holds. */
 void params_print_values(FILE *f, const struct param *table, int n, const void *base);
 
 #endif
