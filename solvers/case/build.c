@@ -1,3 +1,4 @@
+/* Version, git hash, compiler and flags of this build, from macros that CMake sets (build.h). */
 #include "solvers/case/build.h"
 
 #ifndef HAFF_VERSION

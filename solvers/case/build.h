@@ -1,8 +1,9 @@
-/* What these programs were built from: for the log and for provenance. */
+/* Says what these programs were built from, for the log and for provenance. */
 #ifndef SOLVERS_BUILD_H
 #define SOLVERS_BUILD_H
 
 const char *build_version(void); /* "0.1.0 (git hash)" */
+/* Compiler, version and flags. */
 const char *build_compiler(void);
 
 #endif

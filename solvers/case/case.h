@@ -1,4 +1,4 @@
-/* Everything a case holds, read and checked: what -dry-run and checkCase stop at, and a run starts from. */
+/* A case that is read and checked: a run starts from it, -dry-run and checkCase stop at it. */
 #ifndef SOLVERS_CASE_H
 #define SOLVERS_CASE_H
 
@@ -7,33 +7,35 @@
 #include "solvers/case/times.h"
 
 enum { MAX_FILES = 8 };
-struct setup_file { /* a dictionary of the case */
+struct setup_file { /* one dictionary of the case */
     const char *folder, *name;
-    const struct dict *dict; /* NULL: not there */
+    const struct dict *dict; /* NULL: the file is not there */
 };
-struct setup { /* the same on every rank, the grid apart */
+struct setup { /* the same on every rank, but for the grid */
     const struct comm *comm;
     char dir[TIME_PATH];
-    char name[256]; /* of the folder, for file names */
+    char name[256]; /* name of the folder, for file names */
     struct control *control;
     struct polymesh *mesh;
-    double *centre, *volume; /* [ncells][3] m, [ncells] m^3 */
+    double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
     unsigned long checksum;
     int dim, axis[3];        /* the solved axes */
-    struct lattice *lattice; /* NULL: the mesh is none, see why */
+    struct lattice *lattice; /* NULL: the mesh is no lattice, and `why` says the reason */
     char why[256];
-    struct grid *grid; /* of a forest where the mesh is a lattice and the medium does not ask for polyhedra */
+    /* a forest (the lattice cut into tiles) if the mesh is a lattice and the medium does not ask for polyhedra; else
+     * polyhedra */
+    struct grid *grid;
     int nfiles;
     struct setup_file file[MAX_FILES]; /* the medium's dictionaries, for log, provenance and changes.h */
     struct medium *medium;
     struct instant start;
 };
-/* Collective. */
+/* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
 status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out);
 void case_free(struct setup *s);
-/* s->grid, of the given rings where it is polyhedral. Collective. */
+/* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);
-/* Bytes a run needs on all ranks together, about. */
+/* Returns about how many bytes a run needs on all ranks together. */
 double case_memory(const struct setup *s);
 
 #endif

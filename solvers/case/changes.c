@@ -1,3 +1,5 @@
+/* Records mesh and dictionaries in a time's provenance, and compares a case with that record entry by entry
+ * (changes.h). */
 #include "solvers/case/changes.h"
 
 #include "solvers/case/build.h"
@@ -8,7 +10,7 @@
 
 enum { FILES = MAX_FILES + 1, SHOWN = 20, KEY = 1024 };
 
-/* controlDict, then those of the medium. */
+/* Lists controlDict and the medium's dictionaries; returns how many. */
 static int list_files(const struct setup *s, struct setup_file out[FILES]) {
     out[0] = (struct setup_file){"system", "controlDict", s->control->dict};
     memcpy(out + 1, s->file, (size_t)s->nfiles * sizeof *out);
@@ -31,7 +33,7 @@ void changes_record(struct sink *o, const struct setup *s) {
     sink_printf(o, "}\n");
 }
 
-/* NULL in *out: the time has none. */
+/* Opens the provenance of the start time; *out is NULL if it has none. */
 static status open_provenance(const struct setup *s, struct dict **out) {
     char path[TIME_PATH + TIME_NAME];
     *out = NULL;
@@ -45,7 +47,7 @@ status changes_check_mesh(const struct setup *s) {
     status e = open_provenance(s, &was);
     if (!e && was) e = dict_count_or(was, "cells", cells, &cells);
     dict_free(was);
-    status_free(e); /* changes_print says so; the run does not need it */
+    status_free(e); /* changes_print reports the error; the run does not need the file */
     if (cells == s->mesh->ncells) return OK;
     return fail(ERR_INPUT,
                 "%s/constant/polyMesh: it has %d cells, but time %s was written on a mesh of %ld cells; put that mesh "
@@ -56,7 +58,7 @@ status changes_check_mesh(const struct setup *s) {
 /* ---- two printed dictionaries, entry by entry ---- */
 
 struct entry {
-    char *key, *value; /* key: with those of the dictionaries around it, "grain.restitution" */
+    char *key, *value; /* key: with the names of the dictionaries around it, "grain.restitution" */
 };
 struct entries {
     int n, room;
@@ -88,7 +90,7 @@ static void add_entry(struct entries *e, const char *key, const char *value) {
     free(one->value);
 }
 
-/* dict_print sets one entry or bracket of a dictionary to a line. Takes the text. */
+/* Splits a printed dictionary into entries: dict_print sets one entry or bracket to a line. Frees the text. */
 static void split(char *text, struct entries *out) {
     char key[KEY] = "";
     for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) {

@@ -1,3 +1,4 @@
+/* Writes and verifies TIME/uniform/checksums, a dictionary of file sizes and CRC-32 (checksums.h). */
 #include "solvers/case/checksums.h"
 
 #include "solvers/dict/dict.h"

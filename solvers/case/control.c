@@ -1,3 +1,4 @@
+/* Reads controlDict and chooses time steps, write times and the end of a run from it (control.h). */
 #include "solvers/case/control.h"
 
 #include "solvers/dict/params.h"
@@ -108,7 +109,8 @@ static status together(struct dict *d, const struct control *c) {
     return OK;
 }
 
-/* One case, gas or grains, by one word: what one solver wrote is no restart of another. */
+/* Fails if controlDict names another of our solvers: one word turns a case of gas into one of grains, but what one
+ * solver wrote is no restart of the other. */
 static status check_application(struct dict *d, const char *application) {
     static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
     const char *name;
@@ -136,7 +138,8 @@ static status read_all(struct control *c, const char *application) {
                                          "OptimisationSwitches"};
     for (int i = 0; i < 5; i++) {
         struct dict *sub;
-        if (!dict_has(d, others[i]) || i < 2) continue; /* asking makes it known; the first two hold no dictionary */
+        /* asking makes the key known; the first two are no dictionaries */
+        if (!dict_has(d, others[i]) || i < 2) continue;
         TRY(dict_sub_optional(d, others[i], &sub));
         if (sub) dict_mark_used(sub);
     }
@@ -177,7 +180,7 @@ void control_free(struct control *c) {
     free(c);
 }
 
-/* A file that was written to within the last half second may be half written. */
+/* A file that was written to within the last half second may be half written, so it does not count as changed yet. */
 bool control_changed(const struct control *c, const char *case_dir) {
     long stamp[2];
     struct timespec now;
@@ -191,7 +194,7 @@ void control_stamp(struct control *c, const char *case_dir) {
     (void)stamp_of(case_dir, c->stamp);
 }
 
-/* Round-off of a few additions of steps is no difference between two times. */
+/* Has t reached the target? Round-off of a few additions of steps is no difference between two times. */
 static bool reached(double t, double target) {
     return t >= target - 1e-12 * fabs(target);
 }
@@ -200,7 +203,7 @@ double trigger_next(const struct trigger *g, double t) {
     if (g->control != WRITE_ADJUSTABLE) return HUGE_VAL;
     double k = floor(t / g->interval);
     if (!(fabs(k) < 1e15))
-        return t + 2e-12 * fabs(t); /* the interval is lost in t: due at the next time that can be told */
+        return t + 2e-12 * fabs(t); /* t rounds the interval away: due at the next time that differs from t */
     while (reached(t, k * g->interval)) k += 1;
     return k * g->interval;
 }

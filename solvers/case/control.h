@@ -23,53 +23,55 @@ struct control {
     struct dict *functions; /* NULL: none; owned by dict */
     enum start_from start_from;
     enum stop_at stop_at;
-    bool adjust;                     /* dt from the Courant number */
+    bool adjust;                     /* is dt chosen from the Courant number? */
     double start_time, end_time;     /* s */
-    double delta_t;                  /* s: every step's if !adjust, else the most for step 0 */
+    double delta_t;                  /* s: of every step if !adjust, else the most for step 0 */
     double max_co;                   /* Courant number */
     double max_delta_t, min_delta_t; /* s */
     struct trigger write;
-    int purge; /* written times kept; 0: all */
+    int purge; /* number of written times that are kept; 0: all */
     struct foam_format format;
     enum time_format time_format;
     int time_precision;
-    bool modifiable;          /* re-read when the file changes */
+    bool modifiable;          /* is the file read again when it changes? */
     bool write_on_error;      /* onError write: the last good state is written */
-    bool previous_if_corrupt; /* onCorruptTime previous: else stop */
-    bool write_processors;    /* processorN folders too */
+    bool previous_if_corrupt; /* onCorruptTime previous: start from the time before; else stop */
+    bool write_processors;    /* processorN folders are written, too */
     int log_interval;         /* steps between log entries; 0: about one a second */
-    long stamp[2];            /* of the file when read: seconds, nanoseconds */
+    long stamp[2];            /* time of the file's last change when it was read: seconds, nanoseconds */
 };
 
 /* Reads CASE/system/controlDict. Keys of programs other than `application` are accepted; see dict_check_used. */
 status control_read(const char *case_dir, const char *application, struct control **out);
 void control_free(struct control *c);
-extern const struct param control_table[]; /* its numbers, relative to struct control */
+extern const struct param control_table[]; /* numbers of the file; offsets in struct control */
 extern const int control_table_size;
 
 /* Has the file changed since it was read? Not collective: ask on the root. */
 bool control_changed(const struct control *c, const char *case_dir);
-void control_stamp(struct control *c, const char *case_dir); /* forgets the change */
+void control_stamp(struct control *c, const char *case_dir); /* takes note of the change */
 
-/* Reads `writeControl` and `writeInterval` of d; without the first: `standard`. */
+/* Reads `writeControl` and `writeInterval` of d; if d has neither, *out is *standard. */
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out);
-/* The first multiple of the interval after t at which a step must end; INFINITY if the trigger asks for none. */
+/* Returns the first multiple of the interval after t at which a step must end; INFINITY if the trigger asks for
+ * none. */
 double trigger_next(const struct trigger *g, double t);
 struct moment { /* the end of a step */
     double t;   /* s */
     long step;
     double cpu, clock; /* s since the start of the run */
-    bool fields;       /* the fields are written now */
+    bool fields;       /* are the fields written now? */
 };
-/* Is something due at the end of the step from `before` to `now`? */
+/* Is the trigger's output due at the end of the step from `before` to `now`? */
 bool trigger_due(const struct trigger *g, const struct moment *before, const struct moment *now);
 
-/* The step to take at time t, `stable` being the largest that maxCo allows (s). *end is the time after the step: a
- * multiple of a write interval or endTime exactly where the step was cut to hit it. next_event: from trigger_next. */
+/* Returns the step to take at time t (s), `stable` being the largest that maxCo allows (s). *end is the time after the
+ * step: a multiple of a write interval or endTime exactly where the step was cut to hit it. next_event comes from
+ * trigger_next. */
 enum dt_limit { DT_COURANT, DT_FIXED, DT_MAXIMUM, DT_FIRST, DT_WRITE, DT_END };
 double control_step(const struct control *c, double t, long step, double stable, double next_event, double *end,
                     enum dt_limit *limit);
-bool control_ended(const struct control *c, double t); /* t has reached endTime */
+bool control_ended(const struct control *c, double t); /* has t reached endTime? */
 const char *dt_limit_name(enum dt_limit limit);
 
 #endif

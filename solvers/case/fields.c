@@ -1,3 +1,4 @@
+/* Reads, checks and writes OpenFOAM's field files (fields.h). */
 #include "solvers/case/fields.h"
 
 #include "libcore/models/boundary.h"
@@ -36,7 +37,7 @@ static status check_dimensions(struct dict *d, const struct field_kind *kind) {
     return OK;
 }
 
-/* `uniform v` or `nonuniform List<...> n (...)`: *values is NULL for the first. */
+/* Reads `uniform v` or `nonuniform List<...> n (...)`; *values is NULL for the first. */
 static status read_value(struct dict *d, const char *key, int components, long count, double uniform[3],
                          double **values) {
     struct lexer l;
@@ -72,7 +73,7 @@ static status read_value(struct dict *d, const char *key, int components, long c
     return OK;
 }
 
-/* cell: -1 at other points than the centres. */
+/* Returns the error for a value that is not finite; cell is -1 at points other than the centres. */
 static status unfinite(struct dict *d, double value, long cell, const double *x, double t) {
     char in[40] = "";
     if (cell >= 0) snprintf(in, sizeof in, " in cell %ld", cell);
@@ -126,7 +127,7 @@ static status read_cells(struct field *f, const struct field_place *at) {
     return OK;
 }
 
-/* Types that mesh and field must share. */
+/* Is it a type that mesh and field must share? */
 static bool constraint(const char *type) {
     static const char *const names[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
     for (int i = 0; i < 4; i++)
@@ -191,7 +192,8 @@ static status read_patches(struct field *f, const struct field_place *at) {
     TRY(allocate(&f->patch, m->npatches, sizeof *f->patch, "patches of a field"));
     f->npatches = m->npatches;
     TRY(dict_sub(f->dict, "boundaryField", &all));
-    for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name); /* what is left may be misspelt */
+    /* asking makes the names known: a key that is left may be misspelt */
+    for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name);
     for (int i = 0; i < m->npatches; i++) {
         TRY(status_note(dict_sub(all, m->patch[i].name, &one),
                         "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)", dict_path(f->dict),
@@ -257,7 +259,7 @@ status field_read_values(const char *path, int ncells, int *components, double *
     return OK;
 }
 
-/* Where the value of a cell stands; of a binary list, an expression or a uniform value: the entry. */
+/* Returns the line of a cell's value; of a binary list, an expression or a uniform value the line of the entry. */
 static int cell_line(const struct field *f, int cell) {
     const bool evaluated = f->plan.fills || dict_has(f->dict, "expression");
     const char *key = f->plan.fills ? f->plan.fills : evaluated ? "expression" : "internalField";

@@ -1,3 +1,4 @@
+/* Locks a case by a POSIX record lock on CASE/.haff.lock (lock.h). */
 #include "solvers/case/lock.h"
 
 #include <errno.h>
@@ -45,7 +46,8 @@ static status unwritable(const char *case_dir, int reason) {
                        : "nothing was run");
 }
 
-/* Locked, and still the file that the path names: who held it before may have removed it meanwhile. */
+/* Locks the file; returns 0 or an errno. EINTR: the path names another file by now, because the last holder removed
+ * this one meanwhile. */
 static int lock_file(const struct lock *l) {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     struct stat mine, named;
@@ -75,7 +77,8 @@ static status take(struct lock *l, const char *case_dir, const char *program) {
     name_owner(program, owner);
     size_t n = strlen(owner);
     owner[n++] = '\n';
-    if (ftruncate(l->file, 0) || write(l->file, owner, n) < 0) return OK; /* a full disk: locked without a name */
+    /* on a full disk the lock holds, without a name */
+    if (ftruncate(l->file, 0) || write(l->file, owner, n) < 0) return OK;
     return OK;
 }
 
@@ -97,7 +100,7 @@ status lock_take(const char *case_dir, const char *program, struct lock **out) {
 
 void lock_release(struct lock *l) {
     if (!l) return;
-    unlink(l->path); /* before the lock is dropped, or it might be the file of the next */
+    unlink(l->path); /* before the lock is dropped, or the file might belong to the next run */
     close(l->file);
     free(l);
 }

@@ -1,5 +1,6 @@
-/* What is simulated, as the code that all solvers share sees it (run.c, output.c, report.c, functions*.c): a table of
- * quantities and a handful of functions. A solver is one struct medium_type and a main of one line. */
+/* The medium that a run simulates, as the code that all solvers share sees it (run.c, output.c, report.c,
+ * functions*.c): a table of quantities and a handful of functions. A solver is one struct medium_type and a main of one
+ * line. */
 #ifndef SOLVERS_MEDIUM_H
 #define SOLVERS_MEDIUM_H
 
@@ -13,13 +14,13 @@ struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
     signed char dimensions[7];
-    bool exact; /* written with all digits: a restart reads it */
+    bool exact; /* is it written with all digits, because a restart reads it? */
 };
-struct pace {          /* of the step to come */
-    double stable;     /* s: the largest allowed */
+struct pace {          /* how long the next step may be */
+    double stable;     /* s: the largest step allowed */
     double rate;       /* 1/s: the Courant number is dt * rate */
-    const char *limit; /* what `stable` comes from; NULL: the Courant number, which has a place */
-    const char *early; /* what may end a step before its time; NULL: a rejection */
+    const char *limit; /* name of what limits `stable`; NULL: the Courant number, which has a place */
+    const char *early; /* name of what may end a step early; NULL: a rejection */
 };
 
 struct setup;
@@ -27,40 +28,45 @@ struct medium;
 struct cloud;
 struct checksums;
 struct medium_type {
-    const char *application; /* as controlDict, lock and provenance name it */
+    const char *application; /* name of the program, as controlDict, lock and provenance have it */
     const char *help;
     void (*list_models)(FILE *f);
     void (*list_boundaries)(FILE *f);
     const struct quantity *quantity;
-    int noffered;               /* function objects know the first so many */
-    const int *written, *shown; /* of a time folder in this order; vtk's choice; -1 ends them */
+    int noffered;               /* number of quantities, the first ones, that function objects know */
+    const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
     bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
 
-    /* Collective, in this order; each fills s->medium. read: the dictionaries, which it names in s->file. state: the
-     * fields of time s->start, and s->grid by setup_grid. start: the state a run begins with, checked. */
+    /* The set-up, called in this order; collective. read makes s->medium from the dictionaries, which it names in
+     * s->file. state reads the fields of time s->start, and makes s->grid by setup_grid. start makes the state a run
+     * begins with, and checks it. */
     status (*read)(struct setup *s);
     status (*state)(struct setup *s);
     status (*start)(struct medium *m);
     void (*free)(struct medium *m);
-    status (*check_control)(const struct medium *m, const struct control *c); /* is it allowed? NULL: always */
+    /* fails on a control that the medium forbids; NULL: all are fine */
+    status (*check_control)(const struct medium *m, const struct control *c);
 
     void (*describe)(const struct medium *m, FILE *f);
-    void (*provenance)(const struct medium *m, struct sink *o); /* entries of the dictionary */
+    void (*provenance)(const struct medium *m, struct sink *o); /* writes its entries of uniform/provenance */
     double (*memory)(const struct medium *m);                   /* bytes, of all ranks, without mesh and fields */
 
     void (*plan)(struct medium *m, const struct control *c, struct pace *out);
-    void (*place)(struct medium *m, double place[3]); /* of the cell that gave the last plan's rate */
-    /* From t by *dt or, where that cannot be, by less; ERR_STATE: the state is the last good one. */
+    void (*place)(struct medium *m, double place[3]); /* m, of the cell that gave the last plan's rate */
+    /* Advances from t by *dt or, where that fails, by less, which *dt then says. After ERR_STATE the state is the last
+     * good one. */
     status (*step)(struct medium *m, const struct control *c, double t, double *dt);
-    status (*after)(struct medium *m, const struct moment *now); /* tables of its own; NULL: none */
-    status (*log)(struct medium *m, FILE *f);                    /* its lines of a log entry; the root prints */
-    status (*finish)(struct medium *m, FILE *f);                 /* its lines at the end; NULL: none */
+    status (*after)(struct medium *m, const struct moment *now); /* writes tables of its own; NULL: it has none */
+    /* prints its lines of a log entry, on the root; collective */
+    status (*log)(struct medium *m, FILE *f);
+    /* prints its lines at the end, on the root; collective; NULL: it has none */
+    status (*finish)(struct medium *m, FILE *f);
 
-    /* Values along computational axes: of a block of this rank, gathered to the root in polyMesh order. */
+    /* Values along computational axes: of a block of this rank; gathered to the root in polyMesh order. */
     void (*block)(const struct medium *m, int block, int quantity, double *const out[3]);
     status (*gather)(const struct medium *m, int quantity, double *const out[3]);
-    bool (*present)(const struct medium *m, int quantity); /* is it written? NULL: always */
-    /* The entry that the start folder gives, or NULL: calculated. */
+    bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
+    /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
     /* What has changed mass and energy since the first call, by cause, as the titles say; NULL ends these. Collective.
      * NULL: no such account is kept. */
@@ -71,11 +77,11 @@ struct medium_type {
     status (*cloud)(const struct medium *m, struct cloud *out);
     status (*save)(const struct medium *m, const char *folder, const char *location, struct checksums *sums);
 };
-struct medium { /* first member of each medium's own struct */
+struct medium { /* the first member of each medium's own struct */
     const struct medium_type *type;
     struct setup *setup;
-    double next; /* s: uniform/time's deltaT, where a restart needs the step to try next; 0: the last step */
-    double end;  /* s: where the step to come ends if it is not shortened, which t + dt may miss by a bit */
+    double next; /* s: step to try next, which uniform/time keeps as deltaT for a restart; 0: the last step */
+    double end;  /* s: end of the next step if it is not shortened, which t + dt may miss by a bit */
 };
 
 extern const struct medium_type gas_medium, segregation_medium, grains_medium;

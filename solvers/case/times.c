@@ -1,3 +1,4 @@
+/* Finds, names, writes, verifies and removes time folders (times.h). */
 #include "solvers/case/times.h"
 
 #include <dirent.h>
@@ -17,14 +18,14 @@ static bool time_value(const char *name, double *t) {
     return end != name && !*end && isfinite(*t) && !strpbrk(name, "xXpP");
 }
 
-/* Half a unit of the last digit of a time's name: the value was rounded to it. */
+/* Returns half a unit of the last digit of a time's name: the name was rounded to it. */
 static double name_slack(const char *name) {
     const char *dot = strchr(name, '.'), *exponent = strpbrk(name, "eE");
     double decimals = dot ? (double)strspn(dot + 1, "0123456789") : 0;
     return 0.51 * pow(10, (exponent ? strtod(exponent + 1, NULL) : 0) - decimals);
 }
 
-/* Leaves *at as it was if that fails. */
+/* Reads uniform/time of a folder; if that fails, *at stays as it was. */
 static status stamp_read(const char *case_dir, struct instant *at) {
     char path[TIME_PATH];
     snprintf(path, sizeof path, "%s/%s/uniform/time", case_dir, at->name);
@@ -68,7 +69,7 @@ status times_list(const char *case_dir, int *n, struct instant **out) {
         snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
         if (stat(path, &info) || !S_ISDIR(info.st_mode)) continue;
         memcpy(at.name, entry->d_name, strlen(entry->d_name) + 1);
-        status_free(stamp_read(case_dir, &at)); /* time_verify says so of the time that is used */
+        status_free(stamp_read(case_dir, &at)); /* time_verify reports it for the time that is used */
         if (*n == room) {
             struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
             if (more)
@@ -109,7 +110,7 @@ status time_verify(const char *case_dir, const struct instant *at) {
     return stamp_read(case_dir, &again);
 }
 
-/* The newest whole time before list[*at], and what is wrong with it: found, or *at < 0. */
+/* Finds the newest whole time before list[*at]; *at < 0: there is none. */
 static void find_whole(const char *case_dir, const struct instant *list, int *at) {
     while (--*at >= 0) {
         status s = time_verify(case_dir, &list[*at]);
@@ -118,7 +119,7 @@ static void find_whole(const char *case_dir, const struct instant *list, int *at
     }
 }
 
-/* list[*at] is damaged. */
+/* Chooses another time where list[*at] is damaged, or says how to cure the damage. */
 static status fall_back(const char *case_dir, const struct control *c, const struct instant *list, int *at,
                         status damage) {
     const char *name = list[*at].name;
@@ -235,7 +236,7 @@ static status sync_one(const char *path) {
     return s;
 }
 
-/* The contents of a folder and all below it, on the disk. */
+/* Brings the contents of a folder and of all folders below it to the disk. */
 static status sync_folder(const char *path) {
     DIR *folder = opendir(path);
     if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
@@ -300,7 +301,7 @@ status time_stamp_write(const char *path, const struct instant *at, struct check
 
 status times_clean(const char *case_dir) {
     DIR *folder = opendir(case_dir);
-    if (!folder) return OK; /* times_list says so */
+    if (!folder) return OK; /* times_list reports it */
     status s = OK;
     for (struct dirent *entry; !s && (entry = readdir(folder));) {
         char name[TIME_NAME], path[TIME_PATH];
