@@ -1,3 +1,4 @@
+/* Writes and reads grains as an OpenFOAM cloud, and writes them as VTK points (clouds.h). */
 #include "solvers/output/clouds.h"
 
 #include "solvers/case/fields.h"
@@ -70,7 +71,7 @@ status cloud_write(const struct cloud *c, const char *folder, const char *locati
         struct foam_format f = *format;
         struct sink *s;
         struct file_sum sum;
-        f.precision = 17; /* a start may be made from it */
+        f.precision = 17; /* all digits, because a start may be made from the file */
         if (k == POSITIONS) f.binary = false;
         snprintf(path, sizeof path, "%s/%s", folder, files[k]);
         TRY(sink_open(path, f.compress, &s));
@@ -124,7 +125,7 @@ static status read_positions(struct lexer *l, int ncells, struct cloud *c) {
     TRY(lexer_peek(l, &t));
     if (t.kind != TOKEN_NUMBER) return lexer_fail(l, &t, "the number of grains is expected:  N ( (x y z) cell ... )");
     TRY(read_number(l, &count));
-    const double most = (double)(l->source->size - l->position) / 9; /* bytes of the shortest grain */
+    const double most = (double)(l->source->size - l->position) / 9; /* the shortest grain takes 9 bytes */
     if (!(count >= 1 && count <= fmin(most, INT_MAX)) || count != floor(count))
         return lexer_fail(l, &t, "the number of grains that follow is expected, 1 or more");
     TRY(cloud_make((int)count, c));
@@ -145,7 +146,7 @@ static status open_file(const char *folder, int file, struct source **source, st
     return OK;
 }
 
-/* Beside the positions, where it is there. */
+/* Reads a field beside the positions if its file is there. */
 static status read_beside(const char *folder, int file, struct cloud *c) {
     char path[2 * TIME_PATH];
     struct source *source = NULL;

@@ -6,24 +6,25 @@
 #include "mesh/format/polymesh.h"
 #include "solvers/case/checksums.h"
 
-struct cloud { /* zeroed: none */
+struct cloud { /* a zeroed cloud has no grains */
     int n;
-    double (*x)[3];  /* m, physical axes, as all here */
-    double (*u)[3];  /* m/s; NULL: not there */
-    int *cell;       /* polyMesh's */
-    int *id;         /* NULL: 0 .. n-1 */
+    double (*x)[3];  /* [n] m, along physical axes */
+    double (*u)[3];  /* [n] m/s; NULL: the file is not there */
+    int *cell;       /* [n] polyMesh cell */
+    int *id;         /* [n]; NULL: 0 .. n-1 */
     double diameter; /* m; 0: not known */
 };
-status cloud_make(int n, struct cloud *out); /* all but id, not filled */
+status cloud_make(int n, struct cloud *out); /* allocates all lists but id */
 void cloud_free(struct cloud *c);
 
-/* Into the folder of a time that is being written; location: the time's name. */
+/* Writes the cloud into the folder of a time that is being written; location is the time's name. */
 status cloud_write(const struct cloud *c, const char *folder, const char *location, const struct foam_format *f,
                    struct checksums *sums);
 bool cloud_exists(const char *time_folder); /* is there lagrangian/grains/positions? */
-/* ERR_INPUT names file and line: what is no number, a cell that the mesh has not, fields of another length. */
+/* Reads a cloud. Fails with ERR_INPUT, file and line on words that are no numbers, on cells that the mesh does not
+ * have, and on fields of another length. */
 status cloud_read(const char *time_folder, int ncells, struct cloud *out);
-/* Legacy VTK POLYDATA; series: vtk_series_write with the name NAME-grains. */
+/* Writes legacy VTK POLYDATA; for the series call vtk_series_write with the name NAME-grains. */
 status cloud_write_vtk(const struct cloud *c, const char *folder, const char *name, const char *time, bool ascii,
                        double t, long step);
 

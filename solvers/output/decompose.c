@@ -1,3 +1,5 @@
+/* Cuts the mesh of a case into one part per rank and writes the parts as OpenFOAM's processorN folders
+ * (decompose.h). */
 #include "solvers/output/decompose.h"
 
 #include "solvers/case/fields.h"
@@ -11,7 +13,7 @@ struct item { /* a face of a part; group: INSIDE, a patch of the case, or a proc
     int group, face, cell, across;
 };
 enum { INSIDE = -1 };
-struct cutter { /* while the parts are made */
+struct cutter { /* scratch while the parts are made */
     const struct polymesh *mesh;
     int *owner_part; /* [ncells] part */
     int *local;      /* [ncells] cell in its part */
@@ -19,7 +21,8 @@ struct cutter { /* while the parts are made */
     struct item *item;
 };
 
-/* Processor patches come after the case's, by neighbour; through a cyclic patch after the direct one. */
+/* Returns the group of a processor patch. Groups come after the case's patches, by neighbour part; a patch through a
+ * cyclic patch comes after the direct one. */
 static int group_of(const struct polymesh *m, int other, int cyclic) {
     return m->npatches + other * (m->npatches + 1) + cyclic + 1;
 }
@@ -63,7 +66,8 @@ static status copy_text(const char *text, char **out) {
     return OK;
 }
 
-/* The case's patches, be they empty here, then one for each further group of the sorted faces. */
+/* Makes the patches: the case's, even if they have no face here, then one for each further group of the sorted
+ * faces. */
 static status make_patches(const struct cutter *c, int number, int n, struct polymesh *m) {
     const struct polymesh *all = c->mesh;
     int groups = 0, at = m->ninternal;
@@ -170,7 +174,7 @@ static status write_labels(const char *dir, const char *name, const struct foam_
     return sink_close(s);
 }
 
-/* Face numbers from 1 on, negative where the part's face is turned round. */
+/* Writes the ProcAddressing files. Face numbers start at 1 and are negative where the part's face is turned round. */
 static status write_addressing(const struct polymesh *all, const struct part *part, const struct foam_format *f,
                                const char *dir) {
     const struct polymesh *m = part->mesh;
@@ -187,7 +191,7 @@ static status write_addressing(const struct polymesh *all, const struct part *pa
     return write_labels(dir, "cellProcAddressing", f, m->ncells, part->cell);
 }
 
-/* polymesh_write knows no processor patches: the file once more, with what they need. */
+/* Writes the file `boundary` once more, with the entries of processor patches, which polymesh_write does not know. */
 static status write_boundary(const struct part *part, const struct foam_format *f, const char *dir) {
     const struct polymesh *m = part->mesh;
     const struct foam_format ascii = {.precision = f->precision};
@@ -232,7 +236,7 @@ static status read_cells(const char *path, long most, long *n, int **out) {
     return e;
 }
 
-/* Times of another decomposition in the same folders would be put together wrongly. */
+/* Refuses folders of another decomposition: times of both would be put together wrongly. */
 static status check_folders(const struct setup *s, const struct decomposition *d) {
     for (int k = 0;; k++) {
         char path[TIME_PATH + 64];
@@ -281,7 +285,7 @@ static status make_all(const struct setup *s, struct cutter *c, struct decomposi
     return OK;
 }
 
-/* Root: the part of every cell, from the ranks' lists one after the other. */
+/* Finds the part of every cell, on the root, from the ranks' lists one after the other. */
 static status find_parts(const struct setup *s, struct cutter *c, struct decomposition *d) {
     const struct grid *g = s->grid;
     long n = 0, total, ranks;

@@ -1,3 +1,5 @@
+/* Writes times of a case: fields with their patch entries, processorN parts, grains, provenance, checksums; purges old
+ * times (output.h). */
 #include "solvers/output/output.h"
 
 #include "libcore/models/boundary.h"
@@ -16,9 +18,9 @@ struct output {
     output_saver *save;
     const void *context;         /* of save */
     double *values;              /* root: [ncells][3] */
-    double last_time;            /* written; NAN: none */
-    int precision;               /* of time names, widened where needed */
-    struct checksums sums;       /* of the time that is being written; root */
+    double last_time;            /* s, of the last time written; NAN: none */
+    int precision;               /* digits of time names, widened where needed */
+    struct checksums sums;       /* checksums of the time that is being written; root */
     struct decomposition *parts; /* NULL: no processorN folders; root */
     double *part_values;         /* root: [ncells][3] */
     double *patch_values;        /* root: [faces of the largest patch][3] */
@@ -26,7 +28,7 @@ struct output {
     char (*name)[TIME_NAME]; /* written by this run, oldest first */
 };
 
-/* A restarted run goes on with the digits that the run before it had come to. */
+/* Returns the digits of time names to start with: a restarted run goes on with those of the run before it. */
 static int start_precision(const struct setup *s) {
     const struct control *c = s->control;
     char name[TIME_NAME];
@@ -75,7 +77,7 @@ void output_free(struct output *o) {
     free(o);
 }
 
-/* components lines along computational axes -> interleaved, physical axes */
+/* Turns lines along computational axes into interleaved components along physical axes. */
 static void interleave(const struct setup *s, double *const *line, bool vector, double *out) {
     long n = s->mesh->ncells;
     if (!vector) {
@@ -101,13 +103,13 @@ status output_gather(const struct setup *s, int quantity, double *out) {
     return e;
 }
 
-struct printing {                /* context of a patch entry */
+struct printing {                /* context of print_patch */
     const struct medium *medium; /* NULL: all patches are calculated */
     int quantity, components;
-    const double *values;        /* of the cells of the mesh that is written */
-    const struct part *part;     /* of a decomposed case, or NULL */
-    const double *all;           /* with part: of the case's cells */
-    const struct patch *patches; /* of the case */
+    const double *values;        /* values in the cells of the mesh that is being written */
+    const struct part *part;     /* part of a decomposed case, or NULL */
+    const double *all;           /* values in the case's cells, if there is a part */
+    const struct patch *patches; /* patches of the case */
     double *room;                /* [largest patch][3] */
 };
 
@@ -137,7 +139,8 @@ static void print_given(struct sink *s, const struct field_writer *w, int p, con
     print_list(s, &exact, m, patch->nfaces, c->room);
 }
 
-/* The value of the cell behind each face, or before it: across a processor patch. */
+/* Prints as value of each face that of the cell inside or, `across` a processor patch, of the cell on the other
+ * side. */
 static void print_cells(struct sink *s, const struct field_writer *w, int p, const struct printing *c, bool across) {
     const struct patch *patch = &w->mesh->patch[p];
     int m = c->components;
@@ -182,7 +185,7 @@ status output_field(const struct setup *s, const struct field_writer *w, int qua
     return e;
 }
 
-/* o->values in the case's folder, then each part's in its own. */
+/* Writes o->values into the case's folder, then each part's share into its own. */
 static status write_one(struct output *o, const struct field_writer *writer, int quantity) {
     const struct quantity *q = &o->setup->medium->type->quantity[quantity];
     const int components = q->components;
@@ -211,7 +214,7 @@ static status write_one(struct output *o, const struct field_writer *writer, int
     return OK;
 }
 
-/* Each rank takes part in each gather, whether or not the root could write what came before. */
+/* Writes all fields. Each rank takes part in each gather, even if the root could not write the field before. */
 static status write_fields(struct output *o, const struct field_writer *w) {
     const struct setup *s = o->setup;
     const struct medium *m = s->medium;
@@ -228,7 +231,7 @@ static status write_fields(struct output *o, const struct field_writer *w) {
 static status purge(struct output *o, const char *name) {
     int keep = o->setup->control->purge;
     for (int i = 0; i < o->nnames; i++)
-        if (!strcmp(o->name[i], name)) return OK; /* written again */
+        if (!strcmp(o->name[i], name)) return OK; /* the time was written again */
     if (o->nnames == o->room) {
         void *more = realloc(o->name, (size_t)(o->room = 2 * o->room + 16) * sizeof *o->name);
         if (!more) return fail(ERR_SYSTEM, "out of memory");
@@ -261,7 +264,7 @@ static status finish(struct output *o, const char *folder, const struct instant 
     TRY(provenance_write(path, location, o->setup));
     TRY(write_grains(o, folder, at->name));
     TRY(time_stamp_write(folder, at, &o->sums));
-    TRY(decompose_commit(o->parts, at)); /* first: a time of the case is in all its parts */
+    TRY(decompose_commit(o->parts, at)); /* parts first: a time of the case is then in all its parts */
     TRY(time_commit(o->setup->dir, at->name));
     return purge(o, at->name);
 }
@@ -293,7 +296,7 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
         printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
     o->precision = digits;
     status e = write_all(o, &at, folder);
-    if (e) { /* room on a full disk; the next run would do it too */
+    if (e) { /* makes room on a full disk; the next run would do it too */
         if (*folder) status_free(remove_folder(folder));
         for (int k = 0; o->parts && k < o->parts->n; k++)
             if (*o->parts->part[k].tmp) status_free(remove_folder(o->parts->part[k].tmp));

@@ -1,3 +1,4 @@
+/* Prints the log of a run and writes its provenance (report.h). */
 #include "solvers/output/report.h"
 
 #include "solvers/case/build.h"
@@ -37,7 +38,7 @@ static void print_mesh(FILE *f, const struct setup *s) {
     const struct lattice *l = s->lattice;
     if (s->grid->polyhedra) {
         char shapes[POLYMESH_SHAPES];
-        status_free(polymesh_shapes(m, shapes)); /* without memory for it, a log without it */
+        status_free(polymesh_shapes(m, shapes)); /* on an error the log goes on without the shapes */
         fprintf(f, "    polyhedral, %dD: %s; %d block%s\n    %s%s\n", s->grid->dim, shapes, s->grid->nblocks_all,
                 s->grid->nblocks_all == 1 ? "" : "s",
                 l ? "a lattice, but system/fvSchemes says  meshEngine polyhedral;" : "no lattice: ", l ? "" : s->why);
@@ -128,7 +129,8 @@ static void print_duration(FILE *f, double seconds) {
         fprintf(f, "%ld h %02ld min", n / 3600, n % 3600 / 60);
 }
 
-/* The first steps are no measure: set-up, a deltaT of their own. */
+/* Prints the pace and the time left. The first steps are no measure of it: they contain set-up, or a deltaT of their
+ * own. */
 static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) {
     double clock = clock_now(), spent = clock - p->start_clock;
     long steps = e->step - p->first_step;

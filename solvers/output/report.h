@@ -1,36 +1,36 @@
-/* The log: who runs what (provenance), one entry per step, totals and their drift. Printed by the root. */
+/* The log and the provenance of a run: who runs what, one entry per step with totals and pace. The root prints. */
 #ifndef SOLVERS_REPORT_H
 #define SOLVERS_REPORT_H
 
 #include "solvers/case/case.h"
 #include <stdio.h>
 
-/* Version, compiler, host, ranks, mesh, models; the expanded dictionaries if asked for. */
+/* Prints version, compiler, host, ranks, mesh, models; and the expanded dictionaries if `dictionaries`. */
 void report_header(FILE *f, const struct setup *s, bool dictionaries);
-/* CASE/TIME/uniform/provenance at `path`: the same as a dictionary. */
+/* Writes the same as a dictionary, CASE/TIME/uniform/provenance, to `path`. */
 status provenance_write(const char *path, const char *location, const struct setup *s);
 
-struct progress {                 /* of a run, for its log */
+struct progress {                 /* pace of a run, for its log */
     double start_clock, last_log; /* s */
-    double mark_clock, mark_time; /* s: where the present pace was measured from */
-    double pace;                  /* s of the clock for a second of the run, lately */
+    double mark_clock, mark_time; /* s: clock and time from which the present pace is measured */
+    double pace;                  /* seconds of the clock per second of the run, lately */
     long first_step;
 };
-double clock_now(void); /* s, wall */
-double cpu_now(void);   /* s, this process */
+double clock_now(void); /* s, wall clock */
+double cpu_now(void);   /* s, CPU time of this process */
 
-struct step_entry { /* what one log entry says */
+struct step_entry { /* the numbers of one log entry */
     double t, dt, courant, end_time;
     long step;
     const char *limit;
-    double place[3]; /* of the cell that limits, if `limit` is the Courant number */
+    double place[3]; /* m, of the cell that limits the step; valid if at_cell */
     bool at_cell;
 };
 void progress_start(struct progress *p, const struct setup *s);
-/* Collective: prints the step, the medium's lines, speed and what is left. */
+/* Prints the step, the medium's lines, speed and the time left. Collective. */
 status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e);
 
-/* Smallest and largest value of a scalar quantity over all ranks. */
+/* Finds the smallest and largest value of a scalar quantity over all ranks. Collective. */
 status report_extremes(const struct setup *s, int quantity, double range[2]);
 
 #endif

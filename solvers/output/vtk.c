@@ -1,3 +1,5 @@
+/* Writes legacy VTK files as the VTK file formats document describes them: cells in VTK's order of points, big-endian
+ * numbers, series (vtk.h). */
 #include "solvers/output/vtk.h"
 
 #include <dirent.h>
@@ -12,7 +14,7 @@ enum { PATH = 4096, TETRAHEDRON = 10, HEXAHEDRON = 12, WEDGE = 13, PYRAMID = 14,
 
 struct vtk_grid {
     const struct polymesh *mesh;
-    int *cell_start, *cell_faces; /* [ncells + 1], faces of each cell */
+    int *cell_start, *cell_faces; /* [ncells + 1]; faces of each cell */
     int *type;                    /* [ncells] VTK's cell type */
     int *start;                   /* [ncells + 1] into ids */
     int *ids;                     /* points of each cell; of a polyhedron VTK's face stream */
@@ -22,7 +24,7 @@ static int face_size(const struct polymesh *m, int f) {
     return m->face_start[f + 1] - m->face_start[f];
 }
 
-/* Point i of face f as seen with its normal out of cell c. */
+/* Returns point i of face f, counted with the face's normal out of cell c. */
 static int face_point(const struct polymesh *m, int f, int c, int i) {
     int n = face_size(m, f);
     i = (i + n) % n;
@@ -53,7 +55,7 @@ static int kind_of(const struct vtk_grid *g, int c, int *base) {
     return type;
 }
 
-/* The point that an edge of cell c joins to point `from` of face `base`, off that face; -1: none. */
+/* Returns the point that an edge of cell c joins to point `from` of face `base`, off that face; -1: none. */
 static int edge_away(const struct vtk_grid *g, int c, int base, int from) {
     const struct polymesh *m = g->mesh;
     for (int i = g->cell_start[c]; i < g->cell_start[c + 1]; i++) {
@@ -72,8 +74,9 @@ static int edge_away(const struct vtk_grid *g, int c, int base, int from) {
     return -1;
 }
 
-/* VTK's order: the base's normal points into a hexahedron, pyramid and tetrahedron, out of a wedge; then the points
- * above the base. Returns their number, 0 where the cell is not what its faces' sizes say. */
+/* Lists the points of a cell in VTK's order: the base's normal points into a hexahedron, pyramid and tetrahedron, out
+ * of a wedge; then the points above the base. Returns their number, 0 if the cell has not the shape that the sizes of
+ * its faces suggest. */
 static int simple_cell(const struct vtk_grid *g, int c, int type, int base, int ids[8]) {
     const struct polymesh *m = g->mesh;
     int n = face_size(m, base), top = type == HEXAHEDRON || type == WEDGE ? n : 1;
@@ -154,7 +157,8 @@ static void flush(struct out *o) {
 }
 static void put_big_endian(struct out *o, uint64_t bits, int bytes) {
     if (o->used + bytes > (int)sizeof o->bytes) flush(o);
-    unsigned char *at = o->bytes + o->used; /* not o->used++ byte by byte: so the compiler swaps them at once */
+    /* no o->used++ byte by byte, so that the compiler swaps all bytes at once */
+    unsigned char *at = o->bytes + o->used;
     for (int i = 0; i < bytes; i++) at[i] = (unsigned char)(bits >> 8 * (bytes - 1 - i));
     o->used += bytes;
 }

@@ -4,7 +4,7 @@
 
 #include "mesh/format/polymesh.h"
 
-/* The mesh as VTK cells: tetrahedra, pyramids, wedges and hexahedra recognised, all else polyhedra. */
+/* The mesh as VTK cells: tetrahedra, pyramids, wedges and hexahedra are recognised, all other cells are polyhedra. */
 struct vtk_grid;
 status vtk_grid_make(const struct polymesh *m, struct vtk_grid **out); /* borrows m */
 void vtk_grid_free(struct vtk_grid *g);
@@ -14,11 +14,11 @@ struct vtk_field {
     int components;       /* 1 or 3 */
     const double *values; /* [ncells][components] */
 };
-/* Writes to a temporary name, then renames. */
+/* Writes the mesh with fields, to a temporary name that is then renamed; t in s. */
 status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
                  const struct vtk_field *fields);
 
-/* POLYDATA: n points x[n][3], each a vertex, with values[n][components]. */
+/* Writes POLYDATA: n points x[n][3], each a vertex, with fields values[n][components]. */
 status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
                         const struct vtk_field *fields);
 
