@@ -1,3 +1,5 @@
+/* Makes the lattice of a segregation in two or three dimensions: checks, faces, boundary, the projection of the flow
+ * (segregation_box.h). */
 #include "solvers/segregation/segregation_box.h"
 
 #include "libcore/models/boundary.h"
@@ -44,7 +46,7 @@ static double mean_of(const double *cells, int one, int other, double standard) 
     return cells ? 0.5 * (cells[one] + cells[other]) : standard;
 }
 
-/* Between two cells; x: of the face. */
+/* Sets a face between two cells; x is its place. */
 static status inner_face(const struct builder *a, int one, int other, const double x[3], int k, long at) {
     const struct segregation_models *m = a->m;
     const struct segregation_flow *flow = a->flow;
@@ -75,7 +77,7 @@ static void diffusivity_law(const void *context, int k, const double *phi, doubl
     }
 }
 
-/* sign: +1 where the axis leads out. */
+/* Sets a face on the boundary; sign is +1 where the axis leads out. */
 static status outer_face(const struct builder *a, int face, int k, long at, double sign) {
     const struct polymesh *mesh = a->s->mesh;
     const int axis = a->s->axis[k];
@@ -102,7 +104,7 @@ static status outer_face(const struct builder *a, int face, int k, long at, doub
     return OK;
 }
 
-/* The two ends of a cyclic axis are one face: what holds at the lower one holds at both. */
+/* Sets the two ends of a cyclic axis, which are one face: the values at the lower end hold at both. */
 static status seam(const struct builder *a, const int at[3], int cell, int k, long low, long high) {
     const struct lattice *l = a->s->lattice;
     int end[3] = {at[0], at[1], at[2]};
@@ -189,7 +191,7 @@ static status make_arrays(const struct builder *a) {
         TRY(allocate(&b->inflow[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->open[k], faces, sizeof(bool), "faces"));
         if (law) TRY(allocate(&b->around[k], 5 * faces, sizeof(double), "faces"));
-        b->lattice.cyclic[k] = l->periodic[k] && l->n[k] > 1; /* what leaves a single cell enters it */
+        b->lattice.cyclic[k] = l->periodic[k] && l->n[k] > 1; /* on an axis of one cell the flux out is the flux in */
         b->lattice.u[k] = b->u[k];
         b->lattice.f[k] = b->f[k];
         b->lattice.D[k] = b->D[k];

@@ -10,16 +10,19 @@
 
 struct segregation_box {
     struct segregation_lattice lattice;
-    long cells;                                      /* of the box, holes included */
-    int *place;                                      /* [ncells] index in the box of each polyMesh cell */
-    double *u[3], *f[3], *D[3], *inflow[3], *weight; /* weight: capacity of the cells; NULL: 1 */
-    double *around[3]; /* with D(phi), else NULL: [faces][5] of what it depends on besides: x, shear rate, weight */
+    long cells; /* number of places in the box, holes included */
+    int *place; /* [ncells] index in the box of each polyMesh cell */
+    /* [faces] of each axis; weight: [cells] capacity, kg/m^3; NULL: 1 */
+    double *u[3], *f[3], *D[3], *inflow[3], *weight;
+    /* [faces][5] of each axis, NULL without D(phi): the other variables of D: x, shear rate, weight */
+    double *around[3];
+    /* [faces] of each axis: is the face inside the mesh? */
     bool *open[3];
     const struct segregation_models *models;
-    bool flows;                     /* U is not 0 everywhere */
-    struct face_flow_change change; /* what made U free of divergence, where it flows */
+    bool flows;                     /* is U not 0 somewhere? */
+    struct face_flow_change change; /* how U was made free of divergence, if it flows */
 };
-/* phi as read. Fills *out; segregation_box_free after success and failure. */
+/* Fills *out for the field phi as it was read; call segregation_box_free after success and failure. */
 status segregation_box_make(const struct setup *s, const struct segregation_models *m, const struct field *phi,
                             const struct segregation_flow *flow, struct segregation_box *out);
 void segregation_box_free(struct segregation_box *b);

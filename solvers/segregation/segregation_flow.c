@@ -1,3 +1,5 @@
+/* Reads the flow of a mixture from the start folder or another case, its shear rate, and the slope of the kinetic
+ * stress (segregation_flow.h). */
 #include "solvers/segregation/segregation_flow.h"
 
 #include "solvers/segregation/segregation_gas.h"
@@ -6,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* out[n] <- q of the cells of another mesh: from[n]; components of them. */
+/* Copies q of the cells from[n] of another mesh, with `components` each, to out[n]. */
 static status spread(int n, const int *from, int components, const double *q, double **out) {
     TRY(allocate(out, (long)components * n, sizeof(double), "a flow"));
     for (int i = 0; i < n; i++)
@@ -46,7 +48,7 @@ static status own_shear_rate(const struct setup *s, struct segregation_flow *f) 
 
 /* ---- the start folder's U ---- */
 
-/* The folder with U: the start's, else the case's first one (a line's U is not written again). */
+/* Finds the folder with U: the start folder, else the case's first one (the U of a line is not written again). */
 static status find_own(const struct setup *s, char name[TIME_NAME]) {
     struct instant *all = NULL;
     char path[2 * TIME_PATH];
@@ -159,7 +161,7 @@ status stress_velocity(const struct setup *s, const struct segregation_models *m
     return e;
 }
 
-/* On a lattice: the slope along the direction of percolation, in the cell of that case. */
+/* Computes on a lattice the slope along the direction of percolation, from the cell of the other case. */
 static status stress_along(const struct setup *s, const struct segregation_models *m, double **out) {
     struct gas_time g;
     double *stress = NULL, *room = NULL;

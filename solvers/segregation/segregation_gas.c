@@ -1,3 +1,5 @@
+/* Opens a time of another case and interpolates its fields: cell by cell, in columns, and their gradients
+ * (segregation_gas.h). */
 #include "solvers/segregation/segregation_gas.h"
 
 #include "mesh/grid/search.h"
@@ -149,7 +151,7 @@ double column_slope(int n, const struct column *c, double y) {
 
 /* ---- gradients ---- */
 
-/* A pair of cells d apart: the sums of d d / |d|^3 and d (q' - q) / |d|^3 of both. */
+/* Adds a pair of cells d apart: the sums of d d / |d|^3 and d (q' - q) / |d|^3 of both. */
 static void add_pair(double *room, double *out, int dim, const int axis[3], const double d[3], int a, int b,
                      double jump) {
     double square = 0;
@@ -164,7 +166,7 @@ static void add_pair(double *room, double *out, int dim, const int axis[3], cons
     }
 }
 
-/* The symmetric system of a cell, sums[] its upper triangle by rows; an axis without neighbours gets 0. */
+/* Solves the symmetric system of a cell, whose upper triangle is sums[] by rows; an axis without neighbours gets 0. */
 static void solve_cell(int dim, const int axis[3], const double *sums, double *out) {
     double a[3][3], x[3] = {0}, right[3] = {out[0], out[1], out[2]};
     for (int i = 0, at = 0; i < dim; i++)

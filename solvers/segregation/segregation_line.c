@@ -1,3 +1,5 @@
+/* Orders the cells of a line, checks that they form one, and sets percolation and diffusivity on it
+ * (segregation_line.h). */
 #include "solvers/segregation/segregation_line.h"
 
 #include <math.h>
@@ -35,7 +37,7 @@ static status order_cells(const struct setup *s, struct segregation_setup *l) {
     return OK;
 }
 
-/* Each cell's neighbours are those before and behind it; the ends are walls. */
+/* Places the faces. The neighbours of each cell must be the cells before and behind it, and the ends must be walls. */
 static status place_faces(const struct setup *s, struct segregation_setup *l) {
     const struct polymesh *m = s->mesh;
     const int n = m->ncells;
@@ -62,7 +64,8 @@ static status place_faces(const struct setup *s, struct segregation_setup *l) {
                 s->dir, n, m->ninternal, walls, n - 1);
 }
 
-/* The paper's nodes: equally spaced, the first and the last on the walls, with half cells there. */
+/* Moves the end nodes to the walls: the paper's nodes are equally spaced, the first and the last on the walls, with
+ * half cells there. */
 static status move_to_walls(const struct setup *s, struct segregation_setup *l) {
     const int n = l->line.n;
     const double step = (l->face[n] - l->face[0]) / (n - 1);
@@ -120,7 +123,7 @@ static void diffusivity_law(const void *context, int nfaces, const double *phi, 
     for (int i = 0; i < nfaces; i++) diffusivity[i] = larger(0, diffusivity_at(context, i, phi[i]));
 }
 
-/* On a face the mean of both cells. */
+/* Sets the shear rate on each face to the mean of both cells. */
 static status set_shear_rate(struct segregation_setup *l, const double *cells) {
     const int n = l->line.n;
     TRY(allocate(&l->shear_rate, n + 1, sizeof(double), "a line"));

@@ -13,15 +13,15 @@ struct mixture {
     struct segregation_models *models;
     struct field *field;
     struct segregation_flow flow;
-    struct segregation_setup line; /* with one solved axis */
+    struct segregation_setup line; /* used with one solved axis */
     struct segregation *solver;
-    struct segregation_box box; /* with more */
+    struct segregation_box box; /* used with more */
     struct segregation_field *carried;
     double *phi;                      /* [cells] along the line, or of the box */
-    double mass;                      /* at the start */
+    double mass;                      /* content at the start */
     double rate;                      /* 1/s: Courant number / dt */
     long steps;                       /* since the start of the case */
-    struct segregation_counts counts; /* at the last log entry */
+    struct segregation_counts counts; /* their values at the last log entry */
 };
 static struct mixture *of(const struct medium *m) {
     return (struct mixture *)(uintptr_t)m;
@@ -74,7 +74,7 @@ static status read_phi(struct setup *s, struct mixture *x) {
     return OK;
 }
 
-/* Of patches with a value. */
+/* Checks phi on patches with a value. */
 static status check_patches(const struct setup *s, const struct field *f) {
     for (int p = 0; p < s->mesh->npatches; p++) {
         const struct patch_field *q = &f->patch[p];
@@ -109,7 +109,7 @@ static double content(const struct mixture *x) {
     if (on_line(x)) return segregation_mass(x->solver, x->phi);
     const struct setup *s = x->base.setup;
     double row = 0, sum = 0;
-    for (int i = 0; i < s->mesh->ncells; i++) { /* in pieces, which keeps the digits of many equal cells */
+    for (int i = 0; i < s->mesh->ncells; i++) { /* sums in pieces, which keeps the digits of many equal cells */
         row += (x->flow.density ? x->flow.density[i] * s->volume[i] : s->volume[i]) * x->phi[x->box.place[i]];
         if (i % 1000 != 999) continue;
         sum += row;
@@ -169,7 +169,7 @@ static double mixture_memory(const struct medium *m) {
     return 40. * 8 * m->setup->mesh->ncells * comm_size(m->setup->comm);
 }
 
-/* Without a step to go on from: a Courant number of 1, which the error estimate then corrects. */
+/* Plans a step: without one to go on from, a Courant number of 1, which the error estimate then corrects. */
 static void mixture_plan(struct medium *m, const struct control *c, struct pace *out) {
     (void)c;
     const struct mixture *x = of(m);
@@ -197,7 +197,7 @@ static status mixture_step(struct medium *m, const struct control *c, double t, 
     return OK;
 }
 
-/* Of a lattice a step is one sweep along each axis, without iteration. */
+/* Returns the counts of the solver. On a lattice a step is one sweep along each axis, without iteration. */
 static struct segregation_counts counts_of(const struct mixture *x) {
     if (on_line(x)) return segregation_counts(x->solver);
     const struct segregation_lattice_counts n = segregation_field_counts(x->carried);

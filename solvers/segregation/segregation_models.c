@@ -1,3 +1,4 @@
+/* Reads, checks and prints the choices for a segregation from its dictionaries (segregation_models.h). */
 #include "solvers/segregation/segregation_models.h"
 
 #include "solvers/dict/params.h"
@@ -71,7 +72,7 @@ static status read_direction(struct dict *d, struct segregation_models *m) {
     return OK;
 }
 
-/* Without a direction f is counted against gravity. */
+/* Reads constant/g: without a direction f is counted against gravity. */
 static status read_gravity(struct dict *d, struct segregation_models *m) {
     static const signed char unit[3] = {0, 1, -2};
     double g[3];
@@ -84,7 +85,7 @@ static status read_gravity(struct dict *d, struct segregation_models *m) {
     return OK;
 }
 
-/* A number or latestTime, the default. */
+/* Reads `time`, a number or latestTime, which is the default. */
 static status read_time(struct dict *d, double *out) {
     static const char *const names[] = {"latestTime"};
     static const signed char unit[3] = {0, 0, 1};
