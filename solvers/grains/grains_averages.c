@@ -1,3 +1,5 @@
+/* Collects moments of the grains and their impacts over windows of time (grains_averages.h); libcore/grains/coarse.h
+ * has the formulas. */
 #include "solvers/grains/grains_averages.h"
 
 #include <math.h>
@@ -5,9 +7,9 @@
 
 struct averages {
     struct averages_mark mark;
-    struct coarse *sum[2];   /* of the running window, of the last complete one or of a moment */
+    struct coarse *sum[2];   /* sums of the running window; of the last complete one, or of a moment */
     double (*x)[3], (*u)[3]; /* [grains] */
-    double moment;           /* s: sum[1] is of this time; NAN: of a window */
+    double moment;           /* s: time of sum[1]; NAN: it is of a window */
 };
 
 static double sample_time(const struct averages_mark *m) {

@@ -1,3 +1,4 @@
+/* Checks the mesh and the walls of granularMD and makes the box in which grains move (grains_box.h). */
 #include "solvers/grains/grains_box.h"
 
 #include "libcore/models/boundary.h"
@@ -51,7 +52,7 @@ static int patch_of(const struct polymesh *m, int face) {
     return p;
 }
 
-struct box_side { /* of the box: the patches that cover it */
+struct box_side { /* a side of the box: a patch that covers it, and its restitution */
     int first;
     double restitution;
 };

@@ -13,26 +13,26 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
-enum { STEP_EVENTS = 1 << 17 }; /* a tenth of a second or so: how soon a signal is heard */
+enum { STEP_EVENTS = 1 << 17 }; /* take about a tenth of a second: so soon a signal is heard */
 
 struct grains_run {
     struct medium base;
     struct grains_models *models;
     struct grains_start start;
-    struct grains_state saved; /* n = 0: the start has none; let go once the grains hold it */
+    struct grains_state saved; /* n = 0: the start has none; freed once the grains hold it */
     struct grain_box box;
     struct grain_law law;
     struct grains *grains;
     struct averages *averages;
-    struct grain_start placed;                              /* how; its lists are gone */
-    bool kept;                                              /* averages go on from the saved state */
-    bool changed;                                           /* box or law since the saved state */
+    struct grain_start placed;                              /* how the grains were placed; its lists are freed */
+    bool kept;                                              /* do the averages go on from the saved state? */
+    bool changed;                                           /* have box or law changed since the saved state? */
     double energy;                                          /* J: kinetic, potential and lost when counting began */
-    int *place;                                             /* [ncells] index in the lattice, of polyMesh's cells */
-    double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells], and the time they are of */
-    double spent;                                           /* s of the clock, in steps of this run */
-    struct grains_table table;                              /* its start: of this run */
-    struct grain_counts last;                               /* at the last log entry */
+    int *place;                                             /* [ncells] index in the lattice of each polyMesh cell */
+    double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells] values of fields, and the time they are of */
+    double spent;                                           /* s of the clock spent in steps of this run */
+    struct grains_table table;                              /* its start is that of this run */
+    struct grain_counts last;                               /* counts at the last log entry */
     double last_spent;
 };
 static struct grains_run *of(const struct medium *m) {
@@ -161,7 +161,7 @@ static status place(struct grains_run *x) {
     return OK;
 }
 
-/* The sums of the saved state, where they are of the same cells, kernel and windows. */
+/* Makes the averages, with the sums of the saved state if these are of the same cells, kernel and windows. */
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
     const struct grains_state *s = &x->saved;
@@ -281,9 +281,10 @@ static void medium_plan(struct medium *m, const struct control *c, struct pace *
     *out = (struct pace){.stable = HUGE_VAL, .limit = "nothing", .early = "events"};
 }
 
-/* One piece: to `until` or what the averages want before. Says whether it got there. */
+/* Advances one piece: to `until`, or to the time the averages want before. Returns whether it reached `until`. */
 static bool advance_piece(struct grains_run *x, double until, int64_t *left, double *reached) {
-    const double due = averages_next(x->averages), slack = 1e-12 * fabs(until); /* the same time, made another way */
+    /* below the slack two times are the same, computed in two ways */
+    const double due = averages_next(x->averages), slack = 1e-12 * fabs(until);
     const double target = due < until - slack ? due : until;
     const int64_t before = grains_counted(x->grains)->events;
     *reached = grains_advance(x->grains, target, *left, averages_observer(x->averages));
@@ -321,7 +322,7 @@ static status medium_after(struct medium *m, const struct moment *now) {
     return grains_table_row(&x->table, m->setup, &x->box, &p);
 }
 
-/* Since the entry before. */
+/* Prints rates since the last log entry. */
 static void print_rates(FILE *f, const struct grains_run *x, const struct grain_counts *now) {
     const struct grain_counts *was = &x->last;
     const double spent = x->spent - x->last_spent;
@@ -350,7 +351,7 @@ static status medium_log(struct medium *m, FILE *f) {
             2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
     print_rates(f, x, n);
     fprintf(f, "    energy: kinetic %.10g  potential %.10g  lost %.10g", p.kinetic, p.potential, n->lost);
-    if (x->models->forces.source.amplitude == 0) /* else the shaken walls do work */
+    if (x->models->forces.source.amplitude == 0) /* shaken walls do work, so that nothing balances */
         fprintf(f, " (balance %+.2e)", (all - x->energy) / fmax(fabs(x->energy), p.kinetic + n->lost));
     for (int k = 0; k < x->box.dim; k++)
         if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p.momentum[k]);
@@ -415,7 +416,7 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     return OK;
 }
 
-/* The file borrows the lists of the engine. */
+/* Saves the exact state; the struct that is written borrows the engine's lists. */
 static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     const struct grains_run *x = of(m);
     const struct grains *g = x->grains;

@@ -1,3 +1,4 @@
+/* Reads, checks and prints the choices for a run of grains from its dictionaries (grains_models.h). */
 #include "solvers/grains/grains_models.h"
 
 #include "libcore/models/boundary.h"

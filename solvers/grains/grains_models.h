@@ -1,4 +1,4 @@
-/* What the dictionaries of granularMD choose: `grain` of constant/granularProperties, which a gas shares, constant/g
+/* The choices in the dictionaries of granularMD: `grain` of constant/granularProperties, which a gas shares, constant/g
  * and shaking, and constant/particleProperties, which may be missing: every key has a default. */
 #ifndef SOLVERS_PARTICLE_MODELS_H
 #define SOLVERS_PARTICLE_MODELS_H
@@ -12,15 +12,15 @@ struct grains_models {
     struct dict *granular, *properties; /* properties: NULL without the file */
     struct forces forces;
     struct material grain; /* diameter, mass, restitution, threshold */
-    int number, seed;      /* number: 0: from the field alpha or rho */
+    int number, seed;      /* number 0: it follows from the field alpha or rho */
     bool write_cloud;
     enum coarse_kernel kernel;
-    double width, window;  /* m, s; window 0: a moment */
-    int samples;           /* of a window */
-    double *restitution;   /* [npatches] of the walls */
+    double width, window;  /* m, s; window 0: fields are of a moment */
+    int samples;           /* moments in a window */
+    double *restitution;   /* [npatches] of impacts on each wall */
     int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
 };
-/* control: its write interval is the default of the window. */
+/* Reads the models; the write interval of `control` is the default of the window. */
 status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
                           const struct control *control, struct grains_models **out);
 void grains_models_free(struct grains_models *m);

@@ -1,3 +1,4 @@
+/* Reads the fields of a start of granularMD and puts grains in place from them or from a cloud (grains_start.h). */
 #include "solvers/grains/grains_start.h"
 
 #include "libcore/models/boundary.h"
@@ -38,7 +39,7 @@ static status check_files(const struct setup *s, bool saved) {
                 there(s, "p") ? " (p says it of a gas only)" : "");
 }
 
-/* Of a cell of the lattice, by components. */
+/* Takes one component of a field, times scale, in the order of the lattice's cells. */
 static status take(const struct setup *s, const struct field *f, int component, double scale, double **out) {
     const struct lattice *l = s->lattice;
     TRY(allocate(out, s->mesh->ncells, sizeof(double), f->kind->name));
@@ -86,7 +87,7 @@ static status take_density(const struct setup *s, const struct grains_models *m,
 
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
     const struct field_place place = {s->mesh, s->centre, s->start.t};
-    struct layers *layers; /* which only granularGas has: take_density says so */
+    struct layers *layers; /* only granularGas has settled layers: take_density says so */
     *p = (struct grains_start){.alpha = NULL};
     TRY(check_files(s, saved));
     for (int i = 0; i < FIELD_COUNT; i++) {

@@ -1,15 +1,17 @@
+/* Writes and reads the exact state of a run of grains as binary numbers behind a head that says their sizes
+ * (grains_state.h). */
 #include "solvers/grains/grains_state.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { VERSION = 2, BOX = 24, LAW = 8 };
-struct head { /* what the sizes of the rest follow from */
+struct head { /* the head: sizes that tell how long the rest is */
     char name[8];
-    uint64_t order; /* of bytes */
+    uint64_t order; /* order of bytes */
     int32_t version, n;
     int64_t nsums;
-    int64_t size[4]; /* of a grain, an event, the counts, the mark */
+    int64_t size[4]; /* bytes of a grain, an event, the counts, the mark */
 };
 static struct head head_of(const struct grains_state *s) {
     return (struct head){.name = "grains",
@@ -152,7 +154,7 @@ static status allocate_lists(struct grains_state *s) {
     return allocate(&s->sums[1], s->nsums, sizeof(double), "averages");
 }
 
-/* Each grain has its place, and is told of no other than there are. */
+/* Is the state sound: does each grain have a place of its own, and a partner that exists? */
 static bool sound(const struct grains_state *s) {
     bool ok = s->box.dim == 2 || s->box.dim == 3;
     char *seen = calloc((size_t)s->n, 1);

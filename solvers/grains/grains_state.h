@@ -1,6 +1,6 @@
 /* TIME/uniform/grains: the exact state of a run of grains, from which it continues to the bit: grains with their own
- * clocks, the event queue, counts, and the sums of the averages. A header as OpenFOAM's, then native binary; 80 bytes
- * and some per grain. */
+ * clocks, the event queue, counts, and the sums of the averages. The file has a header as OpenFOAM's, then native
+ * binary; 80 bytes and some per grain. */
 #ifndef SOLVERS_PARTICLE_STATE_H
 #define SOLVERS_PARTICLE_STATE_H
 
@@ -8,27 +8,30 @@
 #include "solvers/grains/grains_averages.h"
 
 struct grains_state {
-    struct grain_box box; /* under which the events were predicted */
+    struct grain_box box; /* box and law under which the events were predicted */
     struct grain_law law;
     int n;
-    double t;      /* s: reached */
+    double t;      /* s: time reached */
     double energy; /* J: kinetic, potential and lost when counting began */
     struct grain_counts counts;
     struct grain *grain;       /* [n], by index */
     struct grain_event *event; /* [n] */
     int32_t *id;               /* [n] */
     struct averages_mark mark;
-    double grid[16]; /* what the sums belong to: the grid of struct coarse_grid, as numbers */
+    double grid[16]; /* struct coarse_grid of the sums, as numbers */
     long nsums;
     double *sums[2]; /* [nsums]: running window, last complete one */
 };
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);
+/* Turns a grid into numbers, so that two grids can be compared. */
 void grains_state_grid(const struct coarse_grid *g, double out[16]);
 
+/* Writes the state to `path`; *sum gets size and checksum of the file. */
 status grains_state_write(const struct grains_state *s, const char *path, const char *location, bool compress,
                           struct file_sum *sum);
-/* Allocates; to be freed also after an error. ERR_INPUT: no such file as this machine writes, or cut. */
+/* Reads a state; the caller calls grains_state_free, also after an error. Fails with ERR_INPUT on a file that is cut or
+ * that this machine does not write. */
 status grains_state_read(const char *path, struct grains_state *out);
 void grains_state_free(struct grains_state *s);
 

@@ -1,3 +1,4 @@
+/* Computes totals over all grains and writes them as rows of a table (grains_table.h). */
 #include "solvers/grains/grains_table.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* postProcessing/grains/<start>/grains.dat: what all grains have together, a row for the start and for every step. */
+/* Writes postProcessing/grains/<start>/grains.dat: totals over all grains, a row for the start and for every step. */
 #ifndef SOLVERS_PARTICLE_TABLE_H
 #define SOLVERS_PARTICLE_TABLE_H
 
@@ -13,8 +13,8 @@ struct grains_totals {                      /* all in the frame of the box */
 };
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass);
 
-struct grains_table {           /* zeroed: no row yet */
-    struct grains_totals start; /* of this run */
+struct grains_table {           /* a zeroed table has no row yet */
+    struct grains_totals start; /* totals at the start of this run */
     FILE *file;
 };
 status grains_table_row(struct grains_table *p, const struct setup *s, const struct grain_box *box,
