@@ -1,5 +1,5 @@
-#define _XOPEN_SOURCE 700 /* realpath */
 /* caseToVTK: the written times of a case as legacy VTK files. */
+#define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 #include "solvers/output/clouds.h"
@@ -19,13 +19,13 @@
 enum { MOST = 64 };
 
 struct conversion {
-    const char *dir, *phases; /* phases: the phaseAverage to convert; NULL: the case's times */
+    const char *dir, *phases; /* phases: name of the phaseAverage to convert; NULL: the case's times */
     char root[TIME_PATH];     /* folder of the times */
     char name[256];
-    const char *times[MOST], *fields[MOST]; /* asked for; none: all */
+    const char *times[MOST], *fields[MOST]; /* names that the command line asks for; none: all */
     int ntimes, nfields;
     bool ascii;
-    int clouds; /* written */
+    int clouds; /* number of clouds written */
     struct polymesh *mesh;
     struct vtk_grid *grid;
 };
@@ -113,7 +113,7 @@ static status read_one(const struct conversion *c, const struct instant *at, con
     return OK;
 }
 
-/* Of times that have one. */
+/* Converts the cloud of grains of a time that has one. */
 static status convert_cloud(struct conversion *c, const struct instant *at) {
     char folder[TIME_PATH], vtk[TIME_PATH + 8];
     struct cloud cloud;
@@ -146,7 +146,7 @@ static status convert(struct conversion *c, const struct instant *at) {
     return s ? s : convert_cloud(c, at);
 }
 
-/* Folder of the times and name of the files. */
+/* Finds the folder of the times and the name of the VTK files. */
 static status find_root(struct conversion *c) {
     char full[PATH_MAX];
     struct instant *starts = NULL;
@@ -169,7 +169,7 @@ static status convert_all(struct conversion *c) {
     struct instant *times = NULL;
     int n = 0;
     double latest = -HUGE_VAL;
-    status damage = OK; /* of the first such time: the others are converted */
+    status damage = OK; /* the error of the first damaged time; the other times are converted */
     TRY(find_root(c));
     TRY(times_list(c->root, &n, &times));
     snprintf(path, sizeof path, "%s/constant/polyMesh", c->dir);

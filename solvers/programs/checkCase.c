@@ -1,4 +1,4 @@
-/* checkCase: everything the solver's -dry-run checks. */
+/* checkCase: checks all that a solver's -dry-run checks. */
 #include "solvers/programs/program.h"
 #include "solvers/programs/run.h"
 
@@ -22,7 +22,7 @@ static status parse(int argc, char **argv, const char **dir, bool *help) {
     return *dir ? case_folder(*dir) : fail(ERR_INPUT, "which case? usage: checkCase DIR");
 }
 
-/* By controlDict's `application`; what is wrong with that file run_check says. */
+/* Returns the medium that controlDict's `application` names; run_check reports errors of that file. */
 static const struct medium_type *medium_of(const char *dir) {
     char path[TIME_PATH];
     struct dict *d = NULL;

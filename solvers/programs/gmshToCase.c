@@ -100,7 +100,7 @@ static status print_summary(const struct polymesh *m, const struct lattice *l, c
 
 /* ---- the case ---------------------------------------------------------------------------------------------------- */
 
-/* Zones and sets of an older mesh hold its numbers and would make OpenFOAM's tools fail. */
+/* Removes zones and sets of an older mesh: they hold its numbers and would make OpenFOAM's tools fail. */
 static void remove_stale(const char *mesh_dir) {
     static const char *const names[] = {"cellZones",    "faceZones",    "pointZones",
                                         "cellZones.gz", "faceZones.gz", "pointZones.gz"};

@@ -1,4 +1,4 @@
-/* granularGas: the inelastic Euler equations of a granular gas on a case directory. */
+/* granularGas: the Euler or Navier-Stokes equations of a granular gas on a case directory. */
 #include "solvers/case/medium.h"
 #include "solvers/programs/program.h"
 

@@ -1,3 +1,4 @@
+/* Reads the rules for patches of system/meshDict (meshrules.h). */
 #include "solvers/programs/meshrules.h"
 
 #include "solvers/dict/dict.h"

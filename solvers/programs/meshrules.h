@@ -1,17 +1,19 @@
-/* system/meshDict: the types of patches that a mesh generator's file cannot say.
+/* Reads system/meshDict: the types of patches, which a mesh generator's file cannot say.
  *   patches { front { type empty; } left { type cyclic; neighbourPatch right; } ... } */
 #ifndef SOLVERS_MESHRULES_H
 #define SOLVERS_MESHRULES_H
 
 #include "mesh/format/gmsh.h"
 
+/* Rules for patches, with the dictionary that owns their words. */
 struct mesh_rules {
     int n;
     struct gmsh_rule *rule;
-    struct dict *dict; /* owns the words */
+    struct dict *dict; /* owns the words; NULL without a file */
+    /* [n] "FILE:LINE" of each rule. */
     char (*where)[4200];
 };
-/* n = 0 if DIR has no system/meshDict. */
+/* Reads the rules of the case in `dir`; n = 0 if it has no system/meshDict. */
 status mesh_rules_read(const char *dir, struct mesh_rules **out);
 void mesh_rules_free(struct mesh_rules *r);
 

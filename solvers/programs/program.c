@@ -1,3 +1,4 @@
+/* Reads the solvers' command line, starts mpirun for -np, and ends a program (program.h). */
 #include "solvers/programs/program.h"
 
 #include "solvers/dict/dict.h"
@@ -63,7 +64,7 @@ status options_read(int argc, char **argv, struct options *out) {
 status options_relaunch(int argc, char **argv, const struct options *o) {
     char number[16], wrapper[4096];
     char **command = NULL;
-    const char *slash = strrchr(argv[0], '/'); /* the mpirun beside this program, which needs no flags, or any */
+    const char *slash = strrchr(argv[0], '/'); /* the mpirun beside this program needs no flags; else any mpirun */
     snprintf(wrapper, sizeof wrapper, "%.*smpirun", slash ? (int)(slash + 1 - argv[0]) : 0, argv[0]);
     TRY(allocate(&command, argc + 8L, sizeof *command, "command line"));
     int n = 0;
@@ -84,7 +85,7 @@ status options_relaunch(int argc, char **argv, const struct options *o) {
                 strerror(reason));
 }
 
-/* A pipe that nobody reads any more was closed on purpose. */
+/* Warns if the log could not be written, except to a pipe: a pipe that nobody reads any more was closed on purpose. */
 static void check_log(void) {
     struct stat info;
     bool failed = fflush(stdout) || ferror(stdout);

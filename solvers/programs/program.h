@@ -1,28 +1,29 @@
-/* What the programs share: the command line of a solver, and how a program ends. */
+/* The command line of the programs, and how a program ends. */
 #ifndef SOLVERS_PROGRAM_H
 #define SOLVERS_PROGRAM_H
 
 #include "mesh/base/comm.h"
 
 struct options {
-    const char *dir; /* -case DIR; "." */
+    const char *dir; /* -case DIR; default "." */
     bool dry_run, debug, help, list_models, list_boundaries;
     int ranks; /* -np N; 0: not given */
 };
-/* An unknown option is an error that lists the known ones. */
-/* For the arguments of any program. option_value takes the word behind argv[*i]. */
+/* Helpers for the arguments of any program: option_unknown returns the error for an unknown word, which lists the known
+ * ones; option_value takes the word behind argv[*i]. */
 status option_unknown(const char *word, const char *const *names, int n);
 status option_value(int argc, char **argv, int *i, const char **out);
-status case_folder(const char *dir); /* is it there? */
+status case_folder(const char *dir); /* fails if the folder is not there */
 
+/* Reads the options of a solver. */
 status options_read(int argc, char **argv, struct options *out);
-/* -np N: replaces this process by mpirun -np N of the same program and options; returns only if that failed. */
+/* Replaces this process by mpirun -np N of the same program and options, for -np N; returns only if that failed. */
 status options_relaunch(int argc, char **argv, const struct options *o);
-/* Prints an error once (on the root), frees it, ends MPI; the exit code. c may be NULL: MPI was not started. */
+/* Prints an error once (on the root), frees it, ends MPI; returns the exit code. c may be NULL: MPI was not started. */
 int program_end(struct comm *c, status s, bool debug);
 
 struct medium_type;
-/* The main of a solver. */
+/* The main of a solver for one type of medium. */
 int solver_main(int argc, char **argv, const struct medium_type *type);
 
 #endif

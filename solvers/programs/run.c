@@ -1,3 +1,5 @@
+/* The time loop of a run: plan a step, advance the medium, log, write, and react to signals and to a changed
+ * controlDict (run.h). */
 #include "solvers/programs/run.h"
 
 #include "solvers/case/changes.h"
@@ -18,12 +20,12 @@ struct run {
     struct output *output;
     struct progress progress;
     struct moment now;
-    double dt;           /* s: the last step, or the next to try */
+    double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
     bool stop;
 };
 
-static volatile sig_atomic_t asked_to_stop; /* the one thing a signal handler may touch */
+static volatile sig_atomic_t asked_to_stop; /* the one variable that a signal handler may touch */
 static void on_signal(int number) {
     asked_to_stop = number;
 }
@@ -36,7 +38,7 @@ static void catch_signals(void) {
     sigemptyset(&action.sa_mask);
     for (int i = 0; i < 5; i++) {
         bool nohup = !sigaction(signals[i], NULL, &was) && was.sa_handler == SIG_IGN && signals[i] == SIGHUP;
-        if (!nohup) sigaction(signals[i], &action, NULL); /* SIGINT, too, which shells ignore in the background */
+        if (!nohup) sigaction(signals[i], &action, NULL); /* SIGINT, too, which shells let background jobs ignore */
     }
     /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
     signal(SIGXFSZ, SIG_IGN);
@@ -118,11 +120,12 @@ static status write_now(struct run *r, char name[TIME_NAME]) {
     return OK;
 }
 
-/* A changed controlDict replaces the old one; a wrong one is reported and ignored. `functions` stay as they are. */
+/* Reads a changed controlDict, which replaces the old one; a wrong one is reported and ignored. `functions` stay as
+ * they are. */
 static void read_again(struct run *r) {
     struct setup *s = r->setup;
     struct control *changed = NULL;
-    control_stamp(s->control, s->dir); /* a wrong file is told of once */
+    control_stamp(s->control, s->dir); /* a wrong file is reported once */
     status e = control_read(s->dir, s->medium->type->application, &changed);
     if (!e && changed->functions) dict_mark_used(changed->functions);
     if (!e) e = dict_check_used(changed->dict);
@@ -142,7 +145,8 @@ static void read_again(struct run *r) {
     if (comm_root(s->comm)) printf("system/controlDict has changed and was read again\n");
 }
 
-/* What the root alone knows, for all ranks: clocks, and whether to log, to stop or to read controlDict again. */
+/* The answers that only the root knows, for all ranks: clocks, and whether to log, to stop or to read controlDict
+ * again. */
 struct word {
     double signal, log, changed, cpu, clock;
 };
@@ -160,7 +164,7 @@ static struct word root_says(const struct run *r) {
     return w;
 }
 
-/* What is to be written at the end of a step, and whether the run ends here. */
+/* Writes what is due at the end of a step, and finds out whether the run ends here. */
 static status after_step(struct run *r, const struct moment *before, const struct word *w) {
     const struct control *c = r->setup->control;
     char name[TIME_NAME];
@@ -220,7 +224,7 @@ static status step_once(struct run *r) {
     return after_step(r, &before, &w);
 }
 
-/* The medium holds the last good state: it is kept for a look, unless it is on disk already. */
+/* Writes the last good state, which the medium holds, for a look at it, unless it is on disk already. */
 static status keep_last(struct run *r, status cause) {
     char name[TIME_NAME];
     if (status_kind(cause) != ERR_STATE || !r->output || !r->setup->control->write_on_error) return cause;
@@ -257,7 +261,8 @@ static status loop(struct run *r) {
     return s->medium->type->finish ? s->medium->type->finish(s->medium, stdout) : OK;
 }
 
-/* On the root. What a killed run left half written may go only when no other run can be at work on it. */
+/* Locks the case and removes what a killed run left half written, on the root. The lock comes first: only then no other
+ * run can be at work on it. */
 static status lock_and_clean(const char *dir, const char *application, struct lock **lock) {
     TRY(lock_take(dir, application, lock));
     return times_clean(dir);

@@ -1,4 +1,4 @@
-/* The time loop of a case, and its check without one. */
+/* Runs or checks a case: the time loop, from the reading of the case to its last written time. */
 #ifndef SOLVERS_RUN_H
 #define SOLVERS_RUN_H
 
@@ -7,9 +7,10 @@
 /* Reads and checks everything; prints mesh, models, keys, memory; writes nothing. Collective. */
 status run_check(const char *dir, const struct medium_type *type, const struct comm *c);
 
-/* Runs the case to its end, or until stopAt, SIGTERM, SIGINT, SIGHUP, SIGXCPU or SIGUSR1 (the state is then written, OK
- * is returned). The case is locked meanwhile (lock.h).
- * ERR_STATE: the medium left the admissible states; the last good state was written unless onError abort. */
+/* Runs the case to its end, or until stopAt, SIGTERM, SIGINT, SIGHUP, SIGXCPU or SIGUSR1 (it then writes the state and
+ * returns OK). The case is locked meanwhile (lock.h). Collective.
+ * Fails with ERR_STATE if the medium left the admissible states; the last good state was written, unless controlDict
+ * says onError abort. */
 status run_case(const char *dir, const struct medium_type *type, const struct comm *c);
 
 #endif

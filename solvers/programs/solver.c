@@ -1,4 +1,4 @@
-/* The command line of a solver, whatever its medium. */
+/* The main of a solver, whatever its medium: options, lists, relaunch under mpirun, check or run. */
 #include "solvers/functions/functions.h"
 #include "solvers/programs/program.h"
 #include "solvers/programs/run.h"
