@@ -1,4 +1,4 @@
-/* A lattice that is one full box, made by hand: for tests and benchmarks of what lies above the mesh. */
+/* Makes a lattice that is one full box by hand, for tests and benchmarks of the layers above the mesh. */
 #ifndef TESTS_BOX_H
 #define TESTS_BOX_H
 
@@ -8,11 +8,12 @@
 
 struct box {
     struct lattice lattice;
-    struct polymesh mesh;    /* counts and patches only: 2*axis + (0 low, 1 high) */
-    struct patch patches[6]; /* on the stack of whoever holds the box */
+    struct polymesh mesh;    /* counts and patches only; patch 2*axis + (0 low, 1 high) */
+    struct patch patches[6]; /* the mesh's patches, so the struct box must not be copied */
 };
 
-/* n cells along each of dim axes of the given length; periodic axes have no patches. Cell i + n0 (j + n1 k). */
+/* Makes a box of n cells along each of dim axes of the given length (m); periodic axes have no patches. Cell i + n0 (j
+ * + n1 k) is at (i, j, k). */
 static inline void box_make(struct box *b, int dim, const int n[3], const double length[3], const bool periodic[3]) {
     static char wall[] = "wall", cyclic[] = "cyclic";
     *b = (struct box){.lattice = {.dim = dim, .axis = {0, 1, 2}, .thickness = 1}};
@@ -29,7 +30,7 @@ static inline void box_make(struct box *b, int dim, const int n[3], const double
     b->mesh = (struct polymesh){.ncells = cells, .npatches = 6, .patch = b->patches};
     for (int i = 0; i < cells; i++) l->cell[i] = i;
     for (int i = 0; i < 6 * cells; i++) l->face[i] = -1;
-    int inner = cells * 3; /* as many internal faces at most; their numbers do not matter */
+    int inner = cells * 3; /* there are at most so many internal faces; their numbers do not matter */
     b->mesh.nfaces = b->mesh.ninternal = inner;
     for (int side = 0; side < 6; side++) {
         struct patch *p = &b->patches[side];

@@ -1,4 +1,5 @@
-/* Checks of statuses, and cmocka with the headers it needs. Include it last: cmocka's macro `fail` hides ours. */
+/* Checks of statuses, and cmocka with the headers it needs. Include this file last: cmocka's macro `fail` hides
+ * ours. */
 #ifndef TESTS_CHECKS_H
 #define TESTS_CHECKS_H
 

@@ -1,5 +1,5 @@
-/* Meshes of a box with perturbed points: quads, triangles, hexes, tets. For tests and benchmarks of what works on any
- * polyhedra. */
+/* Makes meshes of a box with perturbed points: quads, triangles, hexes, tets. They serve tests and benchmarks of code
+ * for polyhedral meshes. */
 #ifndef TESTS_SIMPLICES_H
 #define TESTS_SIMPLICES_H
 
@@ -14,13 +14,13 @@ enum shape { QUADS, TRIANGLES, HEXES, TETS };
 struct sample {
     enum shape shape;
     struct polymesh *mesh; /* patches x0 x1 y0 y1 z0 z1; flat shapes lie in x and y, z is empty */
-    int *corner;           /* [ncells][8] points; of flat ones those at z = 0 come first */
+    int *corner;           /* [ncells][8] points; in flat shapes the points at z = 0 come first */
 };
 struct sample_face {
     int key[4], point[4], n, cell;
 };
 
-static inline double sample_noise(long i, int k) { /* -1 .. 1 */
+static inline double sample_noise(long i, int k) { /* returns noise from -1 to 1, always the same for (i, k) */
     uint64_t x = (uint64_t)i * 3 + (uint64_t)k + 1;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -39,7 +39,8 @@ static inline bool sample_flat(enum shape s) {
     return s == QUADS || s == TRIANGLES;
 }
 
-/* Cells of the box at place (i, j, k) with corner points p[8] in binary order: corner lists, how many. */
+/* Cuts the box at place (i, j, k) with corner points p[8] in binary order into cells: fills their corner lists; returns
+ * how many. */
 static inline int sample_cells(enum shape shape, int place, const int p[8], int cell[6][8]) {
     static const int order[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
     static const int split[2][2][3] = {{{0, 1, 3}, {0, 3, 2}}, {{0, 1, 2}, {1, 3, 2}}};
@@ -71,7 +72,7 @@ static inline void sample_add_faces(enum shape shape, const int *corner, int cel
     }
 }
 
-/* The patch of a face on the boundary: all its points have the same outermost lattice place. */
+/* Returns the patch of a face on the boundary: all its points have the same outermost lattice place. */
 static inline int sample_patch(const struct sample_face *f, const int n[3]) {
     for (int side = 0; side < 6; side++) {
         int k = side / 2, all = 1;
@@ -97,7 +98,7 @@ static inline void sample_points(struct polymesh *m, bool flat, const int n[3], 
     }
 }
 
-/* Joins equal faces; returns the patch of each face of the mesh. */
+/* Joins equal faces of two cells; returns the patch of each face of the mesh. */
 static inline int *sample_join(struct polymesh *m, struct sample_face *face, int nfaces, const int n[3]) {
     int *patch = calloc((size_t)nfaces, sizeof *patch);
     m->face_start = calloc((size_t)nfaces + 1, sizeof(int));
@@ -120,7 +121,8 @@ static inline int *sample_join(struct polymesh *m, struct sample_face *face, int
     return patch;
 }
 
-/* n boxes along each axis (flat shapes: n[2] = 1), points moved by up to `noise` boxes along each axis. */
+/* Makes a mesh of n boxes along each axis (flat shapes: n[2] = 1), with points moved by up to `noise` boxes along each
+ * axis. */
 static inline status sample_make(struct sample *s, enum shape shape, const int n[3], const double length[3],
                                  double noise) {
     static const char *const names[6] = {"x0", "x1", "y0", "y1", "z0", "z1"};

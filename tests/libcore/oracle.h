@@ -2,7 +2,7 @@
 #ifndef TESTS_ORACLE_H
 #define TESTS_ORACLE_H
 
-/* cmocka.h wants these three before it */
+/* cmocka.h wants these three headers before it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -52,7 +52,7 @@ static inline void assert_near(double found, double expected, double allowed) {
         fail_msg("%.17g, expected %.17g, error %.3g, allowed %.3g", found, expected, fabs(found - expected), allowed);
 }
 
-/* Grains of diameter sigma with the defaults of an equation of state. */
+/* Returns grains of diameter sigma with the defaults of an equation of state. */
 static inline struct material grains_of(const struct eos *eos, double e, double sigma) {
     struct material m = {.diameter = sigma, .mass = 1, .restitution = e, .disks = eos->disks};
     model_defaults(&eos->model, &m);

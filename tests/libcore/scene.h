@@ -1,4 +1,4 @@
-/* A gas on a lattice or on a polyMesh, for tests of both mesh engines. */
+/* Makes a gas on a lattice or on a polyhedral mesh, for tests of both engines. */
 #ifndef TESTS_LIBCORE_SCENE_H
 #define TESTS_LIBCORE_SCENE_H
 
@@ -7,11 +7,11 @@
 
 #include "tests/mesh/polyhedral/cells.h" /* last: cmocka.h defines fail() */
 
-struct scene { /* on a lattice, or on a polyMesh */
+struct scene { /* a gas on a lattice (box, forest) or on a polyhedral mesh (mesh, grid) */
     struct box box;
     struct forest *forest;
     struct polymesh *mesh;
-    double *centre; /* [cells][3] */
+    double *centre; /* [cells][3] m */
     struct grid *grid;
     struct gas *gas;
     struct gas_models models;
@@ -26,7 +26,7 @@ static inline void set_walls(struct scene *s, const char *velocity) {
     }
 }
 
-/* With s->models and s->rules. */
+/* Makes the gas on a box; the caller has set s->models and s->rules. */
 static inline void open_box(struct scene *s, const struct comm *c, int dim, const int n[3], const double length[3],
                             const bool periodic[3], int tile) {
     const struct lattice *l = &s->box.lattice;
@@ -42,7 +42,7 @@ static inline void open_box(struct scene *s, const struct comm *c, int dim, cons
     ok(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));
 }
 
-/* With s->mesh, too. */
+/* Makes the gas on a polyhedral mesh; the caller has set s->models, s->rules and s->mesh. */
 static inline void open_mesh(struct scene *s, const struct comm *c) {
     s->cells = s->mesh->ncells;
     double *face = calloc(6 * (size_t)s->mesh->nfaces, sizeof *face), *volume;
@@ -70,7 +70,7 @@ static inline void close_scene(struct scene *s) {
     free(s->centre);
 }
 
-/* Root's conserved state, broadcast: [nvar][cells], caller frees. */
+/* Returns the root's conserved state, broadcast: [nvar][cells], which the caller frees. */
 static inline double *state_of(const struct scene *s, const struct comm *c) {
     int nvar = gas_variables(s->gas);
     double *all = calloc((size_t)(nvar * s->cells), sizeof *all), *U[MAX_VAR];
