@@ -57,6 +57,12 @@ LIBRARIES = {
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.
 NOT_IN_LIBCORE = r"(stdio|unistd|fcntl|dirent|dlfcn|signal|sys/\w+)\.h"
 
+# Files whose heads are still to be written.
+HEADLESS = [
+    "libcore/gas/audit.c", "libcore/models/boundary.c", "libcore/models/source.c", "solvers/functions/functions.c",
+    "solvers/gas/initial.c", "solvers/gas/layers.c", "solvers/gas/limiter.c",
+]
+
 # Variables of a whole file that may change, with the reason.
 MUTABLE = {"solvers/programs/run.c": ["asked_to_stop"]}  # the one thing that a signal handler may touch
 
@@ -213,6 +219,14 @@ def shared_kernels(files):
     return wrong
 
 
+def headless(files):
+    """Sources that do not begin with a comment whose first sentence says something and ends, with a stop or a colon."""
+    def head(text):
+        found = re.match(r"/\*(.*?)\*/", text, re.DOTALL)
+        return " ".join(re.sub(r"\n \*", " ", found.group(1)).split()) if found else ""
+    return [path for path, text in files.items() if not re.match(r"\w\S* \S+ .*?[^.][.:]( |$)", head(text))]
+
+
 def forgotten_rows(files):
     """Types of function objects that a file exports and the table of functions.c lacks."""
     table = files.get("solvers/functions/functions.c", "")
@@ -297,10 +311,8 @@ class Rooms(unittest.TestCase):
         for path, text in self.files.items():
             self.assertLessEqual(text.count("\n"), MOST_LINES, f"{path}: is there a second subject in it?")
 
-    def test_each_header_says_what_it_is(self):
-        for path, text in self.files.items():
-            if path.endswith(".h"):
-                self.assertTrue(text.startswith("/* "), f"{path} begins with no sentence")
+    def test_each_file_begins_with_a_sentence(self):
+        self.assertNone([path for path in headless(self.files) if path not in HEADLESS])
 
     def test_guards_of_headers_differ(self):
         self.assertNone(shared_guards(self.files))
@@ -380,6 +392,14 @@ class Rules(unittest.TestCase):
         self.assertEqual([], long_functions({"a.c": f"static int f(int x,\n             int y) {{\n{body}}}\n"}, 13))
         self.assertEqual(1, len(long_functions({"a.c": f"static int f(int x,\n             int y) {{\n{body}}}\n"}, 12)))
         self.assertEqual([], long_functions({"a.c": f"int f(void);\nstruct s {{\n{body}}}\n;"}, 5))
+
+    def test_heads(self):
+        for text in ("/* Reads a .msh file.\n * More. */\n", "/* trees: one tree per tile\n * of a lattice. */",
+                     "/* A gas\n * is:\n */"):
+            self.assertEqual([], headless({"a.c": text}), text)
+        for text in ("", '#include "a.h"\n/* A gas moves. */', "/* A gas moves */", "/* gas.c */", "/* ---- gas ---- */",
+                     "// A gas moves.\n", "/* Gas. */"):
+            self.assertEqual(["a.c"], headless({"a.c": text}), text)
 
     def test_names_and_rows(self):
         one = "/* x */\n#ifndef A_H\n#define A_H\n#endif\n"
