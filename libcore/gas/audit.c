@@ -7,10 +7,13 @@
 struct account {
     double totals[MAX_VAR];    /* behind the last part */
     double gained[GAS_CAUSES]; /* energy */
+    double sourced[SOURCE_MOST];
 };
 struct audit {
     bool known[GAS_CAUSES]; /* is there such a cause? */
     struct account now, start, mark;
+    double work;                /* energy from the sources since the last look that have a formula for it, J */
+    int measured;               /* row of the source since then that has none; -1: there is none */
     double first[2], floors[2]; /* mass and energy at the start; what the floors had added then */
     status failed;              /* of an attempt: it ends the step */
 };
@@ -21,8 +24,7 @@ static void floors_of(const struct gas *g, double floors[2]) {
 }
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
-    known[GAS_COOLING] = source_cools(&g->models.source, &g->models.material);
-    known[GAS_GRAVITY] = known[GAS_FLOORS] = true;
+    known[GAS_FLOORS] = true;
     for (int p = 0; p < g->npatches; p++) {
         const struct patch_rules *r = &g->rules[p];
         if (!r->velocity.type) continue;
@@ -79,13 +81,40 @@ void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
     if (g->audit) g->audit->now.gained[cause] += look(g, now);
 }
 
-void audit_sources(struct gas *g, const double kick[MAX_DIM], const struct state *now) {
+/* A formula sees the mass and the momentum of the last look. So totals are looked at before a source whose formula asks
+ * for a momentum that has changed since, and before a second source without a formula. */
+void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
+                   const struct state *scratch) {
     struct audit *a = g->audit;
-    double work = 0;
+    bool pushed = false;
     if (!a) return;
-    for (int k = 0; k < g->dim; k++) work += kick[k] * (a->now.totals[1 + k] + 0.5 * kick[k] * a->now.totals[0]);
-    a->now.gained[GAS_GRAVITY] += work;
-    a->now.gained[GAS_COOLING] += look(g, now) - work;
+    a->work = 0;
+    a->measured = -1;
+    for (int i = 0; i < plan->n; i++) {
+        const struct source_step *s = &plan->step[i];
+        const int row = (int)(s->row - source_table);
+        if (s->row->gained ? pushed && s->row->pushes : a->measured >= 0) {
+            struct source_plan before = *plan;
+            before.n = i;
+            (void)sources_apply(g, &before, from, scratch);
+            audit_sourced(g, scratch);
+            pushed = false;
+        }
+        const double work = s->row->gained ? s->row->gained(s, a->now.totals) : 0;
+        a->now.sourced[row] += work;
+        a->work += work;
+        if (!s->row->gained) a->measured = row;
+        pushed |= s->row->pushes;
+    }
+}
+
+void audit_sourced(struct gas *g, const struct state *now) {
+    struct audit *a = g->audit;
+    if (!a) return;
+    const double rest = look(g, now) - a->work;
+    if (a->measured >= 0) a->now.sourced[a->measured] += rest;
+    a->work = 0;
+    a->measured = -1;
 }
 
 status audit_keep(struct gas *g) {
@@ -115,6 +144,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     out->flowed = a->known[GAS_FLOW] ? now[0] - a->first[0] - out->filled : 0;
     out->lost[0] = a->first[0] + out->flowed + out->filled - now[0];
     out->lost[1] = a->first[1] - now[1];
+    for (int i = 0; i < source_count; i++) out->lost[1] += out->sourced[i] = a->start.sourced[i];
     for (int i = 0; i < GAS_CAUSES; i++) out->lost[1] += out->gained[i];
     return OK;
 }

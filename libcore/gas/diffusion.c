@@ -13,7 +13,8 @@
  * conducted from the T before cooling with the loss as a constant sink. In the second half, where cooling comes last,
  * conduction has the sink of the first half, and the loss is given back to T at the end. The step is symmetric in time,
  * so any sink used in both halves keeps second order; with this one, conduction and cooling that balance each other do
- * so in each half step, also at walls that hold T.
+ * so in each half step, also at walls that hold T. Other sources that change T count with cooling: the sink is what all
+ * of them took together, and where a thermostat gave more than the others took, it is negative.
  *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * That does not cover tangential derivatives in the stress, super steps, which are no means of Euler steps, and the
@@ -103,6 +104,7 @@ struct rise { /* what rise_row needs to compare T in two states */
     struct gas *g;
     const struct state *from, *to;
     bool friction; /* g->friction is wanted, else g->cooled */
+    double least;  /* lower bound of g->cooled */
 };
 
 static void rise_row(void *rise, const struct row *row) {
@@ -112,7 +114,7 @@ static void rise_row(void *rise, const struct row *row) {
     temperature_row(r->g, row->n, r->from->block[row->block] + row->at, before);
     temperature_row(r->g, row->n, r->to->block[row->block] + row->at, after);
     if (!r->friction)
-        for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], 0);
+        for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], r->least);
     else if (r->g->engine->diffusion.cooled_first)
         for (int i = 0; i < row->n; i++) friction[i] = after[i] - (before[i] + cooled[i]);
     else
@@ -120,11 +122,12 @@ static void rise_row(void *rise, const struct row *row) {
 }
 
 void note_cooled(struct gas *g, const struct state *from, const struct state *to) {
-    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, false});
+    const double least = source_heats(&g->models.source) ? -HUGE_VAL : 0; /* 0: where T rose, that is round-off */
+    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, false, least});
 }
 
 static void note_friction(struct gas *g, const struct state *from, const struct state *to) {
-    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, true});
+    g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, true, 0});
 }
 
 static void forget_row(void *gas, const struct row *row) {
@@ -238,7 +241,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
         repeats++;
-        if (g->models.source.cooling) forget_cooled(g);
+        if (source_thermal(&g->models.source)) forget_cooled(g);
         audit_mark(g, true);
         plain = g->engine->diffusion.flags(g, true);
     }

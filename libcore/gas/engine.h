@@ -28,10 +28,9 @@ enum extent {
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
 };
 
-struct ending {               /* what follows the last stage of a step */
-    bool sources;             /* are there any? */
-    double dt, kick[MAX_DIM]; /* of the second half of the sources */
-    struct gas_speed speed;   /* out: of the final state, of this rank's cells */
+struct ending {                        /* what follows the last stage of a step */
+    const struct source_plan *sources; /* the second half of the sources; NULL: there are none */
+    struct gas_speed speed;            /* out: of the final state, of this rank's cells */
 };
 
 enum diffusing { VISCOUS, HEAT };

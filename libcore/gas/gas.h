@@ -105,13 +105,13 @@ status gas_totals(const struct gas *g, double totals[MAX_VAR]);
 
 /* The budget of mass and energy by cause (libcore/gas/audit.h). gas_audit: from now on it is kept; the same bits, a few
  * sums over all cells a step. gas_budget: since then; collective, both. */
-enum gas_cause { GAS_COOLING, GAS_GRAVITY, GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_CAUSES };
-struct gas_budget {      /* sums over the domain, as of gas_totals */
-    double mass, energy; /* now, kg and J */
-    double
-        gained[GAS_CAUSES]; /* J, from impacts (< 0), gravity, the heat and the work of walls, open patches, floors */
-    double flowed, filled;  /* kg, through open patches and by the density floor */
-    double lost[2];         /* kg and J that nothing accounts for: round-off */
+enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_CAUSES }; /* besides the rows of source_table */
+struct gas_budget {              /* sums over the domain, as of gas_totals */
+    double mass, energy;         /* now, kg and J */
+    double sourced[SOURCE_MOST]; /* J, from each source */
+    double gained[GAS_CAUSES];   /* J, from the heat and the work of walls, open patches, floors */
+    double flowed, filled;       /* kg, through open patches and by the density floor */
+    double lost[2];              /* kg and J that nothing accounts for: round-off */
 };
 status gas_audit(struct gas *g);
 status gas_budget(const struct gas *g, struct gas_budget *out);

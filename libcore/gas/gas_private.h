@@ -50,7 +50,7 @@ struct gas {
     bool late;                 /* diffusion is in the second half of the step, before cooling */
     bool ahead;                /* coefficients of diffusion are those at the end of the half step (diffusion.c) */
     double **friction;         /* [blocks][size] T that the stress of this half step made, less `cooled` */
-    double **cooled;           /* [blocks][size] T that cooling took in the first half; both are 0 in ghosts */
+    double **cooled;           /* [blocks][size] T that sources took in the first half; both are 0 in ghosts */
     struct implicit *implicit; /* NULL: diffusion is explicit */
 };
 
@@ -62,7 +62,7 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
  * them in `to`. */
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
 
-/* g->cooled <- by how much T fell from one state to the other, by cooling */
+/* g->cooled <- by how much T fell from one state to the other, by sources; below 0: it rose, if some of them heat */
 void note_cooled(struct gas *g, const struct state *from, const struct state *to);
 
 struct lapse { /* one step of conduction */
@@ -97,13 +97,12 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
 struct half_step { /* what source_row needs and counts */
     const struct gas *g;
     const struct state *from, *to;
-    double dt, kick[MAX_DIM]; /* kick: velocity gained, m/s */
-    long bad;                 /* cells that were not admissible then */
+    const struct source_plan *plan;
+    long bad; /* cells that were not admissible then */
 };
 void source_row(void *half_step, const struct row *row);
-/* to <- the sources applied to from over dt; returns this rank's number of inadmissible cells. */
-long sources_apply(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
-                   const struct state *to);
+/* to <- the sources of the plan applied to from; returns this rank's number of inadmissible cells. */
+long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to);
 
 /* Number of inadmissible cells among the n <= BATCH at `offset` of a block U; marks[offset + i], unless marks is NULL,
  * is raised by 1 at each. */

@@ -97,14 +97,12 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
-    source_apply(&g->models.source, g->models.eos, &g->models.material, row->n, g->dim, h->dt, h->kick, U);
+    source_apply(h->plan, row->n, U);
     h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
 }
 
-long sources_apply(struct gas *g, double dt, const double kick[MAX_DIM], const struct state *from,
-                   const struct state *to) {
-    struct half_step h = {.g = g, .from = from, .to = to, .dt = dt};
-    memcpy(h.kick, kick, sizeof h.kick);
+long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {
+    struct half_step h = {.g = g, .from = from, .to = to, .plan = plan};
     g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
     return h.bad;

@@ -16,12 +16,20 @@ enum {
 /* A rejected step is shortened at most by this factor at once, as the shorter step heats less. */
 static const double LEAST_SHARE = 1. / 16;
 
-/* to = the sources applied to from, over dt from t on; returns this rank's number of inadmissible cells. */
-static long apply_sources(struct gas *g, double t, double dt, const struct state *from, const struct state *to) {
-    double kick[MAX_DIM];
-    source_kick(&g->models.source, t, dt, kick);
-    const long bad = sources_apply(g, dt, kick, from, to);
-    audit_sources(g, kick, to);
+/* The sources over the first half of a step of dt from t on, or over the second, in which they act backwards. */
+static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
+    const struct gas_models *m = &g->models;
+    source_plan(&m->source, m->eos, &m->material, g->dim, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
+}
+
+/* to = half the sources of a step applied to from; returns this rank's number of inadmissible cells. W is scratch. */
+static long apply_sources(struct gas *g, double t, double dt, bool second, const struct state *from,
+                          const struct state *to) {
+    struct source_plan plan;
+    plan_sources(g, t, dt, second, &plan);
+    audit_sources(g, &plan, from, &g->W);
+    const long bad = sources_apply(g, &plan, from, to);
+    audit_sourced(g, to);
     return bad;
 }
 
@@ -87,8 +95,8 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
  * pressure then exceeds that of the cells beside them. */
 static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          bool second, long bad) {
-    source_kick(&g->models.source, t, 0.5 * dt, g->pull);
-    for (int k = 0; k < MAX_DIM; k++) g->pull[k] /= 0.5 * dt;
+    const struct gas_models *m = &g->models;
+    source_pull(&m->source, m->eos, &m->material, g->dim, t, 0.5 * dt, g->pull);
     return diffuse(g, from, to, 0.5 * dt, second, bad);
 }
 
@@ -107,13 +115,13 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
     *bad = 0;
     if (guarded) floors_begin(g);
     if (sources) {
-        *bad = apply_sources(g, t, 0.5 * dt, &g->U, before);
+        *bad = apply_sources(g, t, dt, false, &g->U, before);
         if (guarded) {
             *bad = floors_apply(g, before);
             audit_part(g, GAS_FLOORS, before);
         }
         U0 = before;
-        if (g->models.transport && g->models.source.cooling) note_cooled(g, &g->U, before);
+        if (g->models.transport && source_thermal(&g->models.source)) note_cooled(g, &g->U, before);
     }
     if (!g->models.transport) return U0;
     return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;
@@ -156,10 +164,11 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
 static bool do_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, bool guarded,
                       long bad) {
     const struct stepper *s = g->models.stepper;
-    struct ending ending = {.sources = sources, .dt = 0.5 * dt};
+    struct source_plan plan;
+    struct ending ending = {.sources = sources ? &plan : NULL};
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit;
     if (guarded && sources && any_rank(g, bad)) return false;
-    source_kick(&g->models.source, t + 0.5 * dt, 0.5 * dt, ending.kick);
+    plan_sources(g, t, dt, true, &plan);
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         const double a = s->a[stage], b = s->b[stage] * dt;
@@ -178,7 +187,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
         if (guarded) return false;
         bad++;
     }
-    if (sources && !at_once) bad += apply_sources(g, t + 0.5 * dt, 0.5 * dt, &g->V, &g->V);
+    if (sources && !at_once) bad += apply_sources(g, t, dt, true, &g->V, &g->V);
     return !guarded ? end_unguarded(g, &ending, bad, at_once) : !sources || end_guarded(g, bad);
 }
 
@@ -207,18 +216,31 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
-/* dt of the attempt after a rejected one: half of it, or less if the first half of diffusion made the gas so much
- * hotter that its wave speeds demand it: dt was chosen by the state before that. Only rejected steps are shortened in
- * this way, because a restart does not know which steps were guarded. */
-static double shorter(struct gas *g, const struct state *U0, double dt, double maxCo) {
+/* The wave speeds in U0, from which the stages start: the largest rate over the ranks. */
+static double rate_of_start(struct gas *g) {
     struct gas_speed after;
-    if (!g->models.transport || !U0) return 0.5 * dt;
     swap(&g->U, &g->U0);
     g->engine->state.speed(g, &after);
     swap(&g->U, &g->U0);
     comm_max(g->comm, &after.rate, 1);
-    const double share = maxCo / (dt * after.rate);
+    return after.rate;
+}
+
+/* dt of the attempt after a rejected one: half of it, or less if the first half of diffusion or of sources that heat
+ * made the gas so much hotter that its wave speeds demand it: dt was chosen by the state before that. Only rejected
+ * steps are shortened in this way, because a restart does not know which steps were guarded. */
+static double shorter(struct gas *g, const struct state *U0, double dt, double maxCo) {
+    if (!(g->models.transport || source_heats(&g->models.source)) || !U0) return 0.5 * dt;
+    const double share = maxCo / (dt * rate_of_start(g));
     return dt * (share < LEAST_SHARE ? LEAST_SHARE : share < 0.5 ? share : 0.5);
+}
+
+/* Did sources make the gas so hot that a step of dt, which was chosen by the wave speeds before, is far too long? In
+ * cold gas dt is long, and a thermostat would heat it a great deal before it first moves. */
+static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_speed *speed) {
+    if (!source_heats(&g->models.source)) return false;
+    const double rate = rate_of_start(g);
+    return rate > 2 * speed->rate && dt * rate > 2 * maxCo;
 }
 
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
@@ -236,8 +258,9 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         long bad;
         audit_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
-        if (U0 && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
-        if (!guarded) {
+        const bool hot = U0 && overheated(g, *dt, maxCo, speed);
+        if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
+        if (!guarded && !hot) {
             g->guarded = GUARDED;
             continue;
         }

@@ -80,7 +80,6 @@ status tiles_sum_raised(const struct gas *g, double *raised, double *sum) {
 }
 
 struct closing { /* the second half of the sources and the wave speeds of a row at once */
-    bool sources;
     int tile;
     struct half_step half;
     struct speeds speeds;
@@ -88,7 +87,7 @@ struct closing { /* the second half of the sources and the wave speeds of a row 
 
 static void close_visit(void *context, long offset, int n) {
     struct closing *c = context;
-    if (c->sources) source_row(&c->half, &(struct row){c->tile, offset, n});
+    if (c->half.plan) source_row(&c->half, &(struct row){c->tile, offset, n});
     speed_visit(&c->speeds, offset, n);
 }
 
@@ -127,9 +126,7 @@ long tiles_stage(struct gas *g, const struct state *U0, const struct state *from
 
 long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                       double dt, struct ending *ending) {
-    struct closing c = {
-        .sources = ending->sources, .half = {.g = g, .dt = ending->dt}, .speeds = {.g = g, .found = -1}};
-    memcpy(c.half.kick, ending->kick, sizeof c.half.kick);
+    struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g, .found = -1}};
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;
     return bad + c.half.bad;

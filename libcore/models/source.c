@@ -1,14 +1,25 @@
+/* The sources: their exact sub-steps, the table, and what runs them in turn. A new source is written here alone. */
 #include "libcore/models/source.h"
 
 #define PI 3.14159265358979323846
 
-bool source_cools(const struct sources *s, const struct material *m) {
-    return s->cooling && m->restitution < 1 && m->diameter > 0;
+/* Cooling, by its law (libcore/models/cooling.h). */
+
+static bool cooling_active(const struct sources *all, const struct material *m) {
+    return all->cooling && m->restitution < 1 && m->diameter > 0;
 }
 
-bool source_active(const struct sources *s, const struct material *m) {
-    bool falls = s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0;
-    return falls || source_cools(s, m);
+static void cooling_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
+                         double *restrict eps) {
+    (void)mom;
+    s->all->cooling->step(&s->all->cooling_params, s->eos, s->material, s->dt, n, rho, eps);
+}
+
+/* Gravity, constant or shaken: g(t) = gravity (1 + a(t) cos(2 pi frequency t + phase)). */
+
+static bool gravity_active(const struct sources *all, const struct material *m) {
+    (void)m;
+    return all->gravity[0] != 0 || all->gravity[1] != 0 || all->gravity[2] != 0;
 }
 
 bool source_shaken(const struct sources *s) {
@@ -56,41 +67,194 @@ void source_kick(const struct sources *s, double t, double dt, double kick[MAX_D
     for (int k = 0; k < MAX_DIM; k++) kick[k] = s->gravity[k] * time;
 }
 
-/* eps after dt of dT/dt = -B T^(3/2), T = (gamma - 1) eps: physics 1.1, exact for frozen rho */
-KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
-                        double *restrict eps) {
+static void gravity_plan(struct source_step *s) {
+    source_kick(s->all, s->t, s->dt, s->kick);
+}
+
+KERNEL static void kick_momentum(int n, double kick, const double *restrict rho, double *restrict mom) {
+    for (int i = 0; i < n; i++) mom[i] += rho[i] * kick;
+}
+
+static void gravity_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
+                         double *restrict eps) {
+    (void)eps;
+    for (int k = 0; k < s->dim; k++)
+        if (s->kick[k] != 0) kick_momentum(n, s->kick[k], rho, mom[k]);
+}
+
+/* kick . momentum + kick^2 mass/2 */
+static double gravity_gained(const struct source_step *s, const double totals[MAX_VAR]) {
+    double work = 0;
+    for (int k = 0; k < s->dim; k++) work += s->kick[k] * (totals[1 + k] + 0.5 * s->kick[k] * totals[0]);
+    return work;
+}
+
+/* Linear drag by a gas between the grains, of velocity u_g: du/dt = -rate (u - u_g). It acts on each grain, so that
+ * random velocities decay, too, and dT/dt = -2 rate T. */
+
+struct linear_drag {
+    double rate, velocity[MAX_DIM];
+};
+#define PARAM_STRUCT struct linear_drag
+static const struct param linear_drag_param[] = {
+    NUMBER("rate", rate, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(0, 0, -1),
+           "of the decay of a grain's velocity relative to the gas"),
+    VECTOR("velocity", velocity, 0, ANY_NUMBER, UNIT(0, 1, -1), "of the gas between the grains"),
+};
+#undef PARAM_STRUCT
+OWN_PARAMS_FIT(struct linear_drag);
+
+static struct linear_drag linear_drag_of(const struct own_params *params) {
+    struct linear_drag own;
+    memcpy(&own, params, sizeof own);
+    return own;
+}
+
+static void linear_drag_plan(struct source_step *s) {
+    const struct linear_drag d = linear_drag_of(s->params);
+    const double path = smaller(d.rate * s->dt, 300); /* e^-600 of T is left however long the step is */
+    s->number[0] = exponential(-path);
+    s->number[1] = s->number[0] * s->number[0];
+    for (int k = 0; k < s->dim; k++) s->kick[k] = -d.velocity[k] * exponential_minus_one(-path);
+}
+
+/* u_g + (u - u_g) e^(-rate dt), in which gas of the velocity u_g keeps its bits */
+KERNEL static void drag_momentum(int n, double velocity, double decay, const double *restrict rho,
+                                 double *restrict mom) {
     for (int i = 0; i < n; i++) {
-        double root = sqrt(g1 * eps[i]);
-        double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root;
-        eps[i] = eps[i] / (slow * slow);
+        double carried = rho[i] * velocity;
+        mom[i] = carried + (mom[i] - carried) * decay;
     }
 }
 
-/* The same for dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2 / (4 T). With s = sqrt x and tau = B v_c dt this is
- *   ds/dtau = (1 + x) e^-x / 4:  Haff's straight line at first, then a logarithm.
- * w = sqrt(2 (e^2x - 1)) follows both, dw/dtau = r/2 with r = 2 s (1 + x)/sqrt(2 (1 - e^-2x)), which is 1 at x = 0 and
- * grows no faster than s^3; one midpoint step in w is of second order, keeps T positive and falling, stops it where
- * e^-x leaves nothing, and is sensible for a step of any length. The kernel works with w e^-x0, which cannot
- * overflow, and gains x1 - x0 = ln(1 + e^-2x0 (w1^2 - w0^2)/2)/2 without a difference of close numbers. */
-ALWAYS_INLINE double scaled_w(double x) {
-    return sqrt(-2 * exponential_minus_one(-2 * smaller(x, 300))); /* e^-600: nothing */
-}
-ALWAYS_INLINE double speed_of_w(double x) {
-    return 2 * sqrt(x) * (1 + x) / scaled_w(x);
-}
-ALWAYS_INLINE double gain_of_x(double w, double step) {
-    return 0.5 * logarithm_plus_one(0.5 * step * (2 * w + step));
+KERNEL static void drag_energy(int n, double decay, double *restrict eps) {
+    for (int i = 0; i < n; i++) eps[i] *= decay;
 }
 
-KERNEL static void cool_above(int n, double g1, double per_contact, double threshold, double dt,
-                              const double *restrict contact, double *restrict eps) {
-    for (int i = 0; i < n; i++) {
-        double T = g1 * eps[i], x = 0.25 * threshold * threshold / T;
-        x = smaller(larger(x, 1e-200), 1e100); /* neither 0/0 nor an overflow, and no other result */
-        double w = scaled_w(x);
-        double path = dt * (per_contact * contact[i]) * sqrt(T * x) * exponential(-smaller(x, 300)); /* tau e^-x / 2 */
-        double middle = x + gain_of_x(w, 0.5 * path * speed_of_w(x));
-        eps[i] *= x / (x + gain_of_x(w, path * speed_of_w(middle)));
+static void linear_drag_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
+                             double *restrict eps) {
+    const struct linear_drag d = linear_drag_of(s->params);
+    for (int k = 0; k < s->dim; k++) drag_momentum(n, d.velocity[k], s->number[0], rho, mom[k]);
+    drag_energy(n, s->number[1], eps);
+}
+
+/* Uniform heating, a thermostat that kicks each grain at random, everywhere alike: dT/dt = rate. */
+
+struct uniform_heating {
+    double rate;
+};
+#define PARAM_STRUCT struct uniform_heating
+static const struct param uniform_heating_param[] = {
+    NUMBER("rate", rate, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(0, 2, -3), "dT/dt by random kicks, T per unit mass"),
+};
+#undef PARAM_STRUCT
+OWN_PARAMS_FIT(struct uniform_heating);
+
+static struct uniform_heating uniform_heating_of(const struct own_params *params) {
+    struct uniform_heating own;
+    memcpy(&own, params, sizeof own);
+    return own;
+}
+
+static void uniform_heating_plan(struct source_step *s) {
+    s->number[0] = eps_of(s->material, uniform_heating_of(s->params).rate * s->dt);
+}
+
+KERNEL static void heat_energy(int n, double rise, double *restrict eps) {
+    for (int i = 0; i < n; i++) eps[i] += rise;
+}
+
+static void uniform_heating_step(const struct source_step *s, int n, const double *restrict rho,
+                                 double *const mom[MAX_DIM], double *restrict eps) {
+    (void)rho, (void)mom;
+    heat_energy(n, s->number[0], eps);
+}
+
+static double uniform_heating_gained(const struct source_step *s, const double totals[MAX_VAR]) {
+    return s->number[0] * totals[0];
+}
+
+/* The first two are those of the oldest cases: the budget adds up in this order. */
+const struct source_type source_table[] = {
+    {.model = MODEL("cooling", "what impacts take, by the law of `cooling`"),
+     .cause = "cooling",
+     .cools = true,
+     .active = cooling_active,
+     .step = cooling_step},
+    {.model = MODEL("gravity", "constant/g, modulated by constant/shaking"),
+     .cause = "gravity",
+     .pushes = true,
+     .active = gravity_active,
+     .plan = gravity_plan,
+     .step = gravity_step,
+     .gained = gravity_gained},
+    {.model = MODEL_WITH("linearDrag",
+                         "a gas between the grains drags each of them: du/dt = -rate (u - velocity), dT/dt = -2 rate T",
+                         linear_drag_param),
+     .cause = "linearDrag",
+     .pushes = true,
+     .cools = true,
+     .plan = linear_drag_plan,
+     .step = linear_drag_step},
+    {.model = MODEL_WITH("uniformHeating", "a thermostat that kicks each grain at random: dT/dt = rate",
+                         uniform_heating_param),
+     .cause = "uniformHeating",
+     .heats = true,
+     .plan = uniform_heating_plan,
+     .step = uniform_heating_step,
+     .gained = uniform_heating_gained},
+};
+const int source_count = sizeof source_table / sizeof *source_table;
+_Static_assert(sizeof source_table / sizeof *source_table <= SOURCE_MOST, "struct sources has room for every row");
+
+bool source_row_active(const struct sources *s, const struct material *m, int row) {
+    const struct source_type *r = &source_table[row];
+    return r->active ? r->active(s, m) : s->on[row];
+}
+
+bool source_active(const struct sources *s, const struct material *m) {
+    for (int i = 0; i < source_count; i++)
+        if (source_row_active(s, m, i)) return true;
+    return false;
+}
+
+bool source_cools(const struct sources *s, const struct material *m) {
+    return cooling_active(s, m);
+}
+
+bool source_heats(const struct sources *s) {
+    for (int i = 0; i < source_count; i++)
+        if (s->on[i] && source_table[i].heats) return true;
+    return false;
+}
+
+bool source_thermal(const struct sources *s) {
+    bool cools = s->cooling != NULL;
+    for (int i = 0; i < source_count; i++) cools |= s->on[i] && source_table[i].cools;
+    return cools || source_heats(s);
+}
+
+void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
+                 bool backwards, struct source_plan *out) {
+    out->n = 0;
+    for (int i = 0; i < source_count; i++) {
+        const int row = backwards ? source_count - 1 - i : i;
+        const struct source_type *r = &source_table[row];
+        if (!source_row_active(s, m, row)) continue;
+        struct source_step *step = &out->step[out->n++];
+        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, {0}, {0}};
+        if (r->plan) r->plan(step);
+    }
+}
+
+void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
+                 double pull[MAX_DIM]) {
+    struct source_plan plan;
+    source_plan(s, eos, m, dim, t, dt, false, &plan);
+    for (int k = 0; k < MAX_DIM; k++) {
+        pull[k] = 0;
+        for (int i = 0; i < plan.n; i++) pull[k] += plan.step[i].kick[k];
+        pull[k] /= dt;
     }
 }
 
@@ -107,10 +271,6 @@ KERNEL static void internal_energy(int n, int dim, double *const U[MAX_VAR], dou
     }
 }
 
-KERNEL static void kick_momentum(int n, double kick, const double *restrict rho, double *restrict mom) {
-    for (int i = 0; i < n; i++) mom[i] += rho[i] * kick;
-}
-
 KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const double *restrict eps) {
     const double *restrict rho = U[0];
     double *restrict E = U[dim + 1];
@@ -122,20 +282,11 @@ KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const 
     for (int i = 0; i < n; i++) E[i] = rho[i] * eps[i] + 0.5 * E[i] / rho[i];
 }
 
-void source_apply(const struct sources *s, const struct eos *eos, const struct material *m, int n, int dim, double dt,
-                  const double kick[MAX_DIM], double *const U[MAX_VAR]) {
-    double e[BATCH], contact[BATCH];
-    internal_energy(n, dim, U, e);
-    if (source_cools(s, m)) {
-        double loss = cooling_factor(m) * (1 - m->restitution * m->restitution) / m->diameter;
-        eos->contact(m, n, U[0], contact);
-        double g1 = m->gamma - 1;
-        if (m->threshold > 0)
-            cool_above(n, g1, g1 * loss, m->threshold, dt, contact, e);
-        else
-            cool(n, g1, g1 * loss, dt, contact, e);
-    }
-    for (int k = 0; k < dim; k++)
-        if (kick[k] != 0) kick_momentum(n, kick[k], U[0], U[k + 1]);
-    total_energy(n, dim, U, e);
+void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR]) {
+    double eps[BATCH];
+    if (plan->n == 0) return;
+    const int dim = plan->step[0].dim;
+    internal_energy(n, dim, U, eps);
+    for (int i = 0; i < plan->n; i++) plan->step[i].row->step(&plan->step[i], n, U[0], U + 1, eps);
+    total_energy(n, dim, U, eps);
 }

@@ -1,38 +1,86 @@
-/* Source terms: Haff's cooling and gravity, constant or shaken (physics 1.1, 1.3), integrated exactly.
+/* Source terms, a table: what moves velocity and temperature of a cell by itself, integrated exactly at frozen density.
  *
- * Grains whose collisions are elastic below a normal impact speed v_c (material.threshold) lose less. Pairs of
- * Maxwellian grains meet at the normal speed w with density ~ w e^(-w^2/4T) (T per unit mass: w has variance 2T) and
- * lose (1 - e^2) w^2/4, so that the sink is multiplied by
- *   phi(x) = int_vc^inf w^3 e^(-w^2/4T) dw / int_0^inf .. = (1 + x) e^-x,  x = v_c^2/(4T):
- * 1 in warm gas, 0.0005 at T = v_c^2/40. So T stays above zero for all time, and a cluster is held up by its pressure.
- * That keeps its factor 1 + e, and with it p = rho T A(nu): elastic impacts would raise the collisional part of p by
- * up to (1 - e)/(1 + e) where T < v_c^2/10 (1.5 % at e = 0.97, two thirds at e = 0.2), and not at all where T >> v_c^2.
- */
+ * A source is one row of source_table with the functions it names, all in source.c: reading, listing, both mesh
+ * engines, diffusion, and the budget of energy work by the row. A step takes half of its time through all sources in
+ * the order of the table, the flow, and the other half in the opposite order: the same forwards and backwards, hence of
+ * second order also where sources depend on each other, as cooling and heating do. */
 #ifndef LIBCORE_SOURCE_H
 #define LIBCORE_SOURCE_H
 
+#include "libcore/models/cooling.h"
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
 
+enum { SOURCE_MOST = 16 }; /* rows of source_table, at most */
+
 struct sources {                        /* zeroed: no source, which costs nothing */
-    bool cooling;                       /* Haff (1983), Serna & Marquina (2); no effect at e = 1 */
+    const struct cooling *cooling;      /* NULL: none; without effect where impacts are elastic */
+    struct own_params cooling_params;   /* parameters of the cooling law */
     double gravity[MAX_DIM];            /* m/s^2, computational axes */
     double amplitude, frequency, phase; /* g(t) = gravity (1 + amplitude cos(2 pi frequency t + phase)); -, Hz, rad */
     int knots;                          /* > 0: amplitude is linear between them, and constant before and beyond */
     const double *ramp;                 /* [knots][2] time in rising order (s), amplitude; not owned */
+    bool on[SOURCE_MOST];               /* rows of source_table that were chosen by name, and their parameters, */
+    struct own_params params[SOURCE_MOST]; /* vectors along computational axes */
 };
-bool source_active(const struct sources *s, const struct material *m);
-bool source_cools(const struct sources *s, const struct material *m); /* whether collisions take energy */
-bool source_shaken(const struct sources *s);
 
-/* Velocity gained from t to t + dt: the exact integral of g(t), m/s. */
+struct source_type;
+struct source_step { /* one source over one sub-step: what is the same in all cells */
+    const struct source_type *row;
+    const struct sources *all;
+    const struct own_params *params; /* of the row */
+    const struct eos *eos;
+    const struct material *material;
+    int dim;
+    double t, dt; /* s, from t to t + dt */
+    /* Set by the row's plan: */
+    double kick[MAX_DIM]; /* m/s, the velocity that gas at rest gains */
+    double number[4];     /* what else its step needs */
+};
+
+struct source_type {
+    struct model model; /* its parameters: members of a struct of the row's own, numbers and vectors */
+    const char *cause;  /* under which the budget books its energy: the column's title */
+    bool pushes;        /* It changes the velocity; */
+    bool cools, heats;  /* it may lower T; it may raise T. */
+    /* Is it on, by what stands elsewhere than in `sources (..)`? NULL: it is where its name stands there. */
+    bool (*active)(const struct sources *all, const struct material *m);
+    void (*plan)(struct source_step *s); /* NULL: the step needs nothing but what it is given */
+    /* Moves n <= BATCH cells over dt: momentum mom[dim] by components, internal energy eps > 0 per mass. A cell's
+     * result depends on that cell alone. */
+    void (*step)(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
+                 double *restrict eps);
+    /* The energy that the step adds to gas of the mass totals[0] and, if the row pushes, the momentum totals[1 + k]
+     * before the step. NULL: these do not tell, and the budget measures the energy. */
+    double (*gained)(const struct source_step *s, const double totals[MAX_VAR]);
+};
+extern const struct source_type source_table[];
+extern const int source_count;
+
+bool source_row_active(const struct sources *s, const struct material *m, int row);
+bool source_active(const struct sources *s, const struct material *m); /* any row */
+bool source_shaken(const struct sources *s);
+/* Do impacts take energy? */
+bool source_cools(const struct sources *s, const struct material *m);
+/* May T change; may it rise? Asked of what is chosen, so that Haff's law counts where impacts are elastic, too. */
+bool source_thermal(const struct sources *s);
+bool source_heats(const struct sources *s);
+
+/* Velocity gained from gravity from t to t + dt: the exact integral of g(t), m/s. */
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]);
 
-/* n cells: U[v] = rho, rho u .., E are moved by dt; temperature first, T = T0 / (1 + B sqrt(T0) dt/2)^2 with
- * B = (gamma - 1)(12/sqrt pi)(1 - e^2) G/sigma (disks: 4 in place of 12), then the velocity by `kick`. With a threshold
- * the temperature step is of second order in dt; for any dt T stays positive, does not rise, and is within 27 % of the
- * exact value. */
-void source_apply(const struct sources *s, const struct eos *eos, const struct material *m, int n, int dim, double dt,
-                  const double kick[MAX_DIM], double *const U[MAX_VAR]);
+struct source_plan { /* the active sources over one sub-step, in the order in which they act */
+    int n;
+    struct source_step step[SOURCE_MOST];
+};
+/* In the order of the table, or `backwards`. */
+void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
+                 bool backwards, struct source_plan *out);
+/* Mean acceleration of gas at rest from t to t + dt, m/s^2: what pulls gas onto walls. */
+void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
+                 double pull[MAX_DIM]);
+
+/* n <= BATCH cells: U[v] = rho, rho u .., E are moved through the plan; E is put together once, at the end. */
+void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR]);
 
 #endif

@@ -9,7 +9,7 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 16, MAX_BUDGET = 16 };
+enum { MAX_QUANTITIES = 16, MAX_BUDGET = 32 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
@@ -21,6 +21,12 @@ struct pace {          /* how long the next step may be */
     double rate;       /* 1/s: the Courant number is dt * rate */
     const char *limit; /* name of what limits `stable`; NULL: the Courant number, which has a place */
     const char *early; /* name of what may end a step early; NULL: a rejection */
+};
+
+struct budget_row { /* what changed mass and energy: the titles of the columns, and their values */
+    int n;
+    const char *title[MAX_BUDGET];
+    double value[MAX_BUDGET];
 };
 
 struct setup;
@@ -68,10 +74,9 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
     /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
-    /* What has changed mass and energy since the first call, by cause, as the titles say; NULL ends these. Collective.
+    /* What has changed mass and energy since the first call, by cause; the same columns in every call. Collective.
      * NULL: no such account is kept. */
-    const char *const *budget_titles;
-    status (*budget)(struct medium *m, double row[MAX_BUDGET]);
+    status (*budget)(struct medium *m, struct budget_row *out);
     /* Of a medium of grains, else NULL: the grains (n = 0: none to be written), to be freed; what besides fields a
      * restart needs, written into the folder of a time. The root's. */
     status (*cloud)(const struct medium *m, struct cloud *out);

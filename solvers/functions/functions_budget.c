@@ -12,21 +12,20 @@ static status budget_make(struct function *f, struct dict *d) {
     return dict_fail(d, "type", "%s keeps no budget by cause; granularGas does", f->setup->medium->type->application);
 }
 
-static status open_table(const struct function *f, struct budget *b) {
-    const char *const *titles = f->setup->medium->type->budget_titles;
+static status open_table(const struct function *f, struct budget *b, const struct budget_row *row) {
     TRY(function_open(f, f->setup->start.name, "energyBudget.dat", &b->file));
     fprintf(b->file, "# In the whole mesh; changes since the first row.\n# Time          ");
-    for (int i = 0; titles[i]; i++) fprintf(b->file, "\t%s", titles[i]);
+    for (int i = 0; i < row->n; i++) fprintf(b->file, "\t%s", row->title[i]);
     fprintf(b->file, "\n");
     return OK;
 }
 
-static status write_row(const struct function *f, const struct budget *b, const struct moment *now, const double *row) {
-    const char *const *titles = f->setup->medium->type->budget_titles;
+static status write_row(const struct function *f, const struct budget *b, const struct moment *now,
+                        const struct budget_row *row) {
     fprintf(b->file, "%-16.12g", now->t);
-    for (int i = 0; titles[i]; i++) {
-        fprintf(b->file, "\t%.17g", row[i]);
-        if (f->log) printf("%s%s %.6g", i ? "  " : "    ", titles[i], row[i]);
+    for (int i = 0; i < row->n; i++) {
+        fprintf(b->file, "\t%.17g", row->value[i]);
+        if (f->log) printf("%s%s %.6g", i ? "  " : "    ", row->title[i], row->value[i]);
     }
     if (f->log) printf("\n");
     return function_end_row(f, b->file);
@@ -35,13 +34,13 @@ static status write_row(const struct function *f, const struct budget *b, const 
 static status budget_execute(struct function *f, const struct moment *now, const char *time) {
     struct budget *b = f->own;
     struct medium *m = f->setup->medium;
-    double row[MAX_BUDGET];
+    struct budget_row row;
     status s = OK;
     (void)time;
-    TRY(m->type->budget(m, row));
+    TRY(m->type->budget(m, &row));
     if (comm_root(f->setup->comm)) {
-        if (!b->file) s = open_table(f, b);
-        if (!s) s = write_row(f, b, now, row);
+        if (!b->file) s = open_table(f, b, &row);
+        if (!s) s = write_row(f, b, now, &row);
     }
     return comm_agree(f->setup->comm, s);
 }

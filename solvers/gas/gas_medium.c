@@ -292,28 +292,33 @@ static const char help[] =
     "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
     "MPI.\n";
 
-static const char *const budget_titles[] = {"mass",    "massFlow", "massFloor", "massResidual", "energy",
-                                            "cooling", "gravity",  "heat",      "wallWork",     "flow",
-                                            "floors",  "residual", NULL};
-static status gas_medium_budget(struct medium *m, double row[MAX_BUDGET]) {
+_Static_assert(12 + SOURCE_MOST <= MAX_BUDGET, "the budget has room for every source");
+/* Adds to the column of a cause, which is made behind the others if there is none. */
+static void budget_add(struct budget_row *b, const char *cause, double energy) {
+    int i = 0;
+    while (i < b->n && strcmp(b->title[i], cause)) i++;
+    if (i == b->n) {
+        b->title[b->n] = cause;
+        b->value[b->n++] = 0;
+    }
+    b->value[i] += energy;
+}
+
+static status gas_medium_budget(struct medium *m, struct budget_row *out) {
     struct gas_state *g = of(m);
     struct gas_budget b;
     if (!g->audited) TRY(gas_audit(g->gas));
     g->audited = true;
     TRY(gas_budget(g->gas, &b));
-    const double values[] = {b.mass,
-                             b.flowed,
-                             b.filled,
-                             b.lost[0],
-                             b.energy,
-                             b.gained[GAS_COOLING],
-                             b.gained[GAS_GRAVITY],
-                             b.gained[GAS_HEAT],
-                             b.gained[GAS_FRICTION],
-                             b.gained[GAS_FLOW],
-                             b.gained[GAS_FLOORS],
-                             b.lost[1]};
-    memcpy(row, values, sizeof values);
+    *out = (struct budget_row){12,
+                               {"mass", "massFlow", "massFloor", "massResidual", "energy", "cooling", "gravity", "heat",
+                                "wallWork", "flow", "floors", "residual"},
+                               {b.mass, b.flowed, b.filled, b.lost[0], b.energy, 0, 0, b.gained[GAS_HEAT],
+                                b.gained[GAS_FRICTION], b.gained[GAS_FLOW], b.gained[GAS_FLOORS], b.lost[1]}};
+    const struct gas_models *models = &g->models->gas;
+    for (int i = 0; i < source_count; i++)
+        if (source_row_active(&models->source, &models->material, i))
+            budget_add(out, source_table[i].cause, b.sourced[i]);
     return OK;
 }
 
@@ -344,6 +349,5 @@ const struct medium_type gas_medium = {
     .gather = gas_gather,
     .present = gas_present,
     .patch = gas_patch,
-    .budget_titles = budget_titles,
     .budget = gas_medium_budget,
 };

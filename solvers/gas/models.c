@@ -41,10 +41,6 @@ static const struct mesh_engine engine_table[] = {
     {MODEL("polyhedral", "any cells, with `polyReconstruct` (default where the mesh is no lattice)"), true},
 };
 static const int engine_count = COUNT(engine_table);
-static const struct model cooling_table[] = {
-    MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"),
-};
-static const int cooling_count = COUNT(cooling_table);
 
 static status eos_suits(struct dict *d, void *base) {
     struct gas_models *m = &((struct case_models *)base)->gas;
@@ -97,7 +93,7 @@ static const struct family families[FAMILIES] = {
     [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
              .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits, .holds = eos_holds},
     [COOLING] = {PROPERTIES, "cooling", FAMILY_ROWS(cooling), .key = "cooling", .none = "no energy sink",
-                 .chosen = MEMBER(cooling), .suits = cooling_suits},
+                 .chosen = MEMBER(source.cooling), .params = MEMBER(source.cooling_params), .suits = cooling_suits},
     [TRANSPORT] = {PROPERTIES, "transport", FAMILY_ROWS(transport), .key = "transport", .none = "inviscid",
                    .tacit = true, .chosen = MEMBER(gas.transport), .params = MEMBER(gas.transport_params),
                    .suits = transport_suits},
@@ -174,6 +170,22 @@ static status read_solution(struct dict *d, struct case_models *m) {
     return dict_check_used(d);
 }
 
+/* turned <- a vector along computational axes, which has no component along the others; key: where it was read. */
+static status turn_vector(const struct dict *d, const char *key, int dim, const int axis[3], const double physical[3],
+                          double turned[3]) {
+    for (int x = 0; x < 3; x++) {
+        bool solved = false;
+        for (int k = 0; k < dim; k++)
+            if (axis[k] == x) {
+                turned[k] = physical[x];
+                solved = true;
+            }
+        if (!solved && physical[x] != 0)
+            return dict_fail(d, key, "its %c component must be 0: 'empty' patches take that axis away", "xyz"[x]);
+    }
+    return OK;
+}
+
 static status read_gravity(struct dict *d, int dim, const int axis[3], struct forces *m) {
     static const signed char unit[3] = {0, 1, -2}, expected[7] = {0, 1, -2, 0, 0, 0, 0};
     signed char dimensions[7];
@@ -182,16 +194,7 @@ static status read_gravity(struct dict *d, int dim, const int axis[3], struct fo
         if (memcmp(dimensions, expected, 7)) return dict_fail(d, "dimensions", "gravity needs [0 1 -2 0 0 0 0]");
     }
     TRY(dict_vector(d, "value", unit, m->gravity));
-    for (int x = 0; x < 3; x++) {
-        bool solved = false;
-        for (int k = 0; k < dim; k++)
-            if (axis[k] == x) {
-                m->source.gravity[k] = m->gravity[x];
-                solved = true;
-            }
-        if (!solved && m->gravity[x] != 0)
-            return dict_fail(d, "value", "its %c component must be 0: 'empty' patches take that axis away", "xyz"[x]);
-    }
+    TRY(turn_vector(d, "value", dim, axis, m->gravity, m->source.gravity));
     return dict_check_used(d);
 }
 
@@ -228,6 +231,14 @@ void forces_free(struct forces *f) {
     dict_free(f->shaking);
 }
 
+/* The gas's sources: gravity and shaking with those of constant/granularProperties. */
+static void join_sources(struct case_models *m) {
+    struct sources *all = &m->gas.source;
+    *all = m->forces.source;
+    all->cooling = m->source.cooling;
+    all->cooling_params = m->source.cooling_params;
+}
+
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
     TRY(open_in(dir, PROPERTIES, false, &m->properties));
     TRY(read_properties(m->properties, m));
@@ -240,8 +251,7 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(open_in(dir, SOLUTION, false, &m->solution));
     TRY(read_solution(m->solution, m));
     TRY(forces_read(dir, dim, axis, &m->forces));
-    m->gas.source = m->forces.source;
-    m->gas.source.cooling = m->cooling != NULL;
+    join_sources(m);
     return OK;
 }
 

@@ -17,7 +17,7 @@ struct forces {               /* constant/g and constant/shaking */
 };
 struct case_models {
     const struct mesh_engine *engine; /* asked for, NULL: as the mesh is; whether it allows that is checked elsewhere */
-    const struct model *cooling;      /* NULL: none */
+    struct sources source;            /* of constant/granularProperties alone, vectors along physical axes */
     struct gas_models gas;
     struct forces forces;
     double min_fraction; /* of the calm time step: below it the gas has collapsed */

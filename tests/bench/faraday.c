@@ -92,7 +92,7 @@ static struct gas_models models_of(const struct scheme *s) {
                            .stepper = s->stepper,
                            .transport = transport_find("JenkinsRichman"),
                            .diffusion = s->diffusion,
-                           .source = {.cooling = true,
+                           .source = {.cooling = cooling_find("Haff"),
                                       .gravity = {0, -981, 0},
                                       .amplitude = 2.74588290437239,
                                       .frequency = 3.5,

@@ -33,7 +33,7 @@ static status subject_make(const struct scheme *k, const struct comm *c, int sid
         .reconstruct = reconstruct_find("PHM"),
         .polynomial = polynomial_find(k->polynomial ? k->polynomial : "linear"),
         .stepper = stepper_find("SSPRK3"),
-        .source = {.cooling = true, .gravity = {980, -980, 0}}};
+        .source = {.cooling = cooling_find("Haff"), .gravity = {980, -980, 0}}};
     struct lattice *lattice = NULL;
     double *face;
     char why[256];

@@ -58,7 +58,8 @@ static status time_scheme(const struct comm *c, const char *eos, int dim, int si
         .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = skip};
-    if (strcmp(eos, "perfectGas") != 0) m.source = (struct sources){.cooling = true, .gravity = {980, -980, 0}};
+    if (strcmp(eos, "perfectGas") != 0)
+        m.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {980, -980, 0}};
     TRY(forest_make(&box.lattice, &box.mesh, c, tile, &f));
     TRY(gas_make(f, &m, 0, NULL, &g));
     TRY(fill(g, n, dim));

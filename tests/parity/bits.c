@@ -76,7 +76,7 @@ static struct gas_models models_of(const struct flux *flux) {
         .eos = eos_find("GoldshteinShapiro"),
         .flux = flux,
         .stepper = stepper_find("SSPRK3"),
-        .source = {.cooling = true, .gravity = {10, -20, 30}}};
+        .source = {.cooling = cooling_find("Haff"), .gravity = {10, -20, 30}}};
 }
 
 static status print_scheme(const struct comm *c, int dim, const struct flux *flux, const struct reconstruct *r) {

@@ -192,7 +192,7 @@ static void cooling_draw(struct problem *p, struct seed *s) {
     p->side[0] = (struct point){.alpha = limit_alpha(p) * seed_uniform(s, 0.01, 0.7), .p = p->p0};
     p->size = seed_power(s, -1, 1); /* Mach number */
     p->material.restitution = seed_uniform(s, 0, 0.95);
-    p->source.cooling = true;
+    p->source.cooling = cooling_find("Haff");
     p->edge = PERIODIC;
     p->duration *= 2;
 }
@@ -241,7 +241,7 @@ static void draw_grains(struct problem *p, struct seed *s) {
     model_defaults(&p->eos->model, &p->material);
     p->material.diameter = seed_power(s, -3, -1);
     p->material.restitution = seed_chance(s, 0.2) ? 1 : e;
-    p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.85);
+    p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.85) ? cooling_find("Haff") : NULL;
     p->p0 = density(p, 0.1) * seed_power(s, -2, 2);
     p->transport = transport_find("JenkinsRichman");
     p->transport_params = own_defaults(&p->transport->model);
@@ -364,7 +364,7 @@ static void draw_material(struct problem *p, struct seed *s) {
     p->material.gamma = gammas[ratio < 3 ? ratio : 0];
     p->material.alpha_max = seed_uniform(s, 0.5, 0.75);
     p->eos = eos_find(seed_below(s, 4) ? "GoldshteinShapiro" : "perfectGas");
-    p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.8);
+    p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.8) ? cooling_find("Haff") : NULL;
     p->p0 = density(p, 0.1) * seed_power(s, -3, 3);
 }
 
@@ -397,7 +397,7 @@ struct problem problem_draw(int family, uint64_t number) {
     draw_material(&p, &s);
     if (!strcmp(family_table[family].name, "elastic")) {
         p.material.restitution = 1;
-        p.source.cooling = false;
+        p.source.cooling = NULL;
         p.eos = eos_find("perfectGas");
         p.edge = CLOSED;
     }

@@ -84,8 +84,8 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
     printf("  drift over its bound: mass %.3g momentum %.3g energy %.3g; source %.3g\n", o->drift[0], o->drift[1],
            o->drift[2], o->source);
     printf("  %s e %.4g, cooling %d, threshold %.3g, alphaMax %.4g, sigma %.3g, gamma %.4g, g %.3g, %s, %dD %s\n",
-           p->eos->model.name, p->material.restitution, p->source.cooling, p->material.threshold, p->material.alpha_max,
-           p->material.diameter, p->material.gamma, p->source.gravity[0],
+           p->eos->model.name, p->material.restitution, p->source.cooling != NULL, p->material.threshold,
+           p->material.alpha_max, p->material.diameter, p->material.gamma, p->source.gravity[0],
            p->edge == CLOSED     ? "closed"
            : p->edge == PERIODIC ? "periodic"
                                  : "open",

@@ -102,8 +102,7 @@ static void tally(struct watch *w, const struct gas *g) {
 struct sourced {
     struct watch *w;
     const struct gas *g;
-    double dt;
-    const double *kick;
+    double dt, kick[MAX_DIM];
     long double *gained;
 };
 
@@ -194,7 +193,9 @@ static void watched_rows(const struct gas *g, enum extent extent, const struct s
         w->inner->state.rows(g, extent, from, visit, context);
         return;
     }
-    struct sourced s = {.w = w, .g = g, .dt = h->dt, .kick = h->kick, .gained = w->budget.gained[from != &g->U]};
+    struct sourced s = {.w = w, .g = g, .dt = h->plan->step[0].dt, .gained = w->budget.gained[from != &g->U]};
+    for (int i = 0; i < h->plan->n; i++)
+        for (int k = 0; k < MAX_DIM; k++) s.kick[k] += h->plan->step[i].kick[k];
     for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
     if (from == &g->U) w->trial = 0;
     if (from != &g->U) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */

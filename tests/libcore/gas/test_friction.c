@@ -1,5 +1,7 @@
 /* Heat is conducted with what the stress makes of T and with what cooling takes: nothing is split between these, on
  * either mesh engine, however a half step is cut into parts. */
+#include "tests/libcore/sources.h"
+
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world;
@@ -21,12 +23,14 @@ static bool can(int scheme, bool polyhedral) {
     return diffusion_table[scheme].plan || (!polyhedral && scheme_is_there(scheme));
 }
 
-/* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools. */
+/* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools and is heated
+ * (m^2/s^3). */
 static void open_models(struct scene *s, const struct transport *law, const char *diffusion, bool polyhedral,
-                        initial *at, bool walls) {
+                        initial *at, bool walls, double heating) {
     const struct cells_recipe boxes = {"boxes", 2, BOXES, {N, WIDE, 1}, {0, 1, 2}, 0, {!walls, true, true}};
     *s = (struct scene){.dim = 2, .models = disks_models(law, diffusion)};
-    s->models.source.cooling = walls;
+    s->models.source.cooling = walls ? cooling_find("Haff") : NULL;
+    if (heating > 0) choose_source(&s->models.source, "uniformHeating", &heating);
     set_walls(s, "slip");
     for (int p = 0; p < 2 && walls; p++)
         s->rules[p].temperature = (struct rule){boundary_find("fixedValue"), {1 + p}, NULL};
@@ -41,7 +45,7 @@ static void open_models(struct scene *s, const struct transport *law, const char
 }
 
 static void open_scene(struct scene *s, const char *diffusion, bool polyhedral, initial *at) {
-    open_models(s, &LAW, diffusion, polyhedral, at, false);
+    open_models(s, &LAW, diffusion, polyhedral, at, false, 0);
 }
 
 /* The state after so many half steps, of the same total energy; caller frees. */
@@ -178,22 +182,23 @@ static void between_walls(const double x[3], double *rho, double u[3], double *T
 }
 
 /* Steady, after so many whole steps. */
-static double *settled(bool polyhedral, int steps) {
+static double *settled(bool polyhedral, double heating, int steps) {
     struct scene s;
-    open_models(&s, transport_find("JenkinsRichman"), "RKJ2", polyhedral, between_walls, true);
+    open_models(&s, transport_find("JenkinsRichman"), "RKJ2", polyhedral, between_walls, true, heating);
     go(&s, steps, 4. / steps);
     double *all = state_of(&s, world);
     close_scene(&s);
     return all;
 }
 
-/* Where conduction and cooling balance each other their splitting leaves an error of second order, also beside walls
- * that hold T: one after the other, of first order there. */
-static void cooling_and_conduction_are_of_second_order(void **state) {
+/* Where conduction balances cooling, or cooling and a thermostat, their splitting leaves an error of second order, also
+ * beside walls that hold T: one after the other, of first order there. */
+static void sources_and_conduction_are_of_second_order(void **state) {
     (void)state;
-    for (int polyhedral = 0; polyhedral < 2; polyhedral++) {
+    for (int c = 0; c < 4; c++) {
         double *all[3], error[2] = {0, 0};
-        for (int i = 0; i < 3; i++) all[i] = settled(polyhedral, 400 << i);
+        const bool heated = c / 2;
+        for (int i = 0; i < 3; i++) all[i] = settled(c % 2, heated ? 2 : 0, (heated ? 800 : 400) << i);
         for (int i = 0; i < 2; i++)
             for (int k = 0; k < N * WIDE; k++)
                 error[i] =
@@ -331,7 +336,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(fast_conduction_holds_the_heat_of_friction),
         cmocka_unit_test(friction_and_conduction_are_of_second_order),
         cmocka_unit_test(thin_cells_stay_cold),
-        cmocka_unit_test(cooling_and_conduction_are_of_second_order),
+        cmocka_unit_test(sources_and_conduction_are_of_second_order),
         cmocka_unit_test(budget_counts_the_last_attempt),
         cmocka_unit_test(flagged_cells_have_no_sides),
     };

@@ -185,7 +185,7 @@ static void free_stream(void **state) {
             open_scene(&s, 2, (int[3]){20, 12, 1}, true, flux_table[flux].model.name, reconstruct_table[r].model.name);
             gas_free(s.gas);
             s.models.material.restitution = 0.9;
-            s.models.source = (struct sources){.cooling = true, .gravity = {700, -700, 0}};
+            s.models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {700, -700, 0}};
             must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
             start(&s, stream);
             run(&s, 30, 0.5);
@@ -223,7 +223,7 @@ static void skipping_changes_no_bit(void **state) {
                         gas_free(s.gas);
                         s.models.skip_uniform = skip;
                         s.models.material.restitution = 0.9;
-                        s.models.source = (struct sources){.cooling = true, .gravity = {30, -20, 0}};
+                        s.models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {30, -20, 0}};
                         must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
                         start(&s, pellet);
                         run(&s, dim == 3 ? 3 : 12, 0.6);
@@ -299,7 +299,7 @@ static void looking_once_a_step(void **state) {
             gas_free(s.gas);
             s.models.stepper = stepper_find(steppers[i]);
             s.models.material.restitution = 0.9;
-            s.models.source = (struct sources){.cooling = true, .gravity = {30, -20, 0}};
+            s.models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {30, -20, 0}};
             must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
             start(&s, blast);
             (restarting ? run_restarting : run)(&s, 40, 0.5);
@@ -329,7 +329,7 @@ static void collapse(void **state) {
     open_scene(&s, 1, (int[3]){40, 1, 1}, false, "common", "PHM");
     gas_free(s.gas);
     s.models.material.restitution = 0.5;
-    s.models.source = (struct sources){.cooling = true, .gravity = {980, 0, 0}};
+    s.models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {980, 0, 0}};
     must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
     start(&s, pile);
     double t = 0;

@@ -68,7 +68,7 @@ static void open_manufactured(struct scene *s, int dim, int n, const struct tran
     *s = (struct scene){.models = disks_models(law, "RKL2")};
     s->models.eos = eos;
     s->models.material = grains_of(eos, 0.9, 0.5);
-    s->models.source = (struct sources){.cooling = true, .gravity = {3, -5, 2}};
+    s->models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {3, -5, 2}};
     fill_scene(s, dim, (int[3]){n, n, n}, 3, "slip", 8);
     start(s, manufactured_fields);
 }

@@ -1,55 +1,254 @@
-/* Exact source steps: homogeneous cooling, free fall, shaken gravity. */
+/* Every source against its equation: exact steps, what its row says about it, how sources act together; gravity, shaken
+ * or not. */
 #include "tests/libcore/oracle.h"
-
-#include "libcore/models/source.h"
+#include "tests/libcore/sources.h"
 
 #define PI 3.14159265358979323846
 
+enum { Y = MAX_DIM + 1 };        /* u, v, w, T */
 static const double DENSE = 700; /* grains of 0.1 per unit volume: packing 0.37 */
 static const struct material GRAINS = {
     .diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65};
-static const struct material DISKS = {.diameter = 0.01,
-                                      .mass = 1,
-                                      .restitution = 0.75,
-                                      .gamma = 2,
-                                      .alpha_max = 0.82,
-                                      .disks = true,
-                                      .freezing = 0.69,
-                                      .smoothing = 0.01};
+static const struct eos *gs;
 
-static void homogeneous_cooling(void **state) {
-    (void)state;
-    FILE *f = oracle_open("hcs.csv");
-    struct oracle_row r;
-    int rows = 0;
-    const struct eos *gs = eos_find("GoldshteinShapiro"), *torquato = eos_find("TorquatoDisks");
-    for (oracle_row(f, &r); oracle_row(f, &r);) {
-        const bool disks = strncmp(r.word[0], "Carrillo2D", 10) == 0;
-        if (strncmp(r.word[0], "GS", 2) != 0 && !disks) continue;
-        struct material m = disks ? DISKS : GRAINS;
-        m.restitution = oracle_number(&r, 1);
-        struct sources s = {.cooling = true};
-        double rho = oracle_number(&r, 2) / packing_per_density(&m), T0 = oracle_number(&r, 3);
-        double t = oracle_number(&r, 4), zero[MAX_DIM] = {0};
-        for (int steps = 1; steps <= 7; steps += 6) { /* exact: in one step or in seven */
-            double mass = rho, mom = 0, E = rho * T0 / (m.gamma - 1), *U[MAX_VAR] = {&mass, &mom, &E};
-            for (int i = 0; i < steps; i++) source_apply(&s, disks ? torquato : gs, &m, 1, 1, t / steps, zero, U);
-            assert_close((m.gamma - 1) * E / mass, oracle_number(&r, 5), 1e-10, "T(t)");
-            assert_true(mass == rho && mom == 0);
+/* dy/dt by each source with the values that `choose` gives it. A new row of source_table needs its own here. */
+static void by_cooling(double t, const double y[Y], double rate[Y]) {
+    double contact;
+    (void)t;
+    gs->contact(&GRAINS, 1, &DENSE, &contact);
+    rate[3] -= (GRAINS.gamma - 1) * 12 / sqrt(PI) * (1 - 0.81) * contact / GRAINS.diameter * y[3] * sqrt(y[3]);
+}
+
+static void by_gravity(double t, const double y[Y], double rate[Y]) {
+    const double shaken = 1 + 0.7 * cos(2 * PI * 3 * t + 0.4);
+    (void)y;
+    rate[0] += 3 * shaken;
+    rate[1] -= 7 * shaken;
+}
+
+static void by_drag(double t, const double y[Y], double rate[Y]) {
+    static const double wind[MAX_DIM] = {1.5, 0, -0.25};
+    (void)t;
+    for (int k = 0; k < MAX_DIM; k++) rate[k] -= 2 * (y[k] - wind[k]);
+    rate[3] -= 2 * 2 * y[3];
+}
+
+static void by_heating(double t, const double y[Y], double rate[Y]) {
+    (void)t, (void)y;
+    rate[3] += 0.3;
+}
+
+static const struct equation {
+    const char *name;
+    void (*add)(double t, const double y[Y], double rate[Y]);
+    double value[4]; /* of the parameters one after the other, of a vector three */
+} EQUATION[] = {{"cooling", by_cooling, {0}},
+                {"gravity", by_gravity, {0}},
+                {"linearDrag", by_drag, {2, 1.5, 0, -0.25}},
+                {"uniformHeating", by_heating, {0.3}}};
+
+static const struct equation *equation_of(int row) {
+    for (size_t i = 0; i < sizeof EQUATION / sizeof *EQUATION; i++)
+        if (!strcmp(EQUATION[i].name, source_table[row].model.name)) return &EQUATION[i];
+    fail_msg("this test has no equation for the source %s", source_table[row].model.name);
+    return NULL;
+}
+
+static void choose(struct sources *s, int row) {
+    const char *name = source_table[row].model.name;
+    choose_source(s, name, equation_of(row)->value);
+    if (!strcmp(name, "cooling")) s->cooling = cooling_find("Haff");
+    if (strcmp(name, "gravity")) return;
+    s->gravity[0] = 3;
+    s->gravity[1] = -7;
+    s->amplitude = 0.7;
+    s->frequency = 3;
+    s->phase = 0.4;
+}
+
+static struct sources only(int row) {
+    struct sources s = {0};
+    choose(&s, row);
+    return s;
+}
+
+/* y after dt, from t on. */
+static void step(const struct sources *s, bool backwards, double t, double dt, double y[Y]) {
+    struct source_plan plan;
+    double rho = DENSE, eps = y[3] / (GRAINS.gamma - 1), mom[MAX_DIM], *at[MAX_DIM] = {mom, mom + 1, mom + 2};
+    source_plan(s, gs, &GRAINS, MAX_DIM, t, dt, backwards, &plan);
+    for (int k = 0; k < MAX_DIM; k++) mom[k] = rho * y[k];
+    for (int i = 0; i < plan.n; i++) plan.step[i].row->step(&plan.step[i], 1, &rho, at, &eps);
+    for (int k = 0; k < MAX_DIM; k++) y[k] = mom[k] / rho;
+    y[3] = eps * (GRAINS.gamma - 1);
+}
+
+/* The same by the classical Runge-Kutta method in 4000 steps. */
+static void integrate(const struct sources *s, double t, double dt, double y[Y]) {
+    static const double part[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
+    const int n = 4000;
+    for (int i = 0; i < n; i++) {
+        double slope[Y] = {0}, sum[Y] = {0}, at[Y];
+        for (int stage = 0; stage < 4; stage++) {
+            for (int k = 0; k < Y; k++) at[k] = y[k] + part[stage] * dt / n * slope[k];
+            memset(slope, 0, sizeof slope);
+            for (int row = 0; row < source_count; row++)
+                if (source_row_active(s, &GRAINS, row))
+                    equation_of(row)->add(t + (i + part[stage]) * dt / n, at, slope);
+            for (int k = 0; k < Y; k++) sum[k] += weight[stage] * slope[k];
         }
-        rows++;
+        for (int k = 0; k < Y; k++) y[k] += dt / n * sum[k];
     }
-    fclose(f);
-    assert_true(rows == 32);
+}
+
+/* The largest difference: of velocities as a part of 1 m/s, of T as a part of T. */
+static double distance(const double a[Y], const double b[Y]) {
+    double most = fabs(a[3] / b[3] - 1);
+    for (int k = 0; k < MAX_DIM; k++) most = fmax(most, fabs(a[k] - b[k]));
+    return most;
+}
+
+/* In one step as in two halves of it: exact to the round-off of 4000 additions. */
+static void every_source_solves_its_equation(void **state) {
+    (void)state;
+    for (int row = 0; row < source_count; row++) {
+        const struct sources s = only(row);
+        for (double dt = 1e-3; dt < 1; dt *= 3)
+            for (double T = 0.01; T < 20; T *= 9) {
+                double y[Y] = {0.3, -2, 1, T}, exact[Y], halves[Y];
+                memcpy(exact, y, sizeof y);
+                memcpy(halves, y, sizeof y);
+                step(&s, false, 0.2, dt, y);
+                integrate(&s, 0.2, dt, exact);
+                assert_near(distance(y, exact), 0, 1e-11);
+                step(&s, false, 0.2, 0.5 * dt, halves);
+                step(&s, true, 0.2 + 0.5 * dt, 0.5 * dt, halves);
+                assert_near(distance(halves, y), 0, 1e-14);
+            }
+    }
+}
+
+/* Second order needs a step that is the same forwards and backwards; in the same order twice it is of first. */
+static void sources_act_forwards_and_backwards(void **state) {
+    (void)state;
+    struct sources s = {0};
+    for (int row = 0; row < source_count; row++) choose(&s, row);
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        double error[2];
+        for (int i = 0; i < 2; i++) {
+            const int steps = 20 << i;
+            double y[Y] = {0.3, -2, 1, 1}, exact[Y] = {0.3, -2, 1, 1}, h = 0.2 / steps;
+            for (int n = 0; n < steps; n++) {
+                step(&s, false, n * h, 0.5 * h, y);
+                step(&s, mirrored, (n + 0.5) * h, 0.5 * h, y);
+            }
+            integrate(&s, 0, 0.2, exact);
+            error[i] = distance(y, exact);
+        }
+        assert_near(log2(error[0] / error[1]), 1 + mirrored, 0.1);
+    }
+}
+
+/* Steps of any length leave T above zero; a row changes nothing but what it says; equal cells stay equal to the bit
+ * wherever they stand. */
+static void every_source_keeps_its_word(void **state) {
+    (void)state;
+    for (int row = 0; row < source_count; row++) {
+        const struct source_type *r = &source_table[row];
+        const struct sources s = only(row);
+        for (double dt = 1e-9; dt < 1e6; dt *= 10)
+            for (double T = 1e-8; T < 1e8; T *= 100) {
+                struct source_plan plan;
+                double rho[BATCH], mom[MAX_DIM][BATCH], eps[BATCH], *at[MAX_DIM] = {mom[0], mom[1], mom[2]};
+                for (int i = 0; i < BATCH; i++) {
+                    rho[i] = DENSE;
+                    eps[i] = T;
+                    for (int k = 0; k < MAX_DIM; k++) mom[k][i] = DENSE * (k - 0.3);
+                }
+                source_plan(&s, gs, &GRAINS, MAX_DIM, 0, dt, false, &plan);
+                assert_int_equal(plan.n, 1);
+                r->step(&plan.step[0], BATCH, rho, at, eps);
+                double one[MAX_DIM] = {DENSE * -0.3, DENSE * (1 - 0.3), DENSE * (2 - 0.3)}, alone = T;
+                r->step(&plan.step[0], 1, rho, (double *[]){one, one + 1, one + 2}, &alone);
+                assert_true(alone > 0 && isfinite(alone));
+                assert_true((r->cools || alone >= T) && (r->heats || alone <= T));
+                for (int k = 0; k < MAX_DIM; k++) assert_true(r->pushes || one[k] == DENSE * (k - 0.3));
+                for (int i = 0; i < BATCH; i++) {
+                    assert_true(rho[i] == DENSE && eps[i] == alone);
+                    for (int k = 0; k < MAX_DIM; k++) assert_true(mom[k][i] == one[k]);
+                }
+            }
+        assert_int_equal(source_heats(&s), r->heats);
+        assert_int_equal(source_thermal(&s), r->heats || r->cools);
+    }
+}
+
+/* Mass, momentum and energy of cells that differ. */
+static void fill_cells(double U[MAX_VAR][BATCH], double totals[MAX_VAR]) {
+    for (int v = 0; v < MAX_VAR; v++) totals[v] = 0;
+    for (int i = 0; i < BATCH; i++) {
+        U[0][i] = 300 + 5 * i;
+        U[4][i] = U[0][i] * (1 + 0.1 * i);
+        for (int k = 0; k < MAX_DIM; k++) {
+            U[1 + k][i] = U[0][i] * sin(i + k);
+            U[4][i] += 0.5 * U[0][i] * sin(i + k) * sin(i + k);
+        }
+        for (int v = 0; v < MAX_VAR; v++) totals[v] += U[v][i];
+    }
+}
+
+/* Where a row says what energy it gives to a gas of some mass and momentum, that is what its step gives. */
+static void energy_is_what_rows_say(void **state) {
+    (void)state;
+    for (int row = 0; row < source_count; row++) {
+        const struct sources s = only(row);
+        struct source_plan plan;
+        double U[MAX_VAR][BATCH], before[MAX_VAR], after = 0, *at[MAX_VAR] = {U[0], U[1], U[2], U[3], U[4]};
+        if (!source_table[row].gained) continue;
+        fill_cells(U, before);
+        source_plan(&s, gs, &GRAINS, MAX_DIM, 0.1, 0.3, false, &plan);
+        source_apply(&plan, BATCH, at);
+        for (int i = 0; i < BATCH; i++) after += U[4][i];
+        assert_close(plan.step[0].row->gained(&plan.step[0], before), after - before[4], 1e-12,
+                     source_table[row].model.name);
+    }
+}
+
+/* The pull of a source is the mean acceleration of gas at rest. */
+static void gas_at_rest_is_pulled(void **state) {
+    (void)state;
+    for (int row = 0; row < source_count; row++) {
+        const struct sources s = only(row);
+        double y[Y] = {0, 0, 0, 1}, pull[MAX_DIM];
+        source_pull(&s, gs, &GRAINS, MAX_DIM, 0.3, 0.02, pull);
+        step(&s, false, 0.3, 0.02, y);
+        for (int k = 0; k < MAX_DIM; k++) assert_near(pull[k], y[k] / 0.02, 1e-13);
+        assert_true(source_table[row].pushes || (pull[0] == 0 && pull[1] == 0 && pull[2] == 0));
+    }
+}
+
+/* Gas that moves with the gas that drags it keeps its bits. */
+static void drag_leaves_what_moves_along(void **state) {
+    (void)state;
+    struct sources s = {0};
+    for (int row = 0; row < source_count; row++)
+        if (!strcmp(source_table[row].model.name, "linearDrag")) s = only(row);
+    struct source_plan plan;
+    double rho = 0.1, u = 0.1 * 1.5, w = 0.1 * -0.25, v = 0, eps = 1, *mom[MAX_DIM] = {&u, &v, &w};
+    source_plan(&s, gs, &GRAINS, MAX_DIM, 0, 0.7, false, &plan);
+    for (int i = 0; i < 100; i++) plan.step[0].row->step(&plan.step[0], 1, &rho, mom, &eps);
+    assert_true(u == 0.1 * 1.5 && v == 0 && w == 0.1 * -0.25);
+    assert_close(eps, exp(-2 * 2 * 70.), 1e-12, "T");
 }
 
 static void free_fall(void **state) {
     (void)state;
     struct material m = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65};
-    struct sources s = {.cooling = true, .gravity = {3, -7, 0}};
-    double kick[MAX_DIM], rho = 2, mx = 1, my = 0, E = 2 * (1.5 * 0.3) + 0.25, *U[MAX_VAR] = {&rho, &mx, &my, &E};
-    source_kick(&s, 5, 0.25, kick);
-    source_apply(&s, eos_find("GoldshteinShapiro"), &m, 1, 2, 0.25, kick, U);
+    struct sources s = {.cooling = cooling_find("Haff"), .gravity = {3, -7, 0}};
+    struct source_plan plan;
+    double rho = 2, mx = 1, my = 0, E = 2 * (1.5 * 0.3) + 0.25, *U[MAX_VAR] = {&rho, &mx, &my, &E};
+    source_plan(&s, eos_find("GoldshteinShapiro"), &m, 2, 5, 0.25, false, &plan);
+    source_apply(&plan, 1, U);
     assert_close(mx / rho, 0.5 + 0.75, 1e-15, "u");
     assert_close(my / rho, -1.75, 1e-15, "v");
     assert_close(E, 2 * 1.5 * 0.3 + (1.25 * 1.25 + 1.75 * 1.75), 1e-15, "E: the temperature stays");
@@ -109,95 +308,35 @@ static void ramped_shaking(void **state) {
 static void what_costs_nothing(void **state) {
     (void)state;
     struct material m = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65};
-    struct sources s = {.cooling = true};
-    assert_false(source_active(&s, &m));
+    struct sources s = {.cooling = cooling_find("Haff")};
+    assert_false(source_active(&s, &m) || source_cools(&s, &m));
     m.restitution = 0.9;
-    assert_true(source_active(&s, &m));
+    assert_true(source_active(&s, &m) && source_cools(&s, &m));
+    assert_true(source_thermal(&s) && !source_heats(&s));
     m.diameter = 0;
-    assert_false(source_active(&s, &m));
+    assert_false(source_active(&s, &m) || source_cools(&s, &m));
     s.gravity[2] = 1;
     assert_true(source_active(&s, &m));
 }
 
-/* T after `steps` steps over dt in all, from T0, in a gas at rest; B: of dT/dt = -B T^(3/2) phi. */
-static double cooled(double threshold, double T0, double dt, int steps) {
-    struct sources s = {.cooling = true};
-    struct material m = GRAINS;
-    double zero[MAX_DIM] = {0}, rho = DENSE, mom = 0, E = rho * 1.5 * T0, *U[MAX_VAR] = {&rho, &mom, &E};
-    m.threshold = threshold;
-    for (int i = 0; i < steps; i++) source_apply(&s, eos_find("GoldshteinShapiro"), &m, 1, 1, dt / steps, zero, U);
-    assert_true(rho == DENSE && mom == 0);
-    return 2. / 3 * E / rho;
-}
-
-static double rate_of(void) { /* B, by the exact solution without a threshold: 1/sqrt(T) grows by B dt/2 */
-    return 2 * (1 / sqrt(cooled(0, 1, 1, 1)) - 1);
-}
-
-/* int_a^b 4 e^(s^2)/(1 + s^2) ds by Simpson's rule: B v_c dt from T = (v_c/2a)^2 to (v_c/2b)^2, by definition of phi */
-static double path_between(double a, double b) {
-    const int n = 4000;
-    double sum = 0, h = (b - a) / n;
-    for (int i = 0; i <= n; i++) {
-        double s = a + i * h, weight = i == 0 || i == n ? 1 : i % 2 ? 4 : 2;
-        sum += weight * 4 * exp(s * s) / (1 + s * s);
-    }
-    return sum * h / 3;
-}
-
-static double exact_cooled(double threshold, double T0, double dt) {
-    double path = rate_of() * threshold * dt, start = 0.5 * threshold / sqrt(T0), low = start, high = 25;
-    for (int i = 0; i < 60; i++) {
-        double middle = 0.5 * (low + high);
-        *(path_between(start, middle) < path ? &low : &high) = middle;
-    }
-    return 0.25 * threshold * threshold / (low * low);
-}
-
-static void threshold_is_of_second_order(void **state) {
+static int find_eos(void **state) {
     (void)state;
-    const double v = 0.3, rate = rate_of();
-    for (double T0 = 1e-3; T0 < 2; T0 *= 7) { /* from x = 22, where little is lost, to 0.02 */
-        double dt = 2 / (rate * sqrt(T0)), exact = exact_cooled(v, T0, dt), error[4];
-        for (int i = 0; i < 4; i++) error[i] = fabs(cooled(v, T0, dt, 4 << i) / exact - 1);
-        assert_near(error[0], 0, 0.02);
-        if (error[3] < 1e-12) continue; /* round-off */
-        assert_near(log2(error[2] / error[3]), 2, 0.15);
-    }
-}
-
-static void threshold_of_any_step(void **state) {
-    (void)state;
-    const double v = 0.3, rate = rate_of();
-    for (double T0 = 1e-3; T0 < 1e5; T0 *= 30) {
-        double before = T0;
-        for (double loss = 1e-3; loss < 1e13; loss *= 10) { /* = B sqrt(T0) dt, in a single step */
-            double dt = loss / (rate * sqrt(T0)), found = cooled(v, T0, dt, 1);
-            assert_true(found > 0 && found <= before);                              /* longer steps cool more */
-            assert_close(found, exact_cooled(v, T0, dt), 0.27, "T after one step"); /* worst: 26 %, path 10 */
-            before = found;
-        }
-    }
-}
-
-static void threshold_has_both_limits(void **state) {
-    (void)state;
-    for (double T = 1e-8; T < 1e9; T *= 1000) {
-        double dt = 5 / sqrt(T);
-        for (double small = 1e-8; small > 1e-170; small *= 1e-20) /* phi = 1: Haff's cooling */
-            assert_close(cooled(small * sqrt(T), T, dt, 1), cooled(0, T, dt, 1), 1e-14, "T, warm");
-        for (double x = 800; x < 1e200; x *= 1e3) /* phi = 0: none */
-            assert_close(cooled(sqrt(4 * x * T), T, dt, 1), T, 4e-16, "T, cold");
-    }
-    assert_true(cooled(0.3, 1, 0, 1) == 1);
+    gs = eos_find("GoldshteinShapiro");
+    return 0;
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(homogeneous_cooling),   cmocka_unit_test(free_fall),
-        cmocka_unit_test(shaken_gravity),        cmocka_unit_test(ramped_shaking),
-        cmocka_unit_test(what_costs_nothing),    cmocka_unit_test(threshold_is_of_second_order),
-        cmocka_unit_test(threshold_of_any_step), cmocka_unit_test(threshold_has_both_limits),
+        cmocka_unit_test(every_source_solves_its_equation),
+        cmocka_unit_test(sources_act_forwards_and_backwards),
+        cmocka_unit_test(every_source_keeps_its_word),
+        cmocka_unit_test(energy_is_what_rows_say),
+        cmocka_unit_test(gas_at_rest_is_pulled),
+        cmocka_unit_test(drag_leaves_what_moves_along),
+        cmocka_unit_test(free_fall),
+        cmocka_unit_test(shaken_gravity),
+        cmocka_unit_test(ramped_shaking),
+        cmocka_unit_test(what_costs_nothing),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, find_eos, NULL);
 }

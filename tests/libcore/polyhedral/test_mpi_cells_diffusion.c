@@ -373,7 +373,7 @@ static void bits_know_no_ranks(void **state) {
         for (int i = 0; i < 2; i++) {
             struct scene s;
             choose(&s, rough[b].dim, "noSlip", transport_find("JenkinsRichman"));
-            s.models.source.cooling = true;
+            s.models.source.cooling = cooling_find("Haff");
             s.rules[0].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
             s.rules[1].velocity.type = boundary_find("zeroGradient");
             s.rules[2].velocity = (struct rule){.type = boundary_find("fixedValue"), .uniform = {0.3, 0.2, 0.1}};

@@ -1,0 +1,63 @@
+/* The cooling laws: their exact sub-steps at frozen density, and the table. Their equations stand in cooling.h. */
+#include "libcore/models/cooling.h"
+
+#include "libcore/models/kernel.h"
+
+/* T/(1 + B sqrt(T) dt/2)^2, which solves dT/dt = -B T^(3/2); B = per_contact G. */
+KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
+                        double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        double root = sqrt(g1 * eps[i]);
+        double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root;
+        eps[i] = eps[i] / (slow * slow);
+    }
+}
+
+/* The same for dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2 / (4 T). With s = sqrt x and tau = B v_c dt this is
+ *   ds/dtau = (1 + x) e^-x / 4:  Haff's straight line at first, then a logarithm.
+ * w = sqrt(2 (e^2x - 1)) follows both, dw/dtau = r/2 with r = 2 s (1 + x)/sqrt(2 (1 - e^-2x)), which is 1 at x = 0 and
+ * grows no faster than s^3; one midpoint step in w is of second order, keeps T positive and falling, stops it where
+ * e^-x leaves nothing, and is sensible for a step of any length. The kernel works with w e^-x0, which cannot
+ * overflow, and gains x1 - x0 = ln(1 + e^-2x0 (w1^2 - w0^2)/2)/2 without a difference of close numbers. */
+ALWAYS_INLINE double scaled_w(double x) {
+    return sqrt(-2 * exponential_minus_one(-2 * smaller(x, 300))); /* e^-600: nothing */
+}
+ALWAYS_INLINE double speed_of_w(double x) {
+    return 2 * sqrt(x) * (1 + x) / scaled_w(x);
+}
+ALWAYS_INLINE double gain_of_x(double w, double step) {
+    return 0.5 * logarithm_plus_one(0.5 * step * (2 * w + step));
+}
+
+KERNEL static void cool_above(int n, double g1, double per_contact, double threshold, double dt,
+                              const double *restrict contact, double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        double T = g1 * eps[i], x = 0.25 * threshold * threshold / T;
+        x = smaller(larger(x, 1e-200), 1e100); /* neither 0/0 nor an overflow, and no other result */
+        double w = scaled_w(x);
+        double path = dt * (per_contact * contact[i]) * sqrt(T * x) * exponential(-smaller(x, 300)); /* tau e^-x / 2 */
+        double middle = x + gain_of_x(w, 0.5 * path * speed_of_w(x));
+        eps[i] *= x / (x + gain_of_x(w, path * speed_of_w(middle)));
+    }
+}
+
+static void haff(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
+                 const double *restrict rho, double *restrict eps) {
+    const double g1 = m->gamma - 1, loss = cooling_factor(m) * (1 - m->restitution * m->restitution) / m->diameter;
+    double contact[BATCH];
+    (void)params;
+    eos->contact(m, n, rho, contact);
+    if (m->threshold > 0)
+        cool_above(n, g1, g1 * loss, m->threshold, dt, contact, eps);
+    else
+        cool(n, g1, g1 * loss, dt, contact, eps);
+}
+
+const struct cooling cooling_table[] = {
+    {MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"), haff},
+};
+const int cooling_count = sizeof cooling_table / sizeof *cooling_table;
+
+const struct cooling *cooling_find(const char *name) {
+    return model_find(cooling_table, sizeof *cooling_table, cooling_count, name);
+}
