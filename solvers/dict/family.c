@@ -3,6 +3,7 @@
 
 #include "solvers/dict/params.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +46,10 @@ static status find_coeffs(struct dict *d, const struct model *row, struct dict *
     return dict_sub_optional(d, name, out);
 }
 
+static bool is_offered(const struct family *k, int i) {
+    return !k->offered || k->offered(row_of(k, i));
+}
+
 static status leave_coeffs(const struct family *k, struct dict *d, const struct model *but) {
     struct dict *sub;
     for (int i = 0; i < *k->count; i++) {
@@ -66,14 +71,69 @@ static status read_params(struct dict *d, const struct model *row, void *params)
     return s;
 }
 
-status family_read(const struct family *k, struct dict *d, void *base) {
+/* No offered row has the name: the error says which there are, and the nearest. */
+static status no_row(const struct family *k, const struct dict *d, const char *word) {
+    char list[900] = "";
+    const char **names, *near;
+    int n = 0;
+    TRY(allocate(&names, *k->count, sizeof *names, "names of models"));
+    for (int i = 0; i < *k->count; i++)
+        if (is_offered(k, i)) names[n++] = row_of(k, i)->name;
+    for (int i = 0; i < n; i++) {
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", names[i]);
+    }
+    near = nearest_name(word, names, n);
+    free(names);
+    return dict_fail(d, k->key, "there is no '%s'; allowed are: %s%s%s%s", word, list, near ? "; did you mean '" : "",
+                     near ? near : "", near ? "'?" : "");
+}
+
+/* A row that is named in a list: its dictionary must be there if one of its parameters has no default. */
+static status read_named(const struct family *k, struct dict *d, const char *word, bool *on, struct own_params *own) {
+    struct dict *sub;
+    int i = 0;
+    while (i < *k->count && (!is_offered(k, i) || strcmp(row_of(k, i)->name, word))) i++;
+    if (i == *k->count) return no_row(k, d, word);
+    if (on[i]) return dict_fail(d, k->key, "%s stands there twice", word);
+    const struct model *row = row_of(k, i);
+    on[i] = true;
+    TRY(find_coeffs(d, row, &sub));
+    for (int p = 0; p < row->nparam && !sub; p++)
+        if (isnan(row->param[p].standard))
+            return dict_fail(d, k->key, "%s needs the dictionary  %sCoeffs { %s ..; }", word, word, row->param[p].name);
+    return row->nparam > 0 ? read_params(d, row, &own[i]) : OK;
+}
+
+static status read_list(const struct family *k, struct dict *d, void *base) {
+    bool *on = (void *)((char *)base + k->chosen);
+    struct own_params *own = (void *)((char *)base + k->params);
+    const char *const *words;
+    struct dict *sub;
+    int n = 0;
+    if (dict_has(d, k->key)) TRY(dict_words(d, k->key, &n, &words));
+    for (int i = 0; i < *k->count; i++) on[i] = false;
+    for (int i = 0; i < n; i++) TRY(read_named(k, d, words[i], on, own));
+    for (int i = 0; i < *k->count; i++) {
+        if (on[i] || row_of(k, i)->nparam == 0) continue;
+        TRY(find_coeffs(d, row_of(k, i), &sub));
+        if (sub) dict_mark_used(sub);
+    }
+    return OK;
+}
+
+static status read_one(const struct family *k, struct dict *d, void *base) {
     const struct model *row;
-    if (k->sub) TRY(dict_sub_optional(d, k->sub, &d));
     TRY(choose(k, d, &row));
     memcpy((char *)base + k->chosen, &row, sizeof row);
     if (k->suits) TRY(k->suits(d, base));
     if (d) TRY(leave_coeffs(k, d, row));
-    if (d && row && row->nparam > 0) TRY(read_params(d, row, (char *)base + k->params));
+    return d && row && row->nparam > 0 ? read_params(d, row, (char *)base + k->params) : OK;
+}
+
+status family_read(const struct family *k, struct dict *d, void *base) {
+    if (k->sub) TRY(dict_sub_optional(d, k->sub, &d));
+    TRY(k->list ? read_list(k, d, base) : read_one(k, d, base));
     return k->holds ? k->holds(d, base) : OK;
 }
 
@@ -94,10 +154,26 @@ void family_list(FILE *f, const struct family *k) {
     if (k->sub) fprintf(f, "; %s if it is not given", k->standard);
     fprintf(f, "\n");
     if (k->none) fprintf(f, "  %-20s %s\n", "none", k->none);
-    for (int i = 0; i < *k->count; i++) list_row(f, k, row_of(k, i));
+    for (int i = 0; i < *k->count; i++)
+        if (is_offered(k, i)) list_row(f, k, row_of(k, i));
+}
+
+static void print_list(FILE *f, const struct family *k, const void *base) {
+    const bool *on = (const void *)((const char *)base + k->chosen);
+    const struct own_params *own = (const void *)((const char *)base + k->params);
+    for (int i = 0; i < *k->count; i++) {
+        const struct model *row = row_of(k, i);
+        if (!on[i]) continue;
+        fprintf(f, "    %-22s %s\n", k->key, row->name);
+        params_print_values(f, row->param, row->nparam, &own[i]);
+    }
 }
 
 void family_print(FILE *f, const struct family *k, const void *base) {
+    if (k->list) {
+        print_list(f, k, base);
+        return;
+    }
     const struct model *row = chosen_of(k, base);
     if (!row && k->tacit) return;
     fprintf(f, "    %-22s %s\n", k->sub ? k->sub : k->key, row ? row->name : "none");

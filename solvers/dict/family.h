@@ -24,6 +24,10 @@ struct family {
     bool tacit;           /* `none` is not printed */
     size_t chosen;        /* offset of the pointer to the row, NULL: none, in the struct that is filled */
     size_t params;        /* offset of what the parameters of the row fill */
+    /* The keyword holds a list (a b ..) of the rows that are `offered` (NULL: all), or is missing: none. Then chosen is
+     * the offset of bool [*count], params of struct own_params [*count]. */
+    bool list;
+    bool (*offered)(const struct model *row);
     /* What a row asks of what was read before, once it is chosen (d: dictionary of the keyword), and of its parameters,
      * once these are read; NULL: nothing. */
     status (*suits)(struct dict *d, void *base);

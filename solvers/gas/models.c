@@ -62,6 +62,11 @@ static status cooling_suits(struct dict *d, void *base) {
                 dict_path(d), m->gas.material.restitution);
 }
 
+/* What is on by an entry of its own is not chosen by name. */
+static bool source_offered(const struct model *row) {
+    return !((const struct source_type *)row)->active;
+}
+
 static status transport_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
     const bool disks = m->material.disks;
@@ -88,7 +93,7 @@ static status diffusion_suits(struct dict *d, void *base) {
 #define MEMBER(m)  offsetof(struct case_models, m)
 /* Families of a file are read and listed in this order. Defaults of fvSchemes: least time to a given error among those
  * that also hold at shocks, walls and near vacuum, by postprocessing/reports/workPrecision.md. */
-enum { EOS, COOLING, TRANSPORT, FLUX, RECONSTRUCT, STEPPER, ENGINE, POLYNOMIAL, DIFFUSION, FAMILIES };
+enum { EOS, COOLING, TRANSPORT, SOURCES, FLUX, RECONSTRUCT, STEPPER, ENGINE, POLYNOMIAL, DIFFUSION, FAMILIES };
 static const struct family families[FAMILIES] = {
     [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
              .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits, .holds = eos_holds},
@@ -97,6 +102,8 @@ static const struct family families[FAMILIES] = {
     [TRANSPORT] = {PROPERTIES, "transport", FAMILY_ROWS(transport), .key = "transport", .none = "inviscid",
                    .tacit = true, .chosen = MEMBER(gas.transport), .params = MEMBER(gas.transport_params),
                    .suits = transport_suits},
+    [SOURCES] = {PROPERTIES, "sources ( .. )", FAMILY_ROWS(source), .key = "sources", .list = true,
+                 .offered = source_offered, .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
     [FLUX] = {SCHEMES, "system/fvSchemes: fluxScheme", FAMILY_ROWS(flux), .key = "fluxScheme", .standard = "common",
               .chosen = MEMBER(gas.flux)},
     [RECONSTRUCT] = {SCHEMES, "system/fvSchemes: reconstruct", FAMILY_ROWS(reconstruct), .key = "reconstruct",
@@ -231,12 +238,35 @@ void forces_free(struct forces *f) {
     dict_free(f->shaking);
 }
 
+/* The vectors among the parameters of one row of source_table, of m->source, along computational axes. */
+static status turn_params(const struct case_models *m, int row, int dim, const int axis[3], struct own_params *own) {
+    const struct model *r = &source_table[row].model;
+    struct dict *coeffs;
+    char name[128];
+    snprintf(name, sizeof name, "%sCoeffs", r->name);
+    TRY(dict_sub_optional(m->properties, name, &coeffs));
+    for (int i = 0; i < r->nparam; i++) {
+        double physical[3], turned[3] = {0, 0, 0};
+        char *member = (char *)own + r->param[i].offset;
+        if (r->param[i].kind != PARAM_VECTOR) continue;
+        memcpy(physical, member, sizeof physical);
+        TRY(turn_vector(coeffs ? coeffs : m->properties, r->param[i].name, dim, axis, physical, turned));
+        memcpy(member, turned, sizeof turned);
+    }
+    return OK;
+}
+
 /* The gas's sources: gravity and shaking with those of constant/granularProperties. */
-static void join_sources(struct case_models *m) {
+static status join_sources(struct case_models *m, int dim, const int axis[3]) {
     struct sources *all = &m->gas.source;
     *all = m->forces.source;
     all->cooling = m->source.cooling;
     all->cooling_params = m->source.cooling_params;
+    memcpy(all->on, m->source.on, sizeof all->on);
+    memcpy(all->params, m->source.params, sizeof all->params);
+    for (int row = 0; row < source_count; row++)
+        if (all->on[row]) TRY(turn_params(m, row, dim, axis, &all->params[row]));
+    return OK;
 }
 
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
@@ -251,8 +281,7 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(open_in(dir, SOLUTION, false, &m->solution));
     TRY(read_solution(m->solution, m));
     TRY(forces_read(dir, dim, axis, &m->forces));
-    join_sources(m);
-    return OK;
+    return join_sources(m, dim, axis);
 }
 
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out) {

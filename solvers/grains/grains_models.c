@@ -38,11 +38,23 @@ static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian"};
 static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
                                            "over a normal distribution around a centre, cut at 3 width"};
 
+/* The sources of the gas would act on the grains, too, if they were known here. */
+static status refuse_sources(struct dict *d) {
+    const char *const *names;
+    int n = 0;
+    if (dict_has(d, "sources")) TRY(dict_words(d, "sources", &n, &names));
+    if (n == 0) return OK;
+    return dict_fail(d, "sources",
+                     "granularMD knows constant/g and constant/shaking alone; say  sources ();  for a run without %s",
+                     names[0]);
+}
+
 static status read_granular(struct dict *d, struct grains_models *m) {
     struct dict *sub;
     TRY(dict_sub(d, "grain", &sub));
     TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
     if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
+    TRY(refuse_sources(d));
     TRY(models_leave(d));
     return dict_check_used(d);
 }

@@ -145,6 +145,73 @@ static void objections(void **state) {
     refused(&checked, "\nspring linear; linearCoeffs { stiffness 0.5; }", "T:2:", "too soft");
 }
 
+struct several {
+    int before;
+    bool on[3];
+    struct own_params params[3];
+    int behind;
+};
+static bool gives(const struct model *row) {
+    return ((const struct spring *)(const void *)row)->order > 0;
+}
+static const struct family several = {.file = "springs",
+                                      .title = "springs",
+                                      .key = "springs",
+                                      FAMILY_ROWS(spring),
+                                      .list = true,
+                                      .offered = gives,
+                                      .chosen = offsetof(struct several, on),
+                                      .params = offsetof(struct several, params)};
+
+static status read_several(const char *text, struct several *c) {
+    struct dict *d = NULL;
+    *c = (struct several){.before = 7, .behind = 8};
+    status s = dict_from_text("T", text, &d);
+    if (!s) s = family_read(&several, d, c);
+    if (!s) s = dict_check_used(d);
+    dict_free(d);
+    assert_true(c->before == 7 && c->behind == 8);
+    return s;
+}
+
+static void refused_list(const char *text, const char *what) {
+    struct several c;
+    status s = read_several(text, &c);
+    if (!s) fail_msg("'%s' was taken", text);
+    if (!strstr(status_text(s), "T:2:") || !strstr(status_text(s), what)) fail_msg("%s", status_text(s));
+    status_free(s);
+}
+
+/* A list chooses any number of the rows that are offered, each with parameters of its own. */
+static void lists(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        bool on[3];
+        double stiffness[3];
+    } good[] = {{"", {0}, {0}},
+                {"springs (); linearCoeffs { stiffness -1; }", {0}, {0}},
+                {"springs linear;", {true}, {2}},
+                {"springs (cubic linear); cubicCoeffs { growth 1; } linearCoeffs { stiffness 5; }",
+                 {true, false, true},
+                 {5, 0, 3}}};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        struct several c;
+        status s = read_several(good[i].text, &c);
+        if (s) fail_msg("%s", status_text(s));
+        for (int k = 0; k < 3; k++) {
+            assert_int_equal(c.on[k], good[i].on[k]);
+            assert_true(c.params[k].room[0] == good[i].stiffness[k]);
+        }
+    }
+    refused_list("\nsprings (liner);", "there is no 'liner'; allowed are: linear, cubic; did you mean 'linear'?");
+    refused_list("\nsprings (rigid);", "there is no 'rigid'; allowed are: linear, cubic");
+    refused_list("\nsprings (linear linear);", "linear stands there twice");
+    refused_list("\nsprings (cubic);", "cubic needs the dictionary  cubicCoeffs { growth ..; }");
+    refused_list("\nsprings (linear); linearCoeffs { stiffness -1; }", "must be greater than 0");
+    refused_list("\nspring (linear);", "did you mean 'springs'?");
+}
+
 /* Programs without a use for the family leave its keyword, whatever it says, and the coefficients of all rows. */
 static void left_to_others(void **state) {
     (void)state;
@@ -183,6 +250,17 @@ static void listed_and_printed(void **state) {
                               "    spring                 none\n");
     f = tmpfile();
     assert_non_null(f);
+    family_print(f, &several, &(struct several){.on = {true, false, true}, .params = {{{4}}, {{0}}, {{1.5, -2}}}});
+    family_print(f, &several, &(struct several){.on = {false}});
+    family_list(f, &several);
+    text_of(f, text, sizeof text);
+    static const char begins[] = "    springs                linear\n    stiffness              4\n"
+                                 "    springs                cubic\n    stiffness              1.5\n"
+                                 "    growth                 -2\n\nsprings\n  linear ";
+    if (strncmp(text, begins, strlen(begins))) fail_msg("it does not begin with '%s':\n%s", begins, text);
+    assert_null(strstr(text, "rigid"));
+    f = tmpfile();
+    assert_non_null(f);
     family_list(f, &none);
     family_list(f, &(struct family){SPRINGS, .standard = "rigid"});
     text_of(f, text, sizeof text);
@@ -200,6 +278,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_chosen), cmocka_unit_test(coefficients),   cmocka_unit_test(names),
         cmocka_unit_test(objections),      cmocka_unit_test(left_to_others), cmocka_unit_test(listed_and_printed),
+        cmocka_unit_test(lists),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
