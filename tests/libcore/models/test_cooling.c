@@ -1,5 +1,6 @@
 /* Every cooling law against its equation: reference values, an integration in small steps, steps of any length, and the
  * limits of the threshold of elastic impacts. */
+#include "tests/defaults.h"
 #include "tests/libcore/oracle.h"
 
 #include "libcore/models/cooling.h"
@@ -76,7 +77,7 @@ static double integrate(const struct equation *e, double contact, double T, doub
 }
 
 static double stepped(const struct cooling *c, double T, double dt, int steps) {
-    struct own_params params = {{0}};
+    const struct own_params params = own_defaults(&c->model);
     double eps = T / (GRAINS.gamma - 1);
     for (int i = 0; i < steps; i++) c->step(&params, gs, &GRAINS, dt / steps, 1, &DENSE, &eps);
     return eps * (GRAINS.gamma - 1);
@@ -107,7 +108,7 @@ static void every_law_is_safe(void **state) {
     for (int i = 0; i < cooling_count; i++)
         for (double T = 1e-10; T < 1e10; T *= 10)
             for (double dt = 1e-12; dt < 1e8; dt *= 10) {
-                struct own_params params = {{0}};
+                const struct own_params params = own_defaults(&cooling_table[i].model);
                 double rho[BATCH], eps[BATCH], alone = T;
                 for (int k = 0; k < BATCH; k++) rho[k] = DENSE, eps[k] = T;
                 cooling_table[i].step(&params, gs, &GRAINS, dt, BATCH, rho, eps);
