@@ -1,179 +1,30 @@
 /* Makes a dictionary from text in OpenFOAM's grammar: entries and sub-dictionaries, macros ($name), #include, #eval,
  * #if, #inputMode, #remove, #default. It runs no code and bounds depth and memory: macros and #include that multiply
  * are refused. */
-#include "solvers/dict/dict_parts.h"
-#include "solvers/dict/expr.h"
+#include "solvers/dict/dict_reading.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEPTH = 64, INCLUDES = 16, EXPANSION = 4096, KEYS = 10000, COPIES = 1000000 };
-enum mode { MERGE, OVERWRITE, PROTECT, ERROR };
-
-struct file { /* a file being read; `from` is the file that includes it */
-    struct lexer l;
-    struct foam_header header;
-    const struct file *from;
-    int case_length; /* characters of the path that name the folder of the case, with its '/' */
-};
-struct reading {
-    struct document *document;
-    enum mode mode;
-    int depth;
-    long copied; /* values that macros and #include have multiplied: bounded, since copies of copies double */
-};
-
 static status read_entries(struct reading *r, struct file *f, struct dict *d, const struct token *opening);
 
-static status complain(const struct file *f, int line, const char *format, const char *what) {
+status reading_fail(const struct file *f, int line, const char *format, const char *what) {
     char text[512];
     snprintf(text, sizeof text, format, what);
     return fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, line, text);
 }
 
-static status charge(struct reading *r, const struct file *f, int line, size_t copies) {
+status reading_charge(struct reading *r, const struct file *f, int line, size_t copies) {
     r->copied += copies < COPIES ? (long)copies : COPIES;
     if (r->copied < COPIES) return OK;
-    return complain(f, line, "%s make more than a million values of this dictionary", "macros and #include");
+    return reading_fail(f, line, "%s make more than a million values of this dictionary", "macros and #include");
 }
 
-/* ---- macros ---- */
-
-/* Finds the entry that a macro names. `name` is what follows '$', without braces: a, a.b, :a.b, ..a. Returns NULL if
- * there is none. As in OpenFOAM, a dictionary that is still being read has no entries for a path that comes from
- * above. */
-static struct entry *find_macro(struct dict *d, const char *name) {
-    bool upwards = *name != ':' && *name != '.';
-    if (*name == ':') {
-        while (d->parent) d = d->parent;
-        name++;
-    } else if (*name == '.') {
-        for (name++; *name == '.'; name++) {
-            if (!d->parent) return NULL;
-            d = d->parent;
-        }
-    }
-    for (; d; d = upwards ? d->parent : NULL) {
-        struct entry *e = dict_find_exact(d, name);
-        if (e) return e;
-        const struct dict *in = d;
-        char part[256];
-        const char *rest = name;
-        for (const char *dot; (dot = strchr(rest, '.')); rest = dot + 1) {
-            snprintf(part, sizeof part, "%.*s", (int)(dot - rest), rest);
-            e = dict_find_exact(in, part);
-            if (!e || !e->sub || e->open) break;
-            in = e->sub;
-        }
-        if (rest != name && !strchr(rest, '.') && (e = dict_find_exact(in, rest))) return e;
-    }
-    return NULL;
-}
-
-static status get_macro(const struct file *f, struct dict *d, const char *text, int length, int line,
-                        struct entry **out) {
-    char name[256];
-    if (length > 2 && text[1] == '{') {
-        if (text[2] == '{') return complain(f, line, "%s is not known; write #eval{ ... }", "${{ ... }}");
-        text++;
-        length -= 2;
-    }
-    snprintf(name, sizeof name, "%.*s", length - 1, text + 1);
-    *out = find_macro(d, name);
-    if (!*out || (*out)->open)
-        return complain(f, line,
-                        "macro '$%s' names no entry that stands before it (environment variables are not read)", name);
-    return OK;
-}
-
-static status push(struct reading *r, struct entry *e, struct value v) {
+status reading_push(struct reading *r, struct entry *e, struct value v) {
     TRY(document_grow(r->document, &e->value, e->count, &e->room, sizeof v));
     e->value[e->count++] = v;
     return OK;
-}
-
-static status push_macro(struct reading *r, struct file *f, struct dict *d, struct entry *e, const struct token *t) {
-    struct entry *from = NULL;
-    TRY(get_macro(f, d, t->text, t->length, t->line, &from));
-    if (from->sub)
-        return complain(f, t->line, "'$%s' is a dictionary; it cannot be part of a value (missing ';' before it?)",
-                        from->key);
-    TRY(charge(r, f, t->line, (size_t)from->count));
-    for (int i = 0; i < from->count; i++) TRY(push(r, e, from->value[i]));
-    if (from->raw) {
-        e->raw = true;
-        e->start = from->start;
-        e->header = from->header;
-    }
-    return OK;
-}
-
-/* ---- #eval ---- */
-
-/* Expands the macros in the text of #eval. Their values are put in brackets, so that $a^2 is the square also of a
- * negative a. */
-static status expand_text(const struct file *f, struct dict *d, const char *text, int length, int line,
-                          char out[EXPANSION]) {
-    size_t n = 0;
-    for (int i = 0; i < length; i++) {
-        int end = i + 1;
-        if (text[i] == '$' && end < length && text[end] == '{') {
-            while (end < length && text[end] != '}') end++;
-            end += end < length;
-        } else if (text[i] == '$') {
-            while (end < length && (isalnum((unsigned char)text[end]) || strchr("_.:", text[end]))) end++;
-        }
-        if (text[i] == '$') {
-            struct entry *e = NULL;
-            char value[512];
-            TRY(get_macro(f, d, text + i, end - i, line, &e));
-            entry_print(e, value, sizeof value);
-            if (strlen(value) == sizeof value - 1) return complain(f, line, "the text of %s is too long", "#eval");
-            n += (size_t)snprintf(out + n, EXPANSION - n, "(%s)", value);
-            i = end - 1;
-        } else {
-            out[n++] = text[i];
-        }
-        if (n >= EXPANSION - 2) return complain(f, line, "the text of %s is too long", "#eval");
-    }
-    out[n] = 0;
-    return OK;
-}
-
-static status push_eval(struct reading *r, struct file *f, struct dict *d, struct entry *e) {
-    struct token t;
-    char text[EXPANSION];
-    TRY(lexer_next(&f->l, &t));
-    if (token_is(&t, "{")) {
-        int braces = 1, line = f->l.line;
-        const char *start = f->l.source->text + f->l.position, *p = start;
-        for (; *p && braces; p++) {
-            braces += (*p == '{') - (*p == '}');
-            line += *p == '\n';
-        }
-        if (braces) return complain(f, t.line, "the '{' of %s is not closed", "#eval");
-        t.text = start;
-        t.length = (int)(p - 1 - start);
-        f->l.position += (size_t)(p - start);
-        f->l.line = f->l.last_line = line;
-    } else if (t.kind != TOKEN_STRING && t.kind != TOKEN_VERBATIM) {
-        return lexer_fail(&f->l, &t, "expected #eval{ ... } or #eval \"...\"");
-    }
-    TRY(expand_text(f, d, t.text, t.length, t.line, text));
-    struct value v = {.kind = TOKEN_NUMBER};
-    status bad = expr_constant(text, &v.number);
-    if (bad) {
-        status e2 = fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, t.line, status_text(bad));
-        status_free(bad);
-        return e2;
-    }
-    char number[32];
-    snprintf(number, sizeof number, "%.15g", v.number);
-    if (strtod(number, NULL) != v.number) snprintf(number, sizeof number, "%.17g", v.number);
-    TRY(document_copy(r->document, number, -1, &v.text));
-    return push(r, e, v);
 }
 
 /* ---- values ---- */
@@ -219,7 +70,7 @@ static status push_punctuation(struct reading *r, const struct file *f, struct e
     }
     struct value v = {.kind = t->kind};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
-    return push(r, e, v);
+    return reading_push(r, e, v);
 }
 
 static int item_bytes(const struct token *t, const struct foam_header *h) {
@@ -234,8 +85,8 @@ static int item_bytes(const struct token *t, const struct foam_header *h) {
 }
 
 static status push_token(struct reading *r, struct file *f, struct dict *d, struct entry *e, const struct token *t) {
-    if (t->kind == TOKEN_WORD && *t->text == '$') return push_macro(r, f, d, e, t);
-    if (t->kind == TOKEN_WORD && (token_is(t, "#eval") || token_is(t, "#calc"))) return push_eval(r, f, d, e);
+    if (t->kind == TOKEN_WORD && *t->text == '$') return macro_push(r, f, d, e, t);
+    if (t->kind == TOKEN_WORD && (token_is(t, "#eval") || token_is(t, "#calc"))) return eval_push(r, f, d, e);
     if (t->kind == TOKEN_WORD && *t->text == '#')
         return lexer_fail(&f->l, t,
                           "in a value only #eval{ ... } and #calc \"...\" (arithmetic) are known; no code is run");
@@ -244,7 +95,7 @@ static status push_token(struct reading *r, struct file *f, struct dict *d, stru
         return lexer_fail(&f->l, t, "no code is run from a dictionary; choose a type that is built in");
     struct value v = {.kind = t->kind, .number = t->number};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
-    TRY(push(r, e, v));
+    TRY(reading_push(r, e, v));
     int bytes = t->kind == TOKEN_WORD ? item_bytes(t, &f->header) : 0;
     if (bytes) {
         e->raw = true;
@@ -264,10 +115,10 @@ static status read_value(struct reading *r, struct file *f, struct dict *d, stru
             return lexer_fail(&f->l, &t, "the bracket '%c' of line %d is open", b.open[b.depth - 1],
                               b.line[b.depth - 1]);
         if (t.kind == TOKEN_END)
-            return complain(f, e->line, "missing ';' after the value of '%s'? The file ends", e->key);
+            return reading_fail(f, e->line, "missing ';' after the value of '%s'? The file ends", e->key);
         if (!b.depth && token_is(&t, ";") && t.kind == TOKEN_PUNCTUATION) break;
         if (!b.depth) TRY(check_semicolon(f, e, &t));
-        if (f->from) TRY(charge(r, f, t.line, 1));
+        if (f->from) TRY(reading_charge(r, f, t.line, 1));
         if (t.kind == TOKEN_PUNCTUATION && *t.text == ';' && b.open[b.depth - 1] != '{')
             return lexer_fail(&f->l, &t, "the bracket '%c' of line %d is open", b.open[b.depth - 1],
                               b.line[b.depth - 1]);
@@ -308,7 +159,7 @@ static status place(struct reading *r, const struct file *f, struct dict *d, con
     bool fresh = !e;
     if (fresh) {
         if (d->count == KEYS)
-            return complain(f, line, "%s has more than 10000 keywords", *d->name ? d->name : "the file");
+            return reading_fail(f, line, "%s has more than 10000 keywords", *d->name ? d->name : "the file");
         TRY(document_grow(r->document, &d->entry, d->count, &d->room, sizeof *e));
         e = &d->entry[d->count];
         *e = (struct entry){.key = key};
@@ -343,7 +194,7 @@ static status insert(struct reading *r, const struct file *f, struct dict *to, c
     for (int i = 0; i < count; i++) {
         const struct entry *old = &from->entry[i];
         if (old->open || (old->sub && (old->sub == to || depth > DEPTH))) continue;
-        TRY(charge(r, f, line, 10)); /* an entry weighs more than a value */
+        TRY(reading_charge(r, f, line, 10)); /* an entry weighs more than a value */
         struct entry *e = NULL, copy = *old;
         TRY(place(r, f, to, copy.key, false, copy.line, copy.sub != NULL, &e));
         if (!e) continue;
@@ -368,7 +219,7 @@ static status expect_end(struct file *f, const struct entry *e) {
 /* Reads `$base;`, which inserts a dictionary into this one. */
 static status read_insertion(struct reading *r, struct file *f, struct dict *d, const struct token *key) {
     struct entry *from = NULL;
-    TRY(get_macro(f, d, key->text, key->length, key->line, &from));
+    TRY(macro_find(f, d, key->text, key->length, key->line, &from));
     if (!from->sub) return lexer_fail(&f->l, key, "only a dictionary can be inserted; is a keyword missing before it?");
     TRY(insert(r, f, d, from->sub, key->line, 0));
     struct token t;
@@ -409,7 +260,7 @@ static status copy_sub(struct reading *r, struct file *f, struct dict *d, const 
     struct entry *from = NULL, *e = NULL;
     *done = false;
     if (t->kind != TOKEN_WORD || *t->text != '$') return OK;
-    TRY(get_macro(f, d, t->text, t->length, t->line, &from));
+    TRY(macro_find(f, d, t->text, t->length, t->line, &from));
     if (!from->sub) return OK;
     struct dict *source = from->sub;
     struct token skip;
@@ -430,7 +281,7 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
         return lexer_fail(&f->l, key, "expected a keyword%s", token_is(key, "}") ? ": no '{' is open" : "");
     struct token t;
     const char *name = NULL;
-    if (f->from) TRY(charge(r, f, key->line, 10));
+    if (f->from) TRY(reading_charge(r, f, key->line, 10));
     bool pattern = is_pattern(key), done;
     TRY(document_copy(r->document, key->text, key->length, &name));
     TRY(lexer_peek(&f->l, &t));
@@ -459,7 +310,7 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
 static status open_once(struct reading *r, const struct file *f, const char *path, int line, struct source **out) {
     for (int i = 0; i < r->document->sources; i++) {
         *out = r->document->source[i];
-        if (!strcmp((*out)->path, path)) return charge(r, f, line, 100 + (*out)->size / 100);
+        if (!strcmp((*out)->path, path)) return reading_charge(r, f, line, 100 + (*out)->size / 100);
     }
     TRY(source_open(path, out));
     return document_keep(r->document, *out);
@@ -570,7 +421,7 @@ static status skip_branch(struct file *f, int line, bool stop_at_else, bool *at_
     for (;;) {
         struct token t;
         TRY(lexer_next(&f->l, &t));
-        if (t.kind == TOKEN_END) return complain(f, line, "%s has no #endif", "#if");
+        if (t.kind == TOKEN_END) return reading_fail(f, line, "%s has no #endif", "#if");
         if (t.kind != TOKEN_WORD) continue;
         depth += token_is(&t, "#if") || token_is(&t, "#ifeq");
         if (token_is(&t, "#endif")) depth--;
@@ -584,7 +435,7 @@ static status read_condition(struct reading *r, struct file *f, struct dict *d, 
     char left[256], right[256];
     TRY(read_operand(r, f, d, t, &a));
     entry_print(&a, left, sizeof left);
-    if (strlen(left) == sizeof left - 1) return complain(f, t->line, "the value behind %s is too long", "#if");
+    if (strlen(left) == sizeof left - 1) return reading_fail(f, t->line, "the value behind %s is too long", "#if");
     if (token_is(t, "#ifeq")) {
         TRY(read_operand(r, f, d, t, &b));
         entry_print(&b, right, sizeof right);
@@ -642,10 +493,10 @@ static status read_entries(struct reading *r, struct file *f, struct dict *d, co
         TRY(lexer_next(&f->l, &t));
         bool ends = t.kind == TOKEN_END || (opening && t.kind == TOKEN_PUNCTUATION && *t.text == closing);
         if (ends && t.kind == TOKEN_END && opening)
-            return complain(f, opening->line,
-                            closing == ')' ? "the '(' of '%s' is not closed" : "the '{' of '%s' is not closed",
-                            d->name);
-        if (ends && ifs) return complain(f, t.line, "an %s has no #endif", "#if");
+            return reading_fail(f, opening->line,
+                                closing == ')' ? "the '(' of '%s' is not closed" : "the '{' of '%s' is not closed",
+                                d->name);
+        if (ends && ifs) return reading_fail(f, t.line, "an %s has no #endif", "#if");
         if (ends) break;
         if (t.kind == TOKEN_PUNCTUATION && *t.text == ';') continue;
         if (t.kind == TOKEN_WORD && *t.text == '#')

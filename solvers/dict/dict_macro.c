@@ -1,0 +1,136 @@
+/* Macros of dictionaries, $name and ${name}, and the expressions of #eval. */
+#include "solvers/dict/dict_reading.h"
+#include "solvers/dict/expr.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXPANSION = 4096 }; /* characters of the text of #eval, macros expanded */
+
+/* Finds the entry that a macro names. `name` is what follows '$', without braces: a, a.b, :a.b, ..a. Returns NULL if
+ * there is none. As in OpenFOAM, a dictionary that is still being read has no entries for a path that comes from
+ * above. */
+static struct entry *find_entry(struct dict *d, const char *name) {
+    bool upwards = *name != ':' && *name != '.';
+    if (*name == ':') {
+        while (d->parent) d = d->parent;
+        name++;
+    } else if (*name == '.') {
+        for (name++; *name == '.'; name++) {
+            if (!d->parent) return NULL;
+            d = d->parent;
+        }
+    }
+    for (; d; d = upwards ? d->parent : NULL) {
+        struct entry *e = dict_find_exact(d, name);
+        if (e) return e;
+        const struct dict *in = d;
+        char part[256];
+        const char *rest = name;
+        for (const char *dot; (dot = strchr(rest, '.')); rest = dot + 1) {
+            snprintf(part, sizeof part, "%.*s", (int)(dot - rest), rest);
+            e = dict_find_exact(in, part);
+            if (!e || !e->sub || e->open) break;
+            in = e->sub;
+        }
+        if (rest != name && !strchr(rest, '.') && (e = dict_find_exact(in, rest))) return e;
+    }
+    return NULL;
+}
+
+status macro_find(const struct file *f, struct dict *d, const char *text, int length, int line, struct entry **out) {
+    char name[256];
+    if (length > 2 && text[1] == '{') {
+        if (text[2] == '{') return reading_fail(f, line, "%s is not known; write #eval{ ... }", "${{ ... }}");
+        text++;
+        length -= 2;
+    }
+    snprintf(name, sizeof name, "%.*s", length - 1, text + 1);
+    *out = find_entry(d, name);
+    if (!*out || (*out)->open)
+        return reading_fail(
+            f, line, "macro '$%s' names no entry that stands before it (environment variables are not read)", name);
+    return OK;
+}
+
+status macro_push(struct reading *r, struct file *f, struct dict *d, struct entry *e, const struct token *t) {
+    struct entry *from = NULL;
+    TRY(macro_find(f, d, t->text, t->length, t->line, &from));
+    if (from->sub)
+        return reading_fail(f, t->line, "'$%s' is a dictionary; it cannot be part of a value (missing ';' before it?)",
+                            from->key);
+    TRY(reading_charge(r, f, t->line, (size_t)from->count));
+    for (int i = 0; i < from->count; i++) TRY(reading_push(r, e, from->value[i]));
+    if (from->raw) {
+        e->raw = true;
+        e->start = from->start;
+        e->header = from->header;
+    }
+    return OK;
+}
+
+/* Expands the macros in the text of #eval. Their values are put in brackets, so that $a^2 is the square also of a
+ * negative a. */
+static status expand_text(const struct file *f, struct dict *d, const char *text, int length, int line,
+                          char out[EXPANSION]) {
+    size_t n = 0;
+    for (int i = 0; i < length; i++) {
+        int end = i + 1;
+        if (text[i] == '$' && end < length && text[end] == '{') {
+            while (end < length && text[end] != '}') end++;
+            end += end < length;
+        } else if (text[i] == '$') {
+            while (end < length && (isalnum((unsigned char)text[end]) || strchr("_.:", text[end]))) end++;
+        }
+        if (text[i] == '$') {
+            struct entry *e = NULL;
+            char value[512];
+            TRY(macro_find(f, d, text + i, end - i, line, &e));
+            entry_print(e, value, sizeof value);
+            if (strlen(value) == sizeof value - 1) return reading_fail(f, line, "the text of %s is too long", "#eval");
+            n += (size_t)snprintf(out + n, EXPANSION - n, "(%s)", value);
+            i = end - 1;
+        } else {
+            out[n++] = text[i];
+        }
+        if (n >= EXPANSION - 2) return reading_fail(f, line, "the text of %s is too long", "#eval");
+    }
+    out[n] = 0;
+    return OK;
+}
+
+status eval_push(struct reading *r, struct file *f, struct dict *d, struct entry *e) {
+    struct token t;
+    char text[EXPANSION];
+    TRY(lexer_next(&f->l, &t));
+    if (token_is(&t, "{")) {
+        int braces = 1, line = f->l.line;
+        const char *start = f->l.source->text + f->l.position, *p = start;
+        for (; *p && braces; p++) {
+            braces += (*p == '{') - (*p == '}');
+            line += *p == '\n';
+        }
+        if (braces) return reading_fail(f, t.line, "the '{' of %s is not closed", "#eval");
+        t.text = start;
+        t.length = (int)(p - 1 - start);
+        f->l.position += (size_t)(p - start);
+        f->l.line = f->l.last_line = line;
+    } else if (t.kind != TOKEN_STRING && t.kind != TOKEN_VERBATIM) {
+        return lexer_fail(&f->l, &t, "expected #eval{ ... } or #eval \"...\"");
+    }
+    TRY(expand_text(f, d, t.text, t.length, t.line, text));
+    struct value v = {.kind = TOKEN_NUMBER};
+    status bad = expr_constant(text, &v.number);
+    if (bad) {
+        status e2 = fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, t.line, status_text(bad));
+        status_free(bad);
+        return e2;
+    }
+    char number[32];
+    snprintf(number, sizeof number, "%.15g", v.number);
+    if (strtod(number, NULL) != v.number) snprintf(number, sizeof number, "%.17g", v.number);
+    TRY(document_copy(r->document, number, -1, &v.text));
+    return reading_push(r, e, v);
+}
