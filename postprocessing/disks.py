@@ -130,8 +130,13 @@ class Cooling:
 
 class Channel:
     """Steady flow along x between walls at y = 0 and `height`, mean packing alpha, gravity (gx, gy). A wall is a dict: T
-    of an isothermal one, or `restitution` of one that takes q_w = (1 - e_w^2) p sqrt(T/(2 pi)), else adiabatic; u of one
-    that holds the gas, else it slips. Across: p' = rho gy, (mu2 u')' = -rho gx, (kappa T')' = Gamma - mu2 u'^2."""
+    of an isothermal one, or `restitution` of one that takes q_w = (1 - e_w^2) p sqrt(T/(2 pi)), else adiabatic; u, the
+    velocity, of one that holds the gas, or drags it if it has a `specularity` phi, else it slips. Across: p' = rho gy,
+    (mu2 u')' = -rho gx, (kappa T')' = Gamma - mu2 u'^2.
+
+    The wall of Johnson & Jackson (1987), with phi, drags with tau_w = phi p/sqrt(2 pi T) (u - u_w): p/(m sqrt(2 pi T))
+    grains hit it per area and time, and give it the part phi of their momentum along it. What it drags away beyond its
+    own work, tau_w (u - u_w), heats the gas there, so that with n into the gas  kappa dT/dn = q_w - tau_w (u - u_w)."""
 
     NAMES = ("p", "T", "flux", "u", "tau", "mass")  # flux = kappa T', tau = mu2 u', mass below y
 
@@ -172,12 +177,16 @@ class Channel:
 
     @staticmethod
     def wall(at, wall, inwards):
+        """What must be zero there, of heat and of momentum."""
         p, T, flux, u, tau, _ = at
+        warm = max(T, 1e-8)
+        slip = u - wall["u"] if "u" in wall else 0
+        drag = wall.get("specularity", 0) * p / np.sqrt(2 * np.pi * warm) * slip
         if "T" in wall:
             heat = T - wall["T"]
         else:
-            heat = inwards * flux - (1 - wall.get("restitution", 1) ** 2) * p * np.sqrt(max(T, 1e-8) / (2 * np.pi))
-        return heat, (u - wall["u"] if "u" in wall else tau)
+            heat = inwards * flux - (1 - wall.get("restitution", 1) ** 2) * p * np.sqrt(warm / (2 * np.pi)) + drag * slip
+        return heat, (slip if "u" in wall and "specularity" not in wall else inwards * tau - drag)
 
     def __call__(self, y, name):
         p, T = self.solution.sol(y)[:2]
@@ -210,6 +219,16 @@ def poiseuille(path):
 def couette(path):
     u = numbers(path, "0/U", r"lid\s+\{ type translatingWallVelocity; U \((\S+) 0 0\)")[0]
     return Channel(Disks.of(path), 20, 0.2, {"T": 1, "u": -u}, {"T": 1, "u": u})
+
+
+def frictional(path):
+    """Walls of Johnson & Jackson that move against each other."""
+    lids = []
+    for patch in ("floor", "lid"):
+        phi, e, u = numbers(path, "0/U", patch + r"\s+\{ type JohnsonJacksonSlip; specularityCoefficient (\S+); "
+                            r"restitutionCoefficient (\S+); value uniform \((\S+) 0 0\)")
+        lids.append({"specularity": phi, "restitution": e, "u": u})
+    return Channel(Disks.of(path), 20, 0.2, *lids)
 
 
 def error(case, flow, name, component=None, axis=0):
