@@ -28,10 +28,10 @@ static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     for (int p = 0; p < g->npatches; p++) {
         const struct patch_rules *r = &g->rules[p];
         if (!r->velocity.type) continue;
-        const bool open = !r->velocity.type->reflects, viscous = g->models.transport != NULL;
+        const bool open = !patch_is_wall(r), viscous = g->models.transport != NULL;
         known[GAS_FLOW] |= open;
-        known[GAS_FRICTION] |= viscous && (open || r->velocity.type->value);
-        known[GAS_HEAT] |= viscous && (open || r->temperature.type->value);
+        known[GAS_FRICTION] |= viscous && (open || wall_works(r));
+        known[GAS_HEAT] |= viscous && (open || wall_conducts(r));
     }
 }
 

@@ -39,19 +39,14 @@ static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[
     }
 }
 
-bool patch_needs_values(const struct patch_rules *r) {
-    if (r->velocity.type->reflects) return false; /* the temperature of a wall is felt by conduction only */
-    return r->density.type->value || r->velocity.type->value || r->temperature.type->value;
-}
-
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]) {
     int last = g->dim + 1;
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
         const struct rule mirror = {.type = boundary_mirror};
-        apply(g->models.transport && r->velocity.type->reflects ? &mirror : &r->velocity, l, g->dim, l->normal,
-              inner + 1, ghost + 1);
+        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->dim, l->normal, inner + 1,
+              ghost + 1);
         memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
         return;
     }

@@ -17,6 +17,7 @@ status tiles_diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, g->dim, &d->keep));
     TRY(blocks_make(g->forest, 1, &d->light));
+    TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
     TRY(blocks_make(g->forest, 1, &d->mark));
     TRY(blocks_make(g->forest, 1, &g->friction));
     TRY(blocks_make(g->forest, 1, &g->cooled));
@@ -26,9 +27,9 @@ status tiles_diffuser_make(struct gas *g) {
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,  d->light,
-                         d->mark,   d->warm,   d->keep,  g->friction, g->cooled};
-    for (int i = 0; i < 11; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,     d->light,
+                         d->wall,   d->mark,   d->warm,  d->keep,     g->friction, g->cooled};
+    for (int i = 0; i < 12; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }
 
@@ -141,25 +142,55 @@ void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *conte
     }
 }
 
-/* Walls that take heat: their share of the conduction. eps is still in the workspace. */
-static void conduction_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+/* Square of the velocity of the gas along a wall, less the wall's own. Velocities are still in the workspace. */
+static double slip_at(const struct gas *g, const struct edge *e, int i) {
+    double w[MAX_DIM], square = 0;
+    wall_velocity(e->rules, g->dim, e->face[i], w);
+    for (int k = 0; k < g->dim; k++) {
+        const double s = g->tiles->work.velocity[k][e->from + i * e->step] - w[k];
+        if (k != e->normal) square += s * s;
+    }
+    return square;
+}
+
+/* What walls do: the share of drag, and that of heat in their coefficients. eps, too, is still in the workspace. */
+static void wall_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
     const double width = f->width[e->normal], *U = context;
-    double *faces = g->tiles->diffuser->face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size;
-    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], heat[BATCH], share[BATCH];
+    double *faces = g->tiles->diffuser->face[tile] + FACE_LINES * e->normal * f->size,
+           *wall = g->tiles->diffuser->wall[tile];
+    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], shear[BATCH], heat[BATCH], slip[BATCH], share[2][BATCH];
+    struct wall_line line = {.n = e->n,
+                             .face = e->face,
+                             .eos = g->models.eos,
+                             .material = &g->models.material,
+                             .rho = rho,
+                             .T = T,
+                             .push = push,
+                             .d = d,
+                             .shear = shear,
+                             .heat = heat,
+                             .slip = slip};
     const long face = e->to > e->from ? e->to : e->from;
-    if (!wall_conducts(e->rules)) return;
+    if (!patch_is_wall(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
-        const long at = e->from + i * e->step;
+        const long at = e->from + i * e->step, over = face + i * e->step;
         rho[i] = U[at];
         T[i] = temperature_of(&g->models.material, g->tiles->work.eps[at]) *
                (g->ahead ? g->tiles->diffuser->warm[tile][at] : 1);
         push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
         d[i] = width;
-        heat[i] = width * width * faces[face + i * e->step];
+        shear[i] = width * width * faces[SHEAR * f->size + over];
+        heat[i] = width * width * faces[CONDUCTION * f->size + over];
+        slip[i] = slip_at(g, e, i);
     }
-    wall_shares(g, e->rules, e->n, rho, T, push, d, heat, share);
-    for (int i = 0; i < e->n; i++) faces[face + i * e->step] *= share[i];
+    wall_shares(e->rules, &line, share[0], share[1]);
+    for (int i = 0; i < e->n; i++) {
+        const long beyond = e->to + i * e->step;
+        wall[DRAG * f->size + beyond] = share[0][i];
+        wall[STAYS * f->size + beyond] = 1 - 0.5 * share[1][i];
+        if (wall_conducts(e->rules)) faces[CONDUCTION * f->size + face + i * e->step] *= share[1][i];
+    }
 }
 
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
@@ -172,7 +203,7 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
         ghosts_of_patches(g, t, Y0->block[t]);
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t);
-        edges_visit(g, t, conduction_edge, Y0->block[t]);
+        edges_visit(g, t, wall_edge, Y0->block[t]);
         tile_rates(g, t, Y0->block[t], most);
     }
 }

@@ -9,6 +9,9 @@
 /* Lines of the coefficients of the face below a cell along an axis, h the width of a cell there:
  * (lambda + 2 mu)/h^2, mu/h^2, heat/h^2. */
 enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
+/* Lines at the ghosts beyond walls, from wall_shares: the share of drag, and the part of the heat of friction on the
+ * wall that stays in the gas. (The share of heat is in the coefficients.) */
+enum { DRAG, STAYS, WALL_LINES };
 
 struct diffuser {      /* of diffusion: [ntiles] of so many lines of [size] */
     double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
@@ -17,6 +20,7 @@ struct diffuser {      /* of diffusion: [ntiles] of so many lines of [size] */
     double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
     double **light;    /* 1/rho */
     double **keep;     /* of each axis, if `plain`: 0 where the tangential derivatives do not count, else 1 */
+    double **wall;     /* WALL_LINES */
     double **mark;     /* 1: cells that were not admissible */
     double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
     bool marked;       /* any? */

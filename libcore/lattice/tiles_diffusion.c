@@ -18,6 +18,7 @@ struct sweep { /* of a tile */
     const double *S, *c; /* c: of the next stage, next_sum; NULL: this was the last one */
     double *next;
     const double *Y0; /* of the end */
+    const double *E;  /* that the work is added to: of Y0, and the heat of friction on walls */
     double *to, dt;
     long bad;
 };
@@ -35,7 +36,7 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     double moved[BATCH];
     for (int v = 0; v < g->nvar; v++) {
         const bool line = s->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;
-        const double *from = s->Y0 + v * size + at;
+        const double *from = v == energy ? s->E + at : s->Y0 + v * size + at;
         if (changes) {
             const double factor = v == energy && s->what == VISCOUS ? 1 / s->dt : 1;
             moved_row(n, factor, from, M[line ? v - 1 : s->what == VISCOUS ? lines : 0], moved);
@@ -244,12 +245,58 @@ void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
     g->tiles->diffuser->last = 1 - g->tiles->diffuser->last;
 }
 
+struct ending_sums { /* what slide_edge needs */
+    double weight, dt;
+};
+
+/* Gas that slips along a wall leaves there the work tau (u - w) of the stress on it less what the wall gets of that:
+ * with the jump w - S of the share a it is the coefficient times a (1 - a/2) (w - S)^2, of which a part stays. */
+static void slide_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct ending_sums *ending = context;
+    const long size = g->forest->size, face = e->to > e->from ? e->to : e->from;
+    const double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], *wall = g->tiles->diffuser->wall[tile];
+    const double *shear = g->tiles->diffuser->face[tile] + (FACE_LINES * e->normal + SHEAR) * size;
+    if (!wall_slides(e->rules)) return;
+    for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step, beyond = e->to + i * e->step;
+        const double a = wall[DRAG * size + beyond];
+        double w[MAX_DIM], square = 0;
+        wall_velocity(e->rules, g->dim, e->face[i], w);
+        for (int k = 0; k < g->dim; k++) {
+            const double jump = ending->weight * w[k] - S[k * size + at];
+            if (k != e->normal) square += jump * jump;
+        }
+        g->tiles->work.p[at] +=
+            wall[STAYS * size + beyond] * shear[face + i * e->step] * a * (1 - 0.5 * a) * square / ending->dt;
+    }
+}
+
+static bool slides_anywhere(const struct gas *g, const struct tile *t) {
+    bool slides = false;
+    for (int side = 0; side < 2 * g->dim; side++)
+        if (t->side[side].patch >= 0) slides |= wall_slides(&g->rules[t->side[side].patch]);
+    return slides;
+}
+
+/* The energy that the work of the stress is added to; where walls add to it a line of the workspace. */
+static const double *energy_of(struct gas *g, enum diffusing what, int tile, const double *Y0,
+                               const struct ending_sums *ending) {
+    const long size = g->forest->size;
+    const double *E = Y0 + (g->dim + 1) * size;
+    if (what != VISCOUS || !slides_anywhere(g, &g->forest->tile[tile])) return E;
+    memcpy(g->tiles->work.p, E, (size_t)size * sizeof *E);
+    edges_visit(g, tile, slide_edge, ending);
+    return g->tiles->work.p;
+}
+
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight) {
+    const struct ending_sums ending = {weight, dt};
     long bad = 0;
     tiles_fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct sweep s = {.g = g, .what = what, .tile = t, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt};
+        s.E = energy_of(g, what, t, Y0->block[t], &ending);
         sweep_tile(&s);
         bad += s.bad;
     }

@@ -45,7 +45,7 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
                 l.patch.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
                 l.first = f->first + (high ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
                           start * f->stride[across];
-                l.from = l.first + (r->velocity.type->reflects ? image(m, t->n[axis]) : 0) * inward;
+                l.from = l.first + (patch_is_wall(r) ? image(m, t->n[axis]) : 0) * inward;
                 l.ghost = l.first - m * inward;
                 l.patch.face = side->face + (long)k * t->n[across] + start;
                 fill_line(g, r, &l, U);

@@ -70,35 +70,35 @@ struct filling {
     double per; /* [factor of L] */
     int unknown;
     double *rho, *E, *weight; /* the next ones */
-    double edge[6];           /* S beyond a patch where it is 1 inside */
-    int tile;
 };
 
-/* What a rule makes of S = 1 where nothing is given: 1, -1, or 0. */
-static void find_edges(struct filling *v, int tile) {
+/* What a rule makes of S = 1 beyond a side of the cell at `offset` where nothing is given. */
+static double beyond_one(const struct filling *v, int tile, long offset, int side) {
     const struct gas *g = v->g;
-    const struct tile *t = &g->forest->tile[tile];
-    double inner[MAX_DIM][BATCH] = {{1}, {1}, {1}}, start[MAX_DIM][BATCH] = {{0}}, ghost[MAX_DIM][BATCH];
-    v->tile = tile;
-    for (int side = 0; side < 2 * g->dim; side++) {
-        if (t->side[side].patch < 0) continue;
-        const struct sum_line line = {.n = 1,
-                                      .components = v->what == VISCOUS ? g->dim : 1,
-                                      .normal = v->what == VISCOUS ? side / 2 : -1,
-                                      .face = t->side[side].face,
-                                      .inner = inner,
-                                      .start = start,
-                                      .ghost = ghost};
-        sums_beyond(&g->rules[t->side[side].patch], v->what, &line);
-        v->edge[side] = ghost[v->unknown][0];
+    const struct forest *f = g->forest;
+    const struct side *s = &f->tile[tile].side[side];
+    const long beyond = offset + (side % 2 ? f->stride[side / 2] : -f->stride[side / 2]);
+    double inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    const struct sum_line line = {.n = 1,
+                                  .components = v->what == VISCOUS ? g->dim : 1,
+                                  .normal = v->what == VISCOUS ? side / 2 : -1,
+                                  .face = s->face,
+                                  .share = g->tiles->diffuser->wall[tile] + DRAG * f->size + beyond,
+                                  .inner = inner,
+                                  .start = start,
+                                  .ghost = ghost};
+    for (int c = 0; c < line.components; c++) {
+        inner[c][0] = 1;
+        start[c][0] = 0;
     }
+    sums_beyond(&g->rules[s->patch], v->what, &line);
+    return ghost[v->unknown][0];
 }
 
 static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
     struct filling *v = context;
     const struct forest *f = v->g->forest;
     const struct tile *t = &f->tile[tile];
-    if (v->tile != tile) find_edges(v, tile);
     *v->E++ = v->Y0->block[tile][(f->dim + 1) * f->size + offset];
     double *self = v->weight++, sum = *v->rho++ = v->Y0->block[tile][offset];
     for (int face = 0; face < 2 * f->dim; face++) {
@@ -107,7 +107,7 @@ static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
         const int line = v->what == HEAT ? CONDUCTION : axis == v->unknown ? NORMAL : SHEAR;
         const double w = v->per * v->g->tiles->diffuser->face[tile][(FACE_LINES * axis + line) * f->size + at];
         if (at_patch(t, i, face))
-            sum += w * (1 - v->edge[face]);
+            sum += w * (1 - beyond_one(v, tile, offset, face));
         else {
             sum += w;
             *v->weight++ = -w;
@@ -123,7 +123,6 @@ void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
     for (v.unknown = 0; v.unknown < (what == VISCOUS ? g->dim : 1); v.unknown++) {
         v.rho = rho;
         v.E = E;
-        v.tile = -1;
         cells_visit(g->forest, weigh_cell, &v);
     }
 }

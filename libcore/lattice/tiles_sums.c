@@ -72,9 +72,10 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     const long size = g->forest->size;
     const int lines = lines_of(g, fill->what);
     double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
-           ghost[MAX_DIM][BATCH];
-    struct sum_line line = {e->n,  lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, inner,
-                            start, ghost};
+           ghost[MAX_DIM][BATCH], share[1][BATCH];
+    struct sum_line line = {
+        e->n, lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, share[0], inner, start, ghost};
+    take_edge(size, e->to, e, 1, g->tiles->diffuser->wall[tile] + DRAG * size, share);
     take_edge(size, e->from, e, lines, S, inner);
     take_edge(size, e->to, e, lines, g->tiles->diffuser->start[tile], start);
     sums_beyond(e->rules, fill->what, &line);
@@ -85,10 +86,16 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
 /* Derivatives along a wall follow the wall's rule for velocity. */
 static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const long size = g->forest->size;
-    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
-    struct sum_line line = {
-        .n = e->n, .components = g->dim, .normal = e->normal, .face = e->face, .inner = inner, .ghost = ghost};
+    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH], share[1][BATCH];
+    struct sum_line line = {.n = e->n,
+                            .components = g->dim,
+                            .normal = e->normal,
+                            .face = e->face,
+                            .share = share[0],
+                            .inner = inner,
+                            .ghost = ghost};
     (void)context;
+    take_edge(size, e->to, e, 1, g->tiles->diffuser->wall[tile] + DRAG * size, share);
     for (int along = 0; along < g->dim; along++) {
         double *derivatives = g->tiles->diffuser->gradient[tile] + along * g->dim * size;
         if (along == e->normal) continue;

@@ -1,7 +1,9 @@
+/* The table of boundary conditions: ghosts, and the shares in which walls drag the gas and exchange heat with it. */
 #include "libcore/models/boundary.h"
 
-#include <stddef.h>
-#include <string.h>
+static const double PI = 3.14159265358979323846;
+
+/* ---- states beyond a patch ---- */
 
 static void copy(const struct rule *rule, const struct ghost_line *l) {
     (void)rule;
@@ -20,56 +22,216 @@ static void flip(const struct rule *rule, const struct ghost_line *l) {
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = -l->inner[c][i];
 }
 
-static double value_of(const struct rule *rule, const struct ghost_line *l, int i, int c) {
-    return rule->values ? rule->values[l->face[i] * l->components + c] : rule->uniform[c];
+static double value_of(const struct rule *rule, int components, int face, int c) {
+    return rule->values ? rule->values[face * components + c] : rule->uniform[c];
 }
 
 static void fixed(const struct rule *rule, const struct ghost_line *l) {
     for (int c = 0; c < l->components; c++)
-        for (int i = 0; i < l->n; i++) l->ghost[c][i] = value_of(rule, l, i, c);
+        for (int i = 0; i < l->n; i++) l->ghost[c][i] = value_of(rule, l->components, l->face[i], c);
 }
 
 static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
     for (int c = 0; c < l->components; c++)
-        for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : value_of(rule, l, i, c);
+        for (int i = 0; i < l->n; i++)
+            l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : value_of(rule, l->components, l->face[i], c);
 }
 
+/* ---- walls of a gas with transport ---- */
+
+/* The pressure on the wall itself: that of the cell, and the weight of what lies between, as gas that stays at a wall
+ * has dp/dn = rho push there. */
+static void find_pressure(const struct wall_line *l, double p[BATCH]) {
+    double eps[BATCH] = {0}, square[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < l->n; i++) eps[i] = eps_of(l->material, l->T[i]);
+    l->eos->state(l->material, l->n, l->rho, eps, p, square, gruneisen);
+    for (int i = 0; i < l->n; i++)
+        p[i] = larger(p[i] + 0.5 * l->d[i] * l->rho[i] * l->push[i], 0); /* gas that the wall leaves behind */
+}
+
+/* Gas that is held, or has the wall's temperature, has it at half the distance. */
+static void half_way(const struct rule *rule, const struct wall_line *l, double *share) {
+    (void)rule;
+    for (int i = 0; i < l->n; i++) share[i] = 2;
+}
+
+static double temperature_given(const struct rule *rule, int face) {
+    return value_of(rule, 1, face, 0);
+}
+
+struct moving_wall {
+    double U[3];
+};
+OWN_PARAMS_FIT(struct moving_wall);
+#define PARAM_STRUCT struct moving_wall
+static const struct param moving_param[] = {
+    VECTOR("U", U, REQUIRED, ANY_NUMBER, UNIT(0, 1, -1), "of the wall, along itself"),
+};
+#undef PARAM_STRUCT
+
+static void moving_velocity(const struct rule *rule, int components, int face, double out[3]) {
+    struct moving_wall own;
+    (void)face;
+    memcpy(&own, &rule->params, sizeof own);
+    for (int c = 0; c < components; c++) out[c] = own.U[c];
+}
+
+/* A wall of restitution e takes q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), T_w of the gas at it: per area and time
+ * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p. The cell conducts
+ * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from
+ * the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
+ * Without conduction there is no such wall: no heat reaches it but from the cell beside it, which is cold within
+ * d/sqrt(T), so that what is lost vanishes with d.
+ */
+static void absorbed_shares(double restitution, const struct wall_line *l, double *share) {
+    const double c = (1 - restitution * restitution) / sqrt(2 * PI);
+    double p[BATCH];
+    find_pressure(l, p);
+    for (int i = 0; i < l->n; i++) {
+        const double T = l->T[i] + l->warmth[i];
+        const double B = c * p[i] * l->d[i] / (4 * l->heat[i]), s = T / (B + sqrt(B * B + T));
+        share[i] = 4 / (s / B + 2); /* B = 0: none */
+    }
+}
+
+struct granular_wall {
+    double restitution;
+};
+OWN_PARAMS_FIT(struct granular_wall);
+#define PARAM_STRUCT struct granular_wall
+static const struct param granular_param[] = {
+    NUMBER("restitution", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT, "of impacts on the wall"),
+};
+#undef PARAM_STRUCT
+
+static void granular_heat(const struct rule *rule, const struct wall_line *l, double *share) {
+    struct granular_wall own;
+    memcpy(&own, &rule->params, sizeof own);
+    absorbed_shares(own.restitution, l, share);
+}
+
+/* ---- the table ---- */
+
 #define FIELDS(s, v) .scalar = s, .vector = v
-#define SLIPS        FIELDS(true, true), .reflects = true, .ghost = flip_normal
-#define DRAGS        FIELDS(false, true), .reflects = true, .drags = true, .ghost = flip
+#define SLIPS        FIELDS(true, true), .wall = true, .ghost = flip_normal
+#define HOLDS        FIELDS(false, true), .wall = true, .ghost = flip, .drag = half_way
+#define VALUES(key)  .value = {key, key}
 
 const struct boundary_type boundary_table[] = {
-    {.name = "slip", .about = "reflecting wall without friction", SLIPS},
-    {.name = "symmetry", .about = "mirror, as slip", SLIPS},
-    {.name = "symmetryPlane", .about = "mirror on a plane, as slip", SLIPS},
-    {.name = "noSlip", .about = "wall at rest that the gas sticks to (without transport: turns the velocity)", DRAGS},
-    {.name = "translatingWallVelocity",
-     .about = "the same, moving along itself: U (ux uy uz);",
-     .value = "U",
-     .plain = true,
-     .viscous = true,
-     DRAGS},
-    {.name = "granularWall",
-     .about = "T at a wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
-     FIELDS(true, false),
-     .value = "restitution",
-     .plain = true,
-     .viscous = true,
-     .absorbs = true,
-     .ghost = copy},
-    {.name = "zeroGradient", .about = "in- or outflow of the cell's own state", FIELDS(true, true), .ghost = copy},
-    {.name = "fixedValue", .about = "given value", FIELDS(true, true), .value = "value", .ghost = fixed},
-    {.name = "inletOutlet",
-     .about = "zeroGradient outwards, given value inwards",
-     FIELDS(true, true),
-     .value = "inletValue",
+    {MODEL("slip", "reflecting wall without friction"), SLIPS},
+    {MODEL("symmetry", "mirror, as slip"), SLIPS},
+    {MODEL("symmetryPlane", "mirror on a plane, as slip"), SLIPS},
+    {MODEL("noSlip", "wall at rest that the gas sticks to (without transport: turns the velocity)"), HOLDS},
+    {MODEL_WITH("translatingWallVelocity", "the same, moving along itself: U (ux uy uz);", moving_param), HOLDS,
+     .transport = true, .velocity = moving_velocity},
+    {MODEL_WITH("granularWall",
+                "T at a wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
+                granular_param),
+     FIELDS(true, false), .transport = true, .ghost = copy, .heat = granular_heat},
+    {MODEL("zeroGradient", "in- or outflow of the cell's own state"), FIELDS(true, true), .ghost = copy},
+    {MODEL("fixedValue", "given value"), FIELDS(true, true), VALUES("value"), .ghost = fixed, .heat = half_way,
+     .temperature = temperature_given},
+    {MODEL("inletOutlet", "zeroGradient outwards, given value inwards"), FIELDS(true, true), VALUES("inletValue"),
      .ghost = inlet_outlet},
 };
 const struct boundary_type *const boundary_mirror = &boundary_table[0];
 const int boundary_count = sizeof boundary_table / sizeof *boundary_table;
 
 const struct boundary_type *boundary_find(const char *name) {
-    for (int i = 0; i < boundary_count; i++)
-        if (!strcmp(name, boundary_table[i].name)) return &boundary_table[i];
-    return NULL;
+    return model_find(boundary_table, sizeof *boundary_table, boundary_count, name);
+}
+
+bool boundary_is_wall(const struct boundary_type *t) {
+    return t && t->wall;
+}
+
+bool boundary_is_smooth(const struct boundary_type *t) {
+    return t && t->wall && !t->drag;
+}
+
+bool boundary_takes(const struct boundary_type *t, int components) {
+    return components == 3 ? t->vector : t->scalar;
+}
+
+const char *boundary_value(const struct boundary_type *t, int components) {
+    return t ? t->value[components == 3] : NULL;
+}
+
+bool boundary_gives(const struct boundary_type *t) {
+    return t && (t->model.nparam > 0 || t->value[0] || t->value[1]);
+}
+
+/* ---- rules ---- */
+
+bool rule_holds(const struct rule *rule) {
+    const struct boundary_type *t = rule->type;
+    return !t->wall && (t->value[0] || t->value[1]); /* the values of a wall are its velocity */
+}
+
+bool patch_is_wall(const struct patch_rules *r) {
+    return r->velocity.type->wall;
+}
+
+bool patch_needs_values(const struct patch_rules *r) {
+    if (patch_is_wall(r)) return false; /* the temperature of a wall is felt by conduction only */
+    return rule_holds(&r->density) || rule_holds(&r->velocity) || rule_holds(&r->temperature);
+}
+
+bool wall_drags(const struct patch_rules *r) {
+    return patch_is_wall(r) && r->velocity.type->drag;
+}
+
+bool wall_holds(const struct patch_rules *r) {
+    return patch_is_wall(r) && r->velocity.type->drag == half_way;
+}
+
+bool wall_slides(const struct patch_rules *r) {
+    return wall_drags(r) && !wall_holds(r);
+}
+
+bool wall_works(const struct patch_rules *r) {
+    return wall_slides(r) || (wall_drags(r) && r->velocity.type->velocity);
+}
+
+bool wall_conducts(const struct patch_rules *r) {
+    return patch_is_wall(r) && r->temperature.type->heat;
+}
+
+void wall_velocity(const struct patch_rules *r, int components, int face, double out[3]) {
+    for (int c = 0; c < components; c++) out[c] = 0;
+    if (r->velocity.type->velocity) r->velocity.type->velocity(&r->velocity, components, face, out);
+}
+
+double wall_temperature(const struct patch_rules *r, int face) {
+    const struct rule *rule = &r->temperature;
+    return rule->type->temperature ? rule->type->temperature(rule, face) : 0;
+}
+
+static void find_share(void (*share_of)(const struct rule *, const struct wall_line *, double *), bool any,
+                       const struct rule *rule, const struct wall_line *l, double *share) {
+    for (int i = 0; i < l->n; i++) share[i] = 0;
+    if (any && share_of) share_of(rule, l, share);
+}
+
+/* With the stress tau = a shear s/d of a share a, s the velocity of the cell's gas against the wall, the gas on the
+ * wall itself slips at (1 - a/2) s, and friction there heats it by Q = tau (1 - a/2) s. Of two ways from there, into
+ * the wall and through half the distance into the cell, heat takes both: with Q the wall has T + Q d/(2 heat) before it
+ * where it had T, and b/2 of Q go into a wall of the share b. So the gas on the wall is at T_s = (1 - b/2) (T + Q d/(2
+ * heat)) + b/2 T_w. a depends on T_s by less the smaller d is, so that rounds from T_s = T gain an order of d each. */
+void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag, double *heat) {
+    enum { ROUNDS = 3 };
+    const bool slides = wall_slides(r);
+    for (int i = 0; i < l->n; i++) {
+        l->surface[i] = l->T[i];
+        l->warmth[i] = 0;
+    }
+    for (int round = 0; round < (slides ? ROUNDS : 1); round++) {
+        find_share(r->velocity.type->drag, wall_drags(r), &r->velocity, l, drag);
+        for (int i = 0; i < l->n && slides; i++)
+            l->warmth[i] = drag[i] * (1 - 0.5 * drag[i]) * l->shear[i] * l->slip[i] / (2 * l->heat[i]);
+        find_share(r->temperature.type->heat, wall_conducts(r), &r->temperature, l, heat);
+        for (int i = 0; i < l->n; i++)
+            l->surface[i] =
+                (1 - 0.5 * heat[i]) * (l->T[i] + l->warmth[i]) + 0.5 * heat[i] * wall_temperature(r, l->face[i]);
+    }
 }

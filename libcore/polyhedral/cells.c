@@ -57,7 +57,7 @@ static status make_fit(struct gas *g) {
     TRY(allocate(&unknown, m->mirror.n, sizeof *unknown, "mirrors"));
     for (int i = 0; i < m->mirror.n; i++) {
         const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
-        unknown[i] = r->velocity.type->drags || wall_conducts(r);
+        unknown[i] = wall_drags(r) || wall_conducts(r);
     }
     const status s = fit_make(m, g->models.polynomial, unknown, &c->fit);
     free(unknown);

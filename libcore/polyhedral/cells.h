@@ -38,13 +38,19 @@ void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VA
 void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
                   double (*ghost)[BATCH]);
 
-/* Of all mirrors that conduct heat the share of wall_shares, else 0; rho, T, heat: [size] */
-void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share);
-/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k dim + c, likewise. Beyond walls that conduct
- * S is such that the jump to it times the coefficient is the heat that enters. */
+/* drag, heat <- the shares of wall_shares of all mirrors, and lift <- what friction on the wall adds to the T of the
+ * mirror, so that gradients see the slope of T that friction makes; 0 where a patch is no wall. U, T, cell (bulk,
+ * shear, heat): [size] */
+void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
+                       double *drag, double *heat, double *lift);
+/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k dim + c, likewise. share: of
+ * wall_shares. Beyond walls that conduct S is such that the jump to it times the coefficient is the heat that enters,
+ * and weight lift more. */
 void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
-                       const double *const *start, double *const *S);
-void cells_mirror_gradients(const struct gas *g, int from, int to, double *const *gradient);
+                       const double *lift, const double *const *start, double *const *S);
+void cells_mirror_gradients(const struct gas *g, int from, int to, const double *share, double *const *gradient);
+/* Gives the gas in the fluxes of energy the heat of friction on walls that it slips along. */
+void cells_slide(const struct gas *g, double weight, const double *heat, double *const *S);
 
 /* -(sum of the fluxes out of the cell)/V of n cells, in the order of their faces. */
 void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual);

@@ -11,7 +11,9 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* of the coefficients */
     double *warm;                        /* T of the first half step, or what it rose by */
-    double *wall;                        /* [mirrors] of those that conduct heat the share of wall_shares, else 0 */
+    double *drag, *wall;                 /* [mirrors] shares of wall_shares, of drag and of heat; 0 where none */
+    double *lift;                        /* [mirrors] what friction on a wall adds to T beyond it */
+    bool slides;                         /* does gas slip along any wall that drags it? */
     double *mark;                        /* 1: cells that were not admissible */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */

@@ -75,7 +75,10 @@ status cells_diffuser_make(struct gas *g) {
     TRY(allocate(&g->cooled, 1, sizeof *g->cooled, "diffusion"));
     TRY(lines_allocate(g->friction, 1, size));
     TRY(lines_allocate(g->cooled, 1, size));
+    TRY(lines_allocate(&d->drag, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall, 1, m->mirror.n));
+    TRY(lines_allocate(&d->lift, 1, m->mirror.n));
+    for (int i = 0; i < m->mirror.n; i++) d->slides |= wall_slides(&g->rules[m->mirror.patch[i]]);
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->rest, g->dim, faces));
@@ -95,7 +98,9 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->rest, MAX_DIM);
     free(d->T);
     free(d->warm);
+    free(d->drag);
     free(d->wall);
+    free(d->lift);
     free(d->mark);
     free(d->inverse);
     free(d->share);
@@ -192,7 +197,7 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     cell_coefficients(g, U[0]);
     mix_coefficients(m->face.n, trace_share(&g->models.material), m->face.left, m->face.right, m->face.area, d->share,
                      d->cell, d->face);
-    cells_wall_shares(g, U[0], d->T, d->cell[2], d->wall);
+    cells_wall_shares(g, U, d->T, d->cell, d->drag, d->wall, d->lift);
     find_rates(g, U[0], most);
 }
 
@@ -339,22 +344,32 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
     }
 }
 
+/* The jumps to mirrors hold the heat of friction on walls, for the gradients; the gas has had it since the work of the
+ * stress, so the faces do not pass it on again. */
+static void drop_friction(struct gas *g, double weight) {
+    const struct cells_diffuser *d = g->cells->diffuser;
+    const int first = g->cells->polyhedra->face.ninternal;
+    for (int face = first; face < g->cells->polyhedra->face.n; face++)
+        g->cells->flux[0][face] += d->face[2][face] * d->inverse[face] * (weight * d->lift[face - first]);
+}
+
 /* All fluxes of S; what needs no ghosts while these are under way. */
 static void flow(struct gas *g, enum diffusing what, double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     struct polyhedra *m = g->cells->polyhedra;
     const int own_mirrors = m->face.n - m->face.ninternal;
     double *const *S = d->sum[d->last];
-    const double *const *start = (const double *const *)d->start;
+    const double *const *start = (const double *const *)d->start, *share = what == VISCOUS ? d->drag : d->wall;
     polyhedra_fill_start(m, lines_of(g, what), S);
-    cells_mirror_sums(g, what, weight, 0, own_mirrors, d->wall, start, S);
+    cells_mirror_sums(g, what, weight, 0, own_mirrors, share, d->lift, start, S);
     find_gradients(g, what, 0, m->ninner);
     find_fluxes(g, what, 0, m->face.nlocal);
     polyhedra_fill_finish(m);
-    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, d->wall, start, S);
+    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, share, d->lift, start, S);
     find_gradients(g, what, m->ninner, m->nnear);
-    if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->gradient);
+    if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->drag, d->gradient);
     find_fluxes(g, what, m->face.nlocal, m->face.n);
+    if (what == HEAT && d->slides) drop_friction(g, weight);
 }
 
 /* q = q_0 + per M/rho, then S of the next stage in place of the one before the last. */
@@ -414,6 +429,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     cells_lines(g, Y0, in);
     cells_lines(g, to, out);
     flow(g, what, weight);
+    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall, d->sum[d->last]);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);

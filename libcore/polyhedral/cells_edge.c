@@ -42,7 +42,7 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
     struct patch_line line = {.n = n, .face = m->mirror.place + from, .outflow = outflow};
-    const bool reflects = r->velocity.type->reflects;
+    const bool reflects = patch_is_wall(r);
     for (int i = 0; i < n; i++) {
         struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
         outflow[i] = 0;
@@ -58,15 +58,15 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
     }
 }
 
-/* The gas at a wall that drags has the wall's velocity w: with 2 w - u beyond it polynomials keep the slope that
+/* The gas on a wall that holds it has the wall's velocity w: with 2 w - u beyond it polynomials keep the slope that
  * friction makes. (Fluxes through the wall itself see a plain mirror: they pass on pressure alone.) */
-static void drag_run(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
+static void held_run(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const double *w = g->rules[m->mirror.patch[from]].velocity.uniform;
     for (int i = from; i < from + n; i++) {
         const int cell = m->mirror.cell[i], mirror = m->ncells + i;
         const double rho = U[0][cell];
-        double work = 0;
+        double work = 0, w[MAX_DIM];
+        wall_velocity(&g->rules[m->mirror.patch[from]], g->dim, m->mirror.place[i], w);
         for (int k = 0; k < g->dim; k++) {
             work += w[k] * (rho * w[k] - U[k + 1][cell]);
             U[k + 1][mirror] = 2 * rho * w[k] - U[k + 1][cell];
@@ -87,8 +87,8 @@ static int patch_run(const struct gas *g, int from, int to) {
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        if (g->models.transport && g->rules[g->cells->polyhedra->mirror.patch[from]].velocity.type->drags)
-            drag_run(g, from, n, U);
+        if (g->models.transport && wall_holds(&g->rules[g->cells->polyhedra->mirror.patch[from]]))
+            held_run(g, from, n, U);
         else
             mirror_run(g, from, n, U);
     }
@@ -100,7 +100,7 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
     const struct patch_rules *r = &g->rules[patch];
     double inner[MAX_VAR][BATCH], outflow[BATCH];
     struct patch_line line = {.n = n, .face = place, .outflow = outflow};
-    const bool reflects = r->velocity.type->reflects;
+    const bool reflects = patch_is_wall(r);
     for (int i = 0; i < n; i++) {
         for (int v = 0; v < g->nvar; v++) inner[v][i] = q[v][i];
         outflow[i] = q[1][i] / q[0][i];
@@ -115,42 +115,72 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
     }
 }
 
-static void wall_shares_run(const struct gas *g, int from, int n, const double *rho, const double *T,
-                            const double *heat, double *share) {
+/* Square of the velocity of the gas along the wall at a mirror, less the wall's own. */
+static double slip_at(const struct gas *g, const struct patch_rules *r, int mirror, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    double inner[3][BATCH], push[BATCH], d[BATCH];
-    for (int i = 0; i < n; i++) {
-        const int cell = m->mirror.cell[from + i];
-        inner[0][i] = rho[cell];
-        inner[1][i] = T[cell];
-        inner[2][i] = heat[cell];
-        d[i] = push[i] = share[from + i] = 0;
-        for (int k = 0; k < g->dim; k++) {
-            push[i] += g->pull[k] * m->mirror.normal[k][from + i];
-            d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][cell]) * m->mirror.normal[k][from + i];
-        }
+    const int cell = m->mirror.cell[mirror];
+    double w[MAX_DIM], square = 0, across = 0;
+    wall_velocity(r, g->dim, m->mirror.place[mirror], w);
+    for (int k = 0; k < g->dim; k++) {
+        const double s = U[k + 1][cell] / U[0][cell] - w[k];
+        square += s * s;
+        across += s * m->mirror.normal[k][mirror];
     }
-    if (wall_conducts(r)) wall_shares(g, r, n, inner[0], inner[1], push, d, inner[2], share + from);
+    return larger(square - across * across, 0);
 }
 
-void cells_wall_shares(const struct gas *g, const double *rho, const double *T, const double *heat, double *share) {
+static void wall_shares_run(const struct gas *g, int from, int n, double *const U[MAX_VAR], const double *T,
+                            double *const cell[3], double *drag, double *heat, double *lift) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    double inner[4][BATCH], push[BATCH], d[BATCH], slip[BATCH];
+    struct wall_line line = {.n = n,
+                             .face = m->mirror.place + from,
+                             .eos = g->models.eos,
+                             .material = &g->models.material,
+                             .rho = inner[0],
+                             .T = inner[1],
+                             .push = push,
+                             .d = d,
+                             .shear = inner[2],
+                             .heat = inner[3],
+                             .slip = slip};
+    for (int i = 0; i < n; i++) {
+        const int at = m->mirror.cell[from + i];
+        inner[0][i] = U[0][at];
+        inner[1][i] = T[at];
+        inner[2][i] = cell[1][at];
+        inner[3][i] = cell[2][at];
+        d[i] = push[i] = drag[from + i] = heat[from + i] = lift[from + i] = 0;
+        for (int k = 0; k < g->dim; k++) {
+            push[i] += g->pull[k] * m->mirror.normal[k][from + i];
+            d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][at]) * m->mirror.normal[k][from + i];
+        }
+        slip[i] = patch_is_wall(r) ? slip_at(g, r, from + i, U) : 0;
+    }
+    if (!patch_is_wall(r)) return;
+    wall_shares(r, &line, drag + from, heat + from);
+    for (int i = 0; i < n; i++) lift[from + i] = (2 - heat[from + i]) * line.warmth[i];
+}
+
+void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
+                       double *drag, double *heat, double *lift) {
     const int mirrors = g->cells->polyhedra->mirror.n;
     for (int n, from = 0; from < mirrors; from += n) {
         n = patch_run(g, from, mirrors);
-        wall_shares_run(g, from, n, rho, T, heat, share);
+        wall_shares_run(g, from, n, U, T, cell, drag, heat, lift);
     }
 }
 
 static void mirror_sums_run(const struct gas *g, enum diffusing what, double weight, int from, int n,
-                            const double *share, const double *const *start, double *const *S) {
+                            const double *share, const double *lift, const double *const *start, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
     const int lines = what == VISCOUS ? g->dim : 1;
-    const bool turn = r->velocity.type->reflects && what == VISCOUS;
+    const bool turn = patch_is_wall(r) && what == VISCOUS;
     double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
-    const struct sum_line line = {n,      lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, weight, inner,
-                                  beyond, ghost};
+    const struct sum_line line = {
+        n, lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, weight, share + from, inner, beyond, ghost};
     for (int i = 0; i < n; i++) {
         const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
         for (int c = 0; c < lines; c++) {
@@ -169,22 +199,25 @@ static void mirror_sums_run(const struct gas *g, enum diffusing what, double wei
     carry_sums(r, what, &line);
     if (what == HEAT && wall_conducts(r))
         for (int i = 0; i < n; i++) ghost[0][i] = inner[0][i] + share[from + i] * (ghost[0][i] - inner[0][i]);
+    if (what == HEAT && wall_slides(r))
+        for (int i = 0; i < n; i++) ghost[0][i] += weight * lift[from + i];
     for (int i = 0; i < n; i++)
         for (int c = 0; c < lines; c++) S[c][m->ncells + from + i] = ghost[c][i];
 }
 
 void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
-                       const double *const *start, double *const *S) {
+                       const double *lift, const double *const *start, double *const *S) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        mirror_sums_run(g, what, weight, from, n, share, start, S);
+        mirror_sums_run(g, what, weight, from, n, share, lift, start, S);
     }
 }
 
-/* Of the derivatives along the wall; the one across it is the cell's. Where a wall drags all are the cell's: those
- * along it are 0 on the wall itself, but the cell's keep the operator symmetric (libcore/polyhedral/cells_gradient.c).
+/* Of the derivatives along the wall; the one across it is the cell's. Those of velocities along the wall are the
+ * cell's. Those of the velocity across it are turned where gas slips, as it is 0 on the wall; where it is held they are
+ * the cell's, which keep the operator symmetric (libcore/polyhedral/cells_gradient.c); between, by the share of drag.
  */
-static void mirror_gradients_run(const struct gas *g, int from, int n, double *const *gradient) {
+static void mirror_gradients_run(const struct gas *g, int from, int n, const double *share, double *const *gradient) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
     const int dim = g->dim;
@@ -201,13 +234,8 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, double *c
                 for (int k = 0; k < dim; k++) along[t][c][i] += f.axis[t][k] * in[k][c][i];
             }
     }
-    for (int t = 1; t < dim; t++) {
-        const struct sum_line line = {
-            .n = n, .components = dim, .face = m->mirror.place + from, .inner = along[t], .ghost = ghost};
-        if (r->velocity.type->drags) continue;
-        reflect_sums(r, &line);
-        memcpy(along[t], ghost, sizeof ghost);
-    }
+    for (int t = 1; t < dim && patch_is_wall(r); t++)
+        for (int i = 0; i < n; i++) along[t][0][i] *= share[from + i] - 1;
     for (int i = 0; i < n; i++) {
         const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
         for (int k = 0; k < dim; k++) {
@@ -221,9 +249,25 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, double *c
     }
 }
 
-void cells_mirror_gradients(const struct gas *g, int from, int to, double *const *gradient) {
+/* The walls that gas slips along get of the work of the stress f on it what f does on the wall itself, and heat: of
+ * the rest, which the mean of both cells' velocities counts as lost, a part stays in the gas. */
+void cells_slide(const struct gas *g, double weight, const double *heat, double *const *S) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
+        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        const int face = m->face.ninternal + i;
+        double w[MAX_DIM], rest = 0;
+        if (!wall_slides(r)) continue;
+        wall_velocity(r, g->dim, m->mirror.place[i], w);
+        for (int k = 0; k < g->dim; k++)
+            rest += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
+        g->cells->flux[g->dim][face] += (1 - 0.5 * heat[i]) * rest;
+    }
+}
+
+void cells_mirror_gradients(const struct gas *g, int from, int to, const double *share, double *const *gradient) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        mirror_gradients_run(g, from, n, gradient);
+        mirror_gradients_run(g, from, n, share, gradient);
     }
 }

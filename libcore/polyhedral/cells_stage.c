@@ -131,12 +131,13 @@ static void states_beyond(const struct gas *g, const double *const *U, struct po
         place[i] = f->place[p->face[i] - f->ninternal];
         cell[i] = f->left[p->face[i]];
     }
+    const bool wall = patch_is_wall(&g->rules[patch]);
     for (int v = 0; v < g->nvar; v++)
-        if (g->rules[patch].velocity.type->reflects)
+        if (wall)
             memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
         else
             gather_line(p->n, cell, U[v], inner[v]);
-    if (!g->rules[patch].velocity.type->reflects) into_frames(g, p, inner);
+    if (!wall) into_frames(g, p, inner);
     cells_beyond(g, patch, p->n, p->face, place, inner, ghost);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }

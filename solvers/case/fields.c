@@ -144,8 +144,7 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     for (int i = 0; kind->types && kind->types[i]; i++) names[n++] = kind->types[i];
     if (kind->components == 1 && !kind->types) names[n++] = "calculated";
     for (int i = 0; !kind->types && i < boundary_count && n < TYPES; i++)
-        if (kind->components == 3 ? boundary_table[i].vector : boundary_table[i].scalar)
-            names[n++] = boundary_table[i].name;
+        if (boundary_takes(&boundary_table[i], kind->components)) names[n++] = boundary_table[i].model.name;
     for (int i = 0; i < n; i++) known |= !strcmp(type, names[i]);
     if (!known) { /* the message of dict_choice lists the names and suggests one */
         int index;
@@ -163,11 +162,22 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     return OK;
 }
 
-static status read_plain(struct dict *d, const char *key, const struct field_kind *kind, double *out) {
-    const signed char *k = kind->dimensions, unit[3] = {k[0], k[1], k[2]};
-    if (kind->components == 3) return dict_vector(d, key, unit, out);
-    TRY(dict_number(d, key, NULL, out));
-    return *out >= 0 && *out <= 1 ? OK : dict_fail(d, key, "it must lie between 0 and 1");
+static status read_parameter(struct dict *d, const struct param *p, double *out) {
+    if (p->kind == PARAM_VECTOR) return dict_vector(d, p->name, p->unit, out);
+    TRY(dict_number(d, p->name, p->unit, out));
+    return *out >= p->low && *out <= p->high ? OK
+                                             : dict_fail(d, p->name, "it must lie between %g and %g", p->low, p->high);
+}
+
+/* What a case gives for a type besides its name. */
+static status read_type(struct dict *d, const struct field_kind *kind, const struct patch *p,
+                        const struct boundary_type *type, struct patch_field *out) {
+    const char *value = boundary_value(type, kind->components);
+    const struct model *m = &type->model;
+    if (value || m->nparam > 0) out->value_line = dict_line(d, value ? value : m->param->name);
+    for (int i = 0; i < m->nparam; i++)
+        TRY(read_parameter(d, &m->param[i], out->params.room + m->param[i].offset / sizeof(double)));
+    return value ? read_value(d, value, kind->components, p->nfaces, out->uniform, &out->values) : OK;
 }
 
 static status read_patch(struct dict *d, const struct field_kind *kind, const struct patch *p,
@@ -176,11 +186,7 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     out->line = dict_line(d, "type");
     TRY(check_type(d, kind, p, out->type));
     const struct boundary_type *type = boundary_find(out->type);
-    if (type && type->value) out->value_line = dict_line(d, type->value);
-    if (type && type->plain)
-        TRY(read_plain(d, type->value, kind, out->uniform));
-    else if (type && type->value)
-        TRY(read_value(d, type->value, kind->components, p->nfaces, out->uniform, &out->values));
+    if (type) TRY(read_type(d, kind, p, type, out));
     static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes them known */
     for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
     return OK;
@@ -304,15 +310,15 @@ status field_check_range(const struct field *f, const struct field_place *place,
                                : field_fail(f, place, i, "it must lie between %g and %g", low, high);
     for (int p = 0; p < place->mesh->npatches; p++) {
         const struct patch_field *q = &f->patch[p];
-        const struct boundary_type *type = boundary_find(q->type);
-        if (!type || !type->value || type->plain) continue;
+        const char *value = boundary_value(boundary_find(q->type), f->kind->components);
+        if (!value) continue;
         for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
             double v = q->values ? q->values[i] : q->uniform[0];
             if (v > low && v < high) continue;
             char allowed[100];
             snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g", low, high);
             return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
-                        place->mesh->patch[p].name, type->value, f->kind->name, v, allowed);
+                        place->mesh->patch[p].name, value, f->kind->name, v, allowed);
         }
     }
     return OK;

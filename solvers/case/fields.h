@@ -2,6 +2,7 @@
 #ifndef SOLVERS_FIELDS_H
 #define SOLVERS_FIELDS_H
 
+#include "libcore/models/param.h"
 #include "mesh/format/polymesh.h"
 #include "solvers/dict/dict.h"
 
@@ -17,10 +18,11 @@ struct field_kind {
 extern const struct field_kind field_kinds[FIELD_COUNT];
 
 struct patch_field {
-    const char *type;  /* owned by the dictionary */
-    double uniform[3]; /* its value, inletValue where it needs one */
-    double *values;    /* [faces][components], or NULL */
-    int line, value_line;
+    const char *type;         /* owned by the dictionary */
+    struct own_params params; /* of a type of boundary.h, by its table */
+    double uniform[3];        /* its value, inletValue where it needs one */
+    double *values;           /* [faces][components], or NULL */
+    int line, value_line;     /* the second one of what the type needs first */
 };
 /* The effect of a program's own entries on the values of the cells, after field_read. */
 struct field_plan {

@@ -166,8 +166,7 @@ static const char *word_for(const struct gas_state *g, bool energy) {
     for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
         const struct patch_rules *r = &g->initial->rules[p];
         if (!r->velocity.type) continue;
-        if (!r->velocity.type->reflects || (energy && (r->velocity.type->value || r->temperature.type->value)))
-            return "change";
+        if (!patch_is_wall(r) || (energy && (wall_works(r) || wall_conducts(r)))) return "change";
     }
     return energy && source_active(&g->models->gas.source, &g->models->gas.material) ? "change" : "drift";
 }

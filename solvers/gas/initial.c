@@ -172,12 +172,25 @@ static status take_conserved(const struct reader *r, struct initial *s) {
     return check_agreement(r, s);
 }
 
+/* The parameters of a type as a rule has them: vectors in computational axes. */
+static struct own_params take_parameters(const struct reader *r, const struct patch_field *q,
+                                         const struct boundary_type *type) {
+    struct own_params own = q->params;
+    for (int i = 0; type && i < type->model.nparam; i++) {
+        const size_t at = type->model.param[i].offset / sizeof(double);
+        for (int k = 0; k < r->dim && type->model.param[i].kind == PARAM_VECTOR; k++)
+            own.room[at + (size_t)k] = q->params.room[at + (size_t)r->axis[k]];
+    }
+    return own;
+}
+
 /* The rule of one field on one patch; values multiplied by `scale`, vectors in computational axes. */
 static status take_rule(const struct reader *r, const struct field *f, int p, double scale, struct rule *rule,
                         double **values) {
     const struct patch_field *q = &f->patch[p];
     int m = f->kind->components == 3 ? r->dim : 1, nfaces = r->place->mesh->patch[p].nfaces;
     rule->type = boundary_find(q->type);
+    rule->params = take_parameters(r, q, rule->type);
     for (int k = 0; k < m; k++)
         rule->uniform[k] = scale * q->uniform[m == 1 && f->kind->components == 1 ? 0 : r->axis[k]];
     if (!q->values) return OK;
@@ -204,55 +217,99 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
                 s->field[a] && s->field[b] ? " or in " : "", s->field[a] && s->field[b] ? field_kinds[b].name : "");
 }
 
-/* A wall that moves along itself must lead along each face of its patch. */
+/* A wall that moves by u must lead along the face with these centre and area vectors; area NULL: along solved axes. */
+static status check_motion(const struct reader *r, const struct field *U, int p, const double u[3],
+                           const double centre[3], const double area[3]) {
+    const char *file = dict_path(U->dict), *patch = r->place->mesh->patch[p].name;
+    const int line = U->patch[p].value_line;
+    const double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    double solved = 0, size = 0, through = 0;
+    for (int k = 0; k < r->dim; k++) solved += u[r->axis[k]] * u[r->axis[k]];
+    for (int k = 0; k < 3 && area; k++) {
+        size += area[k] * area[k];
+        through += u[k] * area[k];
+    }
+    if (fabs(through) > 1e-6 * speed * sqrt(size))
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
+                    file, line, patch, u[0], u[1], u[2], centre[0], centre[1], centre[2]);
+    if (!area && solved < 0.999999 * speed * speed)
+        return fail(ERR_INPUT, "%s:%d: patch %s: U (%g %g %g): 'empty' patches take away an axis it leads along", file,
+                    line, patch, u[0], u[1], u[2]);
+    return OK;
+}
+
+/* A wall that moves must lead along each face of its patch. */
 static status check_tangential(const struct reader *r, const struct field *U, int p) {
     const struct polymesh *m = r->place->mesh;
     const struct patch *patch = &m->patch[p];
-    const double *u = U->patch[p].uniform, speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    double *geometry;
-    int wrong = -1;
+    const struct patch_field *q = &U->patch[p];
+    struct patch_rules given = {.velocity = {boundary_find(q->type), q->params, {0}, q->values}}; /* in axes x, y, z */
+    double *geometry, *areas, u[3];
+    status s = OK;
+    memcpy(given.velocity.uniform, q->uniform, sizeof q->uniform);
     TRY(allocate(&geometry, 6L * m->nfaces, sizeof *geometry, "face geometry"));
-    polymesh_face_geometry(m, geometry, geometry + 3L * m->nfaces);
-    for (int i = patch->start; i < patch->start + patch->nfaces && wrong < 0; i++) {
-        const double *a = geometry + 3L * (m->nfaces + i), area = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-        if (fabs(u[0] * a[0] + u[1] * a[1] + u[2] * a[2]) > 1e-6 * speed * area) wrong = i;
+    areas = geometry + 3L * m->nfaces;
+    polymesh_face_geometry(m, geometry, areas);
+    for (int i = 0; i < 2 * patch->nfaces && !s; i++) {
+        const long face = patch->start + i % patch->nfaces;
+        wall_velocity(&given, 3, i % patch->nfaces, u);
+        s = check_motion(r, U, p, u, geometry + 3 * face, i < patch->nfaces ? areas + 3 * face : NULL);
     }
-    double x[3] = {0};
-    if (wrong >= 0) memcpy(x, geometry + 3L * wrong, sizeof x);
     free(geometry);
-    if (wrong >= 0)
-        return fail(ERR_INPUT,
-                    "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
-                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2], x[0], x[1], x[2]);
-    for (int k = 0; k < r->dim; k++) x[k] = u[r->axis[k]];
-    if (x[0] * x[0] + (r->dim > 1) * x[1] * x[1] + (r->dim > 2) * x[2] * x[2] < 0.999999 * speed * speed)
-        return fail(ERR_INPUT, "%s:%d: patch %s: U (%g %g %g): 'empty' patches take away an axis it leads along",
-                    dict_path(U->dict), U->patch[p].value_line, patch->name, u[0], u[1], u[2]);
-    return OK;
+    return s;
 }
 
 static status check_viscous(const struct reader *r, const struct field *f, int p) {
     const struct boundary_type *type = boundary_find(f->patch[p].type);
-    if (!type || !type->viscous || r->models->transport) return OK;
+    if (!type || !type->transport || r->models->transport) return OK;
     return fail(ERR_INPUT,
                 "%s:%d: patch %s: %s is '%s', which is nothing to a gas without viscosity and heat conduction; give "
                 "`transport` in constant/granularProperties",
-                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name);
+                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->model.name);
 }
 
-/* What absorbs as a wall does belongs to a wall. */
+/* A type that is nothing but the heat of a wall is allowed only where U is a wall. */
 static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *type = boundary_find(f->patch[p].type);
-        if (type && type->absorbs)
+        if (type && type->transport)
             return fail(ERR_INPUT, "%s:%d: patch %s: %s is '%s', but U is '%s', no wall; give U slip or noSlip there",
-                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->name,
-                        s->field[FIELD_U]->patch[p].type);
+                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name,
+                        type->model.name, s->field[FIELD_U]->patch[p].type);
     }
     return OK;
+}
+
+/* At a wall scalars are mirrored, but for the T of a wall that gives or takes heat. */
+static status check_wall(const struct reader *r, const struct initial *s, int p, enum field_id density,
+                         enum field_id thermal) {
+    const enum field_id scalars[2] = {density, thermal};
+    for (int i = 0; i < 2; i++) {
+        const struct field *f = s->field[scalars[i]];
+        const struct boundary_type *scalar = boundary_find(f->patch[p].type);
+        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar && scalar->heat;
+        if (boundary_gives(scalar) && !heated)
+            return fail(ERR_INPUT,
+                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient%s",
+                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name,
+                        s->rules[p].velocity.type->model.name, f->kind->name, scalar->model.name,
+                        r->models->transport ? " (or fixedValue or granularWall for T)" : "");
+    }
+    return OK;
+}
+
+/* What the type of a rule has against those beside it. */
+static status check_rules(const struct reader *r, const struct initial *s, int p, enum field_id id,
+                          const struct rule *rule) {
+    const struct field *f = s->field[id];
+    const char *objection = rule->type && rule->type->objection ? rule->type->objection(&s->rules[p]) : NULL;
+    if (!objection) return OK;
+    return fail(ERR_INPUT, "%s:%d: patch %s: %s is '%s'; %s", dict_path(f->dict), f->patch[p].line,
+                r->place->mesh->patch[p].name, f->kind->name, rule->type->model.name, objection);
 }
 
 static status take_patch(const struct reader *r, struct initial *s, int p) {
@@ -273,22 +330,11 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     TRY(check_viscous(r, s->field[FIELD_U], p));
     TRY(check_viscous(r, s->field[thermal], p));
     if (!rules->velocity.type) return OK;
-    if (!rules->velocity.type->reflects) return check_open(r, s, p, density, thermal);
-    if (rules->velocity.type->drags && rules->velocity.type->value) TRY(check_tangential(r, s->field[FIELD_U], p));
-    const enum field_id scalars[2] = {density, thermal};
-    for (int i = 0; i < 2; i++) {
-        const struct field *f = s->field[scalars[i]];
-        const struct boundary_type *scalar = boundary_find(f->patch[p].type);
-        const bool heated = scalars[i] == FIELD_T && r->models->transport && scalar &&
-                            (scalar->absorbs || scalar == boundary_find("fixedValue"));
-        if (scalar && scalar->value && !heated)
-            return fail(ERR_INPUT,
-                        "%s:%d: patch %s: U is '%s', a wall that reflects; %s cannot be '%s' there, use zeroGradient%s",
-                        dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, rules->velocity.type->name,
-                        f->kind->name, scalar->name,
-                        r->models->transport ? " (or fixedValue or granularWall for T)" : "");
-    }
-    return OK;
+    if (!patch_is_wall(rules)) return check_open(r, s, p, density, thermal);
+    if (rules->velocity.type->velocity) TRY(check_tangential(r, s->field[FIELD_U], p));
+    TRY(check_wall(r, s, p, density, thermal));
+    TRY(check_rules(r, s, p, FIELD_U, &rules->velocity));
+    return check_rules(r, s, p, thermal, &rules->temperature);
 }
 
 static status read_all(const struct reader *r, struct initial *s) {

@@ -332,11 +332,13 @@ void models_list(FILE *f) {
 void boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++) {
         const struct boundary_type *b = &boundary_table[i];
-        fprintf(f, "  %-24s %-11s %s%s%s\n", b->name,
-                b->scalar && b->vector ? "scalars, U"
-                : b->vector            ? "U"
-                                       : "scalars",
-                b->about, b->value && !b->plain ? "; needs " : "", b->value && !b->plain ? b->value : "");
+        const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
+        const char *value = boundary_value(b, U ? 3 : 1);
+        fprintf(f, "  %-24s %-11s %s%s%s\n", b->model.name,
+                U && scalars ? "scalars, U"
+                : U          ? "U"
+                             : "scalars",
+                b->model.about, value ? "; needs " : "", value ? value : "");
     }
     fprintf(f, "  %-24s %-11s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-24s %-11s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");

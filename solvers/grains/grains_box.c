@@ -28,16 +28,12 @@ status grains_box_check(const struct setup *s) {
     return OK;
 }
 
-static bool flat_wall(const char *type) {
-    const struct boundary_type *b = boundary_find(type);
-    return b && b->reflects && !b->drags;
-}
-
 static status check_wall(const struct setup *s, const struct field *U, int p, int axis) {
     const struct patch_field *q = &U->patch[p];
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
-    if (flat_wall(q->type)) return OK;
-    if (boundary_find(q->type) && boundary_find(q->type)->drags)
+    const struct boundary_type *type = boundary_find(q->type);
+    if (boundary_is_smooth(type)) return OK;
+    if (boundary_is_wall(type))
         return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
                     patch, q->type);
     return fail(ERR_INPUT,

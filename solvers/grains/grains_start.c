@@ -113,13 +113,13 @@ status grains_start_check(const struct setup *s, const struct grains_start *p) {
         for (int i = 0; i < FIELD_COUNT; i++) {
             const struct field *f = i == FIELD_U ? NULL : p->field[i];
             const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
-            if (wall && wall->reflects && type && type->value)
+            if (boundary_is_wall(wall) && boundary_gives(type))
                 return fail(ERR_INPUT,
                             "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
                             "cannot be '%s' "
                             "there, use zeroGradient",
-                            dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->name, f->kind->name,
-                            type->name);
+                            dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->model.name, f->kind->name,
+                            type->model.name);
         }
     }
     return OK;

@@ -119,14 +119,25 @@ static void print_list(struct sink *s, const struct foam_format *f, int componen
     sink_printf(s, ";\n");
 }
 
-/* With all digits: the next start reads them. */
+/* The parameters of a type and its values with all digits: the next start reads them. */
+static void print_parameters(struct sink *s, const struct model *m, const struct own_params *params) {
+    for (int i = 0; i < m->nparam; i++) {
+        const double *v = params->room + m->param[i].offset / sizeof(double);
+        sink_printf(s, "        %-15s ", m->param[i].name);
+        if (m->param[i].kind == PARAM_VECTOR)
+            sink_printf(s, "(%.17g %.17g %.17g);\n", v[0], v[1], v[2]);
+        else
+            sink_printf(s, "%.17g;\n", v[0]);
+    }
+}
+
 static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key,
-                        const struct patch_field *q, const struct printing *c, bool plain) {
+                        const struct patch_field *q, const struct printing *c) {
     const struct foam_format exact = {.binary = w->format->binary, .precision = 17};
     const struct patch *patch = &w->mesh->patch[p];
     int m = c->components;
     sink_printf(s, "        %-15s ", key);
-    if (!q->values && !plain) sink_printf(s, "uniform ");
+    if (!q->values) sink_printf(s, "uniform ");
     if (!q->values && m == 3)
         sink_printf(s, "(%.17g %.17g %.17g);\n", q->uniform[0], q->uniform[1], q->uniform[2]);
     else if (!q->values)
@@ -171,8 +182,11 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     const struct patch_field *given = c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
-    if (b && b->value) print_given(s, w, p, b->value, given, c, b->plain);
-    if (!b || (b->value && strcmp(b->value, "value"))) print_cells(s, w, p, c, false); /* OpenFOAM wants it */
+    const char *value = boundary_value(b, c->components);
+    if (b) print_parameters(s, &b->model, &given->params);
+    if (value) print_given(s, w, p, value, given, c);
+    if (!b || (boundary_gives(b) && !(value && !strcmp(value, "value"))))
+        print_cells(s, w, p, c, false); /* OpenFOAM wants it */
 }
 
 status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {

@@ -89,10 +89,10 @@ static status outer_face(const struct builder *a, int face, int k, long at, doub
     if (!flow->U || !strcmp(phi->type, "noFlux")) return OK;
     const char *name = U ? U->type : mesh->patch[p].type;
     const struct boundary_type *type = boundary_find(name);
-    if (U ? type && type->reflects : strcmp(name, "patch") != 0)
+    if (U ? boundary_is_wall(type) : strcmp(name, "patch") != 0)
         return fail(ERR_INPUT, "%s:%d: patch %s: U is '%s' there, a wall: phi must be noFlux", dict_path(a->phi->dict),
                     phi->line, mesh->patch[p].name, name);
-    const bool fixed = U && type && type->value && !strcmp(type->name, "fixedValue");
+    const bool fixed = U && !strcmp(name, "fixedValue");
     const double u =
         fixed ? (U->values ? U->values + 3 * i : U->uniform)[axis] : flow->U[3L * mesh->owner[face] + axis];
     a->b->u[k][at] = flow->density ? flow->density[mesh->owner[face]] * u : u;

@@ -25,8 +25,9 @@ static bool is_periodic(const struct problem *p, int axis) {
 
 static void set_wall(const struct wall *w, int axis, struct patch_rules *rules) {
     rules->velocity = (struct rule){.type = boundary_find(w->velocity)};
-    rules->velocity.uniform[axis == 0] = w->along;
-    rules->temperature = (struct rule){.type = boundary_find(w->temperature), .uniform = {w->value}};
+    rules->velocity.params.room[axis == 0] = w->along;
+    rules->temperature =
+        (struct rule){.type = boundary_find(w->temperature), .params = {{w->value}}, .uniform = {w->value}};
 }
 
 static void set_models(struct scene *s, const struct scheme *scheme) {
@@ -212,10 +213,11 @@ static struct exchange exchange_of(const struct scene *s) {
     struct exchange e = {false, false, false};
     for (int i = 0; i < 2 * s->problem->dim; i++) {
         const struct patch_rules *r = &s->rules[i];
-        if (is_periodic(s->problem, i / 2) || !r->velocity.type->reflects) continue;
-        e.drag |= r->velocity.type->drags;
-        e.work |= r->velocity.type->value || (r->temperature.type->value && !r->temperature.type->absorbs);
-        e.loss |= r->temperature.type->absorbs;
+        if (is_periodic(s->problem, i / 2) || !patch_is_wall(r)) continue;
+        const bool lossy = wall_conducts(r) && !r->temperature.type->temperature;
+        e.drag |= wall_drags(r);
+        e.work |= wall_works(r) || (wall_conducts(r) && !lossy);
+        e.loss |= lossy;
     }
     return e;
 }

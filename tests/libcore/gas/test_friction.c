@@ -33,7 +33,7 @@ static void open_models(struct scene *s, const struct transport *law, const char
     if (heating > 0) choose_source(&s->models.source, "uniformHeating", &heating);
     set_walls(s, "slip");
     for (int p = 0; p < 2 && walls; p++)
-        s->rules[p].temperature = (struct rule){boundary_find("fixedValue"), {1 + p}, NULL};
+        s->rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {1 + p}};
     if (polyhedral) {
         s->mesh = cells_make(&boxes);
         for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * N;
@@ -239,7 +239,8 @@ static void budget_counts_the_last_attempt(void **state) {
     struct scene s = {.models = disks_models(&STRIPES, "RKL2")};
     struct gas_budget b;
     set_walls(&s, "noSlip");
-    for (int p = 0; p < 6; p++) s.rules[p].temperature = (struct rule){boundary_find("fixedValue"), {40}, NULL};
+    for (int p = 0; p < 6; p++)
+        s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {40}};
     open_box(&s, world, 2, (int[3]){24, 18, 1}, (double[3]){1, 1, 1}, (bool[3]){false, false, false}, 8);
     start(&s, cold_and_turning);
     ok(gas_audit(s.gas));

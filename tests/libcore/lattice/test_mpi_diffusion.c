@@ -246,7 +246,8 @@ static void budget_counts_what_stands(void **state) {
     struct scene s;
     struct gas_budget b;
     open_scene(&s, 2, (int[3]){24, 18, 1}, 0, "noSlip", transport_find("JenkinsRichman"), "RKL2", 8);
-    for (int p = 0; p < 6; p++) s.rules[p].temperature = (struct rule){boundary_find("fixedValue"), {40}, NULL};
+    for (int p = 0; p < 6; p++)
+        s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {40}};
     start(&s, wild);
     ok(gas_audit(s.gas));
     run(&s, 12, 0.4);

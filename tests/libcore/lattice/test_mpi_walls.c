@@ -24,7 +24,7 @@ static struct scene channel(int across, const struct transport *transport) {
 }
 
 static void moving(struct scene *s, int patch, double speed) {
-    s->rules[patch].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {speed}};
+    s->rules[patch].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{speed}}};
 }
 
 static void isothermal(struct scene *s, int patch, double T) {
@@ -32,7 +32,7 @@ static void isothermal(struct scene *s, int patch, double T) {
 }
 
 static void absorbing(struct scene *s, int patch, double restitution) {
-    s->rules[patch].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {restitution}};
+    s->rules[patch].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{restitution}}};
 }
 
 static void open_channel(struct scene *s, initial *at) {
@@ -246,7 +246,7 @@ static double *rows_after(int patch, const struct rule *temperature, int whole) 
 
 static void elastic_walls_are_adiabatic(void **state) {
     (void)state;
-    const struct rule elastic = {.type = boundary_find("granularWall"), .uniform = {1}};
+    const struct rule elastic = {.type = boundary_find("granularWall"), .params = {{1}}};
     for (int whole = 0; whole < 2; whole++) {
         double *a = rows_after(LOW, NULL, whole), *b = rows_after(LOW, &elastic, whole);
         assert_memory_equal(a, b, 4 * 24 * sizeof *a);

@@ -26,16 +26,17 @@ static void walls(void **state) {
     (void)state;
     double out[3][4];
     for (int k = 0; k < boundary_count; k++) {
-        if (!boundary_table[k].reflects) continue;
-        const bool whole = boundary_table[k].drags;
-        ghosts_of(boundary_table[k].name, 3, 1, NULL, out);
+        if (!boundary_table[k].wall) continue;
+        const char *name = boundary_table[k].model.name;
+        const bool whole = !boundary_is_smooth(&boundary_table[k]);
+        ghosts_of(name, 3, 1, NULL, out);
         check(out, 1, -5, -6, 7, -8);
         if (whole)
             check(out, 0, -1, 2, -3, -4);
         else
             check(out, 0, 1, -2, 3, 4);
         if (boundary_table[k].scalar) {
-            ghosts_of(boundary_table[k].name, 1, -1, NULL, out);
+            ghosts_of(name, 1, -1, NULL, out);
             check(out, 0, 1, -2, 3, 4);
         }
     }
@@ -66,7 +67,7 @@ static void names(void **state) {
     (void)state;
     assert_int_equal(boundary_count, 9); /* a new row needs its test here */
     for (int k = 0; k < boundary_count; k++) {
-        assert_ptr_equal(boundary_find(boundary_table[k].name), &boundary_table[k]);
+        assert_ptr_equal(boundary_find(boundary_table[k].model.name), &boundary_table[k]);
         assert_true(boundary_table[k].scalar || boundary_table[k].vector);
     }
     assert_null(boundary_find("wall"));

@@ -242,7 +242,7 @@ static void mirrors_continue_shear(void **state) {
         double *U[MAX_VAR];
         int walls = 0;
         choose(&s, rough[b].dim, "noSlip", &CONSTANT);
-        s.rules[1].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0, 3}};
+        s.rules[1].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0, 3}}};
         open_cells(&s, world, &rough[b]);
         start(&s, sheared);
         const struct polyhedra *m = s.gas->cells->polyhedra;
@@ -276,9 +276,9 @@ static double difference(int dim, int n, const char *wall, double time) {
         choose(&s[i], dim, wall, &VARIED);
         for (int p = 0; p < 2; p++)
             s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
-        s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
+        s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
         if (strcmp(wall, "noSlip") == 0)
-            s[i].rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
+            s[i].rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0.5}}};
         if (i)
             open_cells(&s[i], world, &r);
         else

@@ -12,10 +12,10 @@ static void choose(struct scene *s, int dim, const struct transport *law, bool m
     set_walls(s, mirrors ? "slip" : "noSlip");
     for (int p = 0; p < 2; p++)
         s->rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3 + p}};
-    s->rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .uniform = {0.8}};
+    s->rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
     if (mirrors) return;
     s->rules[1].velocity = (struct rule){.type = boundary_find("slip")};
-    s->rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .uniform = {0.5}};
+    s->rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0.5}}};
 }
 
 /* In the unit box, sheared if `lean`, so that no wall but two lies along an axis. */
