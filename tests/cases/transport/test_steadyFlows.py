@@ -1,35 +1,25 @@
 """Flows of disks with viscosity and heat conduction between two walls, against the solution of the ordinary differential
 equations of steady flow (postprocessing/disks.py) and that of Couette flow that starts."""
-import os
 import unittest
 
 import numpy as np
 
 from tests.cases import harness
+from tests.cases.transport.channels import POLYHEDRAL, friction, replace
 
 import disks  # noqa: E402  (the harness knows where)
 
 MARGIN = 1.3  # what an error may exceed the measured one by; that it falls at second order is asserted beside it
-POLYHEDRAL = ("system/fvSchemes", "fluxScheme  common;", "fluxScheme  common; meshEngine polyhedral;")
-
-
-def replace(case, file, old, new):
-    path = os.path.join(case, file)
-    with open(path) as f:
-        text = f.read()
-    assert old in text, f"{path} has no {old}"
-    with open(path, "w") as f:
-        f.write(text.replace(old, new))
 
 
 class SteadyFlows(harness.Folder, unittest.TestCase):
     def errors(self, name, cells, reference, fields, granular=None, control=None, other=()):
-        """Mean errors on each of the grids; the orders between them. other: file, old and new text."""
+        """Mean errors on each of the grids; the orders between them. other: file, old and new text, or a function of the case."""
         found = []
         for n in cells:
             case = harness.copy(name, self.folder)
             for change in other:
-                replace(case, *change)
+                change(case) if callable(change) else replace(case, *change)
             harness.edit(case, "constant/granularProperties", **(granular or {}))
             harness.mesh(case, n)
             result = harness.run(case, **(control or {}))
@@ -66,6 +56,38 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
                 errors, order = self.errors("couetteDisks", (16, 32), disks.couette, fields, {}, {"maxCo": 0.4}, other)
                 self.assertGreater(order.min(), 1.85)
                 self.assertLess(errors[-1].max(), MARGIN * measured)
+
+    def test_friction(self):
+        """Walls of Johnson & Jackson, which differ: gas slips along both and takes heat from that."""
+        fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
+        for other, least, measured in (([friction], 1.85, 4.2e-5), ([friction, POLYHEDRAL], 1.5, 2.3e-4)):
+            with self.subTest(other=other):
+                errors, order = self.errors("couetteDisks", (16, 32), disks.frictional, fields, {},
+                                            {"maxCo": 0.4, "endTime": 1200, "writeInterval": 1200}, other)
+                self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
+                self.assertLess(errors[-1].max(), MARGIN * measured)
+
+    def test_uniform_shear(self):
+        """Friction and impacts balance in the gas, and at the walls: T and rho are uniform, and what is left of u is linear, on
+        any lattice. Splitting, of second order, moves them."""
+        gas, e = disks.Disks(0.9), 0.6
+        rho = 0.2 / gas.per
+        p, mu = rho * gas.A(0.2), gas.shear(rho, 1)
+        rate = float(np.sqrt(gas.sink(rho, 1) / mu))
+        phi = float(2 * np.pi * (mu * rate / p)**2 / (1 - e * e))
+        u = float(10 * rate + mu * rate * np.sqrt(2 * np.pi) / (phi * p))
+        most = []
+        for courant in (0.4, 0.2):
+            case = harness.copy("couetteDisks", self.folder)
+            friction(case, (-u, phi, e), (u, phi, e))
+            replace(case, "0/T", "internalField   uniform 0.34;", "internalField   uniform 1;")
+            replace(case, "0/U", "0.15*(y - 10) + 0.14", f"{rate!r}*(y - 10)")
+            harness.mesh(case, 16)
+            result = harness.run(case, maxCo=courant, endTime=20, writeInterval=20)
+            off = result.field("U")[:, 0] - rate * (result.centres[:, 1] - 10)
+            most.append(max(np.abs(result.field("T") - 1).max(), np.abs(result.field("alpha") / 0.2 - 1).max(), np.abs(off).max()))
+        self.assertLess(most[0], MARGIN * 5.9e-6)
+        self.assertGreater(np.log2(most[0] / most[1]), 1.8)
 
     def test_start(self):
         """A wall begins to move, so slowly that the gas stays as it is: u obeys the heat equation."""

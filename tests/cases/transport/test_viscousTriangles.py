@@ -6,6 +6,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
+from tests.cases.transport import channels
 
 import disks  # noqa: E402  (the harness knows where)
 
@@ -14,8 +15,10 @@ FIELDS = [("T", None, 1), ("alpha", None, 1), ("p", None, 1), ("U", 0, 1)]
 
 @unittest.skipUnless(runs.shutil.which("gmsh"), "gmsh is not installed")
 class ViscousTriangles(harness.Folder, unittest.TestCase):
-    def channel(self, name, cells, **control):
+    def channel(self, name, cells, change=None, **control):
         case = harness.copy(name, self.folder)
+        if change:
+            change(case)
         with open(os.path.join(case, "mesh.geo")) as f:
             boxes = f.read()
         triangles = boxes.replace("Transfinite Surface {1};\nRecombine Surface {1};\n", "")
@@ -51,6 +54,16 @@ class ViscousTriangles(harness.Folder, unittest.TestCase):
         order = np.log2(errors[0] / errors[1])
         self.assertGreater(order.min(), 1.5, f"orders {order}")
         self.assertGreater(np.log2(walls[0] / walls[1]), 1.8, f"p at walls {walls}")
+
+
+    def test_friction(self):
+        """Walls of Johnson & Jackson drag gas that slips along them."""
+        errors, walls = self.errors("couetteDisks", disks.frictional, (16, 32), change=channels.friction, maxCo=0.4,
+                                    endTime=1200, writeInterval=1200)
+        order = np.log2(errors[0] / errors[1])
+        self.assertGreater(order.min(), 1.7, f"orders {order}")
+        self.assertLess(errors[1].max(), 2e-4, f"errors {errors}")
+        self.assertGreater(np.log2(walls[0] / walls[1]), 1.5, f"p at walls {walls}")
 
 
 if __name__ == "__main__":

@@ -286,6 +286,109 @@ static void cold_walls_leave_heat(void **state) {
     }
 }
 
+/* ---- walls with friction -------------------------------------------------------------------------------------------
+ */
+
+static void rubbing(struct scene *s, int patch, double specularity, double restitution, double speed) {
+    const struct rule rule = {
+        .type = boundary_find("JohnsonJacksonSlip"), .params = {{specularity, restitution}}, .uniform = {speed}};
+    s->rules[patch].velocity = s->rules[patch].temperature = rule;
+}
+
+/* With none the wall is one that slips, with all there is one that holds the gas: to the bit. */
+static void friction_has_limits(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        const bool full = kind % 2, whole = kind / 2;
+        double *q[2];
+        for (int i = 0; i < 2; i++) {
+            struct scene s = channel(24, transport_find("JenkinsRichman"));
+            if (i == 0) {
+                rubbing(&s, LOW, full ? 1e40 : 0, 0.7, 0.4);
+            } else {
+                absorbing(&s, LOW, 0.7);
+                s.rules[LOW].velocity.type = boundary_find("slip");
+                if (full) moving(&s, LOW, 0.4);
+            }
+            open_channel(&s, rough);
+            if (whole)
+                go(&s, 10, 1e-3);
+            else
+                spread(&s, 10, 1e-3);
+            q[i] = rows_of(&s);
+            close_scene(&s);
+        }
+        assert_memory_equal(q[0], q[1], 4 * 24 * sizeof *q[0]);
+        free(q[0]);
+        free(q[1]);
+    }
+}
+
+/* A wall without losses that rubs gets its work and nothing else: friction's heat stays in the gas, all of the energy
+ * of the gas if the wall is at rest. */
+static void friction_heats_the_gas(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        const double speed = kind % 2 ? -0.8 : 0;
+        struct scene s = channel(24, transport_find("JenkinsRichman"));
+        double before[MAX_VAR], after[MAX_VAR];
+        s.rules[LOW].velocity.type = boundary_find("slip");
+        rubbing(&s, HIGH, 0.6, 1, speed);
+        open_channel(&s, rough);
+        ok(gas_totals(s.gas, before));
+        if (kind / 2)
+            go(&s, 20, 1e-3);
+        else
+            spread(&s, 20, 1e-3);
+        ok(gas_totals(s.gas, after));
+        assert_near(after[0], before[0], 1e-14 * before[0]);
+        const double given = after[1] - before[1];
+        assert_true(fabs(given) > 1e-3 * before[0]);
+        assert_near(after[3] - before[3], speed * given, 1e-13 * before[3]);
+        close_scene(&s);
+    }
+}
+
+/* At y = 0 gas of T = 1 slips at RUB along a wall at rest, and conducts what the wall takes less what friction gives.
+ */
+static const double RUB = 0.2, SPECULARITY = 0.5;
+static double hits(void) { /* mass of the grains that hit the wall */
+    return pressure(HEAVY, 1) / sqrt(2 * PI);
+}
+static double dragged(void) {
+    return SPECULARITY * hits() * RUB;
+}
+static void slipping(const double x[3], double *rho, double u[3], double *T) {
+    const double step = 1e-3, rise = (loss() - dragged() * RUB) / CONDUCTION,
+                 per = (pressure(HEAVY + step, 1) - pressure(HEAVY - step, 1)) / (2 * step);
+    u[0] = RUB + dragged() / VISCOSITY * x[1];
+    *T = 1 + rise * x[1];
+    *rho = HEAVY * exp(-pressure(HEAVY, 1) * rise / HEAVY / per * x[1]);
+}
+
+static double slipping_error(int n) {
+    struct scene s = channel(n, &CONSTANT);
+    const double dt = 1e-8, area = (double)ALONG / n;
+    double before[MAX_VAR], after[MAX_VAR];
+    rubbing(&s, LOW, SPECULARITY, RESTITUTION, 0);
+    s.rules[HIGH].velocity.type = boundary_find("slip");
+    open_channel(&s, slipping);
+    ok(gas_totals(s.gas, before));
+    go(&s, 1, dt);
+    ok(gas_totals(s.gas, after));
+    close_scene(&s);
+    const double stress = (before[1] - after[1]) / (dt * area), lost = (before[3] - after[3]) / (dt * area);
+    return larger(fabs(stress / dragged() - 1), fabs(lost / loss() - 1));
+}
+
+/* Drag and losses are those of the gas on the wall itself. */
+static void friction_counts_at_the_wall(void **state) {
+    (void)state;
+    double coarse = slipping_error(16), fine = slipping_error(32);
+    assert_near(fine, 0, 1e-3);
+    assert_near(log2(coarse / fine), 2, 0.1);
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return 1;
@@ -297,6 +400,9 @@ int main(int argc, char **argv) {
         cmocka_unit_test(weight_counts_at_the_wall),
         cmocka_unit_test(elastic_walls_are_adiabatic),
         cmocka_unit_test(cold_walls_leave_heat),
+        cmocka_unit_test(friction_has_limits),
+        cmocka_unit_test(friction_heats_the_gas),
+        cmocka_unit_test(friction_counts_at_the_wall),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);

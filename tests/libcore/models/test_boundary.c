@@ -1,4 +1,4 @@
-/* Every boundary type: the ghost values it makes of a line of cells. */
+/* Every boundary type: the ghost values it makes of a line of cells, and what walls do to a gas with transport. */
 #include "tests/libcore/oracle.h"
 
 #include "libcore/models/boundary.h"
@@ -28,7 +28,7 @@ static void walls(void **state) {
     for (int k = 0; k < boundary_count; k++) {
         if (!boundary_table[k].wall) continue;
         const char *name = boundary_table[k].model.name;
-        const bool whole = !boundary_is_smooth(&boundary_table[k]);
+        const bool whole = !boundary_table[k].scalar; /* it holds the gas, and is for velocities only */
         ghosts_of(name, 3, 1, NULL, out);
         check(out, 1, -5, -6, 7, -8);
         if (whole)
@@ -65,12 +65,154 @@ static void values_per_face(void **state) {
 
 static void names(void **state) {
     (void)state;
-    assert_int_equal(boundary_count, 9); /* a new row needs its test here */
+    assert_int_equal(boundary_count, 10); /* a new row needs its test here */
     for (int k = 0; k < boundary_count; k++) {
         assert_ptr_equal(boundary_find(boundary_table[k].model.name), &boundary_table[k]);
         assert_true(boundary_table[k].scalar || boundary_table[k].vector);
     }
     assert_null(boundary_find("wall"));
+}
+
+/* What a case must give for each row fits the room of a rule: numbers and vectors, with a range. */
+static void parameters(void **state) {
+    (void)state;
+    for (int k = 0; k < boundary_count; k++)
+        for (int i = 0; i < boundary_table[k].model.nparam; i++) {
+            const struct param *p = &boundary_table[k].model.param[i];
+            const size_t size = p->kind == PARAM_VECTOR ? 3 * sizeof(double) : sizeof(double);
+            assert_true(p->kind == PARAM_VECTOR || p->kind == PARAM_NUMBER);
+            assert_true(p->offset % sizeof(double) == 0 && p->offset + size <= sizeof(struct own_params));
+            assert_true(isnan(p->standard) && p->low < p->high);
+        }
+}
+
+/* ---- walls of a gas with transport ---- */
+
+enum { CELLS = 4 };
+static const double RHO[CELLS] = {30, 60, 1, 80}, TEMPERATURE[CELLS] = {1, 0.3, 20, 1e-3}, PUSH[CELLS] = {0, 3, -2, 0},
+                    SLIP[CELLS] = {4, 0.01, 100, 0}, SHEAR[CELLS] = {0.7, 3, 0.2, 1}, HEAT[CELLS] = {2, 5, 0.8, 3};
+
+struct found { /* at walls of the rules, cells at d/2 from them */
+    double drag[CELLS], heat[CELLS], surface[CELLS], pressure[CELLS];
+};
+static struct found at_walls(const struct patch_rules *r, double distance) {
+    static const int face[CELLS] = {0, 1, 2, 3};
+    const struct eos *eos = eos_find("TorquatoDisks");
+    const struct material m = grains_of(eos, 0.9, 0.1);
+    double d[CELLS], eps[CELLS], square[CELLS], gruneisen[CELLS];
+    struct wall_line line = {.n = CELLS,
+                             .face = face,
+                             .eos = eos,
+                             .material = &m,
+                             .rho = RHO,
+                             .T = TEMPERATURE,
+                             .push = PUSH,
+                             .d = d,
+                             .shear = SHEAR,
+                             .heat = HEAT,
+                             .slip = SLIP};
+    struct found f;
+    for (int i = 0; i < CELLS; i++) {
+        d[i] = distance;
+        eps[i] = TEMPERATURE[i] / (m.gamma - 1);
+    }
+    wall_shares(r, &line, f.drag, f.heat);
+    eos->state(&m, CELLS, RHO, eps, f.pressure, square, gruneisen);
+    for (int i = 0; i < CELLS; i++) {
+        f.surface[i] = line.surface[i];
+        f.pressure[i] += 0.5 * distance * RHO[i] * PUSH[i];
+    }
+    return f;
+}
+
+/* Rules of a wall, all parameters 0.3, all values 0.5. */
+static struct patch_rules rules_of(const struct boundary_type *U, const struct boundary_type *T) {
+    const struct rule rule = {.params = {{0.3, 0.3, 0.3}}, .uniform = {0.5, 0.5, 0.5}};
+    struct patch_rules r = {.velocity = rule, .temperature = rule};
+    r.velocity.type = U;
+    r.temperature.type = T;
+    return r;
+}
+
+/* Each wall with each row for T: shares are those of a jump to the wall at half the distance at most, and what walls
+ * say of themselves holds. */
+static void shares(void **state) {
+    (void)state;
+    int sliding = 0;
+    for (int u = 0; u < boundary_count; u++)
+        for (int t = 0; t < boundary_count; t++) {
+            const struct boundary_type *U = &boundary_table[u], *T = &boundary_table[t];
+            const struct patch_rules r = rules_of(U, T);
+            if (!U->vector || !T->scalar || !patch_is_wall(&r)) continue;
+            assert_false(patch_needs_values(&r));
+            assert_true(wall_drags(&r) == !boundary_is_smooth(U));
+            sliding += wall_slides(&r);
+            const struct found f = at_walls(&r, 0.1);
+            for (int i = 0; i < CELLS; i++) {
+                assert_true(wall_drags(&r) ? f.drag[i] > 0 && f.drag[i] <= 2 : f.drag[i] == 0);
+                assert_true(wall_holds(&r) == (f.drag[i] == 2));
+                assert_true(wall_conducts(&r) ? f.heat[i] > 0 && f.heat[i] <= 2 : f.heat[i] == 0);
+                assert_true(f.surface[i] > 0);
+            }
+        }
+    assert_true(sliding > 0);
+}
+
+/* The stress on the wall of Johnson & Jackson is that of impacts with gas that slips there, and of the heat that comes
+ * with it impacts take theirs: up to what three rounds leave. */
+static void friction_and_losses_balance(void **state) {
+    (void)state;
+    const double phi = 0.6, e = 0.7, pi = acos(-1);
+    const struct boundary_type *rough = boundary_find("JohnsonJacksonSlip");
+    struct patch_rules r = rules_of(rough, rough);
+    double most[2] = {0, 0};
+    memcpy(&r.velocity.params, (double[]){phi, e}, 2 * sizeof(double));
+    memcpy(&r.temperature.params, (double[]){phi, e}, 2 * sizeof(double));
+    for (int fine = 0; fine < 2; fine++) {
+        const double d = fine ? 0.005 : 0.01;
+        const struct found f = at_walls(&r, d);
+        for (int i = 0; i < CELLS - 1; i++) { /* the last one does not slip */
+            const double u = sqrt(SLIP[i]), stress = f.drag[i] * SHEAR[i] * u / d;
+            const double slip = u - stress * d / (2 * SHEAR[i]);
+            const double hits = f.pressure[i] / sqrt(2 * pi * f.surface[i]);
+            const double loss = (1 - e * e) * hits * f.surface[i];
+            const double into = 2 * HEAT[i] / d * (TEMPERATURE[i] - f.surface[i]) + stress * slip;
+            most[fine] = larger(most[fine], larger(fabs(stress / (phi * hits * slip) - 1), fabs(into / loss - 1)));
+        }
+    }
+    print_message("rest: %.2g, %.2g\n", most[0], most[1]);
+    assert_true(most[1] < 1e-3);
+    assert_true(most[1] < most[0] / 4);
+}
+
+/* In both limits, to the bit; a wall of the same restitution takes the same heat. */
+static void friction_has_limits(void **state) {
+    (void)state;
+    const struct boundary_type *rough = boundary_find("JohnsonJacksonSlip"), *takes = boundary_find("granularWall");
+    struct patch_rules r = rules_of(rough, rough), other = rules_of(boundary_find("slip"), takes);
+    for (int full = 0; full < 2; full++) {
+        r.velocity.params.room[0] = full ? 1e40 : 0;
+        if (full) other.velocity.type = boundary_find("noSlip");
+        const struct found a = at_walls(&r, 0.1), b = at_walls(&other, 0.1);
+        assert_memory_equal(a.drag, b.drag, sizeof a.drag);
+        assert_memory_equal(a.heat, b.heat, sizeof a.heat);
+    }
+}
+
+/* One wall, one set of coefficients. */
+static void rough_walls_object(void **state) {
+    (void)state;
+    const struct boundary_type *rough = boundary_find("JohnsonJacksonSlip");
+    struct patch_rules r = rules_of(rough, rough);
+    assert_null(rough->objection(&r));
+    r.temperature.params.room[1] = 0.31;
+    assert_non_null(rough->objection(&r));
+    r.temperature.type = boundary_find("granularWall");
+    assert_non_null(rough->objection(&r));
+    r.temperature.type = boundary_find("fixedValue");
+    assert_null(rough->objection(&r));
+    r = rules_of(boundary_find("noSlip"), rough);
+    assert_non_null(rough->objection(&r));
 }
 
 int main(void) {
@@ -79,6 +221,11 @@ int main(void) {
         cmocka_unit_test(open_ends),
         cmocka_unit_test(values_per_face),
         cmocka_unit_test(names),
+        cmocka_unit_test(parameters),
+        cmocka_unit_test(shares),
+        cmocka_unit_test(friction_and_losses_balance),
+        cmocka_unit_test(friction_has_limits),
+        cmocka_unit_test(rough_walls_object),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

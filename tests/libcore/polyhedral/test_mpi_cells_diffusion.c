@@ -264,6 +264,94 @@ static void mirrors_continue_shear(void **state) {
     }
 }
 
+/* ---- walls with friction -------------------------------------------------------------------------------------------
+ */
+
+static struct rule rubbing(double specularity, double restitution, double along) {
+    return (struct rule){
+        .type = boundary_find("JohnsonJacksonSlip"), .params = {{specularity, restitution}}, .uniform = {0, along}};
+}
+
+/* Between walls x = 0 and 1 that drag gas of T = 2 with the stress of a linear velocity: exact on any mesh. */
+static void linear_slip_is_steady(void **state) {
+    (void)state;
+    const double rho = 0.7, T = 2, rate = 3, specularity = 0.4;
+    for (int b = 0; b < ROUGH; b++) {
+        struct cells_recipe r = rough[b];
+        struct scene s;
+        double eps = T, p, square, gruneisen;
+        r.cyclic[1] = r.cyclic[2] = true;
+        choose(&s, r.dim, "slip", &CONSTANT);
+        eps /= s.models.material.gamma - 1;
+        s.models.eos->state(&s.models.material, 1, &rho, &eps, &p, &square, &gruneisen);
+        const double slip = VISCOSITY * rate / (specularity * p / sqrt(2 * acos(-1) * T));
+        for (int i = 0; i < 2; i++) {
+            s.rules[i].velocity = rubbing(specularity, 1, i ? rate + slip : -slip);
+            s.rules[i].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {T}};
+        }
+        open_cells(&s, world, &r);
+        start(&s, sheared);
+        double *before = state_of(&s, world), *after;
+        shear(&s, 0.5 * stable(&s));
+        after = state_of(&s, world);
+        for (int i = 0; i < (s.dim + 1) * s.cells; i++)
+            if (!(fabs(after[i] - before[i]) < 1e-13)) fail_msg("%s: %g", r.name, after[i] - before[i]);
+        free(before);
+        free(after);
+        close_scene(&s);
+    }
+}
+
+/* Without specularity walls slip, with all there is they hold the gas. */
+static void friction_has_limits(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2 * ROUGH; kind++) {
+        const bool full = kind % 2;
+        double *end[2], most = 0;
+        int numbers = 0;
+        for (int i = 0; i < 2; i++) {
+            struct scene s;
+            choose(&s, rough[kind / 2].dim, full ? "noSlip" : "slip", transport_find("JenkinsRichman"));
+            for (int p = 0; p < 6 && i == 0; p++) s.rules[p].velocity = rubbing(full ? 1e40 : 0, 1, 0);
+            open_cells(&s, world, &rough[kind / 2]);
+            start(&s, manufactured_fields);
+            spread(&s, 2, 20 * stable(&s));
+            end[i] = state_of(&s, world);
+            numbers = (s.dim + 2) * s.cells;
+            close_scene(&s);
+        }
+        for (int i = 0; i < numbers; i++) most = larger(most, fabs(end[0][i] - end[1][i]));
+        if (!(most < 1e-11)) fail_msg("%s: %g", rough[kind / 2].name, most);
+        free(end[0]);
+        free(end[1]);
+    }
+}
+
+/* What gas that slips along a wall x = 1 gets as energy is its momentum times the wall's speed. */
+static void friction_heats_the_gas(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2 * ROUGH; kind++) {
+        const double speed = kind % 2 ? 0.7 : 0;
+        struct cells_recipe r = rough[kind / 2];
+        struct scene s;
+        double before[MAX_VAR], after[MAX_VAR];
+        r.cyclic[1] = r.cyclic[2] = true;
+        choose(&s, r.dim, "slip", transport_find("JenkinsRichman"));
+        s.rules[1].velocity = rubbing(0.6, 1, speed);
+        open_cells(&s, world, &r);
+        start(&s, manufactured_fields);
+        ok(gas_totals(s.gas, before));
+        spread(&s, 4, 10 * stable(&s));
+        run(&s, 2, 0.3);
+        ok(gas_totals(s.gas, after));
+        const int energy = r.dim + 1;
+        assert_true(fabs(after[0] - before[0]) < 1e-14 * before[0]);
+        assert_true(fabs(after[2] - before[2]) > 1e-7 * before[0]);
+        assert_true(fabs(after[energy] - before[energy] - speed * (after[2] - before[2])) < 1e-13 * before[energy]);
+        close_scene(&s);
+    }
+}
+
 /* ---- against the tiles ---------------------------------------------------------------------------------------------
  */
 
@@ -277,6 +365,10 @@ static double difference(int dim, int n, const char *wall, double time) {
         for (int p = 0; p < 2; p++)
             s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
         s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
+        if (strcmp(wall, "JohnsonJacksonSlip") == 0) {
+            for (int p = 0; p < 6; p++) s[i].rules[p].velocity = rubbing(0.7, 0.8, 0);
+            s[i].rules[3].temperature = rubbing(0.7, 0.8, 0);
+        }
         if (strcmp(wall, "noSlip") == 0)
             s[i].rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0.5}}};
         if (i)
@@ -314,10 +406,13 @@ static double difference(int dim, int n, const char *wall, double time) {
 static void boxes_are_a_lattice(void **state) {
     (void)state;
     for (int dim = 1; dim <= 3; dim++) assert_true(difference(dim, dim == 3 ? 8 : 16, "slip", 0.02) < 1e-12);
-    const double coarse = difference(2, 16, "noSlip", 0.02), fine = difference(2, 32, "noSlip", 0.02);
-    print_message("at walls that drag: %g, %g\n", coarse, fine);
-    assert_true(fine < 0.3 * coarse);
-    assert_true(fine < 2e-3);
+    static const char *const drags[] = {"noSlip", "JohnsonJacksonSlip"};
+    for (int i = 0; i < 2; i++) {
+        const double coarse = difference(2, 16, drags[i], 0.02), fine = difference(2, 32, drags[i], 0.02);
+        print_message("at walls of type %s: %g, %g\n", drags[i], coarse, fine);
+        assert_true(fine < 0.3 * coarse);
+        assert_true(fine < 2e-3);
+    }
 }
 
 /* ---- what must not happen ------------------------------------------------------------------------------------------
@@ -420,6 +515,9 @@ int main(int argc, char **argv) {
         cmocka_unit_test(linear_temperature_is_steady),
         cmocka_unit_test(layers_conduct_one_behind_the_other),
         cmocka_unit_test(mirrors_continue_shear),
+        cmocka_unit_test(linear_slip_is_steady),
+        cmocka_unit_test(friction_has_limits),
+        cmocka_unit_test(friction_heats_the_gas),
         cmocka_unit_test(boxes_are_a_lattice),
         cmocka_unit_test(totals_are_conserved),
         cmocka_unit_test(bits_know_no_ranks),

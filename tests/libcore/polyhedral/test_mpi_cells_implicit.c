@@ -14,6 +14,7 @@ static void choose(struct scene *s, int dim, const struct transport *law, bool m
         s->rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3 + p}};
     s->rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
     if (mirrors) return;
+    s->rules[0].velocity = (struct rule){.type = boundary_find("JohnsonJacksonSlip"), .params = {{0.6, 0.8}}};
     s->rules[1].velocity = (struct rule){.type = boundary_find("slip")};
     s->rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0.5}}};
 }
