@@ -28,7 +28,8 @@ static void walls(void **state) {
     for (int k = 0; k < boundary_count; k++) {
         if (!boundary_table[k].wall) continue;
         const char *name = boundary_table[k].model.name;
-        const bool whole = !boundary_table[k].scalar; /* it holds the gas, and is for velocities only */
+        const struct patch_rules wall = {.velocity = {.type = &boundary_table[k]}};
+        const bool whole = wall_holds(&wall); /* gas that sticks to the wall turns round, other gas is mirrored */
         ghosts_of(name, 3, 1, NULL, out);
         check(out, 1, -5, -6, 7, -8);
         if (whole)
