@@ -172,6 +172,7 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
                              .heat = heat,
                              .slip = slip};
     const long face = e->to > e->from ? e->to : e->from;
+    const bool slides = wall_slides(e->rules);
     if (!patch_is_wall(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step, over = face + i * e->step;
@@ -182,7 +183,7 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
         d[i] = width;
         shear[i] = width * width * faces[SHEAR * f->size + over];
         heat[i] = width * width * faces[CONDUCTION * f->size + over];
-        slip[i] = slip_at(g, e, i);
+        slip[i] = slides ? slip_at(g, e, i) : 0;
     }
     wall_shares(e->rules, &line, share[0], share[1]);
     for (int i = 0; i < e->n; i++) {

@@ -111,11 +111,12 @@ static void granular_heat(const struct rule *rule, const struct wall_line *l, do
 }
 
 /* The wall with friction of Johnson & Jackson (J. Fluid Mech. 176, 1987, p. 67). At a wall of hard grains n_w m T = p
- * at every density, and p/(m sqrt(2 pi T)) of them hit it per area and time. On average an impact gives the wall the
- * part phi, the specularity, of the grain's momentum along it: m s in gas that slips at s on the wall itself. So tau =
- * phi p/sqrt(2 pi T) s,  q = (1 - e^2) p sqrt(T/(2 pi)), q as above. The wall gets the work tau u_w of its own motion,
- * and q; the rest of what the stress takes off the gas, tau s, stays there as heat, so that with n into the gas  heat
- * dT/dn = q - tau s.
+ * at every density, and p/(m sqrt(2 pi T)) grains hit it per area and time. On average an impact gives the wall the
+ * part phi, the specularity, of the grain's momentum along it, which is m s in gas that slips at s on the wall itself:
+ *     tau = phi p/sqrt(2 pi T) s,  q = (1 - e^2) p sqrt(T/(2 pi)),
+ * with q as above. The wall gets the work tau u_w of its own motion, and q. The rest of what the stress takes off the
+ * gas, tau s, stays there as heat, so that with n into the gas
+ *     heat dT/dn = q - tau s.
  *
  * Johnson & Jackson estimate how often a grain in a layer on the wall hits it, sqrt(3 T) over a mean distance. For
  * spheres that gives, with A = rho_p alpha g0/alpha_max,
@@ -123,11 +124,11 @@ static void granular_heat(const struct rule *rule, const struct wall_line *l, do
  * for disks, whose layer has alpha^(1/2) in place of alpha^(2/3) and which move at sqrt(2 T), it would give
  *     tau = sqrt(2) pi/4 phi A sqrt(T) s,  q = sqrt(2) pi/4 (1 - e^2) A T^(3/2).
  * In dense gas, where p = 4 rho_p alpha^2 g0 T (disks: 2), the factor of phi rho_p alpha g0 sqrt(T) s is 1.60 alpha
- * here (disks: 0.80 alpha) and 0.91/alpha_max there (1.11/alpha_max): close to alpha_max = 0.64 it is 1.02
- * against 1.42, and 0.65 against 1.35 of disks close to 0.82; their q is twice ours there. In thin gas, where the
- * frequency of impacts is not in doubt, their tau is 3.6 times ours (disks: 3.4). The count of impacts above is exact
- * for elastic grains at all densities, and the same for disks and spheres, so it is taken for both; coefficients fitted
- * with theirs are to be scaled. */
+ * here (disks: 0.80 alpha) and 0.91/alpha_max there (1.11/alpha_max): close to alpha_max = 0.64 it is 1.02 against
+ * 1.42, and 0.65 against 1.35 of disks close to 0.82; their q is twice ours there. In thin gas, where the frequency of
+ * impacts is not in doubt, their tau is 3.6 times ours (disks: 3.4). The count of impacts above is exact for elastic
+ * grains at all densities, and the same for disks and spheres, so it is taken for both; coefficients that were fitted
+ * with their factors are to be scaled. */
 struct rough_wall {
     double specularity, restitution;
 };
@@ -219,7 +220,7 @@ bool boundary_is_smooth(const struct boundary_type *t) {
 }
 
 bool boundary_takes(const struct boundary_type *t, int components) {
-    return components == 3 ? t->vector : t->scalar;
+    return t && (components == 3 ? t->vector : t->scalar);
 }
 
 const char *boundary_value(const struct boundary_type *t, int components) {

@@ -156,7 +156,7 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
             push[i] += g->pull[k] * m->mirror.normal[k][from + i];
             d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][at]) * m->mirror.normal[k][from + i];
         }
-        slip[i] = patch_is_wall(r) ? slip_at(g, r, from + i, U) : 0;
+        slip[i] = wall_slides(r) ? slip_at(g, r, from + i, U) : 0;
     }
     if (!patch_is_wall(r)) return;
     wall_shares(r, &line, drag + from, heat + from);
@@ -213,10 +213,10 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
     }
 }
 
-/* Of the derivatives along the wall; the one across it is the cell's. Those of velocities along the wall are the
- * cell's. Those of the velocity across it are turned where gas slips, as it is 0 on the wall; where it is held they are
- * the cell's, which keep the operator symmetric (libcore/polyhedral/cells_gradient.c); between, by the share of drag.
- */
+/* Gives mirrors their derivatives along the wall; those across the wall are the cell's. Derivatives of velocities along
+ * the wall are the cell's, too. Those of the velocity across the wall are turned where gas slips, as that velocity is 0
+ * on the wall; where gas is held they are the cell's, which keeps the operator symmetric
+ * (libcore/polyhedral/cells_gradient.c); between these two the share of drag decides. */
 static void mirror_gradients_run(const struct gas *g, int from, int n, const double *share, double *const *gradient) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];

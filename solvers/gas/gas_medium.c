@@ -126,7 +126,7 @@ static double gas_memory(const struct medium *medium) {
     const struct forest *f = s->grid->forest;
     const struct polyhedra *m = s->grid->polyhedra;
     if (f) { /* five variables of states and scratch; with transport struct diffuser */
-        const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 5) + 3 : 0;
+        const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 5) + 5 : 0;
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
     }
     const int dim = m->dim, degree = of(medium)->models->gas.polynomial->degree;
