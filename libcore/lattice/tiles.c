@@ -1,4 +1,5 @@
-/* The gas on a forest of tiles: making and filling its state, and what the outside may ask of it. */
+/* The gas on a lattice: the memory of its tiles, state in and out, rows of cells, fields, wave speeds, totals; and the
+ * table of the engine's hooks. */
 #include "libcore/lattice/tiles.h"
 
 #include <stdlib.h>
@@ -112,7 +113,7 @@ static status tiles_get_conserved(const struct gas *g, double *const U[MAX_VAR])
     return OK;
 }
 
-struct hand_over { /* a run of cells of a tile, to a visitor of rows */
+struct hand_over { /* hands runs of a tile's cells to a visitor of rows */
     row_visitor *visit;
     void *context;
     int tile;
@@ -143,7 +144,7 @@ static void tiles_keep_as(const struct gas *g, const struct state *from, const s
         memcpy(to->varied[t], from->varied[t], bytes);
 }
 
-struct reading { /* of one field, run by run */
+struct reading { /* one field being read, run by run */
     const struct gas *g;
     const double *U;
     double *out[3];
@@ -159,7 +160,7 @@ static void field_visit(void *context, long offset, int n) {
     r->at += n;
 }
 
-struct placing { /* consecutive values from or to a tile's block */
+struct placing { /* consecutive values that go from or to the cells of a tile's block */
     double *values, *block;
 };
 static void take_visit(void *context, long offset, int n) {
@@ -237,7 +238,7 @@ KERNEL static void rate_row(int n, double inverse, const double *restrict u, con
     for (int i = 0; i < n; i++) rate[i] += (fabs(u[i]) + c[i]) * inverse;
 }
 
-/* The maximum, eight lanes at a time; a maximum does not depend on the order. */
+/* The largest of n numbers >= 0, eight lanes at a time; a maximum does not depend on the order. */
 KERNEL static double largest(int n, const double *restrict a) {
     double lane[8] = {0}, most = 0;
     int i = 0;

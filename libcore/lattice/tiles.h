@@ -11,7 +11,7 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F */
 };
-struct span { /* columns low <= i < high of a row */
+struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
 };
 #define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
@@ -21,9 +21,10 @@ static inline bool span_empty(struct span s) {
 static inline struct span span_join(struct span a, struct span b) {
     return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
 }
-struct activity { /* of the tile in hand: what differs from its background, what a stage computes, what that needs */
-    int rows;     /* of a tile with its ghosts, along axis 1 */
-    int nspans;   /* rows * rows along axis 2 */
+struct activity { /* spans of the tile in hand: cells that differ from its background, that a stage computes, that the
+                     fluxes of those read */
+    int rows;     /* most rows of a tile with its ghosts along axis 1 */
+    int nspans;   /* rows times the same along axis 2 */
     struct span *differ, *active, *needed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
@@ -75,18 +76,20 @@ void blocks_free(const struct forest *f, double **blocks);
 typedef void run_visitor(void *context, long offset, int n);
 void runs_visit(const struct forest *f, const struct tile *tile, int margin, run_visitor *visit, void *context);
 
-/* Nothing is background: all cells are in memory. */
+/* Makes all cells varied: none is background. */
 void activity_reset(const struct gas *g, const struct state *s);
-/* Narrows the spans of a tile to the cells that differ; finds a background if there was none. Is there any? */
+/* Narrows the spans of a tile to the cells that differ from its background, or finds a background if there was none.
+ * Returns whether there is a background. */
 bool activity_find(const struct gas *g, int tile, const struct state *s);
-/* Before a ghost fill: finds the quiet sides, and writes the layers that others will read. */
+/* Before a ghost fill: finds the quiet sides of all tiles, and writes out the layers of cells that others will read. */
 void activity_prepare(struct gas *g, const struct state *s);
-/* After the ghost fill of `from`: the cells that differ from their stencil somewhere, or in U0 (active), and the cells
- * that the fluxes of those need. Returns false if there are none. */
+/* After the ghost fill of `from`: finds a tile's active cells, whose stencil holds a cell that differs or which U0
+ * keeps, and the cells that their fluxes need. Returns false if there are none. */
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from);
-/* Turns the cells of a tile that are background into cells in memory, so that they may change one by one. */
+/* Makes the background cells of a tile varied cells, so that they may change one by one. */
 void activity_unfold(const struct gas *g, int tile, const struct state *s);
-/* Writes the background where it is to be read: in the spans of rows (margin: with ghosts), or in the whole tile. */
+/* Writes the background out to cells that are to be read: to given spans of rows (margin: of ghosts, too), or to the
+ * whole tile. */
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
 void activity_store_all(const struct gas *g, int tile, const struct state *s);
 struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
@@ -111,7 +114,7 @@ void speed_visit(void *speeds, long offset, int n);
 /* Centre of the cell at `offset` of a tile, m */
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
 
-/* Ghost layers of one tile's sides that are patches. */
+/* Fills the ghost layers of a tile's sides that are patches, by the patches' rules. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not

@@ -33,19 +33,19 @@ void tiles_diffuser_free(struct gas *g) {
     free(d);
 }
 
-struct coefficients { /* what its row visitor needs */
+struct coefficients { /* what coefficient_visit and ahead_visit need */
     const struct gas *g;
     const double *U;
     double *warm;
 };
 
-/* T of a row of U; velocity and eps go to the workspace. */
+/* T of n cells at `offset` of a block U; their velocity and eps go to the workspace. */
 static void temperature_of_row(const struct gas *g, const double *U, long offset, int n, double T[BATCH]) {
     velocities_of_row(g, U, offset, n);
     for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]);
 }
 
-/* Of the cells of a row, into the scratch lines p, c and gruneisen: bulk, shear, heat. */
+/* The coefficients bulk, shear and heat of a run of cells go to the scratch lines p, c and gruneisen. */
 static void coefficient_visit(void *context, long offset, int n) {
     const struct coefficients *v = context;
     const struct gas *g = v->g;
@@ -59,10 +59,10 @@ static void coefficient_visit(void *context, long offset, int n) {
 }
 
 ALWAYS_INLINE double harmonic(double a, double b) {
-    return 2 * a * b / (a + b + 1e-300); /* 0 of zeros */
+    return 2 * a * b / (a + b + 1e-300); /* two zeros give 0 */
 }
 
-/* Faces below n cells; `trace`: 2/d */
+/* Coefficients of the faces below n cells; `trace`: 2/d */
 KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
                                      const double *restrict bulk, const double *restrict shear,
                                      const double *restrict heat, double *restrict face) {
@@ -95,7 +95,7 @@ static void tile_faces(struct gas *g, int tile) {
     }
 }
 
-/* A row's share of the rates from its faces along one axis. */
+/* Adds what the faces along one axis bring to the rates of a row. */
 KERNEL static void add_rates(int n, long step, long size, const double *restrict face, double (*restrict sum)[BATCH]) {
     const double *restrict normal = face + NORMAL * size, *restrict heat = face + CONDUCTION * size;
     for (int i = 0; i < n; i++) {

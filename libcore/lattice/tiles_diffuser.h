@@ -6,26 +6,26 @@
 #include "libcore/gas/patch.h"
 #include "libcore/lattice/tiles.h"
 
-/* Lines of the coefficients of the face below a cell along an axis, h the width of a cell there:
- * (lambda + 2 mu)/h^2, mu/h^2, heat/h^2. */
+/* Three lines per axis: coefficients of the face below a cell, (lambda + 2 mu)/h^2, mu/h^2, heat/h^2 with the width h
+ * of a cell along the axis. */
 enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
 /* Lines at the ghosts beyond walls, from wall_shares: the share of drag, and the part of the heat of friction on the
  * wall that stays in the gas. (The share of heat is in the coefficients.) */
 enum { DRAG, STAYS, WALL_LINES };
 
-struct diffuser {      /* of diffusion: [ntiles] of so many lines of [size] */
-    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and of the one before */
-    double **start;    /* dim: q_0, the same */
+struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
+    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and S of the stage before */
+    double **start;    /* dim: q_0, with one layer of ghosts */
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
-    double **face;     /* of each axis FACE_LINES: coefficients of the face below a cell */
-    double **light;    /* 1/rho */
-    double **keep;     /* of each axis, if `plain`: 0 where the tangential derivatives do not count, else 1 */
+    double **face;     /* FACE_LINES * dim: coefficients of the face below a cell */
+    double **light;    /* 1: 1/rho */
+    double **keep;     /* dim: while `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
     double **wall;     /* WALL_LINES */
-    double **mark;     /* 1: cells that were not admissible */
-    double **warm;     /* T of the coefficients, or what it rose by; with one layer of ghosts */
-    bool marked;       /* any? */
-    bool plain;        /* until the next rates */
-    int last;          /* sum of the last stage */
+    double **mark;     /* 1: > 0 in cells that were not admissible */
+    double **warm;     /* 1: T of the coefficients, then T(to)/T (diffusion_hooks.ahead); with one layer of ghosts */
+    bool marked;       /* is any mark up? */
+    bool plain;        /* `keep` counts, until the next rates */
+    int last;          /* which of the two sums is that of the last stage */
 };
 
 /* Components of u, or T alone. */
@@ -33,12 +33,12 @@ static inline int lines_of(const struct gas *g, enum diffusing what) {
     return what == VISCOUS ? g->dim : 1;
 }
 
-/* Half of a central difference; quarter: 1/(4 h) */
+/* Half of a central difference of the width h of cells; quarter: 1/(4 h) */
 ALWAYS_INLINE double half_derivative(const double *q, long step, double quarter) {
     return (q[step] - q[-step]) * quarter;
 }
 
-struct edge { /* n cells along a side: offsets of the first one and of its ghost, from cell to cell `step` */
+struct edge { /* n <= BATCH cells along a side: offsets of the first cell and of its ghost; `step` from cell to cell */
     const struct patch_rules *rules;
     const int *face; /* [n] within the patch */
     int normal, n;

@@ -1,17 +1,17 @@
-/* Viscous stress and heat conduction on a forest of tiles, second order: fluxes on the faces from the jumps across
- * them, tangential derivatives of velocity as means of the two cells' central differences. These need the neighbours'
- * own neighbours, so the gradients get ghosts by a fill of their own, and at a wall by the wall's rule for velocity. */
+/* Viscous stress and heat conduction on a lattice, second order: fluxes on the faces from the jumps across them, with
+ * the tangential derivatives of velocity as means of the two cells' central differences. Tangential derivatives need
+ * the neighbours' own neighbours, so they have ghosts of their own (tiles_sums.c). */
 #include "libcore/lattice/tiles_diffuser.h"
 
-enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: its first cell, and doubles */
+enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its first cell, and length */
 
-/* Rows in whole vectors, without a rest cell by cell: beyond the row there are ghosts, which are filled again before
- * they are read, and padding, where 1/rho is 0. */
+/* The cells of a row in whole vectors of 8. What is computed beyond the row does no harm: it goes to ghosts, which are
+ * filled again before they are read, and to padding, where 1/rho is 0. */
 static int padded(int n) {
     return (n + 7) / 8 * 8;
 }
 
-struct sweep { /* of a tile */
+struct sweep { /* one stage of a tile, or its end */
     struct gas *g;
     enum diffusing what;
     int tile;
@@ -47,12 +47,14 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     s->bad += row_inadmissible(g, s->to, at, n, g->tiles->diffuser->mark[s->tile]);
 }
 
-/* S of the next stage, in place of the one before the last. c: of S, of that, of the gain over rho, of q_0. */
+/* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
+ * the gain over rho, and of q_0. */
 ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
     return (c[0] * last + c[1] * before) + (c[2] * (gain * light) + c[3] * start);
 }
 
-/* What conduction brings to a cell; lines stand there. Sums of terms that a swap of axes or a mirror exchanges. */
+/* What conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges are added
+ * without fma. */
 ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
     double sum = 0;
     for (int axis = 0; axis < dim; axis++) {
@@ -100,7 +102,7 @@ ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *
     for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, step, quarter);
 }
 
-/* The gradients of a row of cells; of a row of ghosts, the derivatives along it. */
+/* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. */
 ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, int j, int k, const double *S,
                                  const double *ghosts, double *out) {
     const long at = f->first + j * f->stride[1] + k * f->stride[2];
@@ -149,7 +151,8 @@ ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, double h, 
     }
 }
 
-/* What a cell gains by its faces: of lines along axis 0, and of those below and above it along the others. */
+/* What a cell gains by its faces: x holds the faces of a row along axis 0, y0 and z0 those below it, y1 and z1 those
+ * above it along the other axes. */
 ALWAYS_INLINE double gain(int dim, int i, const double *x, const double *y0, const double *y1, const double *z0,
                           const double *z1) {
     double sum = x[i + 1] - x[i];
@@ -172,7 +175,8 @@ ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const doub
         next[i] = next_sum(c, last[i], next[i], gain(dim, i, x, y0, y1, z0, z1), light[i], start[i]);
 }
 
-/* Gradients of a row, and faces below it along axis 1, serve two rows: those of odd and even rows in turn. */
+/* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
+ * rows in turn. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;
@@ -314,7 +318,7 @@ static void plain_faces(struct gas *g, int tile) {
     }
 }
 
-/* Flags count from here on, the same on both sides of a face. */
+/* Flags are shared first, so that they count the same on both sides of a face between tiles. */
 long tiles_diffusion_flags(struct gas *g, bool keep) {
     const size_t bytes = (size_t)g->forest->size * sizeof(double);
     for (int t = 0; t < g->forest->ntiles && g->tiles->diffuser->marked; t++) {

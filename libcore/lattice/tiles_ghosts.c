@@ -2,7 +2,7 @@
 #include "libcore/gas/patch.h"
 #include "libcore/lattice/tiles.h"
 
-struct line { /* a run of cells along a side of a tile */
+struct line { /* a run of cells along a side of a tile, and their ghosts in one layer */
     struct patch_line patch;
     long step;        /* from cell to cell */
     long first, from; /* offsets of the first cell inside and of the cell that the ghost is made from */

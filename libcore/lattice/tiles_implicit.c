@@ -1,11 +1,12 @@
-/* What implicit diffusion wants to know of a forest of tiles. Cells are numbered tile by tile, along rows. */
+/* The linear systems of implicit diffusion on a lattice: links between cells, matrix entries, unknowns. Cells are
+ * numbered tile by tile, along rows. */
 #include "libcore/lattice/tiles_diffuser.h"
 
 static int cells_of(const struct tile *t) {
     return t->n[0] * t->n[1] * t->n[2];
 }
 
-/* Is what lies beyond this face of the cell at i a patch? face: of 2 dim, as the sides of a tile */
+/* Does a patch lie beyond this face of the cell at i? face: 0 .. 2 dim - 1, as the sides of a tile */
 ALWAYS_INLINE bool at_patch(const struct tile *t, const int i[3], int face) {
     return t->side[face].patch >= 0 && i[face / 2] == (face % 2 ? t->n[face / 2] - 1 : 0);
 }
@@ -67,9 +68,9 @@ struct filling {
     const struct gas *g;
     enum diffusing what;
     const struct state *Y0;
-    double per; /* [factor of L] */
+    double per; /* factor of L in the matrix */
     int unknown;
-    double *rho, *E, *weight; /* the next ones */
+    double *rho, *E, *weight; /* where the next entries go */
 };
 
 /* What a rule makes of S = 1 beyond a side of the cell at `offset` where nothing is given. */

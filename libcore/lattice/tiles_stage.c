@@ -101,7 +101,7 @@ struct strip {
     int from; /* place of the first left cell along the axis: -1 below the tile */
 };
 
-/* A face between tiles is counted where its left cell is. */
+/* A limited face between two tiles is counted by the tile that holds its left cell. */
 static bool is_counted(const struct gas *g, const struct strip *s, int i) {
     return s->from + (s->axis == 0 ? i : 0) >= 0 || g->forest->tile[s->tile].side[2 * s->axis].patch >= 0;
 }
@@ -124,9 +124,9 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     }
 }
 
-/* Faces of packed cells at first order, in a gas whose slow impacts are elastic. There T is a millionth of u^2, an
- * undershoot of E by as little would leave the cell without pressure, and its neighbours would press it to packing: the
- * collapse that the threshold keeps away. */
+/* Takes the flux of first order at the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a
+ * millionth of u^2, so that an undershoot of E by as little would leave the cell without pressure, and its neighbours
+ * would press it to packing: the collapse that the threshold keeps away. */
 static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
                            int column) {
     double lower[MAX_VAR][BATCH];
@@ -196,7 +196,7 @@ static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
         difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
 }
 
-struct column { /* of rows along another axis, at place `outer` of the third one */
+struct column { /* rows one above the other along `axis`, at place `outer` of the third axis */
     int axis, outer;
     double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
 };
@@ -207,8 +207,8 @@ static struct span active_span(const struct gas *g, int tile, const struct colum
     return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
 }
 
-/* residual += the same for row j of a column, j from -1 on: the faces between rows j and j + 1 cover both rows' active
- * spans; those of the row before were kept. */
+/* Adds to the residual of row j of a column, j from -1 on, what its faces along the column's axis give. The faces
+ * between rows j and j + 1 cover the active spans of both; those below row j were kept from the call before. */
 static void sweep_column(struct gas *g, int tile, const double *U, struct column *c, int j) {
     const struct forest *f = g->forest;
     double inverse = 1 / f->width[c->axis];
@@ -222,7 +222,7 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
                        g->tiles->work.residual[v] + row + mine.low);
 }
 
-/* All rows, axis by axis. */
+/* All rows of a tile, axis by axis. */
 static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
     const int *n = g->forest->tile[tile].n;
     spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
@@ -240,8 +240,8 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
     spans_visit(g, tile, g->tiles->activity.active, 0, update_visit, update);
 }
 
-/* The same for two axes, row by row while a row is in L1: what it needs for both axes, its faces along axis 0, then the
- * faces along axis 1 whose stencil it completes, and the update of the row below them. */
+/* The same in 2D, row by row while a row is in L1: primitives and nodal fluxes of the row for both axes, its faces
+ * along axis 0, then the faces along axis 1 whose stencil the row completes, and the update of the row below these. */
 static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update *update) {
     struct activity *a = &g->tiles->activity;
     struct column column = {.axis = 1};

@@ -99,7 +99,7 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
     spans_visit(g, tile, s->varied[tile], 0, close_visit, c);
 }
 
-/* Ghosts travel while tiles that need none are computed. */
+/* One stage of all tiles: ghosts travel while the tiles that need none from other ranks are computed. */
 static long do_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                      double dt, struct closing *closing) {
     struct forest *f = g->forest;

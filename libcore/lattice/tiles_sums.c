@@ -2,7 +2,7 @@
  * along the sides of tiles. */
 #include "libcore/lattice/tiles_diffuser.h"
 
-/* The lines of q at the cells of an edge, or at its ghosts. */
+/* Copies the lines of q at the cells of an edge, or at its ghosts, to a batch. */
 static void take_edge(long size, long at, const struct edge *e, int components, const double *q, double (*out)[BATCH]) {
     for (int c = 0; c < components; c++)
         for (int i = 0; i < e->n; i++) out[c][i] = q[c * size + at + i * e->step];
@@ -13,7 +13,7 @@ static void put_edge(long size, const struct edge *e, int components, double (*i
         for (int i = 0; i < e->n; i++) q[c * size + e->to + i * e->step] = in[c][i];
 }
 
-struct beginning { /* what its row visitor needs */
+struct beginning { /* what begin_visit needs */
     const struct gas *g;
     enum diffusing what;
     const double *U;
@@ -21,7 +21,7 @@ struct beginning { /* what its row visitor needs */
     const double *friction, *cooled; /* 0 in ghosts */
 };
 
-/* q_0 of a row: velocity, or T less what friction is yet to make */
+/* q_0 of a run of cells: velocity, or T without the friction that is yet to be conducted */
 static void begin_visit(void *context, long offset, int n) {
     const struct beginning *b = context;
     const struct gas *g = b->g;
@@ -42,7 +42,7 @@ KERNEL static void first_sums(long n, double factor, const double *restrict star
     }
 }
 
-/* Does S beyond a side of the tile follow from q_0 there? */
+/* Does a patch of the tile hold values, so that S beyond it follows from q_0 there? */
 static bool beyond_counts(const struct gas *g, const struct tile *t) {
     bool counts = false;
     for (int side = 0; side < 2 * g->dim; side++)
@@ -83,7 +83,7 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     put_edge(size, e, lines, ghost, S);
 }
 
-/* Derivatives along a wall follow the wall's rule for velocity. */
+/* Ghosts of the derivatives along a patch: they follow its rule for velocity. */
 static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const long size = g->forest->size;
     double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH], share[1][BATCH];
@@ -105,7 +105,7 @@ static void gradient_edge(struct gas *g, int tile, const struct edge *e, const v
     }
 }
 
-/* Of the cells along the sides, for the ghosts beyond these: the derivatives along a side. */
+/* Derivatives along each side in the cells beside it, from which the ghosts beyond the side are made. */
 static void side_gradients(const struct forest *f, const struct tile *t, const double *S, double *out) {
     for (int side = 0; side < 2 * f->dim; side++) {
         const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;

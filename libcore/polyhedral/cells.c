@@ -1,4 +1,5 @@
-/* The gas on polyhedra: making and filling its state, sources, and what the outside may ask of it. */
+/* The gas on polyhedra: the memory of its cells, state in and out, rows of cells, fields, wave speeds, totals; and the
+ * table of the engine's hooks. */
 #include "libcore/polyhedral/cells.h"
 #include "libcore/gas/patch.h"
 
@@ -46,8 +47,9 @@ static void measure_cells(struct cells *c) {
     }
 }
 
-/* Quadratics have members enough to do without the mirrors of walls that drag or hold T: for rho, whose slope there is
- * that of T against it, and for what a wall that moves carries along, these would be wrong in first order. */
+/* At walls that drag the gas or hold its T a mirror image is a first-order error: p has no slope there, so rho has that
+ * of 1/T; and a moving wall carries gas along. The stencils of quadratics are large enough without the mirrors of such
+ * walls, so these are left out of the fit. */
 static status make_fit(struct gas *g) {
     struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
@@ -115,7 +117,7 @@ static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
         for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
 }
 
-/* Root's all <- a value per cell of mine. */
+/* Gathers a value per cell of this rank into the root's array of all cells, in polyMesh order. */
 static status gather(const struct gas *g, const double *value, double *all) {
     const struct cells *c = g->cells;
     for (int i = 0; i < c->polyhedra->nown; i++) c->line[i] = value[c->polyhedra->block_cell[i]];
@@ -181,7 +183,7 @@ static status cells_field(const struct gas *g, enum gas_field field, double *con
     return s;
 }
 
-struct primitives { /* of a batch */
+struct primitives { /* of a batch of cells */
     double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
 };
 
@@ -192,7 +194,8 @@ static void find_primitives(const struct gas *g, int n, const double *U, struct 
     root_row(n, q->c);
 }
 
-/* sum_k |u_k| girth_k + c total_girth: not below sum over faces of (|u_n| + c) A / (2 V); on boxes the tiles' rate. */
+/* rate = sum_k |u_k| girth_k + c total_girth, which is no less than the sum over the faces of (|u_n| + c) A / (2 V),
+ * and on boxes the rate of the lattice; fast = |u| + c */
 KERNEL static void rate_line(int n, int dim, const struct primitives *q, double *const girth[MAX_DIM],
                              const double *restrict total, double *restrict rate, double *restrict fast) {
     for (int i = 0; i < n; i++) {
@@ -247,7 +250,7 @@ static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, do
     for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
 }
 
-/* The integral of a line over the domain. */
+/* total <- the integral of a line over the domain */
 static status integrate(const struct gas *g, const double *line, double *total) {
     const struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;

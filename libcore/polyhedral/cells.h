@@ -1,4 +1,4 @@
-/* Inside of the gas on polyhedra: what cells*.c share. */
+/* Inside of the gas on polyhedra: what libcore/polyhedral/cells*.c share. */
 #ifndef LIBCORE_CELLS_H
 #define LIBCORE_CELLS_H
 
@@ -11,27 +11,27 @@
  * triangles sheared by 45 degrees, 33 where those are all alike. */
 enum { CELLS_STAGES = 127 };
 
-struct cells { /* lines are [size] of the polyhedra, or [faces] */
+struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces, nblocks: of struct polyhedra */
     struct polyhedra *polyhedra;
     const struct grid *grid;
     struct fit *fit;
-    double *inverse_volume; /* [nown] 1/m^dim */
+    double *inverse_volume; /* [nown] 1/V, 1/m^dim */
     double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
-    double *total_girth;    /* [nown] the same of A */
+    double *total_girth;    /* [nown] sum over the faces of A / (2 V), 1/m */
     double *flux[MAX_VAR];  /* [faces] through the whole face, from left to right, in the axes of the polyhedra */
     double *flag;           /* [size] > 0 where faces are to be limited */
-    double *limited;        /* [nown] how often that was so */
-    bool flagged;           /* is any flag up that this rank sees? */
-    double *sums;           /* [nblocks] */
-    double *line;           /* [nown] */
+    double *limited;        /* [nown] how often the cell was flagged */
+    bool flagged;           /* is any flag up on any rank? */
+    double *sums;           /* [nblocks] scratch of sums over blocks */
+    double *line;           /* [nown] scratch: values block by block */
     double **by_block;      /* [nblocks] into `line` */
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
 };
 
-/* Lines of a state's variables. */
+/* line[v] <- the line of variable v of a state */
 void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]);
 
-/* Writes the mirrors from <= i < to of the polyhedra into U. */
+/* Writes the states of the mirrors from <= i < to into U. */
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]);
 /* States beyond n points of a patch's faces: q -> ghost, conserved variables in the frames of the faces (normal first);
  * face, place: of each point. */

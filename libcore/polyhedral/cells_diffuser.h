@@ -1,4 +1,4 @@
-/* Inside of diffusion on polyhedra: what libcore/polyhedral/cells_diffusion.c holds. */
+/* Inside of diffusion on polyhedra: the memory of libcore/polyhedral/cells_diffusion.c. */
 #ifndef LIBCORE_CELLS_DIFFUSER_H
 #define LIBCORE_CELLS_DIFFUSER_H
 
@@ -9,19 +9,19 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *start[MAX_DIM];              /* q_0 */
     double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
     double *cell[3];                     /* bulk, shear, heat */
-    double *T;                           /* of the coefficients */
-    double *warm;                        /* T of the first half step, or what it rose by */
+    double *T;                           /* T at which the coefficients were taken */
+    double *warm;                        /* T of the coefficients, then T(to)/T (diffusion_hooks.ahead) */
     double *drag, *wall;                 /* [mirrors] shares of wall_shares, of drag and of heat; 0 where none */
     double *lift;                        /* [mirrors] what friction on a wall adds to T beyond it */
     bool slides;                         /* does gas slip along any wall that drags it? */
-    double *mark;                        /* 1: cells that were not admissible */
+    double *mark;                        /* > 0 in cells that were not admissible */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */
-    double *share;         /* of the way from the left centre to the right one that lies before the face */
-    double *rest[MAX_DIM]; /* r */
+    double *share;         /* fraction of the way from the left centre to the right one that lies before the face */
+    double *rest[MAX_DIM]; /* r = n - e/(n.e) */
     bool skewed;           /* is any r not 0? */
-    bool marked;           /* any mark? */
-    int last;              /* sum of the last stage */
+    bool marked;           /* is any mark up? */
+    int last;              /* which of the two sums is that of the last stage */
     struct rows weights;   /* of the gradients */
 };
 

@@ -8,9 +8,9 @@
 
 #include "libcore/polyhedral/cells_diffuser.h"
 
-static const double STEEP = 0.2;    /* n.e is taken as no less than this part of |e| */
-static const double MOST_RISE = 4;  /* of T ahead; a front that passes tells nothing of what follows */
-static const double CLOSEST = 0.05; /* a cell's centre to the face, as a part of both centres' distances */
+static const double STEEP = 0.2;    /* n.e counts as no less than this fraction of |e| */
+static const double MOST_RISE = 4;  /* T is extrapolated by at most this factor: at a passing front it says nothing */
+static const double CLOSEST = 0.05; /* least distance of a centre to the face, over that of both centres */
 
 static int lines_of(const struct gas *g, enum diffusing what) {
     return what == VISCOUS ? g->dim : 1;
@@ -25,7 +25,8 @@ static void lines_drop(double **line, int count) {
     for (int i = 0; i < count; i++) free(line[i]);
 }
 
-/* From the left centre to the right one; `before`: of it across the face. */
+/* e: from the left centre to the right one; across: its part along the normal; before: what of that lies on the left.
+ */
 static void measure_face(const struct polyhedra *m, int face, double e[MAX_DIM], double *across, double *before) {
     double length = 0;
     *across = *before = 0;
@@ -152,7 +153,7 @@ void cells_diffusion_ahead(struct gas *g, const struct state *to) {
     }
 }
 
-/* Of both ways from the centres to the face, one behind the other; 0 of zeros. */
+/* The coefficient of two ways one behind the other: `share` of the way with a, the rest with b. Two zeros give 0. */
 ALWAYS_INLINE double harmonic(double share, double a, double b) {
     return a * b / (share * b + (1 - share) * a + 1e-300);
 }
@@ -204,7 +205,8 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
 /* ---- S and its gradients ------------------------------------------------------------------------------------------
  */
 
-/* In ghosts and mirrors, too: rules may take q_0 from beyond, and the mirrors of ghosts from these. */
+/* q_0 and S_1 are set in ghosts and mirrors, too: rules may take q_0 from beyond a patch, and the mirrors of near
+ * ghosts are made from the ghosts. */
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->polyhedra->size;
@@ -233,10 +235,11 @@ static void find_gradients(struct gas *g, enum diffusing what, int from, int to)
 /* ---- fluxes and what they move ------------------------------------------------------------------------------------
  */
 
-struct sides { /* of a batch of faces */
+struct sides { /* a batch of faces, and the cells on both sides */
     int n;
     const int *left, *right;
-    const double *share, *inverse, *keep; /* keep: 0 where the gradients do not count, else 1; NULL: they all do */
+    const double *share, *inverse,
+        *keep; /* keep: 0 on faces that leave out the gradients, else 1; NULL: all take them */
     const double *normal[MAX_DIM], *rest[MAX_DIM];
     const double *face[3];
 };
@@ -316,7 +319,7 @@ FACES(1)
 FACES(2)
 FACES(3)
 
-/* Through faces first <= i < last, into the lines of fluxes from 0 on; the work is behind the momentum. */
+/* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
 static void find_fluxes(struct gas *g, enum diffusing what, int first, int last) {
     struct cells *c = g->cells;
     const struct cells_diffuser *d = c->diffuser;
@@ -353,7 +356,7 @@ static void drop_friction(struct gas *g, double weight) {
         g->cells->flux[0][face] += d->face[2][face] * d->inverse[face] * (weight * d->lift[face - first]);
 }
 
-/* All fluxes of S; what needs no ghosts while these are under way. */
+/* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */
 static void flow(struct gas *g, enum diffusing what, double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     struct polyhedra *m = g->cells->polyhedra;
@@ -372,7 +375,7 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
     if (what == HEAT && d->slides) drop_friction(g, weight);
 }
 
-/* q = q_0 + per M/rho, then S of the next stage in place of the one before the last. */
+/* q = q_0 + per M/rho, then S of the next stage, which takes the place of the sum before the last. */
 KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
                            const double *restrict rho, const double *restrict start, const double *restrict last,
                            double *restrict next) {

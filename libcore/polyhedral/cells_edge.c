@@ -1,9 +1,10 @@
-/* The edge of polyhedra: mirror cells for the stencils, and the states beyond the faces of patches. Reflecting rules
- * act in the frame of the face, others in the axes of the polyhedra, in which their values are given. */
+/* The boundary of a polyhedral mesh: mirror cells for the stencils, states beyond the faces of patches, and S and its
+ * gradients beyond them. Walls act in the frame of the face, other rules in the axes of the mesh, in which their values
+ * are given. */
 #include "libcore/gas/patch.h"
 #include "libcore/polyhedral/cells.h"
 
-struct frame { /* of one face: normal, tangents */
+struct frame { /* of one face: the normal, then the tangents */
     double axis[MAX_DIM][MAX_DIM];
 };
 
@@ -16,7 +17,7 @@ static struct frame frame_of(int dim, double *const normal[3], double *const tan
     return f;
 }
 
-/* Vector i of a batch between the axes of the polyhedra and the frame. */
+/* Turns vector i of a batch from the axes of the mesh into the frame of a face, or back. */
 static void into_frame(int dim, const struct frame *f, double (*q)[BATCH], int i) {
     double m[MAX_DIM];
     for (int k = 0; k < dim; k++) m[k] = q[k][i];
@@ -76,7 +77,7 @@ static void held_run(const struct gas *g, int from, int n, double *const U[MAX_V
     }
 }
 
-/* How many mirrors from `from` on, before `to`, are of one patch: a batch at most. */
+/* The number of mirrors from `from` on, before `to`, that are of one patch; a batch at most. */
 static int patch_run(const struct gas *g, int from, int to) {
     const int *patch = g->cells->polyhedra->mirror.patch;
     int end = from + 1;

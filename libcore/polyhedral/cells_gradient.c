@@ -1,9 +1,10 @@
-/* Gauss's theorem with the mean of both cells on a face, G_0 = 1/V sum A n (q_j - q_i)/2, is the transpose of the sum
- * over faces by which a cell gains from the mean of both cells' fluxes. So in a flux that holds gradients the operator
- * of diffusion is symmetric, its modes decay without turning, and no number of stages makes them grow. But G_0 finds
- * the gradient c of a linear field only where the line of centres passes the middle of each face; else it finds C c
- * with a matrix C of the cell. The gradient is C^-1 G_0: exact for linear fields, and nearly symmetric where meshes are
- * nearly regular. (Least squares, also exact, are not symmetric on regular triangles either.) */
+/* Gradients of cells. Gauss's theorem with the mean of both cells on a face, G_0 = 1/V sum A n (q_j - q_i)/2, is the
+ * transpose of the sum over faces by which a cell gains from the mean of both cells' fluxes. So in a flux that holds
+ * gradients the operator of diffusion is symmetric, its modes decay without turning, and no number of stages makes them
+ * grow. But G_0 finds the gradient c of a linear field only where the line of centres passes the middle of each face;
+ * else it finds C c with a matrix C of the cell. The gradient is C^-1 G_0: exact for linear fields, and nearly
+ * symmetric where meshes are nearly regular. (Least squares, also exact, are not symmetric on regular triangles
+ * either.) */
 #include "libcore/polyhedral/cells_gradient.h"
 
 #include <stdlib.h>
@@ -33,7 +34,7 @@ static int member_across(const struct polyhedra *m, int i, int j, double out[MAX
     return found;
 }
 
-/* W <- C^-1 W by Gauss and Jordan's elimination; false: C is too far from 1, W is spoilt. */
+/* W <- C^-1 W by Gauss-Jordan elimination. Returns false, with W spoilt, if C is too far from 1. */
 static bool divide(int dim, int n, double (*C)[MAX_DIM], double *W) {
     double determinant = 1;
     for (int k = 0; k < dim; k++) {
@@ -52,7 +53,7 @@ static bool divide(int dim, int n, double (*C)[MAX_DIM], double *W) {
     return determinant > TWISTED;
 }
 
-/* W[k][n], n the first members of own cell i; false: to be left to least squares. */
+/* The weights W[k][n] of the n first members of own cell i. Returns false where least squares must be taken. */
 static bool gauss_weights(const struct polyhedra *m, int i, int n, double *W) {
     double C[MAX_DIM][MAX_DIM] = {{0}};
     memset(W, 0, (size_t)(m->dim * n) * sizeof *W);
@@ -76,7 +77,7 @@ static int entries_of(const struct rows *r, int cell) {
     return r->start[cell / LANES + 1] - r->start[cell / LANES];
 }
 
-/* The weights of near ghosts, whose faces this rank does not know, from their own ranks: entry by entry. */
+/* Takes the weights of near ghosts, whose faces this rank does not know, from their own ranks, entry by entry. */
 static status share_weights(const struct gas *g, struct rows *r) {
     struct polyhedra *m = g->cells->polyhedra;
     double *line[MAX_DIM] = {NULL}, most = 0;

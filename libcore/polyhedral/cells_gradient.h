@@ -5,7 +5,7 @@
 #include "libcore/polyhedral/cells.h"
 #include "libcore/schemes/polynomial_fit.h"
 
-/* Of cells < nnear, 1/m. Collective; rows_free when done. */
+/* r <- the weights of the gradients of cells < nnear, 1/m; to be freed by rows_free. Collective. */
 status cells_gradient_weights(const struct gas *g, struct rows *r);
 
 /* gradient[k lines + c] <- d/dx_k of the lines q[c] (a batch of lanes longer than the polyhedra's size), in cells

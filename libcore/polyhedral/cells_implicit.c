@@ -1,5 +1,6 @@
-/* What implicit diffusion wants to know of polyhedra. The matrix is that of the jumps along the lines of centres: the
- * gradients' part of the fluxes is left out, as what couples the components. */
+/* The linear systems of implicit diffusion on polyhedra: links between cells, matrix entries, unknowns. The matrix,
+ * from which the preconditioner is made, is that of the jumps along the lines of centres: what gradients add to the
+ * fluxes is left out, and so is what couples the components. */
 #include <stdlib.h>
 
 #include "libcore/polyhedral/cells_diffuser.h"
@@ -41,7 +42,7 @@ status cells_implicit_pattern(struct gas *g, struct links *out) {
     return OK;
 }
 
-/* Component c of what face i passes on of a jump between its cells. */
+/* Component c of the flux that a jump between its two cells makes through face i. */
 static double passed(const struct gas *g, enum diffusing what, int i, int c, const double jump[MAX_DIM]) {
     const struct cells_diffuser *d = g->cells->diffuser;
     double *const *normal = g->cells->polyhedra->face.normal, along = 0;
@@ -50,7 +51,7 @@ static double passed(const struct gas *g, enum diffusing what, int i, int c, con
     return (d->face[1][i] * jump[c] + (d->face[0][i] + d->face[1][i]) * normal[c][i] * along) * d->inverse[i];
 }
 
-/* The weights of the links of unknown c; returns where the next ones go. */
+/* Writes the weights of the links of unknown c; returns where the next weights go. */
 static double *weigh_links(const struct gas *g, enum diffusing what, int c, double per, const double *mass,
                            double *const *S, double *weight) {
     const struct polyhedra *m = g->cells->polyhedra;
@@ -71,7 +72,7 @@ static double *weigh_links(const struct gas *g, enum diffusing what, int c, doub
     return weight;
 }
 
-/* S is free here; its mirrors tell what rules make of S = 1 inside, where nothing is given. */
+/* S is free here, so it serves to ask what the patches' rules make of S = 1 inside where they are given no values. */
 void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
                            double *E, double *weight) {
     const struct polyhedra *m = g->cells->polyhedra;

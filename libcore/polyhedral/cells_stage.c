@@ -27,7 +27,7 @@ static struct turn turn_of(const struct polyhedra_faces *f, int dim, bool back) 
     return t;
 }
 
-/* The momentum of q, turned. */
+/* Turns the momentum of n states q. */
 KERNEL static void turn_momentum(int n, int dim, const struct turn *t, const int *restrict face,
                                  double (*restrict q)[BATCH]) {
     double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
@@ -142,11 +142,11 @@ static void states_beyond(const struct gas *g, const double *const *U, struct po
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }
 
-/* What follows from the states on both sides, the fluxes of each of them, too: a batch of faces. */
+/* Primitives and nodal fluxes of the states on both sides, and the batch of faces that a flux sees. */
 static struct faces point_primitives(const struct gas *g, struct points *p) {
     const struct gas_models *m = &g->models;
     const long size = STENCIL * BATCH;
-    const int n = (p->n + 7) / 8 * 8; /* whole vectors: the last state again */
+    const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
     struct faces f = {.n = n, .dim = g->dim, .stride = BATCH, .fastest = g->fastest[0]};
     for (int v = 0; v < g->nvar; v++)
         for (int side = LEFT; side <= RIGHT; side++)
@@ -237,7 +237,7 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     }
 }
 
-/* Eight cells at a time have no common number of faces, so this is a loop over cells. */
+/* A loop over cells and not over vectors of them, as cells have different numbers of faces. */
 void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
     const struct polyhedra *m = c->polyhedra;
     for (int i = 0; i < n; i++) {
