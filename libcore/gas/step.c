@@ -23,8 +23,8 @@ static void plan_sources(const struct gas *g, double t, double dt, bool second, 
 }
 
 /* to = half the sources of a step applied to from; returns this rank's number of inadmissible cells. W is scratch. */
-static long apply_sources(struct gas *g, double t, double dt, bool second, const struct state *from,
-                          const struct state *to) {
+static long half_sources(struct gas *g, double t, double dt, bool second, const struct state *from,
+                         const struct state *to) {
     struct source_plan plan;
     plan_sources(g, t, dt, second, &plan);
     audit_sources(g, &plan, from, &g->W);
@@ -115,7 +115,7 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
     *bad = 0;
     if (guarded) floors_begin(g);
     if (sources) {
-        *bad = apply_sources(g, t, dt, false, &g->U, before);
+        *bad = half_sources(g, t, dt, false, &g->U, before);
         if (guarded) {
             *bad = floors_apply(g, before);
             audit_part(g, GAS_FLOORS, before);
@@ -187,7 +187,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
         if (guarded) return false;
         bad++;
     }
-    if (sources && !at_once) bad += apply_sources(g, t, dt, true, &g->V, &g->V);
+    if (sources && !at_once) bad += half_sources(g, t, dt, true, &g->V, &g->V);
     return !guarded ? end_unguarded(g, &ending, bad, at_once) : !sources || end_guarded(g, bad);
 }
 

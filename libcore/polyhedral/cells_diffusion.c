@@ -120,20 +120,13 @@ static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR])
     cells_mirrors(g, 0, m->mirror.n, U);
 }
 
-/* T of n cells whose variables start at rho. */
-static void find_temperature(const struct gas *g, int n, const double *rho, double *T) {
-    double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    velocity_row(n, g->dim, g->cells->polyhedra->size, rho, u, T);
-    for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, T[i]);
-}
-
 static void cell_coefficients(struct gas *g, const double *rho) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->polyhedra->size;
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
         double *T = d->T + at;
-        find_temperature(g, n, rho + at, T);
+        temperature_row(g, n, rho + at, T);
         for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
         for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
         g->models.transport->coefficients(&g->models.transport_params, g->models.eos, &g->models.material, n, rho + at,
@@ -148,7 +141,7 @@ void cells_diffusion_ahead(struct gas *g, const struct state *to) {
     fill_state(g, to, U);
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
-        find_temperature(g, n, U[0] + at, T);
+        temperature_row(g, n, U[0] + at, T);
         for (int i = 0; i < n; i++) d->warm[at + i] = smaller(larger(T[i] / d->warm[at + i], 1 / MOST_RISE), MOST_RISE);
     }
 }
