@@ -1,9 +1,9 @@
-/* The cooling laws: their exact sub-steps at frozen density, and the table. Their equations stand in cooling.h. */
+/* The cooling laws: their sub-steps at frozen density, and their table. cooling.h has the equations. */
 #include "libcore/models/cooling.h"
 
 #include "libcore/models/kernel.h"
 
-/* T/(1 + B sqrt(T) dt/2)^2, which solves dT/dt = -B T^(3/2); B = per_contact G. */
+/* Computes T/(1 + B sqrt(T) dt/2)^2, the solution of dT/dt = -B T^(3/2); B = per_contact G. */
 KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
                         double *restrict eps) {
     for (int i = 0; i < n; i++) {
@@ -13,14 +13,15 @@ KERNEL static void cool(int n, double g1, double per_contact, double dt, const d
     }
 }
 
-/* The same for dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2 / (4 T). With s = sqrt x and tau = B v_c dt this is
+/* The functions below solve dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2/(4 T). With s = sqrt x and tau = B v_c dt this
+ * is
  *   ds/dtau = (1 + x) e^-x / 4:  Haff's straight line at first, then a logarithm.
  * w = sqrt(2 (e^2x - 1)) follows both, dw/dtau = r/2 with r = 2 s (1 + x)/sqrt(2 (1 - e^-2x)), which is 1 at x = 0 and
- * grows no faster than s^3; one midpoint step in w is of second order, keeps T positive and falling, stops it where
- * e^-x leaves nothing, and is sensible for a step of any length. The kernel works with w e^-x0, which cannot
- * overflow, and gains x1 - x0 = ln(1 + e^-2x0 (w1^2 - w0^2)/2)/2 without a difference of close numbers. */
+ * grows no faster than s^3. One midpoint step in w is of second order, keeps T positive and falling, stops T where e^-x
+ * is next to nothing, and is sensible for a step of any length. The kernel works with w e^-x0, which cannot overflow,
+ * and gains x1 - x0 = ln(1 + e^-2x0 (w1^2 - w0^2)/2)/2 without a difference of close numbers. */
 ALWAYS_INLINE double scaled_w(double x) {
-    return sqrt(-2 * exponential_minus_one(-2 * smaller(x, 300))); /* e^-600: nothing */
+    return sqrt(-2 * exponential_minus_one(-2 * smaller(x, 300))); /* e^-600 is nothing beside 1 */
 }
 ALWAYS_INLINE double speed_of_w(double x) {
     return 2 * sqrt(x) * (1 + x) / scaled_w(x);
@@ -33,7 +34,7 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
                               const double *restrict contact, double *restrict eps) {
     for (int i = 0; i < n; i++) {
         double T = g1 * eps[i], x = 0.25 * threshold * threshold / T;
-        x = smaller(larger(x, 1e-200), 1e100); /* neither 0/0 nor an overflow, and no other result */
+        x = smaller(larger(x, 1e-200), 1e100); /* avoids 0/0 and overflow, and changes no other result */
         double w = scaled_w(x);
         double path = dt * (per_contact * contact[i]) * sqrt(T * x) * exponential(-smaller(x, 300)); /* tau e^-x / 2 */
         double middle = x + gain_of_x(w, 0.5 * path * speed_of_w(x));

@@ -1,15 +1,16 @@
-/* Cooling laws: what impacts take of the granular temperature. A law is one function and one row of cooling_table.
+/* Cooling laws: the rate at which impacts take granular temperature. A law is one function and one row of
+ * cooling_table.
  *
  * Haff (1983), Serna & Marquina (2): T = (gamma - 1) eps falls by
- *     dT/dt = -B T^(3/2),  B = (gamma - 1) (12/sqrt pi) (1 - e^2) G/sigma,  of disks 4 in place of 12.
+ *     dT/dt = -B T^(3/2),  B = (gamma - 1) (12/sqrt pi) (1 - e^2) G/sigma;  for disks 4 stands in place of 12.
  * Grains whose collisions are elastic below a normal impact speed v_c (material.threshold) lose less. Pairs of
  * Maxwellian grains meet at the normal speed w with density ~ w e^(-w^2/4T) (T per unit mass: w has variance 2T) and
  * lose (1 - e^2) w^2/4, so that the sink is multiplied by
  *   phi(x) = int_vc^inf w^3 e^(-w^2/4T) dw / int_0^inf .. = (1 + x) e^-x,  x = v_c^2/(4T):
  * 1 in warm gas, 0.0005 at T = v_c^2/40. So T stays above zero for all time, and a cluster is held up by its pressure.
- * That keeps its factor 1 + e, and with it p = rho T A(nu): elastic impacts would raise the collisional part of p by
- * up to (1 - e)/(1 + e) where T < v_c^2/10 (1.5 % at e = 0.97, two thirds at e = 0.2), and not at all where T >> v_c^2.
- */
+ * The pressure p = rho T A(nu) keeps its factor 1 + e all the same: elastic impacts would raise its collisional part
+ * by up to (1 - e)/(1 + e) where T < v_c^2/10 (1.5 % at e = 0.97, two thirds at e = 0.2), and not at all where
+ * T >> v_c^2. */
 #ifndef LIBCORE_COOLING_H
 #define LIBCORE_COOLING_H
 
@@ -17,14 +18,15 @@
 #include "libcore/models/param.h"
 
 struct cooling {
-    struct model model; /* its parameters: members of a struct of the law's own */
-    /* eps (J/kg, > 0) of n <= BATCH cells of density rho after dt. For any dt eps stays positive and does not rise.
-     * params: what the law's table filled. */
+    struct model model; /* its parameters fill a struct of the law's own */
+    /* Advances eps (J/kg, > 0) of n <= BATCH cells of density rho by dt (s). For any dt eps stays positive and does not
+     * rise. params: values of the row's parameters. */
     void (*step)(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
                  const double *restrict rho, double *restrict eps);
 };
 
-/* Haff: exact, with a threshold of second order in dt and within 27 % of the exact value however long dt is. */
+/* Haff without a threshold is exact; with a threshold it is of second order in dt, and within 27 % of the exact value
+ * however long dt is. */
 extern const struct cooling cooling_table[];
 extern const int cooling_count;
 const struct cooling *cooling_find(const char *name); /* NULL: there is no such law */

@@ -33,7 +33,7 @@ double density_limit(const struct eos *eos, const struct material *m) {
  *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
  * Their printed A' lacks the factor 2 (physics S1); `printed_sound` reproduces it in c alone. */
 static inline double gs_x(double nu, double inverse_max, double a) {
-    return power(nu * inverse_max + 1e-200, a); /* nu = 0 is allowed: x is then too small to matter */
+    return power(nu * inverse_max + 1e-200, a); /* 1e-200 allows nu = 0: x is then too small to matter */
 }
 
 KERNEL static void gs_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
@@ -77,24 +77,27 @@ KERNEL static void perfect_contact(const struct material *m, int n, const double
     for (int i = 0; i < n; i++) contact[i] = k * rho[i];
 }
 
-/* Torquato's contact value chi of disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G (physics 2.1):
+/* Torquato's contact value chi for disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G (physics
+ * 2.1):
  *   chi = (1 - a nu)/(1 - nu)^d below freezing, a = 0.436 (disks), 1/2;  chi_f (nu_c - nu_f)/(nu_c - nu) above.
- * chi' jumps at nu_f, and with it the speed of sound; on nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
- * 1/2 takes over value, slope and curvature of both branches. Above EOS_PACKING of nu_c G goes on as its tangent: no
- * density is forbidden, and the gas resists a density beyond it. */
+ * chi' jumps at nu_f, and with it the speed of sound. On nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
+ * 1/2 takes over value, slope and curvature of both branches. Above EOS_PACKING nu_c G goes on as its tangent: no
+ * density is forbidden, and the gas resists a density beyond nu_c. */
 struct contact {
-    double freezing, packed, dense; /* nu_f; chi (nu_c - nu) of the dense branch */
+    double freezing, packed, dense; /* nu_f; nu_c; chi (nu_c - nu) of the dense branch */
     double last;                    /* nu where the tangent begins */
-    double smoothing, inverse;      /* 1/(2 smoothing) */
-    double c[6];                    /* of the quintic */
+    double smoothing, inverse;      /* half the joint; 1/(2 smoothing) */
+    double c[6];                    /* coefficients of the quintic */
 };
 
+/* Returns chi below freezing; *slope = dchi/dnu. */
 ALWAYS_INLINE double fluid_value(int d, double nu, double *slope) {
     const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu), rest = 1 - a * nu;
     double power = d == 2 ? inverse * inverse : inverse * inverse * inverse;
     *slope = (d * rest * inverse - a) * power;
     return rest * power;
 }
+/* Returns d^2 chi/dnu^2 below freezing. */
 ALWAYS_INLINE double fluid_curvature(int d, double nu) {
     const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu);
     double power = d == 2 ? inverse * inverse : inverse * inverse * inverse;
@@ -122,7 +125,7 @@ ALWAYS_INLINE struct contact contact_make(int d, const struct material *m) {
     return t;
 }
 
-/* G; *steep = nu G' */
+/* Returns G; *steep = nu G'. */
 ALWAYS_INLINE double contact_value(int d, const struct contact *t, double nu, double *steep) {
     double at = smaller(nu, t->last), slope[3], value = fluid_value(d, at, &slope[0]);
     double inverse = 1 / (t->packed - at), high = t->dense * inverse;

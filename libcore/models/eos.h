@@ -1,40 +1,42 @@
-/* Equations of state of granular gases: a table of batch functions of (rho, eps). No other file holds a formula of one.
+/* Equations of state of granular gases: a table of batch functions of (rho, eps). Their formulas stand in eos.c alone.
  *
  * All are linear in the granular temperature, p = rho T A(nu), with T = (gamma - 1) eps per unit mass and the packing
- * fraction nu = pi rho sigma^3 / (6 m) of spheres, nu = pi rho sigma^2 / (4 m) of disks (rho is then per area). */
+ * fraction nu = pi rho sigma^3 / (6 m) for spheres, nu = pi rho sigma^2 / (4 m) for disks (rho is then per area). */
 #ifndef LIBCORE_EOS_H
 #define LIBCORE_EOS_H
 
 #include "libcore/models/param.h"
 
-#define EOS_PACKING 0.9999 /* of alpha_max: where Torquato's G goes on as its tangent */
+#define EOS_PACKING 0.9999 /* fraction of alpha_max where Torquato's G goes on as its tangent */
 
 struct material {       /* parameters of the grains and of the equation of state; filled through the tables below */
     double diameter;    /* sigma, m */
-    double mass;        /* of a grain, kg (1: rho is a number density) */
-    double restitution; /* e, normal */
-    double threshold; /* v_c, m/s: normal impacts slower than this are elastic; 0: none are (libcore/models/source.h) */
-    double gamma;     /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
-    double alpha_max; /* packing fraction at which the pressure diverges, or would */
-    bool printed_sound; /* the sound speed with Serna & Marquina's printed A' (half of dA/drho; erratum S1) */
-    bool disks;         /* of the equation of state: grains are disks, not spheres */
-    double freezing;    /* nu_f at which Torquato's two branches meet */
-    double smoothing;   /* they are joined smoothly from nu_f - smoothing to nu_f + smoothing */
+    double mass;        /* m, kg: mass of a grain (1: rho is a number density) */
+    double restitution; /* e: coefficient of normal restitution */
+    /* v_c, m/s: normal impacts slower than this are elastic; 0: none are (libcore/models/cooling.h) */
+    double threshold;
+    double gamma;       /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
+    double alpha_max;   /* packing fraction at which the pressure diverges, or would without the tangent */
+    bool printed_sound; /* is the sound speed that of Serna & Marquina's printed A' (half of dA/drho; erratum S1)? */
+    bool disks;         /* are the grains disks, not spheres? Given by the equation of state */
+    double freezing;    /* nu_f: packing fraction at which Torquato's two branches meet */
+    double smoothing;   /* the branches are joined smoothly from nu_f - smoothing to nu_f + smoothing */
 };
 
 struct eos {
-    struct model model; /* its parameters: members of struct material */
-    bool bounded;       /* needs nu < alpha_max */
-    bool disks;         /* what material.disks must be */
-    /* p, c2 = squared sound speed, gruneisen = p_eps / rho, for n states (rho > 0, eps > 0, nu < alpha_max) */
+    struct model model; /* its parameters fill members of struct material */
+    bool bounded;       /* must nu stay below alpha_max? */
+    bool disks;         /* are its grains disks, not spheres? Copied to material.disks */
+    /* Computes p, c2 = squared sound speed and gruneisen = p_eps / rho of n <= BATCH states (rho > 0, eps > 0, nu below
+     * alpha_max). */
     void (*state)(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
                   double *restrict p, double *restrict c2, double *restrict gruneisen);
-    /* contact = G(nu) = nu chi(nu), the collision rate's density factor */
+    /* Computes contact = G(nu) = nu chi(nu), the factor of the collision rate that depends on density. */
     void (*contact)(const struct material *m, int n, const double *restrict rho, double *restrict contact);
 };
 
 /* Granular temperature of an internal energy per unit mass, T = (gamma - 1) eps, and the energy of a temperature. As
- * both are linear they also take what changes T or eps. */
+ * both are linear they also take changes of eps or T. */
 static inline double temperature_of(const struct material *m, double eps) {
     return (m->gamma - 1) * eps;
 }
@@ -44,21 +46,23 @@ static inline double eps_of(const struct material *m, double T) {
 
 extern const struct eos eos_table[];
 extern const int eos_count;
-const struct eos *eos_find(const char *name); /* NULL: none */
+const struct eos *eos_find(const char *name); /* NULL: there is no such row */
 
 extern const struct param grain_param[]; /* the dictionary `grain` */
 extern const int grain_nparam;
 
-/* What is wrong with the row's parameters together, which the ranges of their table cannot tell; NULL: nothing. */
+/* Returns what is wrong with the row's parameters together, which the ranges of their table cannot tell; NULL:
+ * nothing. */
 const char *eos_objection(const struct eos *eos, const struct material *m);
 
-double packing_per_density(const struct material *m); /* nu / rho, m^3/kg; m^2/kg for disks */
-/* K of the cooling rate K (1 - e^2) rho T^(3/2) G / sigma per volume, of disks per area: 12/sqrt pi, of disks 4/sqrt pi
- */
+double packing_per_density(const struct material *m); /* nu / rho in m^3/kg, for disks m^2/kg */
+/* Returns K of the cooling rate K (1 - e^2) rho T^(3/2) G / sigma per volume, for disks per area: 12/sqrt pi, for disks
+ * 4/sqrt pi. */
 double cooling_factor(const struct material *m);
-double density_limit(const struct eos *eos, const struct material *m); /* rho at alpha_max; HUGE_VAL: none */
+/* rho at alpha_max; HUGE_VAL: there is no limit */
+double density_limit(const struct eos *eos, const struct material *m);
 
-/* p / T of a gas of density rho[n]: the equations of state are linear in T. */
+/* Computes p / T, which depends on rho alone, for rho[n] with any n. */
 void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out);
 
 #endif

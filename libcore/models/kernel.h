@@ -58,7 +58,7 @@ static inline double logarithm(double x) {
     double k = double_of((shifted >> 52) | 0x4330000000000000u) - (4503599627370496.0 + 1024);
     double m = double_of(bits_of(x) - (shifted & 0xfff0000000000000u) + 1024 * one_exponent);
     double s = (m - 1) / (m + 1), w = s * s;
-    double w2 = w * w; /* short chains: Estrin's scheme */
+    double w2 = w * w; /* Estrin's scheme: its chains of dependent operations are short */
     double l0 = fma(0.19999999999949752245, w, 0.33333333333333348431);
     double l1 = fma(0.11111105567397539928, w, 0.14285714312987742461);
     double l2 = fma(0.076658608002780206343, w, 0.090914445626308610401);
@@ -71,7 +71,8 @@ static inline double logarithm(double x) {
 static inline double exponential_rest(double y, uint64_t *exponent) {
     const double round_bits = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to an integer */
     double shifted_n = fma(y, 1.4426950408889634074, round_bits), n = shifted_n - round_bits;
-    double r = fma(-n, 1.90821492927058770002e-10, fma(-n, 0.693147180369123816490, y)); /* ln 2 in two parts */
+    /* subtracts n ln 2 in two parts */
+    double r = fma(-n, 1.90821492927058770002e-10, fma(-n, 0.693147180369123816490, y));
     double r2 = r * r, r4 = r2 * r2;
     double e0 = fma(0.16666666666666667452, r, 0.50000000000000010211);
     double e1 = fma(0.0083333333333300644495, r, 0.041666666666624161903);

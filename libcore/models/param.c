@@ -1,4 +1,4 @@
-/* The look-up by name that all tables of models share. */
+/* Looks up a row by name, for all tables of models. */
 #include "libcore/models/param.h"
 
 #include <string.h>

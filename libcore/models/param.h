@@ -1,4 +1,4 @@
-/* Parameters are a table: it drives reading, range and unit errors, -listModels, checkCase and the documentation.
+/* Tables of parameters: they drive reading, range and unit errors, -listModels, checkCase and the documentation.
  *
  * A row says name, member, default, range, unit and meaning; PARAM_STRUCT names the struct whose members are filled:
  *   #define PARAM_STRUCT struct material
@@ -19,21 +19,21 @@ enum param_kind {
     PARAM_WHOLE,  /* int */
     PARAM_SWITCH, /* bool */
     PARAM_VECTOR, /* double[3] */
-    PARAM_CHOICE  /* int: index of one of the words */
+    PARAM_CHOICE  /* int: index into the words */
 };
 struct param {
     const char *name;
     enum param_kind kind;
-    size_t offset;            /* of the member in the struct that is filled */
-    double standard;          /* default; NAN: must be given; of a choice the index, below 0: no word */
-    double low, high;         /* allowed, both included unless open */
-    bool open;                /* low and high themselves are excluded */
+    size_t offset;            /* offset of the member in the struct that is filled */
+    double standard;          /* default; NAN: it must be given; of a choice: the index, < 0: no word */
+    double low, high;         /* range allowed, both ends included unless open */
+    bool open;                /* are low and high themselves excluded? */
     signed char unit[3];      /* exponents of kg, m, s */
-    const char *const *words; /* of a choice, NULL behind the last */
-    const char *meaning;      /* one line */
+    const char *const *words; /* the words of a choice, ended by NULL */
+    const char *meaning;      /* one line for lists and messages */
 };
 
-/* Defaults, ranges and units of rows */
+/* Defaults, ranges and units of rows. */
 #define REQUIRED              NAN
 #define FROM_TO(least, most)  .low = (least), .high = (most), .open = false
 #define BETWEEN(below, above) .low = (below), .high = (above), .open = true
@@ -44,7 +44,7 @@ struct param {
 #define NO_UNIT                                                                                                        \
     { 0, 0, 0 }
 
-/* Offset of a member; the compiler refuses one of another type, which reading would overwrite. */
+/* Offset of a member. The compiler refuses a member of another type, since reading would write beyond it. */
 #define PARAM_OFFSET(member, type)                                                                                     \
     (offsetof(PARAM_STRUCT, member) + 0 * sizeof(char[_Generic(((PARAM_STRUCT *)0)->member, type : 1, default : -1)]))
 #define NUMBER(key, member, otherwise, range, in, text)                                                                \
@@ -73,8 +73,8 @@ struct param {
         .meaning = text                                                                                                \
     }
 
-/* What every row of a table of models begins with (equation of state, transport, cooling, source, wall, ..): its name
- * in the dictionaries, one line for -listModels, and the parameters of its NAMECoeffs. */
+/* Every row of a table of models (equation of state, transport, cooling, source, ..) begins with this: its name in the
+ * dictionaries, one line for -listModels, and the parameters of its dictionary NAMECoeffs. */
 struct model {
     const char *name, *about;
     const struct param *param;
@@ -85,15 +85,15 @@ struct model {
 #define MODEL_WITH(name, about, table)                                                                                 \
     { name, about, table, sizeof(table) / sizeof *(table) }
 
-/* Room for the parameters of any row of a table whose rows have parameters of their own: the row copies them into its
- * own struct, which must fit. */
+/* Room for the parameters of any row of a table whose rows have parameters of their own. The row's functions copy them
+ * into the row's own struct, which must fit. */
 struct own_params {
     double room[8];
 };
 #define OWN_PARAMS_FIT(type) _Static_assert(sizeof(type) <= sizeof(struct own_params), #type " is too large")
 
-/* The row of a table[count] of rows of `stride` bytes, each of which begins with struct model, that has the name; NULL:
- * none has. */
+/* Finds the row with a name in table[count], whose rows have `stride` bytes and begin with struct model; NULL: there is
+ * none. */
 const void *model_find(const void *table, size_t stride, int count, const char *name);
 
 #endif

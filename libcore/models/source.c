@@ -1,4 +1,5 @@
-/* The sources: their exact sub-steps, the table, and what runs them in turn. A new source is written here alone. */
+/* The sources: their exact sub-steps, their table, and the functions that run them in turn. A new source is written
+ * here alone. */
 #include "libcore/models/source.h"
 
 #define PI 3.14159265358979323846
@@ -28,13 +29,14 @@ bool source_shaken(const struct sources *s) {
     return s->knots == 0 && s->amplitude != 0;
 }
 
-/* Integral of cos(omega t + phase) from t to t + dt */
+/* Returns the integral of cos(omega t + phase) from t to t + dt. */
 static double swing(const struct sources *s, double t, double dt) {
     double omega = 2 * PI * s->frequency;
     return omega > 0 ? (sin(omega * (t + dt) + s->phase) - sin(omega * t + s->phase)) / omega : dt * cos(s->phase);
 }
 
-/* Of (a + slope (t' - t)) cos(omega t' + phase) from t to t + dt: by parts, the rest being the integral of the sine */
+/* Returns the integral of (a + slope (t' - t)) cos(omega t' + phase) from t to t + dt, by parts; `rest` is minus the
+ * integral of sin(omega t' + phase). */
 static double sloping_swing(const struct sources *s, double t, double dt, double a, double slope) {
     double omega = 2 * PI * s->frequency, end = omega * (t + dt) + s->phase;
     if (!(omega > 0)) return (a + 0.5 * slope * dt) * dt * cos(s->phase);
@@ -42,7 +44,7 @@ static double sloping_swing(const struct sources *s, double t, double dt, double
     return a * swing(s, t, dt) + slope * (dt * sin(end) + rest) / omega;
 }
 
-/* The same of the ramp, knot by knot */
+/* Returns the integral of a(t') cos(omega t' + phase) from t to t + dt with the ramp's a, from knot to knot. */
 static double ramped_swing(const struct sources *s, double t, double dt) {
     const double(*knot)[2] = (const double(*)[2])s->ramp;
     const int last = s->knots - 1;
@@ -82,7 +84,7 @@ static void gravity_step(const struct source_step *s, int n, const double *restr
         if (s->kick[k] != 0) kick_momentum(n, s->kick[k], rho, mom[k]);
 }
 
-/* kick . momentum + kick^2 mass/2 */
+/* Returns kick . momentum + kick^2 mass/2. */
 static double gravity_gained(const struct source_step *s, const double totals[MAX_VAR]) {
     double work = 0;
     for (int k = 0; k < s->dim; k++) work += s->kick[k] * (totals[1 + k] + 0.5 * s->kick[k] * totals[0]);
@@ -112,13 +114,13 @@ static struct linear_drag linear_drag_of(const struct own_params *params) {
 
 static void linear_drag_plan(struct source_step *s) {
     const struct linear_drag d = linear_drag_of(s->params);
-    const double path = smaller(d.rate * s->dt, 300); /* e^-600 of T is left however long the step is */
+    const double path = smaller(d.rate * s->dt, 300); /* e^-600 of T is left, however long the step is */
     s->number[0] = exponential(-path);
     s->number[1] = s->number[0] * s->number[0];
     for (int k = 0; k < s->dim; k++) s->kick[k] = -d.velocity[k] * exponential_minus_one(-path);
 }
 
-/* u_g + (u - u_g) e^(-rate dt), in which gas of the velocity u_g keeps its bits */
+/* Computes u_g + (u - u_g) e^(-rate dt) in such a form that gas of the velocity u_g keeps its bits. */
 KERNEL static void drag_momentum(int n, double velocity, double decay, const double *restrict rho,
                                  double *restrict mom) {
     for (int i = 0; i < n; i++) {
@@ -174,7 +176,7 @@ static double uniform_heating_gained(const struct source_step *s, const double t
     return s->number[0] * totals[0];
 }
 
-/* The first two are those of the oldest cases: the budget adds up in this order. */
+/* The budget adds up in this order, so new rows go behind the others: the sums of the oldest cases keep their bits. */
 const struct source_type source_table[] = {
     {.model = MODEL("cooling", "what impacts take, by the law of `cooling`"),
      .cause = "cooling",

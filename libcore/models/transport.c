@@ -1,11 +1,11 @@
-/* The laws of viscosity and heat conduction, each with its parameters and its row of the table. */
+/* The laws of viscosity and heat conduction, each with its parameters and its row of the table (transport.h). */
 #include "libcore/models/transport.h"
 
 #include "libcore/models/kernel.h"
 
 #define PI 3.14159265358979323846
 
-struct jenkins_richman { /* what its parameters fill */
+struct jenkins_richman { /* the law's own parameters */
     double alpha_min;    /* packing fraction below which G no longer falls in the coefficients */
     int bulk;            /* index of bulk_words; 1: the bulk viscosity is twice as large, as printed (erratum C2) */
 };
@@ -14,8 +14,9 @@ OWN_PARAMS_FIT(struct jenkins_richman);
 /* Jenkins & Richman (1985) as in Carrillo, Poeschel & Saluena (2.12)-(2.14):
  *   bulk = 2/sqrt pi rho sigma sqrt T G,  shear = sqrt pi/8 rho sigma sqrt T [1/G + 2 + (1 + 8/pi) G],
  *   heat = sqrt pi/2 rho sigma sqrt T [1/G + 3 + (9/4 + 4/pi) G].
- * Where G vanishes rho/G has a limit, but diffusivities, coefficients per rho, have none: there G is that of alpha_min.
- * Near packing it ends where the equation of state begins its tangent. rho itself is never clipped. */
+ * Where G vanishes, rho/G has a limit, but diffusivities, which are coefficients per rho, have none: below alpha_min G
+ * is taken at alpha_min. Near packing G is taken at most where the equation of state begins its tangent. The factor rho
+ * itself is never clipped. */
 KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, const double *restrict rho,
                                     const double *restrict T, const double *restrict contact, double *restrict bulk,
                                     double *restrict shear, double *restrict heat) {

@@ -13,21 +13,22 @@ static inline enum grains_shape shape_of(const struct material *m) {
 }
 
 struct transport {
-    struct model model;      /* its parameters: members of a struct of the law's own */
-    enum grains_shape valid; /* for these grains */
-    /* kg/(m s), of disks kg/s, for n <= BATCH states (rho > 0, T > 0); params: what the law's table filled */
+    struct model model;      /* its parameters fill a struct of the law's own */
+    enum grains_shape valid; /* the grains that the law is for */
+    /* Computes the coefficients (kg/(m s), for disks kg/s) of n <= BATCH states (rho > 0, T > 0). params: values of
+     * the row's parameters. */
     void (*coefficients)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                          const double *restrict rho, const double *restrict T, double *restrict bulk,
                          double *restrict shear, double *restrict heat);
 };
 
-/* 2/d, the share of the shear viscosity in the trace of the stress */
+/* Returns 2/d, the share of the shear viscosity in the trace of the stress. */
 static inline double trace_share(const struct material *m) {
     return m->disks ? 1 : 2. / 3;
 }
 
 extern const struct transport transport_table[];
 extern const int transport_count;
-const struct transport *transport_find(const char *name); /* NULL: none, an inviscid gas, too */
+const struct transport *transport_find(const char *name); /* NULL: there is no such law */
 
 #endif
