@@ -1,3 +1,5 @@
+/* Keeps the budget of mass and energy (audit.h): totals are taken behind every part of a step, and differences are
+ * booked under causes. */
 #include "libcore/gas/audit.h"
 
 #include "libcore/gas/gas_private.h"
@@ -5,17 +7,17 @@
 #include <stdlib.h>
 
 struct account {
-    double totals[MAX_VAR];    /* behind the last part */
-    double gained[GAS_CAUSES]; /* energy */
-    double sourced[SOURCE_MOST];
+    double totals[MAX_VAR];      /* mass, momentum, energy behind the last part */
+    double gained[GAS_CAUSES];   /* J: energy by cause */
+    double sourced[SOURCE_MOST]; /* J: energy by source */
 };
 struct audit {
-    bool known[GAS_CAUSES]; /* is there such a cause? */
-    struct account now, start, mark;
-    double work;                /* energy from the sources since the last look that have a formula for it, J */
-    int measured;               /* row of the source since then that has none; -1: there is none */
-    double first[2], floors[2]; /* mass and energy at the start; what the floors had added then */
-    status failed;              /* of an attempt: it ends the step */
+    bool known[GAS_CAUSES];          /* may the cause change the gas? Else its changes are unaccounted */
+    struct account now, start, mark; /* of this attempt; at the start of the step; noted by audit_mark */
+    double work;                     /* J: energy since the last look from sources that have a formula */
+    int measured;                    /* row of the source since then that has none; -1: there is none */
+    double first[2], floors[2]; /* mass (kg) and energy (J) at the start; those that the floors had added by then */
+    status failed;              /* error of an attempt's sums, which ends the step */
 };
 
 static void floors_of(const struct gas *g, double floors[2]) {
@@ -66,6 +68,7 @@ void audit_mark(struct gas *g, bool back) {
     if (a) a->mark = a->now;
 }
 
+/* Takes the totals of a state; returns the change of energy since the last look. */
 static double look(struct gas *g, const struct state *now) {
     struct audit *a = g->audit;
     const double before = a->now.totals[g->dim + 1];
@@ -134,7 +137,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     floors_of(g, floors);
     const double now[2] = {totals[0], totals[g->dim + 1]};
     for (int i = 0; i < GAS_CAUSES; i++) out->gained[i] = a->known[i] ? a->start.gained[i] : 0;
-    /* The stages hold what the floors added in them. */
+    /* the energy booked under the stages contains what the floors added in them */
     const double seen = a->start.gained[GAS_FLOORS], all = floors[1] - a->floors[1];
     out->gained[GAS_FLOORS] = all;
     if (a->known[GAS_FLOW]) out->gained[GAS_FLOW] -= all - seen;

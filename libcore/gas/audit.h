@@ -1,12 +1,12 @@
-/* The budget of mass and energy: what each part of the steps changed. Kept on request (gas_audit), else it costs
+/* The budget of mass and energy: the change by each part of the steps. It is kept on request (gas_audit), else it costs
  * nothing; the gas has the same bits with it.
  *
- * Totals are taken behind every part of a step. What a part changes belongs to its cause: what sources change to each
- * of them, by its own formula (`gained` in libcore/models/source.h) or, where it has none, by what the formulas of
- * those that act with it leave; conduction to the walls' heat, stress to the walls' work, the stages to what flows
- * through open patches. Where there is no such cause, no wall that has a temperature, none that moves, no cooling, no
- * open patch, the scheme says that nothing may change: what does is unaccounted. A step that is done again counts once.
- */
+ * Totals are taken behind every part of a step, and the change belongs to the part's cause. The change by each source
+ * follows from its own formula (`gained` in libcore/models/source.h) or, if it has none, from the change that the
+ * formulas of the sources acting with it leave; conduction counts as heat of walls, stress as work of walls, the stages
+ * as flow through open patches. Where such a cause is missing (no wall that exchanges heat, none that moves, no
+ * cooling, no open patch) the scheme promises that nothing changes, and a change is booked as unaccounted. A step that
+ * is done again counts once. */
 #ifndef LIBCORE_AUDIT_H
 #define LIBCORE_AUDIT_H
 
@@ -15,8 +15,9 @@
 struct state;
 struct audit;
 
-/* The parts, in the order of a step. All do nothing where g->audit is NULL; collective. */
-void audit_begin(struct gas *g); /* an attempt at a step, from g->U */
+/* The parts, in the order of a step. All do nothing if g->audit is NULL; collective. */
+void audit_begin(struct gas *g); /* an attempt at a step begins, from g->U */
+/* Books the change from the last look to `now` under a cause. */
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now);
 /* audit_sources is called before the sources of a plan act on `from`, audit_sourced behind them. If the energy of a
  * source must be measured apart from that of the sources after it, audit_sources applies the plan up to that source to
@@ -24,8 +25,9 @@ void audit_part(struct gas *g, enum gas_cause cause, const struct state *now);
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
                    const struct state *scratch);
 void audit_sourced(struct gas *g, const struct state *now);
-void audit_mark(struct gas *g, bool back); /* what follows may be done again; back: it is */
-/* The attempt stands. */
+/* Notes the account before a part that may be done again; back: returns to the last note first, as it is done again. */
+void audit_mark(struct gas *g, bool back);
+/* The attempt stands. Returns the first error of its sums. */
 status audit_keep(struct gas *g);
 void audit_free(struct audit *a);
 

@@ -23,7 +23,7 @@
  * well; then in ever smaller super steps; if all that does not help, the time step is halved. */
 #include "libcore/gas/gas_private.h"
 
-enum { MOST_PARTS = 64 }; /* of a half step, before the time step is halved */
+enum { MOST_PARTS = 64 }; /* most parts that a half step is cut into before the time step is halved */
 
 /* Whatever its number of stages, a super step of RKL2 leaves 1 - b_s, about half, of the stiffest modes: a thin hot
  * cell that loses mass would keep its heat, and empty. Four super steps leave a sixteenth (cases/faraday). */
@@ -38,7 +38,7 @@ static double rkl2_b(int j) {
     return j < 2 ? 1. / 3 : (double)(j * j + j - 2) / (2. * j * (j + 1));
 }
 
-/* Meyer, Balsara & Aslam (2014), (16)-(17) */
+/* Sets the coefficients of RKL2: Meyer, Balsara & Aslam (2014), (16)-(17). */
 static void stage_rkl2(int stages, int j, double out[4]) {
     const double s = stages, w = 4 / (s * s + s - 2);
     out[0] = out[1] = out[3] = 0;
@@ -50,9 +50,10 @@ static void stage_rkl2(int stages, int j, double out[4]) {
     out[3] = -(1 - rkl2_b(j - 1)) * out[2];
 }
 
-/* R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the rate of a mode: the Jacobi polynomial P of s - 2 stages for
- * (4, -1/2), 1 at 1, falls faster than the quadratic factor grows, so that |R| < 0.11 from z = -8 to the end -2/w. Half
- * of the first order is P's; b makes the second one right. The factor comes first, P damps its round-off. */
+/* RKJ2 multiplies a mode by R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the mode's rate. P is the Jacobi
+ * polynomial of s - 2 stages for (4, -1/2), 1 at 1; it falls faster than the quadratic factor grows, so that |R| < 0.11
+ * from z = -8 to the end -2/w. Half of the first order comes from P; b makes the second order right. The quadratic
+ * factor comes first, and P damps its round-off. */
 static const double ALPHA = 4, BETA = -0.5;
 
 static long plan_rkj2(double ratio, int *stages) { /* 2 ratio <= 2/w */
@@ -100,10 +101,10 @@ const struct diffusion *diffusion_find(const char *name) {
     return model_find(diffusion_table, sizeof *diffusion_table, diffusion_count, name);
 }
 
-struct rise { /* what rise_row needs to compare T in two states */
+struct rise { /* context of rise_row, which compares T in two states */
     struct gas *g;
     const struct state *from, *to;
-    bool friction; /* g->friction is wanted, else g->cooled */
+    bool friction; /* true: g->friction is set; false: g->cooled */
     double least;  /* lower bound of g->cooled */
 };
 
@@ -122,7 +123,8 @@ static void rise_row(void *rise, const struct row *row) {
 }
 
 void note_cooled(struct gas *g, const struct state *from, const struct state *to) {
-    const double least = source_heats(&g->models.source) ? -HUGE_VAL : 0; /* 0: where T rose, that is round-off */
+    /* 0: if no source heats, a rise of T is round-off */
+    const double least = source_heats(&g->models.source) ? -HUGE_VAL : 0;
     g->engine->state.rows(g, EVERY_CELL, to, rise_row, &(struct rise){g, from, to, false, least});
 }
 
@@ -135,16 +137,16 @@ static void forget_row(void *gas, const struct row *row) {
     memset(g->cooled[row->block] + row->at, 0, (size_t)row->n * sizeof(double));
 }
 
-/* Cooling took nothing from here on. */
+/* Sets g->cooled to 0, so that conduction has no sink from here on. */
 static void forget_cooled(struct gas *g) {
     g->engine->state.rows(g, EVERY_CELL, &g->U, forget_row, g);
 }
 
-/* One super step of stress or heat from Y0 to `to`, which may be Y0; returns this rank's number of inadmissible cells.
- */
+/* Does one super step of stress or heat from Y0 to `to`, which may be Y0; returns this rank's number of inadmissible
+ * cells. */
 static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                        const struct lapse *l, int stages) {
-    double c[5], weight[2] = {0, 0}; /* what S_j and S_(j-1) would be if q were 1 throughout */
+    double c[5], weight[2] = {0, 0}; /* values of S_j and S_(j-1) if q were 1 throughout */
     g->models.diffusion->stage(stages, 1, c);
     weight[0] = c[2] * l->dt;
     g->engine->diffusion.begin(g, what, Y0, weight[0], l->rest);
@@ -163,7 +165,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
 }
 
-/* The number of super steps, and their stages: no more than the engine's operator bears. */
+/* Returns the number of super steps, and sets their stages, no more than the engine's operator bears. */
 static long plan_steps(const struct gas *g, double ratio, int *stages) {
     const int most = g->engine->diffusion.most_stages;
     for (long parts = 1;; parts *= 2) {
@@ -172,12 +174,13 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
     }
 }
 
-/* The i-th of `parts` equal parts of a lapse. */
+/* Returns the i-th of `parts` equal parts of a lapse. */
 static struct lapse part_of(const struct lapse *l, long i, long parts) {
     const double n = (double)parts;
     return (struct lapse){l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
 }
 
+/* Covers a lapse by super steps, or by an implicit step; returns this rank's number of inadmissible cells. */
 static long cover(struct gas *g, enum diffusing what, const struct state *from, const struct state *to,
                   const struct lapse *all, double rate, bool monotone) {
     int stages;
@@ -212,7 +215,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Stress, then heat, by way of a third state. */
+/* Applies the stress, then conducts heat, by way of a third state. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
                          const double rate[2]) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;

@@ -1,4 +1,5 @@
-/* An engine of the gas: how one kind of mesh, a lattice or polyhedra, holds the state, and its part of a time step. */
+/* An engine of the gas: the way in which one kind of mesh, a lattice or polyhedra, holds the state and does its part of
+ * a time step. */
 #ifndef LIBCORE_ENGINE_H
 #define LIBCORE_ENGINE_H
 
@@ -6,12 +7,12 @@
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
-struct span; /* of the lattice: libcore/lattice/tiles.h */
+struct span; /* belongs to the lattice: libcore/lattice/tiles.h */
 /* The conserved variables of this rank's cells, in blocks: the tiles of a lattice, or one block for all polyhedra. A
  * tile has a background, the values that many of its cells share (libcore/lattice/tiles_activity.c), and a span for
  * each of its rows: the cells outside the span equal the background, and their memory is not kept up. */
 struct state {
-    double **block;       /* [blocks] of [nvar][g->size]; in a tile offset 0 belongs to no cell: the background */
+    double **block;       /* [blocks] of [nvar][g->size]; offset 0 of a tile is no cell but the background */
     struct span **varied; /* [ntiles] of [nspans]; NULL on polyhedra */
 };
 
@@ -28,68 +29,69 @@ enum extent {
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
 };
 
-struct ending {                        /* what follows the last stage of a step */
+struct ending {                        /* the work that follows the last stage of a step */
     const struct source_plan *sources; /* the second half of the sources; NULL: there are none */
-    struct gas_speed speed;            /* out: of the final state, of this rank's cells */
+    struct gas_speed speed;            /* out: wave speeds of the final state in this rank's cells */
 };
 
 enum diffusing { VISCOUS, HEAT };
 
-struct links { /* between this rank's cells and those across their faces */
+struct links { /* links of this rank's cells to the cells across their faces */
     int cells;
-    int *first;     /* [cells + 1] into `column` */
-    int *column;    /* numbers over all ranks: of the cell itself, then of those it is linked to, perhaps twice */
+    int *first;     /* [cells + 1] where the links of a cell begin in `column` */
+    int *column;    /* numbers over all ranks: the cell itself, then the cells it is linked to, perhaps twice */
     bool symmetric; /* is the operator of heat symmetric, on all ranks? */
 };
 
 struct state_hooks {
-    /* Makes the states and the work memory of g, all else being set; free undoes a make that may have failed. */
+    /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
+     * failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* State from and to arrays in polyMesh order, as gas_set_conserved and gas_get_conserved. */
+    /* The state from and to arrays in polyMesh order, as gas_set_conserved and gas_get_conserved. */
     void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
     status (*get_conserved)(const struct gas *g, double *const U[MAX_VAR]);
     /* Calls visit(context, row) for the rows of s, in the same order on every call. */
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
-    /* `to` keeps its cells in the same spans as `from`, whose rows were written to it. NULL: there are no spans. */
+    /* Gives `to` the spans of `from`, whose rows were written to it. NULL: there are no spans. */
     void (*keep_as)(const struct gas *g, const struct state *from, const struct state *to);
-    /* Centre of the cell at `at` of a block, m. */
+    /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
     /* As gas_block_field and gas_field. */
     void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
     status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
-    /* Wave speeds of this rank's cells; then the place of the cell that has speed->rate, as gas_fastest_place. */
+    /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
+     * gas_fastest_place. */
     void (*speed)(struct gas *g, struct gas_speed *speed);
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
-    /* totals[v] <- sum over the domain of volume * variable v */
+    /* Sums volume * variable v over the domain: totals[v]. */
     status (*totals)(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
 };
 
 struct stage_hooks {
-    /* to <- W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of the
-     * cells that are not admissible, and returns their number. */
+    /* Computes to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of
+     * the cells that are not admissible, and returns their number. */
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                   double dt);
-    /* The last stage of a step with the step's ending, block by block while a block is in the cache. Like stage, it
-     * does no harm when `from` holds inadmissible cells or NaN: all is thrown away then. NULL: step.c does the
-     * ending. */
+    /* Does the last stage of a step and the step's ending, block by block while a block is in the cache. Like stage, it
+     * may get inadmissible cells or NaN in `from`: the result is thrown away then. NULL: step.c does the ending. */
     long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt, struct ending *ending);
     /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
     long (*share_flags)(struct gas *g);
-    /* The stage again where flags are near, with the fluxes of flagged cells limited (libcore/schemes/limit.h), whose
-     * faces are counted in g->faces. Flags what is not admissible then. */
+    /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
+     * (libcore/schemes/limit.h), and counts these faces in g->faces. Flags the cells that are not admissible then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-    /* Cells of a background that is not admissible become varied cells, so that each of them is mended and counted by
-     * itself. NULL: there are no backgrounds. */
+    /* Makes the cells of an inadmissible background varied cells, so that each is mended and counted by itself. NULL:
+     * there are no backgrounds. */
     void (*unfold_bad)(struct gas *g, const struct state *s);
-    /* sum <- integral over the domain of g->raised or g->fill */
+    /* Integrates g->raised or g->fill over the domain. */
     status (*sum_raised)(const struct gas *g, double *raised, double *sum);
-    /* Counts the flags in the field `limited`; place <- the first flagged cell. */
+    /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
     void (*note_limited)(struct gas *g, double place[3]);
     void (*clear_flags)(struct gas *g);
-    /* The exchange of struct stepper: next <- 0.1 start + 0.9 state, state <- 0.6 start + 0.4 state; next may be
+    /* Does the exchange of struct stepper: next = 0.1 start + 0.9 state, state = 0.6 start + 0.4 state; next may be
      * start. */
     void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 };
@@ -97,39 +99,40 @@ struct stage_hooks {
 /* The parts of one super step of diffusion: S_0 = 0, q_0 = u or T of Y0, q_j = q_0 + L S_j/rho
  * (libcore/gas/diffusion.h); the fluxes of the last S move the state. */
 struct diffusion_hooks {
-    int most_stages;   /* in one super step, where the operator is not quite symmetric; 0: any number */
-    bool cooled_first; /* friction is T(to) - (T(from) + cooled), else (T(to) - T(from)) - cooled: its last bit */
-    /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS], most[HEAT] <- the largest rates of this
+    int most_stages; /* most stages of one super step, where the operator is not quite symmetric; 0: any number */
+    /* is friction T(to) - (T(from) + cooled)? Else (T(to) - T(from)) - cooled, which differs in the last bit */
+    bool cooled_first;
+    /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this
      * rank's cells, 1/s. */
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
-    /* warm <- T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at
-     * T warm. NULL: g->ahead is never set. */
+    /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at T
+     * warm. NULL: g->ahead is never set. */
     void (*ahead)(struct gas *g, const struct state *to);
-    /* q_0 <- u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0;  S_1 <- factor q_0 */
+    /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0, and S_1 = factor q_0. */
     void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
-    /* S_j <- c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold dt.
-     * weight: what S_(j-1) would be if q were 1 throughout, for S beyond patches that hold a value. */
+    /* Computes S_j = c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold
+     * dt. weight: the value of S_(j-1) if q were 1 throughout, for S beyond patches that hold a value. */
     void (*stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5], double weight);
-    /* to <- Y0 + div of the flux of the last S, with the work of the stress; `to` may be Y0. Marks the cells that are
-     * not admissible, and returns their number. */
+    /* Computes to = Y0 + div of the flux of the last S, with the work of the stress; `to` may be Y0. weight: the value
+     * of that S if q were 1 throughout. Marks the cells that are not admissible, and returns their number. */
     long (*end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                 double weight);
-    /* keep: makes the marks flags, on whose faces the stress goes without tangential derivatives from here on (on
-     * polyhedra all fluxes with the jumps across the faces alone); else drops the marks. Returns the number of flagged
-     * cells of all ranks. */
+    /* keep: turns the marks into flags; from here on the stress on the faces of flagged cells has no tangential
+     * derivatives (on polyhedra all their fluxes have the jumps across the faces alone). Else: drops the marks. Returns
+     * the number of flagged cells of all ranks. */
     long (*flags)(struct gas *g, bool keep);
 };
 
 /* The systems of implicit diffusion (libcore/gas/implicit.h). */
 struct implicit_hooks {
-    /* Cells of this rank, and those that each is linked to. */
+    /* Lists for each cell of this rank the cells that it is linked to. */
     status (*pattern)(struct gas *g, struct links *out);
-    /* A = diag(mass) - factor V L, without what couples the components of a velocity: mass [cells], E [cells] (energy
-     * of a cell), weight [unknowns][links]: for each unknown, for each cell, the entry of the cell itself, then those
-     * of its links. The lattice, whose volumes V are all the same, leaves V out. */
+    /* Computes A = diag(mass) - factor V L, without the coupling between the components of a velocity: mass [cells], E
+     * [cells] (energy of a cell), weight [unknowns][links]: for each unknown, for each cell, the entry of the cell
+     * itself, then those of its links. The lattice, whose volumes V are all the same, leaves V out. */
     void (*matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass, double *E,
                    double *weight);
-    /* x [cells][unknowns] to the last S, or from it. */
+    /* Copies x [cells][unknowns] to the last S, or from it. */
     void (*move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
 };
 

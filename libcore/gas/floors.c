@@ -1,5 +1,5 @@
-/* The floors of density and of energy (libcore/schemes/limit.h) on the whole state, and the account of what they add.
- */
+/* Applies the floors of density and of energy (libcore/schemes/limit.h) to the whole state, and keeps account of what
+ * they add. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
@@ -22,10 +22,10 @@ void floors_begin(struct gas *g) {
     for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
 }
 
-struct flooring { /* what floor_row needs and counts */
+struct flooring { /* context of floor_row */
     struct gas *g;
     const struct state *s;
-    long bad;
+    long bad; /* cells that are not admissible all the same */
 };
 
 static void floor_row(void *flooring, const struct row *row) {

@@ -1,4 +1,4 @@
-/* The gas, whatever mesh it is on: what gas.h promises, handed to the engine of the mesh. */
+/* Does what gas.h promises on any mesh, by the engine of the mesh. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
@@ -98,7 +98,7 @@ status gas_field(const struct gas *g, enum gas_field field, double *const out[3]
     return g->engine->state.field(g, field, out);
 }
 
-struct first_bad { /* what bad_row looks for: the first cell that is not admissible */
+struct first_bad { /* the result of bad_row: the first cell that is not admissible */
     const struct gas *g;
     bool found;
     struct row cell;

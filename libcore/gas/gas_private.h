@@ -1,4 +1,4 @@
-/* Inside of the gas: what the files of libcore/gas and both engines (libcore/gas/engine.h) share. */
+/* The inside of the gas, which the files of libcore/gas and both engines (libcore/gas/engine.h) share. */
 #ifndef LIBCORE_GAS_PRIVATE_H
 #define LIBCORE_GAS_PRIVATE_H
 
@@ -7,105 +7,108 @@
 #include "libcore/gas/implicit.h"
 #include "libcore/schemes/limit.h"
 
-#define PACKED 0.99 /* of the density limit: cells above it are packed */
+#define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
 
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
     struct forest *forest;   /* the mesh, borrowed: a lattice cut into tiles; NULL on polyhedra */
     const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
-    struct tiles *tiles;     /* what the engine of the lattice owns (libcore/lattice/tiles.h), or NULL */
-    struct cells *cells;     /* what the engine of polyhedra owns (libcore/polyhedral/cells.h), or NULL */
+    struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
+    struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
     int dim, nvar, npatches, ncells_all;
-    long size;                       /* numbers in a line of a block, from one variable to the next */
+    long size;                       /* numbers in a line of a block: the distance from one variable to the next */
     const struct patch_rules *rules; /* [npatches] */
     const struct reconstruct *first_order;
 
     struct state U;          /* the state between steps */
     struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
-    struct state V, W;       /* stages */
-    double fastest[MAX_DIM]; /* max |u_k| + c, from the last gas_speed */
-    double least, limit;     /* least < rho < limit; least: 0, or the density floor less round-off */
-    struct gas_speed speed;  /* of U, if speed_known */
+    struct state V, W;       /* results of stages, and scratch */
+    double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
+    double least, limit;     /* admissible: least < rho < limit; least is 0, or the density floor less round-off */
+    struct gas_speed speed;  /* wave speeds of U, if speed_known */
     bool speed_known;
 
-    int guarded;       /* number of steps that are still to be looked at stage by stage (libcore/gas/step.c) */
-    int slow;          /* number of consecutive tiny steps; -1 in a state that was set: not known */
-    double slow_dt[2]; /* dt of an earlier tiny step (at most 50 before), and of the last step, s */
+    int guarded;       /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
+    int slow;          /* number of consecutive tiny steps; -1 in a state that was set: unknown */
+    double slow_dt[2]; /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
     struct gas_counts counts;
-    long computed, all;  /* cells times stages on this rank: computed, and with those that were left out */
-    struct audit *audit; /* the budget; NULL: off */
+    long computed, all;  /* cell updates on this rank: computed ones, and with those that were left out */
+    struct audit *audit; /* the budget; NULL: none is kept */
 
-    long faces;     /* limited in the last redo, on this rank */
+    long faces;     /* faces limited in the last redo, on this rank */
     long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
     double *raised; /* [nraised] J/m^3 that this attempt's round-off floor added: per tile, or per cell of polyhedra */
     int nraised;
     int raised_step; /* of a row's cell i the place is block + raised_step (at + i): 0 per tile, 1 per cell */
     long filled;     /* cells raised to the density floor by this attempt, on this rank */
     double *fill[2]; /* [nraised] mass and energy per m^3 that the density floor added to the result; NULL without it */
-    double share;    /* fraction of what is added to the stage in hand that survives in the result of the step */
+    double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
 
-    double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in the half step in hand */
-    bool late;                 /* diffusion is in the second half of the step, before cooling */
-    bool ahead;                /* coefficients of diffusion are those at the end of the half step (diffusion.c) */
-    double **friction;         /* [blocks][size] T that the stress of this half step made, less `cooled` */
-    double **cooled;           /* [blocks][size] T that sources took in the first half; both are 0 in ghosts */
+    double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
+    bool late;                 /* is diffusion in the second half of the step, before cooling? */
+    bool ahead;                /* are the coefficients of diffusion those at the end of the half step (diffusion.c)? */
+    double **friction;         /* [blocks][size] rise of T by the stress of this half step, less cooled; 0 in ghosts */
+    double **cooled;           /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
     struct implicit *implicit; /* NULL: diffusion is explicit */
 };
 
-/* The maxima over the ranks go to g->speed, unless a rank says that its own are void: then false is returned. */
+/* Sets g->speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
+ * Collective. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 
-/* to = from moved by viscous stress and heat conduction over dt, in the first or the second half of a step. bad: cells
- * of `from` on this rank that are not admissible. Returns false, on all ranks, if a rank has such cells or would have
- * them in `to`. */
+/* Moves `from` by viscous stress and heat conduction over dt, in the first or the second half of a step. bad: number of
+ * cells of `from` on this rank that are not admissible. Returns false, on all ranks, if a rank has such cells or would
+ * have them in `to`. */
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
 
-/* g->cooled <- by how much T fell from one state to the other, by sources; below 0: it rose, if some of them heat */
+/* Sets g->cooled to the fall of T from one state to the other by sources. It is negative where T rose, if a source
+ * heats. */
 void note_cooled(struct gas *g, const struct state *from, const struct state *to);
 
 struct lapse { /* one step of conduction */
     double dt; /* its length, s */
-    double
-        rest; /* fraction of the half step's frictional heating that Y0 has in its T though it is yet to be conducted */
+    /* fraction of the half step's frictional heating that Y0's T contains although it is not yet conducted */
+    double rest;
     double part; /* fraction of that heating that this step adds */
 };
 
-/* Moves `what` from Y0 to `to` by one implicit step, of backward Euler if `monotone`; returns this rank's number of
- * cells that are not admissible: all, if the system was not solved. */
+/* Advances `what` (velocity or temperature) from Y0 to `to` by one implicit step, of backward Euler if `monotone`.
+ * Returns this rank's number of cells that are not admissible: all, if the system was not solved. */
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                    const struct lapse *l, bool monotone);
 
-/* first <- the number over all ranks of this rank's first cell, for the patterns of implicit diffusion. */
+/* Sets *first to the number, over all ranks, of this rank's first cell, for the patterns of implicit diffusion. */
 status implicit_first(const struct gas *g, int cells, long *first);
 
 /* ---- rows of cells (libcore/gas/rows.c) ---- */
 
-/* velocity and eps = E/rho - |u|^2/2 of n <= BATCH states whose variables are `size` apart */
+/* Computes velocity and eps = E/rho - |u|^2/2 of n <= BATCH states whose variables are `size` apart. */
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps);
-/* c <- sqrt(c) */
+/* Computes c = sqrt(c). */
 void root_row(int n, double *restrict c);
-/* to = W + a (U0 - W), W = from + dt residual */
+/* Computes to = W + a (U0 - W), W = from + dt residual. */
 void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
                 const double *restrict residual, double *restrict to);
-/* T of n <= BATCH states of a block, U pointing to the first one's density */
+/* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
-/* A field of n <= BATCH states whose variables are `size` apart: out[component][n]; all but GAS_LIMITED. */
+/* Computes a field of n <= BATCH states whose variables are `size` apart: out[component][n]; any field but
+ * GAS_LIMITED. */
 void field_row(const struct gas *g, enum gas_field field, int n, long size, const double *U, double *const out[3]);
 
-struct half_step { /* what source_row needs and counts */
+struct half_step { /* context of source_row, the visitor of rows that applies sources */
     const struct gas *g;
     const struct state *from, *to;
     const struct source_plan *plan;
-    long bad; /* cells that were not admissible then */
+    long bad; /* out: number of cells that are not admissible in `to` */
 };
 void source_row(void *half_step, const struct row *row);
-/* to <- the sources of the plan applied to from; returns this rank's number of inadmissible cells. */
+/* Writes to `to` the sources of the plan applied to `from`; returns this rank's number of inadmissible cells. */
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to);
 
-/* Number of inadmissible cells among the n <= BATCH at `offset` of a block U; marks[offset + i], unless marks is NULL,
- * is raised by 1 at each. */
+/* Returns the number of inadmissible cells among the n <= BATCH at `offset` of a block U, and raises marks[offset + i]
+ * by 1 at each of them, unless marks is NULL. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);
 
 /* ---- floors (libcore/gas/floors.c) ---- */
@@ -113,18 +116,18 @@ int row_inadmissible(const struct gas *g, const double *U, long offset, int n, d
 /* Allocates g->nraised places for what the floors add. */
 status floors_make(struct gas *g);
 void floors_free(struct gas *g);
-/* An attempt at a step begins: nothing was added. */
+/* Forgets what the floors added, at the beginning of an attempt at a step. */
 void floors_begin(struct gas *g);
-/* Raises the density of cells to its floor, counted in g->filled and noted, times g->share, in g->fill; and the energy
- * to the round-off floor, counted in g->floored and noted in g->raised. Returns the number of cells of this rank that
- * are not admissible all the same. */
+/* Raises the density of cells to its floor, which g->filled counts and g->fill sums, times g->share; and their energy
+ * to the round-off floor, which g->floored counts and g->raised sums. Returns the number of cells of this rank that are
+ * not admissible all the same. */
 long floors_apply(struct gas *g, const struct state *s);
-/* g->counts <- what the floors did in a step that stands. Collective. */
+/* Adds to g->counts what the floors did in a step that stands. Collective. */
 status floors_count(struct gas *g);
 
 /* ---- places ---- */
 
-struct first_place { /* the first in space of places that ranks found; order in space decides, not the rank */
+struct first_place { /* the first in space of the places that ranks found; the order in space decides, not the rank */
     double order;    /* HUGE_VAL: none was found */
     double place[3];
 };
@@ -134,6 +137,7 @@ static inline void first_place_offer(struct first_place *p, const double here[3]
     p->order = order;
     memcpy(p->place, here, sizeof p->place);
 }
+/* Sets `place` to the first over all ranks, HUGE_VAL if no rank found one. Collective. */
 void first_place_share(const struct gas *g, const struct first_place *p, double place[3]);
 
 #endif

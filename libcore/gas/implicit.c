@@ -1,19 +1,20 @@
-/* The steps of implicit.h, made of the hooks of the engine; a module that the caller of gas_make gave solves the
+/* Does the steps of implicit.h by the hooks of the engine; a module that the caller of gas_make gave solves the
  * systems. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
 
-/* The error allowed in a solution, relative to a cell's T, or to the speed of its energy for velocities. */
+/* The error allowed in a solution, relative to a cell's T, or for velocities to the speed that the cell's energy
+ * amounts to. */
 static const double TOLERANCE = 1e-6;
-enum { PASSES = 3 };
+enum { PASSES = 3 }; /* most passes of iterative refinement */
 
-struct problem {
+struct problem { /* one of the two linear systems */
     struct gas *gas;
     enum diffusing what;
-    double factor; /* gamma dt */
+    double factor; /* s: gamma dt */
     const struct state *Y0;
-    int *place; /* of a link's weight in system.value */
+    int *place; /* [unknowns * links] place of a link's weight in system.value */
     struct linear_system system;
     struct linear_solver *solver;
 };
@@ -21,19 +22,19 @@ struct problem {
 struct implicit {
     const struct linear_module *module;
     struct links links;
-    struct problem problem[2];
-    double *mass, *limit, *weight; /* limit: the speed whose energy a cell has, m/s */
-    double *q, *moved, *f, *mean;  /* the solution in hand, gamma dt L q/rho; S/dt */
-    double *source;                /* what friction makes of T in this step */
-    double *b, *d;
+    struct problem problem[2];     /* VISCOUS, HEAT */
+    double *mass, *limit, *weight; /* [cells]; [cells] m/s: speed that a cell's energy amounts to; weights of links */
+    double *q, *moved, *f, *mean;  /* [rows] solution of a stage; gamma dt L q/rho; right side; S/dt */
+    double *source;                /* [rows] h of implicit.h: change of T by friction less cooling */
+    double *b, *d;                 /* [rows] right side and solution of the linear system */
 };
 
-/* ---- the systems as functions --------------------------------------------------------------------------------------
- */
+/* ---- the systems as functions ---- */
 
-/* gamma dt L x/rho, of x alone or with what is given at the edges. Scaled so that what rounding q_0 leaves is small. */
+/* Computes y = gamma dt L x/rho, of x alone or with the values given at the edges. S is gamma dt x, so that the
+ * round-off of (q_0 + L S/rho) - q_0 is small beside it. */
 static void operate(const struct problem *p, const double *x, bool edges, double *y) {
-    const double only[5] = {0, 0, 1, -1, 0}; /* L S/rho, without q_0 */
+    const double only[5] = {0, 0, 1, -1, 0}; /* gives L S/rho without q_0 */
     struct gas *g = p->gas;
     for (int k = 0; k < p->system.rows; k++) y[k] = p->factor * x[k];
     g->engine->implicit.move(g, p->what, y, true);
@@ -41,6 +42,7 @@ static void operate(const struct problem *p, const double *x, bool edges, double
     g->engine->implicit.move(g, p->what, y, false);
 }
 
+/* Computes y = A x = mass (x - gamma dt L x/rho). */
 static void apply(const void *caller, const double *x, double *y) {
     const struct problem *p = caller;
     const double *mass = p->gas->implicit->mass;
@@ -49,7 +51,8 @@ static void apply(const void *caller, const double *x, double *y) {
         for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = mass[i] * (x[k] - y[k]);
 }
 
-/* A residual leaves an error of at most residual/mass in a stiff cell (implicit.h). */
+/* Returns the largest error of a cell, over all ranks, in units of what is allowed: a residual leaves an error of at
+ * most residual/mass in a stiff cell (implicit.h). */
 static double error_of(const void *caller, const double *x, const double *residual) {
     const struct problem *p = caller;
     const struct implicit *m = p->gas->implicit;
@@ -64,8 +67,7 @@ static double error_of(const void *caller, const double *x, const double *residu
     return most;
 }
 
-/* ---- set-up --------------------------------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 status implicit_first(const struct gas *g, int cells, long *first) {
     const int size = comm_size(g->comm), rank = comm_rank(g->comm);
@@ -79,7 +81,7 @@ status implicit_first(const struct gas *g, int cells, long *first) {
     return OK;
 }
 
-/* The place of number k among n in ascending order; equal ones share one. */
+/* Returns the place of number k among n in ascending order; equal numbers share one place. */
 static int place_of(const int *number, int n, int k) {
     int before = 0;
     for (int i = 0; i < n; i++) {
@@ -90,7 +92,7 @@ static int place_of(const int *number, int n, int k) {
     return before;
 }
 
-/* The links of every unknown, in ascending order; `place` remembers where each went. */
+/* Allocates a system with the links of every unknown in ascending order; p->place remembers where each link went. */
 static status problem_make(struct implicit *m, struct gas *g, enum diffusing what) {
     struct problem *p = &m->problem[what];
     struct linear_system *s = &p->system;
@@ -99,7 +101,7 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     p->gas = g;
     p->what = what;
     *s = (struct linear_system){.comm = comm_handle(g->comm),
-                                /* not stress: at walls, and where viscosities vary */
+                                /* the stress is not, at walls and where viscosities vary */
                                 .symmetric = what == HEAT && l->symmetric,
                                 .unknowns = unknowns,
                                 .rows = l->cells * unknowns,
@@ -169,9 +171,9 @@ void implicit_free(struct implicit *m) {
     free(m);
 }
 
-/* ---- one step ------------------------------------------------------------------------------------------------------
- */
+/* ---- one step ---- */
 
+/* Computes the matrix at Y0 and hands it to the module; returns NULL or the text of an error. */
 static const char *prepare(struct implicit *m, struct problem *p) {
     struct gas *g = p->gas;
     const int links = m->links.first[m->links.cells] * p->system.unknowns;
@@ -182,7 +184,7 @@ static const char *prepare(struct implicit *m, struct problem *p) {
     return m->module->prepare(p->solver);
 }
 
-/* A d = b; the iterations, or < 0 on all ranks: it was not solved. */
+/* Solves A d = b; returns the number of iterations, or < 0 on all ranks if it was not solved. */
 static int solve(struct implicit *m, struct problem *p) {
     int iterations;
     memset(m->d, 0, (size_t)p->system.rows * sizeof *m->d);
@@ -191,9 +193,8 @@ static int solve(struct implicit *m, struct problem *p) {
     return iterations;
 }
 
-/* Solves q = f + moved(q) from a first guess q, whose moved(q) is in m->moved, before and after. Iterative refinement:
- * in a hot thin cell the round-off of what the cell loses exceeds what it keeps, so the residual is solved for once
- * more. */
+/* Solves q = f + moved(q) from a first guess q; m->moved is moved(q) before and after. Iterative refinement: in a hot
+ * thin cell the round-off of what the cell loses exceeds what it keeps, so the residual is solved for again. */
 static bool stage(struct implicit *m, struct problem *p, const double *f, double *q) {
     const int rows = p->system.rows, unknowns = p->system.unknowns;
     for (int pass = 0; pass < PASSES; pass++) {
@@ -206,7 +207,7 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
     return true;
 }
 
-/* S/dt */
+/* Does both stages, or the one of backward Euler if `monotone`; m->mean becomes S/dt. */
 static bool stages(struct implicit *m, struct problem *p, double gamma, bool monotone) {
     const int rows = p->system.rows;
     for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + gamma * m->source[k];
@@ -220,7 +221,7 @@ static bool stages(struct implicit *m, struct problem *p, double gamma, bool mon
     return true;
 }
 
-/* q_0 and the source. */
+/* Sets m->q to q_0, and m->source. */
 static void take_start(struct implicit *m, struct problem *p, const struct lapse *l) {
     const struct engine *engine = p->gas->engine;
     engine->diffusion.begin(p->gas, p->what, p->Y0, 1, 0);

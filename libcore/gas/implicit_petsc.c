@@ -1,4 +1,4 @@
-/* The module of implicit.h: PETSc's conjugate gradients. It shares no symbol with haff. */
+/* The module of implicit.h: PETSc's conjugate gradients and residuals. It shares no symbol with haff. */
 #include "libcore/gas/implicit.h"
 
 #include <petscksp.h>
@@ -10,8 +10,8 @@ struct linear_solver {
     Mat A, P;
     Vec b, x;
     KSP ksp;
-    PC inner;     /* the preconditioner; the one that KSP sees only notes the residual */
-    Vec residual; /* KSP's, at the last preconditioning */
+    PC inner;     /* the preconditioner; KSP sees a shell around it that also notes the residual */
+    Vec residual; /* KSP's residual at the last preconditioning */
 };
 
 extern const struct linear_module haff_linear_module;
@@ -37,7 +37,8 @@ static PetscErrorCode precondition(PC pc, Vec r, Vec z) {
     return 0;
 }
 
-/* Conjugate gradients and residuals both keep one residual, which this sees in its newest state: at first it is b. */
+/* Computes the error of the present solution. Conjugate gradients and residuals both keep one residual, which
+ * l->residual shows in its newest state; before the first iteration it is b. */
 static PetscErrorCode find_error(const struct linear_solver *l, PetscInt iteration, double *error) {
     const double *x, *residual;
     const Vec r = iteration > 0 ? l->residual : l->b;
@@ -60,15 +61,15 @@ static PetscErrorCode enough(KSP ksp, PetscInt iteration, PetscReal norm, KSPCon
     return 0;
 }
 
-/* ---- PETSc as a whole ----------------------------------------------------------------------------------------------
- */
+/* ---- PETSc as a whole ---- */
 
 static int finish(MPI_Comm comm, int key, void *value, void *extra) {
     (void)comm, (void)key, (void)value, (void)extra;
     return PetscFinalize() ? MPI_ERR_OTHER : MPI_SUCCESS;
 }
 
-/* Once a program. It ends when MPI does, which begins with what hangs on MPI_COMM_SELF. */
+/* Starts PETSc once in a program. MPI_Finalize begins with the attributes of MPI_COMM_SELF, so `finish` ends PETSc in
+ * time. */
 static PetscErrorCode start(MPI_Comm comm) {
     PetscBool started;
     int key;
@@ -90,8 +91,7 @@ static const char *text_of(PetscErrorCode code) {
     return code && !text ? "an error without a text" : text;
 }
 
-/* ---- what the module exports ---------------------------------------------------------------------------------------
- */
+/* ---- what the module exports ---- */
 
 static PetscErrorCode make_matrices(struct linear_solver *l, MPI_Comm comm) {
     const struct linear_system *s = l->system;
@@ -140,8 +140,8 @@ static const char *module_make(const struct linear_system *s, struct linear_solv
     return text_of(code);
 }
 
-/* This rank's block by ILU(1), on a symmetric matrix the same as incomplete Cholesky: two thirds of the iterations that
- * ILU(0) takes. It is factored when it is first applied. */
+/* Factors this rank's block by ILU(1), on a symmetric matrix the same as incomplete Cholesky: it takes two thirds of
+ * the iterations of ILU(0). The factors are computed when they are first applied. */
 static PetscErrorCode factor(PC blocks) {
     KSP *block;
     PC pc;
@@ -157,7 +157,7 @@ static PetscErrorCode prepare(struct linear_solver *l) {
     MPI_Comm_size(PetscObjectComm((PetscObject)l->P), &size);
     if (size > 1) {
         PetscCall(MatUpdateMPIAIJWithArray(l->P, l->system->value));
-    } else { /* the array is its own: this tells it that it changed */
+    } else { /* the matrix works on the array itself: this tells it that the values changed */
         double *value;
         PetscCall(MatSeqAIJGetArray(l->P, &value));
         PetscCall(MatSeqAIJRestoreArray(l->P, &value));

@@ -13,7 +13,7 @@ static void apply(const struct rule *rule, const struct patch_line *l, int compo
     rule->type->ghost(rule, &line);
 }
 
-/* rho, rho u, E -> rho, u, T (or p), in place */
+/* Turns rho, rho u, E into rho, u, T (or p), in place. */
 static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
     double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->dim + 1];
     for (int k = 1; k <= g->dim; k++)

@@ -1,5 +1,5 @@
-/* What is done to rows of cells alike on a lattice and on polyhedra: velocities and temperatures, the fields that the
- * outside asks for, sources, the check of admissibility. */
+/* Works on rows of cells alike on a lattice and on polyhedra: velocities and temperatures, the fields that the outside
+ * asks for, sources, the check of admissibility. */
 #include "libcore/gas/gas_private.h"
 
 /* The squares are summed from the last axis so that two of three commute under a swap of axes. */
@@ -27,7 +27,8 @@ KERNEL static void take_roots(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
 }
 
-/* Functions with clones cannot be called from other files, as clang leaves their names undefined there. */
+/* velocity_row, root_row and update_row wrap kernels: functions with clones cannot be called from other files, as clang
+ * leaves their names undefined there. */
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
     find_velocity(n, dim, size, U, velocity, eps);
 }

@@ -16,13 +16,15 @@ enum {
 /* A rejected step is shortened at most by this factor at once, as the shorter step heats less. */
 static const double LEAST_SHARE = 1. / 16;
 
-/* The sources over the first half of a step of dt from t on, or over the second, in which they act backwards. */
+/* Plans the sources over the first half of a step of dt from t on, or over the second half, in which they act
+ * backwards. */
 static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
     const struct gas_models *m = &g->models;
     source_plan(&m->source, m->eos, &m->material, g->dim, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
 }
 
-/* to = half the sources of a step applied to from; returns this rank's number of inadmissible cells. W is scratch. */
+/* Applies half the sources of a step to `from`, into `to`; returns this rank's number of inadmissible cells. W is
+ * scratch. */
 static long half_sources(struct gas *g, double t, double dt, bool second, const struct state *from,
                          const struct state *to) {
     struct source_plan plan;
@@ -33,14 +35,15 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
     return bad;
 }
 
-/* The largest over the ranks of one number of each. */
+/* Returns the largest over the ranks of each rank's number. */
 static long any_rank(const struct gas *g, long mine) {
     double value = (double)mine;
     comm_max(g->comm, &value, 1);
     return (long)value;
 }
 
-/* The fraction of an amount added after a stage that the result of the step holds: later stages are linear in it. */
+/* Returns the fraction of an amount added after a stage that the result of the step holds: later stages are linear in
+ * it. */
 static double share_of(const struct stepper *s, int added) {
     double start = 0, state = 0, next = 0;
     for (int stage = 0; stage < s->stages; stage++) {
@@ -91,8 +94,8 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     return g->speed_known;
 }
 
-/* Diffusion over dt/2 from t on. The mean acceleration by the sources is noted, as it pulls the gas onto walls, whose
- * pressure then exceeds that of the cells beside them. */
+/* Does the diffusion over dt/2 from t on. Notes the mean acceleration by the sources: it pulls the gas onto walls,
+ * whose pressure then exceeds that of the cells beside them. */
 static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          bool second, long bad) {
     const struct gas_models *m = &g->models;
@@ -100,16 +103,16 @@ static bool diffuse_half(struct gas *g, const struct state *from, const struct s
     return diffuse(g, from, to, 0.5 * dt, second, bad);
 }
 
-/* The second half of the diffusion, of V. Returns false, on all ranks, if a state was or is not admissible. */
+/* Does the second half of the diffusion on V. Returns false, on all ranks, if a state was or is not admissible. */
 static bool second_diffusion(struct gas *g, double t, double dt, long bad) {
     if (!diffuse_half(g, &g->V, &g->W, t + 0.5 * dt, dt, true, bad)) return false;
     swap(&g->V, &g->W);
     return true;
 }
 
-/* The first halves of sources and diffusion. Returns the state that the stages start from, of which `bad` cells of this
- * rank are inadmissible; or NULL, on all ranks, if diffusion failed. In a guarded step the floors mend what the sources
- * left. */
+/* Does the first halves of sources and diffusion. Returns the state that the stages start from, with *bad inadmissible
+ * cells on this rank; or NULL, on all ranks, if diffusion failed. In a guarded step the floors mend the cells that the
+ * sources left inadmissible. */
 static const struct state *first_halves(struct gas *g, double t, double dt, bool sources, bool guarded, long *bad) {
     const struct state *U0 = &g->U, *before = g->models.transport ? &g->V : &g->U0;
     *bad = 0;
@@ -127,9 +130,9 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
     return diffuse_half(g, U0, &g->U0, t, dt, false, *bad) ? &g->U0 : NULL;
 }
 
-/* The end of a step that was not guarded: only here do the ranks ask each other whether all cells are admissible, so
- * that none waits for all others at every stage. false: some were not, V is of no use, and the step is to be done again
- * from its start, guarded. */
+/* Ends a step that was not guarded. Only here do the ranks ask each other whether all cells are admissible, so that no
+ * rank waits for all others at every stage. Returns false if some were not: then V is of no use, and the step must be
+ * done again from its start, guarded. */
 static bool end_unguarded(struct gas *g, const struct ending *ending, long bad, bool at_once) {
     if (!speed_share(g, &ending->speed, bad > 0)) {
         g->guarded = GUARDED;
@@ -140,8 +143,8 @@ static bool end_unguarded(struct gas *g, const struct ending *ending, long bad, 
     return true;
 }
 
-/* The end of a guarded step, `bad` of whose cells the second half of the sources left inadmissible; the floors may mend
- * them. */
+/* Ends a guarded step, in which the second half of the sources left `bad` cells inadmissible; the floors may mend them.
+ * Returns false if some remain inadmissible. */
 static bool end_guarded(struct gas *g, long bad) {
     g->share = 1;
     bad = any_rank(g, bad);
@@ -150,7 +153,7 @@ static bool end_guarded(struct gas *g, long bad) {
     return !bad;
 }
 
-/* A stage left cells of some rank inadmissible. */
+/* Mends a stage that left cells of some rank inadmissible; returns false if it cannot. */
 static bool guard_stage(struct gas *g, int stage, const struct state *U0, const struct state *from, double a,
                         double dt) {
     g->guarded = GUARDED;
@@ -158,9 +161,10 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
     return mend_stage(g, U0, from, &g->W, a, dt);
 }
 
-/* The Runge-Kutta stages from U0 to V, and the second halves of diffusion and sources; `bad`: cells of this rank that
- * the first halves left inadmissible. `guarded`: every stage is looked at, and its inadmissible cells are mended at
- * once; where there are none, the bits are those of a step that is not. false: V is of no use. */
+/* Does the Runge-Kutta stages from U0 to V, and the second halves of diffusion and sources. bad: cells of this rank
+ * that the first halves left inadmissible. In a guarded step every stage is looked at, and its inadmissible cells are
+ * mended at once; where there are none, the bits are those of a step that is not guarded. Returns false if V is of no
+ * use. */
 static bool do_stages(struct gas *g, const struct state *U0, double t, double dt, bool sources, bool guarded,
                       long bad) {
     const struct stepper *s = g->models.stepper;
@@ -216,7 +220,7 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
-/* The wave speeds in U0, from which the stages start: the largest rate over the ranks. */
+/* Returns the largest rate of wave speeds (1/s), over all ranks, in U0, from which the stages start. */
 static double rate_of_start(struct gas *g) {
     struct gas_speed after;
     swap(&g->U, &g->U0);
@@ -226,9 +230,9 @@ static double rate_of_start(struct gas *g) {
     return after.rate;
 }
 
-/* dt of the attempt after a rejected one: half of it, or less if the first half of diffusion or of sources that heat
- * made the gas so much hotter that its wave speeds demand it: dt was chosen by the state before that. Only rejected
- * steps are shortened in this way, because a restart does not know which steps were guarded. */
+/* Returns dt of the attempt after a rejected one: half of it, or less if the first half of diffusion or of sources that
+ * heat made the gas so much hotter that its wave speeds demand it: dt was chosen by the state before that. Only
+ * rejected steps are shortened in this way, because a restart does not know which steps were guarded. */
 static double shorter(struct gas *g, const struct state *U0, double dt, double maxCo) {
     if (!(g->models.transport || source_heats(&g->models.source)) || !U0) return 0.5 * dt;
     const double share = maxCo / (dt * rate_of_start(g));
@@ -236,7 +240,7 @@ static double shorter(struct gas *g, const struct state *U0, double dt, double m
 }
 
 /* Did sources make the gas so hot that a step of dt, which was chosen by the wave speeds before, is far too long? In
- * cold gas dt is long, and a thermostat would heat it a great deal before it first moves. */
+ * cold gas dt is long, and a thermostat would heat the gas a great deal before it first moves. */
 static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_speed *speed) {
     if (!source_heats(&g->models.source)) return false;
     const double rate = rate_of_start(g);

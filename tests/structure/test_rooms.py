@@ -59,7 +59,7 @@ NOT_IN_LIBCORE = r"(stdio|unistd|fcntl|dirent|dlfcn|signal|sys/\w+)\.h"
 
 # Files whose heads are still to be written.
 HEADLESS = [
-    "libcore/gas/audit.c", "libcore/models/boundary.c", "libcore/models/source.c", "solvers/functions/functions.c",
+    "libcore/models/boundary.c", "solvers/functions/functions.c",
     "solvers/gas/initial.c", "solvers/gas/layers.c", "solvers/gas/limiter.c",
 ]
 
