@@ -1,25 +1,25 @@
-/* Cell averages of an initial state that is given by expressions: of the conserved variables, products of the fields,
- * which differ from the products of the averages at second order. */
+/* Averages an initial state that is given by expressions over the cells: its conserved variables, which are products of
+ * the fields and differ from the products of the averages at second order. */
 #include "mesh/grid/quadrature.h"
 #include "solvers/gas/initial.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { CHUNK = 512 }; /* cells at a time */
+enum { CHUNK = 512 }; /* cells that are averaged at a time */
 
-struct averager {
+struct averager { /* what the functions below share: the averages so far, and the points of some cells */
     struct initial *s;
     const struct field_place *place;
     const struct gas_models *models;
     struct quadrature *quadrature;
     int dim, axis[3];
-    long n; /* points of the cells at hand */
-    int *cell;
-    double (*x)[3], *weight, *values, *rho, *T, *u[3]; /* [n]; values[n][3] of a field */
+    long n;                                            /* points of the present cells */
+    int *cell;                                         /* [n] the cell of a point */
+    double (*x)[3], *weight, *values, *rho, *T, *u[3]; /* [n]: of the points; values[n][3]: of a field */
 };
 
-/* The field at the points. */
+/* Sets a->values to a field at the points. */
 static status take_values(struct averager *a, const struct field *f) {
     const int m = f->kind->components;
     if (field_has_expression(f)) return field_evaluate(f, a->n, a->x[0], a->place->t, a->values);
@@ -28,6 +28,7 @@ static status take_values(struct averager *a, const struct field *f) {
     return OK;
 }
 
+/* Does the same for a scalar, and fails unless all values lie between 0 and `most`. */
 static status take_range(struct averager *a, const struct field *f, double most) {
     TRY(take_values(a, f));
     for (long i = 0; i < a->n; i++)
@@ -38,6 +39,7 @@ static status take_range(struct averager *a, const struct field *f, double most)
     return OK;
 }
 
+/* Computes rho, T and u at the points. */
 static status take_states(struct averager *a) {
     struct field *const *field = a->s->field;
     const struct material *m = &a->models->material;
@@ -54,6 +56,7 @@ static status take_states(struct averager *a) {
     return OK;
 }
 
+/* Adds the points' conserved variables, times their weights, to their cells. */
 static void add_states(struct averager *a) {
     for (long i = 0; i < a->n; i++) {
         const double w = a->weight[i] * a->rho[i];

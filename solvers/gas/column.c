@@ -1,6 +1,6 @@
-/* The isothermal hydrostatic column. With w the mass per area above h, p = g w, so that rho(w) solves P(rho) = g w/T
- * and dh = -dw/rho(w): one curve h(w) holds for columns of every mass, which differ by where on it their floor lies.
- * Nodes are equidistant in ln w, in which the thin gas is a straight line. */
+/* The isothermal hydrostatic column. With w the mass per area above h, p = g w, so that rho(w) solves P(rho) = p/T =
+ * g w/T, and dh = -dw/rho(w): one curve h(w) holds for columns of every mass, which differ by the place of their floor
+ * on it. Nodes are equidistant in ln w, in which the thin gas is a straight line. */
 #include "solvers/gas/layers.h"
 
 #include "libcore/gas/gas.h"
@@ -12,12 +12,12 @@ enum { NODES = 8001 };
 static const double FALL = 80; /* e-folds of w from the first node to the last */
 
 struct column {
-    double g, T, lid, top; /* top: ln w at node 0 */
-    double h[NODES];       /* m, above node 0 */
+    double g, T, lid, top; /* m/s^2; m^2/s^2; m: height of the lid; ln w at node 0 */
+    double h[NODES];       /* m: heights of the nodes above node 0 */
     double slope[NODES];   /* d ln w/dh = -rho/w */
 };
 
-/* rho at which P(rho) = target, for n targets, by bisection */
+/* Finds rho at which P(rho) = target, for n targets, by bisection. */
 static void density_of(const struct gas_models *m, int n, const double *target, double *rho) {
     enum { HALVINGS = 100, MOST_DOUBLINGS = 200 };
     const double limit = density_limit(m->eos, &m->material);
@@ -37,7 +37,7 @@ static void density_of(const struct gas_models *m, int n, const double *target, 
     }
 }
 
-/* w/rho at ln w = top - s, for n values of s */
+/* Computes w/rho at ln w = top - s, for n values of s. */
 static void height_per_fold(const struct gas_models *m, const struct column *c, int n, const double *s, double *out) {
     double target[BATCH], rho[BATCH];
     for (int i = 0; i < n; i++) target[i] = c->g / c->T * exp(c->top - s[i]);
@@ -53,9 +53,10 @@ status column_make(const struct gas_models *models, double g, double T, double m
     c->g = g;
     c->T = T;
     c->lid = lid;
-    c->top = log(most + P * T / g); /* under the lid rho is below its mean, so that no more is above it */
+    /* under the lid rho is below its mean, so that at most P T/g lies above the lid */
+    c->top = log(most + P * T / g);
     const double step = FALL / (NODES - 1);
-    double s[BATCH], fold[2 * NODES - 1]; /* at nodes and between them */
+    double s[BATCH], fold[2 * NODES - 1]; /* at the nodes and half way between them */
     for (int i = 0; i < 2 * NODES - 1; i += BATCH) {
         int n = 2 * NODES - 1 - i < BATCH ? 2 * NODES - 1 - i : BATCH;
         for (int k = 0; k < n; k++) s[k] = 0.5 * step * (i + k);
@@ -73,7 +74,7 @@ void column_free(struct column *c) {
     free(c);
 }
 
-/* Value at t of 0 .. 1 of the cubic with these ends and slopes (per unit of t) */
+/* Returns the value at t of 0 .. 1 of the cubic with these ends and slopes (per unit of t). */
 static double hermite(double t, double a, double b, double da, double db) {
     double r = 1 - t;
     return a * r * r * (1 + 2 * t) + b * t * t * (3 - 2 * t) + t * r * (da * r - db * t);

@@ -1,4 +1,4 @@
-/* The granular gas as a medium (medium.h) of granularGas. */
+/* The granular gas as the medium (medium.h) of granularGas. */
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
@@ -14,10 +14,10 @@ struct gas_state {
     struct initial *initial;
     struct gas *gas;
     struct limiter_table limiter;
-    struct gas_speed speed;   /* of the last plan */
-    double totals[MAX_VAR];   /* at the start */
-    struct gas_counts counts; /* at the last log entry */
-    bool audited;             /* a budget is kept */
+    struct gas_speed speed;   /* wave speeds of the last plan */
+    double totals[MAX_VAR];   /* mass, momentum, energy at the start */
+    struct gas_counts counts; /* counts at the last log entry */
+    bool audited;             /* is a budget kept? */
 };
 static struct gas_state *of(const struct medium *m) {
     return (struct gas_state *)(uintptr_t)m;
@@ -120,12 +120,12 @@ static void gas_provenance(const struct medium *m, struct sink *o) {
                 polyhedral ? g->polynomial->model.name : g->reconstruct->model.name);
 }
 
-/* Bytes of the state and what a step needs with it, of all cells. */
+/* Returns the bytes of the state and of the memory for a step, of all cells. */
 static double gas_memory(const struct medium *medium) {
     const struct setup *s = medium->setup;
     const struct forest *f = s->grid->forest;
     const struct polyhedra *m = s->grid->polyhedra;
-    if (f) { /* five variables of states and scratch; with transport struct diffuser */
+    if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 5) + 5 : 0;
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
     }
@@ -160,7 +160,8 @@ static status gas_after(struct medium *m, const struct moment *now) {
     return limiter_record(&of(m)->limiter, m->setup, of(m)->gas, now);
 }
 
-/* What must stay, drifts; what flows in or out or is taken by a source, changes. */
+/* Returns the word for a change of mass or energy in the log: a conserved quantity drifts; a quantity that flows in or
+ * out, or that a source takes, changes. */
 static const char *word_for(const struct gas_state *g, bool energy) {
     if (g->models->gas.alpha_floor > 0) return "change";
     for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
@@ -183,7 +184,7 @@ static const char *plural(long n) {
     return n == 1 ? "" : "s";
 }
 
-/* What was done since the entry before to keep the state admissible. */
+/* Prints what kept the state admissible since the last entry. */
 static void print_limited(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
     const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
     const long floored = n->floored - was->floored;
@@ -243,7 +244,7 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
     gas_block_field(of(m)->gas, block, (enum gas_field)quantity, out);
 }
 
-/* The conserved variables come all at once: those not asked for are dropped. */
+/* Gathers momentum or energy: the conserved variables come all at once, and those not asked for are dropped. */
 static status gather_conserved(const struct medium *m, int quantity, double *const out[3]) {
     const struct gas *g = of(m)->gas;
     const int nvar = gas_variables(g), first = quantity == ENERGY ? nvar - 1 : 1,
@@ -292,7 +293,7 @@ static const char help[] =
     "MPI.\n";
 
 _Static_assert(12 + SOURCE_MOST <= MAX_BUDGET, "the budget has room for every source");
-/* Adds to the column of a cause, which is made behind the others if there is none. */
+/* Adds energy to the column of a cause, which is made behind the others if there is none. */
 static void budget_add(struct budget_row *b, const char *cause, double energy) {
     int i = 0;
     while (i < b->n && strcmp(b->title[i], cause)) i++;

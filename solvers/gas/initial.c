@@ -1,3 +1,5 @@
+/* Reads a time folder of the gas (initial.h): the fields, the state in cells, and the rules of the patches, and checks
+ * that they agree with each other and with the models. */
 #include "solvers/gas/initial.h"
 
 #include "solvers/gas/layers.h"
@@ -7,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct reader { /* what the steps below share */
+struct reader { /* what the functions below share */
     const char *case_dir;
     const struct instant *at;
     const struct field_place *place;
@@ -40,8 +42,8 @@ static status read_fields(const struct reader *r, struct initial *s) {
     return e;
 }
 
-/* Of rho and alpha, and of T and p, a case gives one; a folder that this program wrote has all, told by uniform/time.
- */
+/* Reads the fields. A case gives one of rho and alpha, and one of T and p; a folder that this program wrote has all of
+ * them, and is known by its uniform/time. */
 static status read_files(const struct reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
@@ -64,7 +66,7 @@ static status read_files(const struct reader *r, struct initial *s) {
     return read_fields(r, s);
 }
 
-/* The conserved fields of an earlier run, which restart it bit by bit. */
+/* Has the folder the conserved fields of an earlier run, which restart it bit by bit? */
 static bool continued(const struct reader *r) {
     return there(r, "uniform/time") && there(r, "rho") && there(r, "rhoU") && there(r, "rhoE");
 }
@@ -76,7 +78,7 @@ static status check_values(const struct reader *r, const struct initial *s) {
                                        [FIELD_T] = HUGE_VAL,
                                        [FIELD_P] = HUGE_VAL};
     for (int i = 0; i < FIELD_COUNT; i++)
-        /* in a few digits alpha may be rounded to its limit: of a written folder the state itself is checked */
+        /* written with few digits alpha may be rounded to its limit: gas_check checks a state that is continued */
         if (s->field[i] && i != FIELD_U && !(continued(r) && i == FIELD_ALPHA))
             TRY(field_check_range(s->field[i], r->place, 0, limit[i]));
     return OK;
@@ -117,7 +119,7 @@ static status take_state(const struct reader *r, struct initial *s) {
     return take_velocity(r, s);
 }
 
-/* A user who changed U or T of a written folder would be ignored, since the conserved fields win. */
+/* Fails if U or T differ from the conserved fields: these win, so that a change by the user would be ignored. */
 static status check_agreement(const struct reader *r, const struct initial *s) {
     const double *const *q = (const double *const *)s->conserved;
     double tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
@@ -203,7 +205,7 @@ static status take_rule(const struct reader *r, const struct field *f, int p, do
     return OK;
 }
 
-/* Which of two fields gives a patch's rule: the first there that is not `calculated`. */
+/* Finds which of two fields gives a patch's rule: the first that is there and not `calculated`. */
 static status which(const struct reader *r, const struct initial *s, int p, enum field_id a, enum field_id b,
                     enum field_id *out) {
     const enum field_id both[2] = {a, b};
@@ -316,7 +318,7 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     enum field_id density, thermal;
     const char *type = r->place->mesh->patch[p].type;
-    if (!strcmp(type, "empty") || !strcmp(type, "cyclic")) return OK; /* the mesh says it all */
+    if (!strcmp(type, "empty") || !strcmp(type, "cyclic")) return OK; /* the mesh gives the rule */
     TRY(which(r, s, p, FIELD_RHO, FIELD_ALPHA, &density));
     TRY(which(r, s, p, FIELD_T, FIELD_P, &thermal));
     s->from[p][0] = density;

@@ -1,4 +1,4 @@
-/* The state a run starts from and the boundary rules, from the field files of one time folder. */
+/* The state that a run starts from, and the boundary rules, from the field files of one time folder. */
 #ifndef SOLVERS_INITIAL_H
 #define SOLVERS_INITIAL_H
 
@@ -6,20 +6,21 @@
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 
-struct initial {                      /* on every rank */
-    struct field *field[FIELD_COUNT]; /* NULL: no such file */
-    enum field_id (*from)[3];         /* [npatches] the fields that give its rules: rho or alpha, U, T or p */
-    double *rho, *T, *u[3];           /* [ncells]; u along computational axes */
-    double *conserved[MAX_VAR];       /* [ncells] rho, rho u.., E: exact restart, or averages; else NULL */
+struct initial {                      /* the same on every rank */
+    struct field *field[FIELD_COUNT]; /* NULL: there is no such file */
+    enum field_id (*from)[3];         /* [npatches] the fields that give a patch's rules: rho or alpha, U, T or p */
+    double *rho, *T, *u[3];           /* [ncells] kg/m^3, m^2/s^2, m/s along computational axes */
+    double *conserved[MAX_VAR];       /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
     int npatches;
     struct patch_rules *rules; /* [npatches] */
-    double **values;           /* [3 npatches] nonuniform values of the rules */
+    double **values;           /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
 };
-/* Where the folder has conserved fields they are the state; U and T must agree with them to at->digits. */
+/* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
+ * them to at->digits. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const struct gas_models *models, struct initial **out);
 void initial_free(struct initial *s);
-/* For engines whose cells hold averages: where fields are given by expressions, s->conserved <- the averages of the
+/* For engines whose cells hold averages: if fields are given by expressions, sets s->conserved to the averages of the
  * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a
  * state that has conserved fields. */
 status initial_average(struct initial *s, const struct field_place *place, int dim, const int axis[3],

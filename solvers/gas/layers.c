@@ -1,3 +1,5 @@
+/* Lays a layer of grains into the cells at the start (layers.h): reads its dictionaries, measures the box, finds the
+ * column's mass. */
 #include "solvers/gas/layers.h"
 
 #include "libcore/grains/random.h"
@@ -13,7 +15,7 @@
 struct layers {
     struct dict *file;
     bool settled, perturbed;
-    double depth, packing, laid, background; /* packing, laid: 0 as said in the table */
+    double depth, packing, laid, background; /* as in settled_param; packing, laid: 0 is the default named there */
     bool hydrostatic;
     double amplitude;
     int of_depth;          /* index of of_words */
@@ -55,7 +57,7 @@ static status read_perturbation(struct dict *d, struct layers *l) {
     return OK;
 }
 
-/* A field_reader; context is a struct layers **. */
+/* Takes the dictionaries of layers from a field's file: a field_reader, whose context is a struct layers **. */
 static status read_layers(void *context, struct dict *d, struct field_plan *plan) {
     struct layers **out = context;
     struct dict *settled = NULL, *perturbation = NULL;
@@ -97,21 +99,22 @@ void layers_list(FILE *f) {
     params_print(f, perturbation_param, COUNT(perturbation_param));
 }
 
-/* ---- on the cells ----------------------------------------------------------------------------------------------- */
+/* ---- on the cells ---- */
 
-struct bed { /* what the steps below share; lengths in m */
+struct bed { /* what the functions below share; lengths in m */
     const struct layers *l;
     const struct field_place *place;
     const struct gas_models *models;
-    int n, up; /* up: the axis of gravity, or -1 */
-    double low[3], high[3], g;
-    bool down;                            /* gravity points to the low side of the axis */
-    double *volume, (*reach)[2], *factor; /* [n] reach: heights of a cell above the floor; factor: of the waves */
-    struct column *column;                /* NULL: uniform */
-    double per, area, laid;               /* alpha / rho; of the floor; packing of a uniform layer */
+    int n, up;                 /* up: the axis of gravity, or -1 */
+    double low[3], high[3], g; /* corners of the box; m/s^2 */
+    bool down;                 /* does gravity point to the low side of the axis? */
+    /* [n] volume of a cell; its lower and upper height above the floor; factor of the waves there */
+    double *volume, (*reach)[2], *factor;
+    struct column *column;  /* NULL: the layer is uniform */
+    double per, area, laid; /* alpha / rho; m^2: of the floor; packing of a uniform layer */
 };
 
-/* "FILE:LINE: settledLayer: <format..>" */
+/* Returns the error "FILE:LINE: settledLayer: <format..>". */
 static status cannot(const struct layers *l, const char *what, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 static status cannot(const struct layers *l, const char *what, const char *format, ...) {
@@ -123,6 +126,7 @@ static status cannot(const struct layers *l, const char *what, const char *forma
     return fail(ERR_INPUT, "%s:%d: %s: %s", dict_path(l->file), dict_line(l->file, what), what, text);
 }
 
+/* Finds the axis of gravity; a settled layer needs gravity along exactly one axis. */
 static status find_gravity(struct bed *b, int dim, const int axis[3]) {
     const double *g = b->models->source.gravity;
     int along = 0;
@@ -138,7 +142,7 @@ static status find_gravity(struct bed *b, int dim, const int axis[3]) {
     return cannot(b->l, "settledLayer", "it needs gravity (constant/g) along one of the axes solved");
 }
 
-/* Box, volumes and the height of every cell */
+/* Measures the box, and volume and heights of every cell. */
 static status measure_cells(struct bed *b) {
     const struct polymesh *m = b->place->mesh;
     double *face = NULL, *centre = NULL;
@@ -176,7 +180,7 @@ static status measure_cells(struct bed *b) {
     return OK;
 }
 
-/* Volume of the mesh; must be that of a box: else what lies over a floor is no layer */
+/* Computes the volume of the mesh, which must be that of a box: what lies over another floor is no layer. */
 static status check_box(const struct bed *b, double *out) {
     double box = 1, sum = 0;
     for (int a = 0; a < 3; a++) box *= b->high[a] - b->low[a];
@@ -187,7 +191,7 @@ static status check_box(const struct bed *b, double *out) {
                   box);
 }
 
-/* Whether an axis is cyclic: by the area of the first face of such a patch, which lies along it. */
+/* Finds which axes are cyclic: the area vector of the first face of a cyclic patch lies along its axis. */
 static status cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
     double *face = NULL;
     TRY(allocate(&face, 6L * m->nfaces, sizeof(double), "faces"));
@@ -204,6 +208,7 @@ static status cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
     return OK;
 }
 
+/* Finds the axis of the waves: the one asked for, or the longest that is cyclic and lies across gravity. */
 static status waves_axis(const struct bed *b, int *out) {
     bool cyclic[3];
     TRY(cyclic_axes(b->place->mesh, cyclic));
@@ -215,6 +220,7 @@ static status waves_axis(const struct bed *b, int *out) {
                   *out < 0 ? "none does" : axis_words[*out], *out < 0 ? "" : " does not");
 }
 
+/* Computes the factor of the waves in every cell. */
 static status make_waves(struct bed *b) {
     const struct layers *l = b->l;
     double *phase = NULL;
@@ -237,7 +243,7 @@ static status make_waves(struct bed *b) {
                     : cannot(b->l, "perturbation", "the waves together leave no density in places; lower amplitude");
 }
 
-/* alpha of a cell, without background, in a column of `mass` per area (kg/m^2) */
+/* Returns alpha of a cell, without background, in a column of `mass` per area (kg/m^2). */
 static double packing_of(const struct bed *b, int i, double mass) {
     const double low = b->reach[i][0], high = b->reach[i][1];
     if (!b->column) return b->laid * fmin(fmax(mass * b->per / b->laid - low, 0) / (high - low), 1);
@@ -245,7 +251,8 @@ static double packing_of(const struct bed *b, int i, double mass) {
     return b->per * (column_above(b->column, bottom, low) - column_above(b->column, bottom, high)) / (high - low);
 }
 
-/* alpha of the layer of nominal `mass` per area; returns what the box then holds, per area of its floor. */
+/* Sets alpha of a layer of the nominal `mass` per area; returns the mass that the box then holds per area of its
+ * floor. */
 static double fill(const struct bed *b, double mass, double *alpha) {
     double sum = 0;
     for (int i = 0; i < b->n; i++) {
@@ -256,8 +263,8 @@ static double fill(const struct bed *b, double mass, double *alpha) {
     return sum / b->area / b->per;
 }
 
-/* The background, waves that do not sum to zero over uneven cells, and cells that are no boxes change the mass a
- * little: the nominal one is moved until it is what was asked for. */
+/* Sets alpha so that the box holds `mass`. The background, waves that do not sum to zero over uneven cells, and cells
+ * that are no boxes change the mass a little, so the nominal mass is moved until the box holds what was asked for. */
 static status settle(const struct bed *b, double mass, double *alpha) {
     enum { TRIALS = 100 };
     double nominal = mass, missing = mass - fill(b, nominal, alpha);
@@ -294,7 +301,8 @@ static status lay(struct bed *b, const struct field *T, double *alpha) {
     if (m->diameter == 0) return cannot(b->l, "settledLayer", "its depth is in diameters, and grain.diameter is 0");
     b->area = volume / height;
     b->laid = b->l->laid > 0 ? b->l->laid : packing;
-    const double thickness = packing * b->l->depth * m->diameter; /* of the grains alone */
+    /* thickness of the grains alone, without the space between them */
+    const double thickness = packing * b->l->depth * m->diameter;
     if (thickness >= height * (b->l->hydrostatic ? m->alpha_max : b->laid))
         return cannot(b->l, "settledLayer", "it is deeper than the box is high (%g); lower depth", height);
     if (b->l->hydrostatic) TRY(make_column(b, thickness / b->per, T));

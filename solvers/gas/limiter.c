@@ -1,3 +1,4 @@
+/* Writes limiter.dat, with a row for each step whose state had to be kept admissible (limiter.h). */
 #include "solvers/gas/limiter.h"
 
 #include <errno.h>

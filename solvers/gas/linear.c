@@ -1,6 +1,6 @@
-/* The module of implicit.h lies beside the program and is loaded when a case asks for implicit diffusion, since PETSc's
+/* Loads the module of implicit.h, which lies beside the program, when a case asks for implicit diffusion: PETSc's
  * hundred libraries take 30 ms to load. */
-#define _GNU_SOURCE /* RTLD_NODELETE */
+#define _GNU_SOURCE /* for RTLD_NODELETE */
 #include "solvers/gas/linear.h"
 
 #include "libcore/gas/diffusion.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MODULE  "haffimplicit.so" /* in the folder of the program */
+#define MODULE  "haffimplicit.so" /* lies in the folder of the program */
 #define PACKAGE "petsc-dev"
 
 status linear_load(const struct linear_module **out) {

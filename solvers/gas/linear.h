@@ -1,4 +1,4 @@
-/* The module that solves the linear systems of implicit diffusion: where it lies and how it is loaded. */
+/* Finds and loads the module that solves the linear systems of implicit diffusion. */
 #ifndef SOLVERS_LINEAR_H
 #define SOLVERS_LINEAR_H
 

@@ -1,5 +1,5 @@
-/* What the dictionaries choose, read, printed and listed: models by one loop over the table of families, and the
- * parameters that belong to no row of them. */
+/* Reads, prints and lists the choices of the dictionaries (models.h): models by one loop over the table of families,
+ * and the parameters that belong to no row of them. */
 #include "solvers/gas/models.h"
 
 #include "solvers/case/fields.h"
@@ -27,7 +27,7 @@ static const struct param shaking_param[] = {
 static const struct param limits_param[] = {
     NUMBER("minDeltaTFraction", min_fraction, 1e-3, BETWEEN(0, 1), NO_UNIT,
            "the run has collapsed when dt falls below this part of what calm cells allow"),
-    NUMBER("alphaFloor", gas.alpha_floor, 0, FROM_TO(0, 1), NO_UNIT, /* the last: not printed where it is off */
+    NUMBER("alphaFloor", gas.alpha_floor, 0, FROM_TO(0, 1), NO_UNIT, /* the last row: not printed if 0 */
            "alpha stays above it: mass is added, and counted, where the fluxes cannot help; 0: off"),
 };
 static const struct param solution_param[] = {
@@ -42,6 +42,7 @@ static const struct mesh_engine engine_table[] = {
 };
 static const int engine_count = COUNT(engine_table);
 
+/* The hooks `suits` and `holds` of families below; base is a struct case_models. */
 static status eos_suits(struct dict *d, void *base) {
     struct gas_models *m = &((struct case_models *)base)->gas;
     (void)d;
@@ -62,7 +63,7 @@ static status cooling_suits(struct dict *d, void *base) {
                 dict_path(d), m->gas.material.restitution);
 }
 
-/* What is on by an entry of its own is not chosen by name. */
+/* Is the source chosen by name? A source that has an entry of its own is not. */
 static bool source_offered(const struct model *row) {
     return !((const struct source_type *)row)->active;
 }
@@ -91,8 +92,8 @@ static status diffusion_suits(struct dict *d, void *base) {
 #define SCHEMES    "system/fvSchemes"
 #define SOLUTION   "system/fvSolution"
 #define MEMBER(m)  offsetof(struct case_models, m)
-/* Families of a file are read and listed in this order. Defaults of fvSchemes: least time to a given error among those
- * that also hold at shocks, walls and near vacuum, by postprocessing/reports/workPrecision.md. */
+/* Families of a file are read and listed in this order. The defaults of fvSchemes take the least time to a given error
+ * among those that also hold at shocks, walls and near vacuum, by postprocessing/reports/workPrecision.md. */
 enum { EOS, COOLING, TRANSPORT, SOURCES, FLUX, RECONSTRUCT, STEPPER, ENGINE, POLYNOMIAL, DIFFUSION, FAMILIES };
 static const struct family families[FAMILIES] = {
     [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
@@ -157,7 +158,8 @@ static void mark_subs(struct dict *d, const char *const *names, int n) {
 static status read_schemes(struct dict *d, struct case_models *m) {
     static const char *const others[] = {"ddtSchemes",           "gradSchemes",   "divSchemes",  "laplacianSchemes",
                                          "interpolationSchemes", "snGradSchemes", "fluxRequired"};
-    (void)dict_has(d, families[ENGINE].key); /* messages that list the known keywords begin with this one */
+    /* asked for first, so that messages that list the known keywords begin with it */
+    (void)dict_has(d, families[ENGINE].key);
     TRY(read_families(SCHEMES, d, m));
     mark_subs(d, others, COUNT(others));
     return dict_check_used(d);
@@ -177,7 +179,7 @@ static status read_solution(struct dict *d, struct case_models *m) {
     return dict_check_used(d);
 }
 
-/* turned <- a vector along computational axes, which has no component along the others; key: where it was read. */
+/* Turns a vector to computational axes; it must have no component along the others. key: where it was read. */
 static status turn_vector(const struct dict *d, const char *key, int dim, const int axis[3], const double physical[3],
                           double turned[3]) {
     for (int x = 0; x < 3; x++) {
@@ -211,7 +213,7 @@ static status read_shaking(struct dict *d, struct forces *m) {
     if (type == 1) {
         if (!m->g) return dict_fail(d, "type", "shaking modulates gravity; constant/g is missing");
         if (dict_has(d, "amplitude")) TRY(dict_table(d, "amplitude", &m->source.knots, &m->source.ramp));
-        const int ramped = m->source.knots > 0; /* then the row of the amplitude is left out */
+        const int ramped = m->source.knots > 0; /* a table stands in place of the first row, the amplitude */
         TRY(params_read(d, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source));
     } else {
         dict_mark_used(d);
@@ -238,7 +240,7 @@ void forces_free(struct forces *f) {
     dict_free(f->shaking);
 }
 
-/* The vectors among the parameters of one row of source_table, of m->source, along computational axes. */
+/* Turns the vectors among the parameters of a row of source_table to computational axes. */
 static status turn_params(const struct case_models *m, int row, int dim, const int axis[3], struct own_params *own) {
     const struct model *r = &source_table[row].model;
     struct dict *coeffs;
@@ -256,7 +258,7 @@ static status turn_params(const struct case_models *m, int row, int dim, const i
     return OK;
 }
 
-/* The gas's sources: gravity and shaking with those of constant/granularProperties. */
+/* Joins the sources of the gas: gravity and shaking with those of constant/granularProperties. */
 static status join_sources(struct case_models *m, int dim, const int axis[3]) {
     struct sources *all = &m->gas.source;
     *all = m->forces.source;
@@ -306,8 +308,7 @@ void models_free(struct case_models *m) {
     free(m);
 }
 
-/* ---- listing and printing ------------------------------------------------------------------------------------------
- */
+/* ---- listing and printing ---- */
 
 void forces_list(FILE *f) {
     fprintf(f, "\nconstant/shaking, type sinusoidal\n");
