@@ -1,3 +1,4 @@
+/* Reads the function objects of controlDict, executes those that are due, and opens their files. */
 #include "solvers/functions/functions_private.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* Function objects of controlDict's `functions`: OpenFOAM's names and file formats. One row of a table per type. */
+/* Function objects, the entries of controlDict's `functions`, with OpenFOAM's names and file formats. Each type is one
+ * row of a table. */
 #ifndef SOLVERS_FUNCTIONS_H
 #define SOLVERS_FUNCTIONS_H
 
@@ -9,15 +10,16 @@ struct functions;
 /* Reads the dictionary and checks all of it; opens no file. Collective. */
 status functions_make(const struct setup *s, struct functions **out);
 void functions_free(struct functions *f);
-void functions_list(const struct medium_type *m, FILE *f); /* every type with its line */
+void functions_list(const struct medium_type *m, FILE *f); /* prints every type with its line */
 
-/* The first time after t at which one of them wants a step to end; INFINITY: none. */
+/* Returns the first time after t at which a function object wants a step to end; INFINITY: none does. */
 double functions_next(const struct functions *f, double t);
-/* What averages take in at the end of a step, before any of it is written; before NULL: the start. Collective. */
+/* Lets averages take in the end of a step, before any of it is written; before NULL: the start. Collective. */
 status functions_collect(struct functions *f, const struct moment *before, const struct moment *now);
-/* What a restart needs of averages, into the time folder that w writes. On the root. */
+/* Saves the sums that averages need at a restart into the time folder that w writes. On the root. */
 status functions_save(const struct functions *f, const struct field_writer *w, struct checksums *sums);
-/* Executes those that are due; before NULL: the start, when all are. name: of the time, for files. Collective. */
+/* Executes the function objects that are due; before NULL: the start, when all are. name: of the time, for files.
+ * Collective. */
 status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name);
 
 #endif

@@ -1,10 +1,10 @@
-/* Function object energyBudget: what changed the medium's mass and energy, by cause. */
+/* Function object energyBudget writes what changed the medium's mass and energy, by cause. */
 #include "solvers/functions/functions_private.h"
 
 #include <stdlib.h>
 
 struct budget {
-    FILE *file; /* root; opened by the first execution */
+    FILE *file; /* on the root; opened by the first execution */
 };
 
 static status budget_make(struct function *f, struct dict *d) {

@@ -1,4 +1,4 @@
-/* Function object fieldMinMax: the smallest and the largest value of fields, and where they are. */
+/* Function object fieldMinMax writes the smallest and the largest value of fields, and their places. */
 #include "solvers/functions/functions_private.h"
 
 #include "libcore/models/kernel.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 
 struct extremes {
-    FILE *file; /* root; opened by the first execution */
+    FILE *file; /* on the root; opened by the first execution */
 };
 
 static status extremes_make(struct function *f, struct dict *d) {
@@ -21,7 +21,7 @@ static status extremes_make(struct function *f, struct dict *d) {
     return OK;
 }
 
-/* A vector's magnitudes, in place of its first component. */
+/* Replaces a vector's first component by its magnitude. */
 static void magnitudes(int dim, int n, double *const lines[3]) {
     for (int i = 0; i < n; i++) {
         double square = 0;
@@ -30,7 +30,7 @@ static void magnitudes(int dim, int n, double *const lines[3]) {
     }
 }
 
-/* The least and the largest of n values, eight lanes at a time: they do not depend on the order. */
+/* Finds the least and the largest of n values, eight lanes at a time: minima and maxima do not depend on the order. */
 KERNEL static void range_of(int n, const double *restrict v, double range[2]) {
     double low[8], high[8];
     int i = 0;
@@ -52,7 +52,8 @@ KERNEL static void range_of(int n, const double *restrict v, double range[2]) {
     }
 }
 
-/* The index of the lowest cell below a bound that has the value; -1: none. */
+/* Finds the index of the cell with the lowest number below a bound among those that have the value; -1: there is
+ * none. */
 static int lowest_cell(int n, const double *v, double value, const int *cell, double below) {
     int lowest = below < INT_MAX ? (int)below : INT_MAX, found = -1;
     for (int i = 0; i < n; i++)
@@ -63,7 +64,7 @@ static int lowest_cell(int n, const double *v, double value, const int *cell, do
     return found;
 }
 
-/* A field's extremes (of a vector: of its magnitude) and the lowest polyMesh cell that reaches each. */
+/* Finds a field's extremes (of a vector: those of its magnitude) and the lowest polyMesh cell that reaches each. */
 static void find_extremes(const struct function *f, int field, double value[2], int cell[2]) {
     const struct grid *grid = f->setup->grid;
     const bool vector = quantity_of(f, field)->components == 3;
@@ -79,7 +80,7 @@ static void find_extremes(const struct function *f, int field, double value[2], 
             const int i =
                 lowest_cell(block->ncells, lines[0], range[end], block->cell, w < best[end] ? HUGE_VAL : where[end]);
             if (i < 0) continue;
-            best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero with the sign it has there */
+            best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero keeps the sign that it has in that cell */
             where[end] = block->cell[i];
         }
     }

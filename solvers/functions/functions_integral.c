@@ -1,12 +1,12 @@
-/* Function object volFieldValue: integrals, averages, sums and extremes of fields over all cells. */
+/* Function object volFieldValue writes integrals, averages, sums and extremes of fields over all cells. */
 #include "solvers/functions/functions_private.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 struct integral {
-    int operation;
-    FILE *file; /* root; opened by the first execution */
+    int operation; /* VOL_INTEGRATE .. MAXIMUM */
+    FILE *file;    /* on the root; opened by the first execution */
 };
 
 enum { VOL_INTEGRATE, VOL_AVERAGE, SUM, MINIMUM, MAXIMUM, OPERATIONS };
@@ -22,7 +22,8 @@ static status integral_make(struct function *f, struct dict *d) {
     return dict_choice(d, "operation", operation_names, OPERATIONS, &v->operation);
 }
 
-/* One block: the sums of a field's m components and, for an average, of the weights last; or the extremes. */
+/* Reduces one block: to the sums of a field's m components and, for an average, of the weights in sum[m]; or to
+ * extremes. */
 static void reduce_block(const struct function *f, int field, int b, int m, double sum[4], double extreme[3]) {
     const struct grid_block *block = &f->setup->grid->block[b];
     const double *volume = f->setup->grid->volume;
@@ -44,7 +45,8 @@ static void reduce_block(const struct function *f, int field, int b, int m, doub
     }
 }
 
-/* Sums run cell by cell within a block and block by block over all ranks: the same bits on any number of them. */
+/* Reduces a field. Sums run cell by cell within a block and block by block over all ranks, so that they have the same
+ * bits on any number of ranks. */
 static status reduce(const struct function *f, int field, double out[3]) {
     const struct grid *grid = f->setup->grid;
     const int operation = ((const struct integral *)f->own)->operation;
@@ -74,7 +76,7 @@ static status integral_open(const struct function *f, struct integral *v) {
     const struct grid *grid = f->setup->grid;
     double volume = 0, part = 0;
     TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &v->file));
-    for (int i = 0; i < grid->ncells_all; i++) { /* in pieces, which keeps the digits of many equal cells */
+    for (int i = 0; i < grid->ncells_all; i++) { /* in pieces, which keep the digits of many equal volumes */
         part += grid->volume[i];
         if (i % 1000 != 999) continue;
         volume += part;

@@ -1,8 +1,8 @@
-/* Function object phaseAverage: means of fields at the same phases of a period, summed on the root.
+/* Function object phaseAverage writes means of fields at the same phases of a period, summed on the root.
  *
  * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T, which are per unit
- * mass, are weighted by rho where the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where no mass ever
- * was); all else is the plain mean. */
+ * mass, are weighted by rho if the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where there never was
+ * mass); all other fields have the plain mean. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/output.h"
@@ -15,15 +15,15 @@
 enum { MOST_PHASES = 1000 };
 
 struct phases {
-    double period, start; /* s */
-    int n;
-    int rho;           /* quantity that weighs, -1: none */
-    long ncells, size; /* doubles of a bin: [ncells][components] of each field, then [ncells] of rho */
-    bool resumed;      /* the start was counted by the run before */
-    long count[MOST_PHASES];
-    double *sum[MOST_PHASES]; /* root; NULL: nothing yet */
-    double *values, *weight;  /* root: [3 ncells], [ncells] of the moment at hand */
-    char file[128];           /* of the sums, in a time folder */
+    double period, start;     /* s */
+    int n;                    /* number of phases, each of which is a bin */
+    int rho;                  /* the quantity that weighs; -1: none does */
+    long ncells, size;        /* size: doubles of a bin, [ncells][components] of each field, then [ncells] of rho */
+    bool resumed;             /* did the run before count the start? */
+    long count[MOST_PHASES];  /* samples in a bin */
+    double *sum[MOST_PHASES]; /* on the root: the sums of a bin; NULL: it has no samples yet */
+    double *values, *weight;  /* on the root: [3 ncells] a field, [ncells] rho, of the present moment */
+    char file[128];           /* file of the sums in a time folder */
 };
 
 static void phases_free(void *own) {
@@ -34,6 +34,7 @@ static void phases_free(void *own) {
     free(p);
 }
 
+/* Is field k weighted by rho? */
 static bool weighted(const struct function *f, int k) {
     const struct phases *p = f->own;
     const char *name = quantity_of(f, f->field[k])->name;
@@ -43,11 +44,11 @@ static bool weighted(const struct function *f, int k) {
 static double moment_of(const struct phases *p, double index) {
     return p->start + index * p->period / p->n;
 }
-/* As of the other triggers: round-off of a few additions of steps is no difference between two times. */
+/* Has t reached the target? As for all triggers, round-off of a few additions of steps is no difference. */
 static bool reached(double t, double target) {
     return t >= target - 1e-12 * fabs(target);
 }
-/* Index of the first moment after t; INFINITY: moments are too close to be told from t. */
+/* Returns the index of the first moment after t; INFINITY: moments are too close to be told from t. */
 static double next_index(const struct phases *p, double t) {
     if (!(p->period / p->n > 4e-12 * fmax(fabs(t), fabs(p->start)))) return HUGE_VAL;
     double index = fmax(0, floor((t - p->start) / p->period * p->n) - 1);
@@ -61,7 +62,7 @@ static double phases_next(const struct function *f, double t) {
     return isfinite(index) ? moment_of(p, index) : HUGE_VAL;
 }
 
-/* Index of the moment that the step which ends now reaches; -1: none. */
+/* Returns the index of the moment that the step which ends now reaches; -1: none. */
 static double index_now(const struct phases *p, const struct moment *before, const struct moment *now) {
     double index;
     if (before)
@@ -81,7 +82,7 @@ static status make_bin(const struct function *f, int bin) {
     return p->sum[bin] ? OK : allocate(&p->sum[bin], p->size, sizeof(double), "sums of the averages");
 }
 
-/* Collective. */
+/* Adds the present fields to a bin. Collective. */
 static status take(const struct function *f, int bin) {
     struct phases *p = f->own;
     const bool root = comm_root(f->setup->comm);
@@ -106,8 +107,9 @@ static status phases_collect(struct function *f, const struct moment *before, co
     return index < 0 ? OK : take(f, (int)fmod(index, p->n));
 }
 
-/* ---- results ---------------------------------------------------------------------------------------------------- */
+/* ---- results ---- */
 
+/* Computes the mean of field k in a bin. */
 static void mean_of(const struct function *f, int bin, int k, double *out) {
     const struct phases *p = f->own;
     const double *sum = p->sum[bin], *mass = p->sum[bin] + p->size - p->ncells;
@@ -119,7 +121,7 @@ static void mean_of(const struct function *f, int bin, int k, double *out) {
     }
 }
 
-/* The phase in periods, which names its folder. */
+/* Writes the name of a bin's folder: the phase, in periods. */
 static void phase_name(const struct phases *p, int bin, char name[TIME_NAME]) {
     time_name(TIME_GENERAL, 6, (double)bin / p->n, name);
 }
@@ -164,8 +166,9 @@ static status phases_execute(struct function *f, const struct moment *now, const
     return comm_agree(f->setup->comm, s);
 }
 
-/* ---- restarts --------------------------------------------------------------------------------------------------- */
+/* ---- restarts ---- */
 
+/* Prints what tells whether sums belong to the same averages, and the counts. */
 static void print_identity(struct sink *o, const struct function *f) {
     const struct phases *p = f->own;
     sink_printf(o, "period          %.17g;\nstart           %.17g;\nfields          (", p->period, p->start);
@@ -219,7 +222,7 @@ static status read_sum(struct phases *p, struct dict *d, int bin) {
     return OK;
 }
 
-/* Sums of the same averages are taken up; of others, not. */
+/* Takes up saved sums if they are those of the same averages; else the averages begin anew. */
 static status take_up(const struct function *f, struct dict *d) {
     struct phases *p = f->own;
     const double *counts;
@@ -259,9 +262,9 @@ static status load(const struct function *f) {
     return s;
 }
 
-/* ---- the dictionary --------------------------------------------------------------------------------------------- */
+/* ---- the dictionary ---- */
 
-/* Of constant/shaking, where the medium reads it. */
+/* Reads the period, by default that of constant/shaking, if the medium has that file. */
 static status read_period(const struct function *f, struct dict *d, double *out) {
     static const signed char second[3] = {0, 0, 1}, hertz[3] = {0, 0, -1};
     const struct setup *s = f->setup;

@@ -1,11 +1,11 @@
-/* Function object probes: values of the cells that hold given points, one file per field with a row per time. */
+/* Function object probes writes values of the cells that hold given points, one file per field with a row per time. */
 #include "solvers/functions/functions_private.h"
 
 #include <stdlib.h>
 
 struct probes {
     struct spots spots;
-    FILE *file[MAX_QUANTITIES]; /* [fields] root; opened by the first execution */
+    FILE *file[MAX_QUANTITIES]; /* [fields] on the root; opened by the first execution */
 };
 
 static status probes_make(struct function *f, struct dict *d) {

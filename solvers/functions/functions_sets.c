@@ -1,4 +1,4 @@
-/* Function object sets: values along lines, one file per line and time. */
+/* Function object sets writes values along lines, one file per line and time. */
 #include "solvers/functions/functions_private.h"
 
 #include <math.h>
@@ -7,11 +7,11 @@
 
 struct line { /* one entry of `sets` */
     char name[128];
-    int axis;     /* 0 x, 1 y, 2 z, 3 distance, 4 xyz */
-    int first, n; /* spots */
+    int axis;     /* coordinate that is written: 0 x, 1 y, 2 z, 3 distance from the start (m), 4 x y z */
+    int first, n; /* first spot, and number of spots */
 };
 struct sets {
-    struct spots spots; /* of all lines */
+    struct spots spots; /* points of all lines */
     int nlines;
     struct line *line; /* [nlines] */
 };
@@ -74,7 +74,7 @@ static void print_place(FILE *file, const struct line *l, const struct spot *fir
         fprintf(file, "%.12g", l->axis == 3 ? away : p->x[l->axis]);
 }
 
-/* One file for all scalars (a_alpha_T.xy), one for each vector (a_U.xy). */
+/* Writes one file with all scalars (a_alpha_T.xy), or one with the vector field `only` (a_U.xy). */
 static status write_line(const struct function *f, const struct line *l, double *const *values, const char *time,
                          bool vectors, int only) {
     const struct sets *sets = f->own;

@@ -1,4 +1,4 @@
-/* Points that function objects sample, and the cells that hold them. */
+/* Finds the cells that hold points, for function objects that sample there, and gathers fields at the points. */
 #include "solvers/functions/functions_private.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
     struct spot *more = realloc(s->at, (size_t)(s->n + n + 1) * sizeof *more);
     if (!more) return fail(ERR_SYSTEM, "out of memory");
     s->at = more;
-    double low[3], high[3]; /* grid_locate looks at the solved axes only */
+    double low[3], high[3]; /* needed as grid_locate looks at the solved axes only */
     bounding_box(f->setup->mesh, low, high);
     for (int i = 0; i < n; i++) {
         struct spot *p = &s->at[s->n++];
@@ -66,7 +66,7 @@ status spots_sample(const struct spots *s, const struct function *f, int field, 
     }
     comm_max(f->setup->comm, *out, s->n * m); /* one rank has each value, the others -infinity */
     for (int i = 0; i < s->n; i++)
-        for (int c = 0; c < m && !s->at[i].inside; c++) (*out)[(long)i * m + c] = -1e300; /* as OpenFOAM writes */
+        for (int c = 0; c < m && !s->at[i].inside; c++) (*out)[(long)i * m + c] = -1e300; /* as OpenFOAM does */
     return OK;
 }
 

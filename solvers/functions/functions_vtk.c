@@ -1,4 +1,4 @@
-/* Function object vtk: legacy VTK files of fields and grains, with a series file that ParaView opens. */
+/* Function object vtk writes legacy VTK files of fields and grains, with a series file that ParaView opens. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/clouds.h"
@@ -9,8 +9,8 @@
 
 struct vtk {
     bool ascii;
-    struct vtk_grid *grid; /* root; made by the first execution, as is values */
-    double *values;        /* root: [fields][3 cells] */
+    struct vtk_grid *grid; /* on the root; made by the first execution, as is values */
+    double *values;        /* on the root: [fields][3 cells] */
 };
 
 static status vtk_make(struct function *f, struct dict *d) {

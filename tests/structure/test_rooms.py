@@ -58,7 +58,7 @@ LIBRARIES = {
 NOT_IN_LIBCORE = r"(stdio|unistd|fcntl|dirent|dlfcn|signal|sys/\w+)\.h"
 
 # Files whose heads are still to be written.
-HEADLESS = ["libcore/models/boundary.c", "solvers/functions/functions.c"]
+HEADLESS = ["libcore/models/boundary.c"]
 
 # Variables of a whole file that may change, with the reason.
 MUTABLE = {"solvers/programs/run.c": ["asked_to_stop"]}  # the one thing that a signal handler may touch
