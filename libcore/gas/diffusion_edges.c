@@ -1,4 +1,5 @@
-/* What the sums S of diffusion.h are beyond a patch, by the rules of velocity and temperature: on both mesh engines. */
+/* Computes the sums S of diffusion.h beyond a patch, by the rules of velocity and temperature, for both engines;
+ * patch.h has the formulas. */
 #include "libcore/gas/patch.h"
 
 void reflect_sums(const struct patch_rules *rules, const struct sum_line *l) {
@@ -11,7 +12,7 @@ void reflect_sums(const struct patch_rules *rules, const struct sum_line *l) {
                 l->ghost[c][i] = c == l->normal ? -l->inner[c][i] : (1 - l->share[i]) * l->inner[c][i];
 }
 
-/* Beyond a patch with values: these do not change. */
+/* Beyond a patch with values q stays q_0, so that S = weight q_0. */
 static void hold(const struct sum_line *l) {
     for (int c = 0; c < l->components; c++)
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->weight * l->start[c][i];

@@ -1,5 +1,5 @@
-/* States beyond a patch: the boundary types of density, velocity and temperature (or pressure) applied to a line of
- * cells, on the conserved variables. */
+/* Computes states beyond a patch: applies the boundary types of density, velocity and temperature (or pressure) to a
+ * line of cells, on the conserved variables. */
 #include "libcore/gas/patch.h"
 
 static void apply(const struct rule *rule, const struct patch_line *l, int components, int normal,
