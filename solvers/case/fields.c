@@ -169,7 +169,7 @@ static status read_parameter(struct dict *d, const struct param *p, double *out)
                                              : dict_fail(d, p->name, "it must lie between %g and %g", p->low, p->high);
 }
 
-/* What a case gives for a type besides its name. */
+/* Reads the parameters and values that a type needs. */
 static status read_type(struct dict *d, const struct field_kind *kind, const struct patch *p,
                         const struct boundary_type *type, struct patch_field *out) {
     const char *value = boundary_value(type, kind->components);
@@ -187,7 +187,7 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     TRY(check_type(d, kind, p, out->type));
     const struct boundary_type *type = boundary_find(out->type);
     if (type) TRY(read_type(d, kind, p, type, out));
-    static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes them known */
+    static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes these known */
     for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
     return OK;
 }

@@ -19,10 +19,10 @@ extern const struct field_kind field_kinds[FIELD_COUNT];
 
 struct patch_field {
     const char *type;         /* owned by the dictionary */
-    struct own_params params; /* of a type of boundary.h, by its table */
-    double uniform[3];        /* its value, inletValue where it needs one */
-    double *values;           /* [faces][components], or NULL */
-    int line, value_line;     /* the second one of what the type needs first */
+    struct own_params params; /* parameters of the type, vectors along physical axes, as the table of boundary.h asks */
+    double uniform[3];        /* the `value` or `inletValue`, if the type needs one and it is uniform */
+    double *values;           /* [faces][components] the same if it is not uniform; else NULL */
+    int line, value_line;     /* lines of the file: of the type; of its values or first parameter */
 };
 /* The effect of a program's own entries on the values of the cells, after field_read. */
 struct field_plan {

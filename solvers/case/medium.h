@@ -74,12 +74,13 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
     /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
-    /* What has changed mass and energy since the first call, by cause; the same columns in every call. Collective.
-     * NULL: no such account is kept. */
+    /* Sets *out to the changes of mass and energy since the first call, by cause, with the same columns in every call.
+     * Collective. NULL: the medium keeps no such account. */
     status (*budget)(struct medium *m, struct budget_row *out);
-    /* Of a medium of grains, else NULL: the grains (n = 0: none to be written), to be freed; what besides fields a
-     * restart needs, written into the folder of a time. The root's. */
+    /* Sets *out to the grains, which the caller frees; n = 0: there are none to be written. On the root. NULL: the
+     * medium has no grains. */
     status (*cloud)(const struct medium *m, struct cloud *out);
+    /* Writes what a restart needs besides fields into the folder of a time. On the root. NULL: fields are enough. */
     status (*save)(const struct medium *m, const char *folder, const char *location, struct checksums *sums);
 };
 struct medium { /* the first member of each medium's own struct */

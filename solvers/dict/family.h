@@ -11,8 +11,8 @@
 #include <stdio.h>
 
 struct family {
-    const char *file;  /* of the keyword, relative to the case */
-    const char *title; /* of the list of rows */
+    const char *file;  /* file of the keyword, relative to the case */
+    const char *title; /* title of the list of rows */
     const char *sub;   /* dictionary that the keyword stands in, in which it must be given; NULL: the file itself */
     const char *key;
     const void *rows; /* [*count] of `stride` bytes */
@@ -23,13 +23,13 @@ struct family {
     bool must;            /* the keyword may not be missing; else, without a standard, no row is chosen */
     bool tacit;           /* `none` is not printed */
     size_t chosen;        /* offset of the pointer to the row, NULL: none, in the struct that is filled */
-    size_t params;        /* offset of what the parameters of the row fill */
+    size_t params;        /* offset of the struct that the parameters of the row fill */
     /* The keyword holds a list (a b ..) of the rows that are `offered` (NULL: all), or is missing: none. Then chosen is
      * the offset of bool [*count], params of struct own_params [*count]. */
     bool list;
     bool (*offered)(const struct model *row);
-    /* What a row asks of what was read before, once it is chosen (d: dictionary of the keyword), and of its parameters,
-     * once these are read; NULL: nothing. */
+    /* `suits` fails if the row just chosen does not fit the models that were read before, `holds` if the row's
+     * parameters, which were read then, do not fit together. d: dictionary of the keyword. NULL: rows always fit. */
     status (*suits)(struct dict *d, void *base);
     status (*holds)(struct dict *d, void *base);
 };

@@ -174,7 +174,7 @@ static status take_conserved(const struct reader *r, struct initial *s) {
     return check_agreement(r, s);
 }
 
-/* The parameters of a type as a rule has them: vectors in computational axes. */
+/* Returns the parameters of a type as a rule has them, with vectors in computational axes. */
 static struct own_params take_parameters(const struct reader *r, const struct patch_field *q,
                                          const struct boundary_type *type) {
     struct own_params own = q->params;
@@ -186,7 +186,7 @@ static struct own_params take_parameters(const struct reader *r, const struct pa
     return own;
 }
 
-/* The rule of one field on one patch; values multiplied by `scale`, vectors in computational axes. */
+/* Takes the rule of one field on one patch, with values multiplied by `scale`, and vectors in computational axes. */
 static status take_rule(const struct reader *r, const struct field *f, int p, double scale, struct rule *rule,
                         double **values) {
     const struct patch_field *q = &f->patch[p];
@@ -219,7 +219,8 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
                 s->field[a] && s->field[b] ? " or in " : "", s->field[a] && s->field[b] ? field_kinds[b].name : "");
 }
 
-/* A wall that moves by u must lead along the face with these centre and area vectors; area NULL: along solved axes. */
+/* Fails if the velocity u of a wall leads through the face with this centre (m) and area vector or, if area is NULL,
+ * along an axis that is not solved. */
 static status check_motion(const struct reader *r, const struct field *U, int p, const double u[3],
                            const double centre[3], const double area[3]) {
     const char *file = dict_path(U->dict), *patch = r->place->mesh->patch[p].name;
@@ -241,7 +242,7 @@ static status check_motion(const struct reader *r, const struct field *U, int p,
     return OK;
 }
 
-/* A wall that moves must lead along each face of its patch. */
+/* Fails unless a wall that moves leads along each face of its patch. */
 static status check_tangential(const struct reader *r, const struct field *U, int p) {
     const struct polymesh *m = r->place->mesh;
     const struct patch *patch = &m->patch[p];
@@ -271,7 +272,7 @@ static status check_viscous(const struct reader *r, const struct field *f, int p
                 dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->model.name);
 }
 
-/* A type that is nothing but the heat of a wall is allowed only where U is a wall. */
+/* Fails on a scalar's type that belongs to walls, as granularWall does, if U is no wall. */
 static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
@@ -286,7 +287,7 @@ static status check_open(const struct reader *r, const struct initial *s, int p,
     return OK;
 }
 
-/* At a wall scalars are mirrored, but for the T of a wall that gives or takes heat. */
+/* Fails on a scalar's type that gives values at a wall: there scalars are mirrored, but for T if heat crosses. */
 static status check_wall(const struct reader *r, const struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
@@ -304,7 +305,7 @@ static status check_wall(const struct reader *r, const struct initial *s, int p,
     return OK;
 }
 
-/* What the type of a rule has against those beside it. */
+/* Fails if the type of a rule objects to the other rules of the patch. */
 static status check_rules(const struct reader *r, const struct initial *s, int p, enum field_id id,
                           const struct rule *rule) {
     const struct field *f = s->field[id];

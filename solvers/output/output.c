@@ -119,7 +119,7 @@ static void print_list(struct sink *s, const struct foam_format *f, int componen
     sink_printf(s, ";\n");
 }
 
-/* The parameters of a type and its values with all digits: the next start reads them. */
+/* Prints the parameters of a type with all digits, because the next start reads them. */
 static void print_parameters(struct sink *s, const struct model *m, const struct own_params *params) {
     for (int i = 0; i < m->nparam; i++) {
         const double *v = params->room + m->param[i].offset / sizeof(double);
@@ -131,6 +131,7 @@ static void print_parameters(struct sink *s, const struct model *m, const struct
     }
 }
 
+/* Prints the values that a patch was given with all digits, for the same reason. */
 static void print_given(struct sink *s, const struct field_writer *w, int p, const char *key,
                         const struct patch_field *q, const struct printing *c) {
     const struct foam_format exact = {.binary = w->format->binary, .precision = 17};
@@ -186,7 +187,7 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     if (b) print_parameters(s, &b->model, &given->params);
     if (value) print_given(s, w, p, value, given, c);
     if (!b || (boundary_gives(b) && !(value && !strcmp(value, "value"))))
-        print_cells(s, w, p, c, false); /* OpenFOAM wants it */
+        print_cells(s, w, p, c, false); /* OpenFOAM demands a `value` for this type */
 }
 
 status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
