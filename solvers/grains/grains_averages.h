@@ -1,8 +1,8 @@
 /* The fields of written times from the grains: means over windows k * window .. (k + 1) * window, of moments evenly
  * spread in them and of all impacts. The fields are those of the last complete window, or of the present moment before
  * there is one. All times are multiples of the window from t = 0: a restart continues to the bit. */
-#ifndef SOLVERS_PARTICLE_AVERAGES_H
-#define SOLVERS_PARTICLE_AVERAGES_H
+#ifndef SOLVERS_GRAINS_AVERAGES_H
+#define SOLVERS_GRAINS_AVERAGES_H
 
 #include "libcore/grains/coarse.h"
 

@@ -1,7 +1,7 @@
 /* The box of the grains from the case's mesh and the patch types of its field U. Axes are computational: the solved
  * axes in order. */
-#ifndef SOLVERS_PARTICLE_BOX_H
-#define SOLVERS_PARTICLE_BOX_H
+#ifndef SOLVERS_GRAINS_BOX_H
+#define SOLVERS_GRAINS_BOX_H
 
 #include "solvers/case/case.h"
 #include "solvers/grains/grains_models.h"

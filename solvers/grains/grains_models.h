@@ -1,7 +1,7 @@
 /* The choices in the dictionaries of granularMD: `grain` of constant/granularProperties, which a gas shares, constant/g
  * and shaking, and constant/particleProperties, which may be missing: every key has a default. */
-#ifndef SOLVERS_PARTICLE_MODELS_H
-#define SOLVERS_PARTICLE_MODELS_H
+#ifndef SOLVERS_GRAINS_MODELS_H
+#define SOLVERS_GRAINS_MODELS_H
 
 #include "libcore/grains/coarse.h"
 #include "mesh/format/polymesh.h"

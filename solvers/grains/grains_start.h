@@ -1,7 +1,7 @@
 /* The start of granularMD from its time folder: the fields of the gas's 0/ say where grains are put and how they move,
  * and give the patches of written fields. */
-#ifndef SOLVERS_PARTICLE_START_H
-#define SOLVERS_PARTICLE_START_H
+#ifndef SOLVERS_GRAINS_START_H
+#define SOLVERS_GRAINS_START_H
 
 #include "libcore/grains/packing.h"
 #include "solvers/case/case.h"

@@ -1,8 +1,8 @@
 /* TIME/uniform/grains: the exact state of a run of grains, from which it continues to the bit: grains with their own
  * clocks, the event queue, counts, and the sums of the averages. The file has a header as OpenFOAM's, then native
  * binary; 80 bytes and some per grain. */
-#ifndef SOLVERS_PARTICLE_STATE_H
-#define SOLVERS_PARTICLE_STATE_H
+#ifndef SOLVERS_GRAINS_STATE_H
+#define SOLVERS_GRAINS_STATE_H
 
 #include "mesh/format/foamfile.h"
 #include "solvers/grains/grains_averages.h"

@@ -1,6 +1,6 @@
 /* Writes postProcessing/grains/<start>/grains.dat: totals over all grains, a row for the start and for every step. */
-#ifndef SOLVERS_PARTICLE_TABLE_H
-#define SOLVERS_PARTICLE_TABLE_H
+#ifndef SOLVERS_GRAINS_TABLE_H
+#define SOLVERS_GRAINS_TABLE_H
 
 #include "libcore/grains/grains.h"
 #include "solvers/case/case.h"
