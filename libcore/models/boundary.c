@@ -1,4 +1,5 @@
-/* The table of boundary conditions: ghosts, and the shares in which walls drag the gas and exchange heat with it. */
+/* The table of boundary conditions (boundary.h): the ghosts of each row, and the shares in which walls drag the gas and
+ * exchange heat with it. */
 #include "libcore/models/boundary.h"
 
 static const double PI = 3.14159265358979323846;
@@ -39,17 +40,17 @@ static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
 
 /* ---- walls of a gas with transport ---- */
 
-/* The pressure on the wall itself: that of the cell, and the weight of what lies between, as gas that stays at a wall
- * has dp/dn = rho push there. */
+/* Computes the pressure on the wall itself, p of the cell + rho push d/2: gas that stays at a wall has dp/dn = rho push
+ * there. */
 static void find_pressure(const struct wall_line *l, double p[BATCH]) {
     double eps[BATCH] = {0}, square[BATCH], gruneisen[BATCH];
     for (int i = 0; i < l->n; i++) eps[i] = eps_of(l->material, l->T[i]);
     l->eos->state(l->material, l->n, l->rho, eps, p, square, gruneisen);
     for (int i = 0; i < l->n; i++)
-        p[i] = larger(p[i] + 0.5 * l->d[i] * l->rho[i] * l->push[i], 0); /* gas that the wall leaves behind */
+        p[i] = larger(p[i] + 0.5 * l->d[i] * l->rho[i] * l->push[i], 0); /* 0: the wall leaves the gas behind */
 }
 
-/* Gas that is held, or has the wall's temperature, has it at half the distance. */
+/* The share of a wall whose velocity or temperature the gas on it has: the jump from the cell to it lies in d/2. */
 static void half_way(const struct rule *rule, const struct wall_line *l, double *share) {
     (void)rule;
     for (int i = 0; i < l->n; i++) share[i] = 2;
@@ -76,13 +77,14 @@ static void moving_velocity(const struct rule *rule, int components, int face, d
     for (int c = 0; c < components; c++) out[c] = own.U[c];
 }
 
-/* A wall of restitution e takes q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), T_w of the gas at it: per area and time
- * n sqrt(T/2 pi) grains come with a mean normal energy of m T each, and at a wall n m T = p. The cell conducts
- * 2 heat/d (T - T_w) to it, which with s = sqrt(T_w) is s^2 + 2 B s - T = 0,  B = c p d/(4 heat). With B/s kept from
- * the start that is the share 4 B/(s + 2 B) of heat T/d: linear, and less than a wall of T = 0 takes.
- * Without conduction there is no such wall: no heat reaches it but from the cell beside it, which is cold within
- * d/sqrt(T), so that what is lost vanishes with d.
- */
+/* A wall of restitution e takes the heat q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), with T_w of the gas on it: per
+ * area and time n sqrt(T_w/2 pi) grains hit it with a mean normal energy of m T_w each, and n m T_w = p at a wall. The
+ * cell conducts 2 heat/d (T - T_w) to the wall. Both are equal if s = sqrt(T_w) solves
+ *     s^2 + 2 B s - T = 0,  B = c p d/(4 heat).
+ * With B/s kept from the start the wall takes the share 4 B/(s + 2 B) of heat T/d, which is linear in T, and less than
+ * a wall of T = 0 takes.
+ * A gas without conduction has no such wall: heat would reach it only from the cell beside it, which is cold within
+ * d/sqrt(T), so that the loss would vanish with d. */
 static void absorbed_shares(double restitution, const struct wall_line *l, double *share) {
     const double c = (1 - restitution * restitution) / sqrt(2 * PI);
     double p[BATCH];
@@ -90,7 +92,7 @@ static void absorbed_shares(double restitution, const struct wall_line *l, doubl
     for (int i = 0; i < l->n; i++) {
         const double T = l->T[i] + l->warmth[i];
         const double B = c * p[i] * l->d[i] / (4 * l->heat[i]), s = T / (B + sqrt(B * B + T));
-        share[i] = 4 / (s / B + 2); /* B = 0: none */
+        share[i] = 4 / (s / B + 2); /* 0 if B = 0 */
     }
 }
 
@@ -147,15 +149,15 @@ static struct rough_wall rough_of(const struct rule *rule) {
     return own;
 }
 
-/* tau = a shear u/d of the gas at d/2, of which (1 - a/2) u slips: a = 2 B/(1 + B), B = phi p/sqrt(2 pi T) d/(2 shear)
- */
+/* Computes the share a of the stress tau = a shear u/d. At the wall the gas slips at (1 - a/2) u, with u of the cell,
+ * so that a = 2 B/(1 + B), B = phi p/sqrt(2 pi T) d/(2 shear). */
 static void rough_drag(const struct rule *rule, const struct wall_line *l, double *share) {
     const double phi = rough_of(rule).specularity;
     double p[BATCH];
     find_pressure(l, p);
     for (int i = 0; i < l->n; i++) {
         const double B = phi * p[i] / sqrt(2 * PI * l->surface[i]) * l->d[i] / (2 * l->shear[i]);
-        share[i] = 2 / (1 + 1 / B); /* B = 0: none */
+        share[i] = 2 / (1 + 1 / B); /* 0 if B = 0 */
     }
 }
 
@@ -167,7 +169,7 @@ static void velocity_given(const struct rule *rule, int components, int face, do
     for (int c = 0; c < components; c++) out[c] = value_of(rule, components, face, c);
 }
 
-/* One wall has one set of coefficients; a wall that holds T needs no restitution. */
+/* Objects unless U and T have the same coefficients, as one wall has one set, or T is held: e has no use then. */
 static const char *rough_objection(const struct patch_rules *r) {
     const struct rule *U = &r->velocity, *T = &r->temperature;
     if (U->type == T->type && !memcmp(&U->params, &T->params, sizeof U->params)) return NULL;
@@ -283,11 +285,12 @@ static void find_share(void (*share_of)(const struct rule *, const struct wall_l
     if (any && share_of) share_of(rule, l, share);
 }
 
-/* With the stress tau = a shear s/d of a share a, s the velocity of the cell's gas against the wall, the gas on the
- * wall itself slips at (1 - a/2) s, and friction there heats it by Q = tau (1 - a/2) s. Of two ways from there, into
- * the wall and through half the distance into the cell, heat takes both: with Q the wall has T + Q d/(2 heat) before it
- * where it had T, and b/2 of Q go into a wall of the share b. So the gas on the wall is at T_s = (1 - b/2) (T + Q d/(2
- * heat)) + b/2 T_w. a depends on T_s by less the smaller d is, so that rounds from T_s = T gain an order of d each. */
+/* A wall of the share a of drag has the stress tau = a shear s/d, with s the velocity of the cell's gas relative to the
+ * wall. The gas on the wall itself slips at (1 - a/2) s, and friction makes the heat Q = tau (1 - a/2) s there. The
+ * heat goes both ways, into the wall and through d/2 into the cell: it acts on the wall as if the cell had
+ * T + Q d/(2 heat) instead of T, and a wall of the share b of heat takes b/2 of Q. So the gas on the wall has
+ *     T_s = (1 - b/2) (T + Q d/(2 heat)) + b/2 T_w.
+ * The smaller d is, the less a depends on T_s, so that each round from T_s = T on gains an order of d. */
 void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag, double *heat) {
     enum { ROUNDS = 3 };
     const bool slides = wall_slides(r);
