@@ -26,6 +26,7 @@ enum extent {
     EVERY_CELL,  /* all cells of this rank, one by one; backgrounds are written out to their cells first */
     EACH_STATE,  /* every state that occurs: spans are narrowed, then their cells are visited, and each background once
                   */
+    KEPT_STATES, /* the cells in the spans as these are, and each background once */
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
 };
 
@@ -55,6 +56,8 @@ struct state_hooks {
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
     /* Gives `to` the spans of `from`, whose rows were written to it. NULL: there are no spans. */
     void (*keep_as)(const struct gas *g, const struct state *from, const struct state *to);
+    /* Gives both states the joined spans of both. NULL: there are no spans. */
+    void (*join)(const struct gas *g, const struct state *a, const struct state *b);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
     /* As gas_block_field and gas_field. */
@@ -91,9 +94,6 @@ struct stage_hooks {
     /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
     void (*note_limited)(struct gas *g, double place[3]);
     void (*clear_flags)(struct gas *g);
-    /* Does the exchange of struct stepper: next = 0.1 start + 0.9 state, state = 0.6 start + 0.4 state; next may be
-     * start. */
-    void (*exchange)(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 };
 
 /* The parts of one super step of diffusion: S_0 = 0, q_0 = u or T of Y0, q_j = q_0 + L S_j/rho

@@ -78,11 +78,34 @@ static void swap(struct state *a, struct state *b) {
     *b = c;
 }
 
+struct exchange { /* of struct stepper, on the rows of three states */
+    const struct gas *g;
+    const struct state *start, *next, *state;
+};
+
+static void exchange_row(void *exchange, const struct row *row) {
+    const struct exchange *x = exchange;
+    for (int v = 0; v < x->g->nvar; v++) {
+        const long at = v * x->g->size + row->at;
+        const double *start = x->start->block[row->block] + at;
+        double *next = x->next->block[row->block] + at, *state = x->state->block[row->block] + at;
+        for (int i = 0; i < row->n; i++) stepper_exchange(start[i], &next[i], &state[i]);
+    }
+}
+
+/* next = 0.1 start + 0.9 state, state = 0.6 start + 0.4 state; next may be start. */
+static void exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state) {
+    const struct state_hooks *hooks = &g->engine->state;
+    if (hooks->join) hooks->join(g, start, state);
+    hooks->rows(g, KEPT_STATES, state, exchange_row, &(struct exchange){g, start, next, state});
+    if (hooks->keep_as) hooks->keep_as(g, state, next);
+}
+
 /* Moves the stage's result from W to V, where the next stage starts; returns the next stage's U0. */
 static const struct state *after_stage(struct gas *g, const struct state *U0, int stage) {
     swap(&g->V, &g->W);
     if (stage + 1 != g->models.stepper->exchange) return U0;
-    g->engine->stage.exchange(g, U0, &g->U0, &g->V);
+    exchange(g, U0, &g->U0, &g->V);
     return &g->U0;
 }
 

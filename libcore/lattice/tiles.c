@@ -133,7 +133,9 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
             runs_visit(g->forest, &g->forest->tile[h.tile], 0, hand_over, &h);
             continue;
         }
-        if (extent == EACH_STATE && activity_find(g, h.tile, s)) hand_over(&h, 0, 1); /* the background */
+        if ((extent == EACH_STATE && activity_find(g, h.tile, s)) ||
+            (extent == KEPT_STATES && activity_has_background(g, h.tile, s)))
+            hand_over(&h, 0, 1); /* the background */
         spans_visit(g, h.tile, s->varied[h.tile], 0, hand_over, &h);
     }
 }
@@ -142,6 +144,15 @@ static void tiles_keep_as(const struct gas *g, const struct state *from, const s
     const size_t bytes = (size_t)g->tiles->activity.nspans * sizeof(struct span);
     for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++)
         memcpy(to->varied[t], from->varied[t], bytes);
+}
+
+static void tiles_join(const struct gas *g, const struct state *a, const struct state *b) {
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        activity_store_all(g, t, a);
+        activity_store_all(g, t, b);
+        for (int i = 0; i < g->tiles->activity.nspans; i++)
+            a->varied[t][i] = b->varied[t][i] = span_join(a->varied[t][i], b->varied[t][i]);
+    }
 }
 
 struct reading { /* one field being read, run by run */
@@ -330,6 +341,7 @@ const struct engine engine_lattice = {
               .get_conserved = tiles_get_conserved,
               .rows = tiles_rows,
               .keep_as = tiles_keep_as,
+              .join = tiles_join,
               .place = tiles_place,
               .block_field = tiles_block_field,
               .field = tiles_field,
@@ -343,8 +355,7 @@ const struct engine engine_lattice = {
               .unfold_bad = tiles_unfold_bad,
               .sum_raised = tiles_sum_raised,
               .note_limited = tiles_note_limited,
-              .clear_flags = tiles_clear_flags,
-              .exchange = tiles_exchange},
+              .clear_flags = tiles_clear_flags},
     .diffusion = {.rates = tiles_diffusion_rates,
                   .ahead = tiles_diffusion_ahead,
                   .begin = tiles_diffusion_begin,

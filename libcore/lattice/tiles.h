@@ -51,7 +51,6 @@ status tiles_sum_raised(const struct gas *g, double *raised, double *sum);
 void tiles_note_limited(struct gas *g, double place[3]);
 void tiles_clear_flags(struct gas *g);
 void tiles_unfold_bad(struct gas *g, const struct state *s);
-void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state);
 
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
@@ -81,6 +80,8 @@ void activity_reset(const struct gas *g, const struct state *s);
 /* Narrows the spans of a tile to the cells that differ from its background, or finds a background if there was none.
  * Returns whether there is a background. */
 bool activity_find(const struct gas *g, int tile, const struct state *s);
+/* Has the tile a background, by its spans as they are? */
+bool activity_has_background(const struct gas *g, int tile, const struct state *s);
 /* Before a ghost fill: finds the quiet sides of all tiles, and writes out the layers of cells that others will read. */
 void activity_prepare(struct gas *g, const struct state *s);
 /* After the ghost fill of `from`: finds a tile's active cells, whose stencil holds a cell that differs or which U0

@@ -38,6 +38,10 @@ static bool has_background(const struct gas *g, const struct tile *t, struct spa
     return false;
 }
 
+bool activity_has_background(const struct gas *g, int tile, const struct state *s) {
+    return has_background(g, &g->forest->tile[tile], s->varied[tile]);
+}
+
 static bool same_cell(const struct gas *g, const double *U, long a, long b) {
     for (int v = 0; v < g->nvar; v++)
         if (bits_of(U[v * g->forest->size + a]) != bits_of(U[v * g->forest->size + b])) return false;

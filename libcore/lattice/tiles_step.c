@@ -1,5 +1,4 @@
-/* A time step's parts on a lattice: stages over all tiles, the closing of a step, the flags of cells to be limited, the
- * exchange of a Runge-Kutta scheme. */
+/* A time step's parts on a lattice: stages over all tiles, the closing of a step, the flags of cells to be limited. */
 #include "libcore/lattice/tiles.h"
 
 struct census { /* counts the flags of a tile */
@@ -130,30 +129,4 @@ long tiles_last_stage(struct gas *g, const struct state *U0, const struct state 
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;
     return bad + c.half.bad;
-}
-
-struct exchange {
-    long size;
-    int nvar;
-    const double *start;
-    double *next, *state;
-};
-
-static void exchange_visit(void *context, long offset, int n) {
-    const struct exchange *x = context;
-    for (int v = 0; v < x->nvar; v++)
-        for (long i = v * x->size + offset; i < v * x->size + offset + n; i++)
-            stepper_exchange(x->start[i], &x->next[i], &x->state[i]);
-}
-
-void tiles_exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state) {
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct exchange x = {g->forest->size, g->nvar, start->block[t], next->block[t], state->block[t]};
-        activity_store_all(g, t, start);
-        activity_store_all(g, t, state);
-        runs_visit(g->forest, &g->forest->tile[t], 0, exchange_visit, &x);
-        exchange_visit(&x, 0, 1); /* the background */
-        for (int i = 0; i < g->tiles->activity.nspans; i++)
-            next->varied[t][i] = state->varied[t][i] = span_join(start->varied[t][i], state->varied[t][i]);
-    }
 }

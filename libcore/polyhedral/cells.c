@@ -288,16 +288,6 @@ static void cells_note_limited(struct gas *g, double place[3]) {
     first_place_share(g, &first, place);
 }
 
-static void cells_exchange(struct gas *g, const struct state *start, const struct state *next,
-                           const struct state *state) {
-    double *a[MAX_VAR], *b[MAX_VAR], *c[MAX_VAR];
-    cells_lines(g, start, a);
-    cells_lines(g, next, b);
-    cells_lines(g, state, c);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < g->cells->polyhedra->nown; i++) stepper_exchange(a[v][i], &b[v][i], &c[v][i]);
-}
-
 const struct engine engine_polyhedral = {
     .state = {.make = cells_make,
               .free = cells_free,
@@ -315,8 +305,7 @@ const struct engine engine_polyhedral = {
               .redo = cells_redo,
               .sum_raised = cells_sum_raised,
               .note_limited = cells_note_limited,
-              .clear_flags = cells_clear_flags,
-              .exchange = cells_exchange},
+              .clear_flags = cells_clear_flags},
     .diffusion = {.most_stages = CELLS_STAGES,
                   .cooled_first = true,
                   .rates = cells_diffusion_rates,
