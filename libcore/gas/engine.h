@@ -23,9 +23,8 @@ struct row { /* n <= BATCH cells that lie one behind the other in a block's line
 };
 typedef void row_visitor(void *context, const struct row *row);
 enum extent {
-    EVERY_CELL,  /* all cells of this rank, one by one; backgrounds are written out to their cells first */
-    EACH_STATE,  /* every state that occurs: spans are narrowed, then their cells are visited, and each background once
-                  */
+    EVERY_CELL, /* all cells of this rank, one by one; backgrounds are written out to their cells first */
+    EACH_STATE, /* each state that occurs: spans are narrowed, then their cells are visited, and each background once */
     KEPT_STATES, /* the cells in the spans as these are, and each background once */
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
 };

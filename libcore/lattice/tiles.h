@@ -29,7 +29,7 @@ struct activity { /* spans of the tile in hand: cells that differ from its backg
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
 
-/* What the engine of the lattice owns: g->tiles. */
+/* Memory that the engine of the lattice owns: g->tiles. */
 struct tiles {
     double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
     double **limited; /* [ntiles] of [size]: how often that was so */

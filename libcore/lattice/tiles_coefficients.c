@@ -153,7 +153,8 @@ static double slip_at(const struct gas *g, const struct edge *e, int i) {
     return square;
 }
 
-/* What walls do: the share of drag, and that of heat in their coefficients. eps, too, is still in the workspace. */
+/* Finds the shares of drag and heat at a wall; the share of heat goes into the coefficients of the wall's faces.
+ * Velocities and eps are still in the workspace. */
 static void wall_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
     const double width = f->width[e->normal], *U = context;

@@ -53,8 +53,8 @@ ALWAYS_INLINE double next_sum(const double *c, double last, double before, doubl
     return (c[0] * last + c[1] * before) + (c[2] * (gain * light) + c[3] * start);
 }
 
-/* What conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges are added
- * without fma. */
+/* The heat that conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges
+ * are added without fma. */
 ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
     double sum = 0;
     for (int axis = 0; axis < dim; axis++) {
@@ -151,7 +151,7 @@ ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, double h, 
     }
 }
 
-/* What a cell gains by its faces: x holds the faces of a row along axis 0, y0 and z0 those below it, y1 and z1 those
+/* The gain of a cell by its faces: x holds the faces of a row along axis 0, y0 and z0 those below it, y1 and z1 those
  * above it along the other axes. */
 ALWAYS_INLINE double gain(int dim, int i, const double *x, const double *y0, const double *y1, const double *z0,
                           const double *z1) {

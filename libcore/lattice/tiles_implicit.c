@@ -73,7 +73,7 @@ struct filling {
     double *rho, *E, *weight; /* where the next entries go */
 };
 
-/* What a rule makes of S = 1 beyond a side of the cell at `offset` where nothing is given. */
+/* S beyond a side of the cell at `offset`, by the patch's rule, where S = 1 inside and the rule is given no values. */
 static double beyond_one(const struct filling *v, int tile, long offset, int side) {
     const struct gas *g = v->g;
     const struct forest *f = g->forest;

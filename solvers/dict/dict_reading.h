@@ -1,4 +1,4 @@
-/* What the files that read dictionaries share: the file in hand, the bounds of a reading, macros and #eval. */
+/* Shared by the files that read dictionaries: the file in hand, the bounds of a reading, macros and #eval. */
 #ifndef SOLVERS_DICT_READING_H
 #define SOLVERS_DICT_READING_H
 

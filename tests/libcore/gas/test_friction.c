@@ -68,7 +68,7 @@ static void shearing(const double x[3], double *rho, double u[3], double *T) {
     u[1] = SPEED * sin(K * x[0]);
 }
 
-/* Of u = SPEED exp(-SLOW K^2 t) sin K x, which heats SLOW u'^2: the amplitude of T along cos 2 K x. */
+/* The amplitude of T along cos 2 K x that u = SPEED exp(-SLOW K^2 t) sin K x makes by its friction, SLOW u'^2. */
 static double exact_wave(double t) {
     const double rate = 2 * SLOW * K * K, loss = 4 * FAST * K * K;
     return 0.25 * SPEED * SPEED * rate * (exp(-rate * t) - exp(-loss * t)) / (loss - rate);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Of the authors' programs xoshiro256plusplus.c from the state 1, 2, 3, 4 and splitmix64.c from 1234567. */
+/* Numbers of the authors' programs xoshiro256plusplus.c from the state 1, 2, 3, 4 and splitmix64.c from 1234567. */
 static const uint64_t XOSHIRO[] = {41943041ULL,
                                    58720359ULL,
                                    3588806011781223ULL,

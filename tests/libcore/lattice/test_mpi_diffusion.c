@@ -73,7 +73,7 @@ static void open_manufactured(struct scene *s, int dim, int n, const struct tran
     start(s, manufactured_fields);
 }
 
-/* Of the diffusion alone, or of a whole step: the largest error of all cells over the largest rate. */
+/* The largest error of all cells over the largest rate, of the diffusion alone or of a whole step. */
 static double operator_error(const struct transport *law, int dim, int n, enum manufactured_part parts) {
     struct scene s;
     const double dt = 1e-7;

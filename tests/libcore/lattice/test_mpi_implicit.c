@@ -19,8 +19,8 @@ static void gentle(const double at[3], double *rho, double u[3], double *T) {
     u[1] = 0.5 * sin(x - y);
 }
 
-/* Of second order in time towards what many explicit steps come to, with walls of each kind; on more ranks only
- * close, as all iterations wait for all ranks. */
+/* Implicit steps converge in second order towards the result of many explicit ones, with walls of each kind; on more
+ * ranks only close, as all iterations wait for all ranks. */
 static void many_steps_come_to_the_same(void **state) {
     (void)state;
     static const char *const walls[] = {"slip", "noSlip", "JohnsonJacksonSlip"};

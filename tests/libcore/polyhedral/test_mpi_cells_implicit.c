@@ -87,7 +87,7 @@ static const struct cells_recipe rough[] = {
 };
 enum { ROUGH = sizeof rough / sizeof *rough };
 
-/* Of second order in time towards what many explicit steps come to. */
+/* Implicit steps converge in second order towards the result of many explicit ones. */
 static void many_steps_come_to_the_same(void **state) {
     (void)state;
     if (comm_size(world) > 1) skip(); /* the next one */

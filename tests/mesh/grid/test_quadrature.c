@@ -92,7 +92,7 @@ static double power(double x, int n) {
     return n ? x * power(x, n - 1) : 1;
 }
 
-/* Of degree 4 in all axes together. */
+/* A polynomial of degree 4 in all axes together */
 static void quartics(void **state) {
     (void)state;
     for (int i = 0; i < (int)(sizeof cases / sizeof *cases); i++) {

@@ -1,5 +1,5 @@
-/* Polyhedra on all ranks against the same ones made by each rank alone: the same lists and the same bits for every cell,
- * face, ghost and mirror; ghosts filled with the values of their cells. */
+/* Polyhedra on all ranks against the same ones made by each rank alone: the same lists and the same bits for every
+ * cell, face, ghost and mirror; ghosts filled with the values of their cells. */
 #include "mesh/polyhedral/polyhedra.h"
 
 #include "tests/mesh/polyhedral/cells.h"

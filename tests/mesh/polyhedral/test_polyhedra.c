@@ -118,7 +118,7 @@ static void centres_are_centroids(void **state) {
     }
 }
 
-/* Of simplices: mean (x-c)_a (x-c)_b = sum_i (v_i - c)_a (v_i - c)_b / ((d + 1) (d + 2)). */
+/* Second moments of a simplex: mean (x-c)_a (x-c)_b = sum_i (v_i - c)_a (v_i - c)_b / ((d + 1) (d + 2)). */
 static void moments_of_simplices(void **state) {
     (void)state;
     for (int i = 0; i < RECIPES; i++) {
