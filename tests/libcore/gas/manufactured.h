@@ -3,8 +3,8 @@
  * that vary in space, derivatives across, the work of the stress; cooling, gravity. Derivatives by differences of the
  * fourth order (1e-9 of the largest): nothing here knows a mesh or a scheme, so both engines are held to the same.
  *
- * A mesh's own operator is tested by its rates in a cell against manufactured_rates at the cell's centre: the difference
- * must fall at second order. */
+ * A mesh's own operator is tested by its rates in a cell against manufactured_rates at the cell's centre: the
+ * difference must fall at second order. */
 #ifndef TESTS_MANUFACTURED_H
 #define TESTS_MANUFACTURED_H
 
