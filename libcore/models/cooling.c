@@ -42,11 +42,12 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
     }
 }
 
-static void haff(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
-                 const double *restrict rho, double *restrict eps) {
-    const double g1 = m->gamma - 1, loss = cooling_factor(m) * (1 - m->restitution * m->restitution) / m->diameter;
+/* Haff's law with `factor` times its rate */
+static void cool_by(double factor, const struct eos *eos, const struct material *m, double dt, int n,
+                    const double *restrict rho, double *restrict eps) {
+    const double g1 = m->gamma - 1, losses = 1 - m->restitution * m->restitution;
+    const double loss = factor * (cooling_factor(m) * losses / m->diameter);
     double contact[BATCH];
-    (void)params;
     eos->contact(m, n, rho, contact);
     if (m->threshold > 0)
         cool_above(n, g1, g1 * loss, m->threshold, dt, contact, eps);
@@ -54,8 +55,27 @@ static void haff(const struct own_params *params, const struct eos *eos, const s
         cool(n, g1, g1 * loss, dt, contact, eps);
 }
 
+static void haff(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
+                 const double *restrict rho, double *restrict eps) {
+    (void)params;
+    cool_by(1, eos, m, dt, n, rho, eps);
+}
+
+/* Garzo & Dufty (1999), van Noije & Ernst (1998): the velocities of inelastic grains are not quite Maxwellian, and with
+ * the second Sonine coefficient in d dimensions a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]
+ * the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and 1.028 at e = 0.2 for spheres. */
+static void garzo_dufty(const struct own_params *params, const struct eos *eos, const struct material *m, double dt,
+                        int n, const double *restrict rho, double *restrict eps) {
+    const double e = m->restitution, d = m->disks ? 2 : 3;
+    const double a2 = 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
+    (void)params;
+    cool_by(1 + 3. / 16 * a2, eos, m, dt, n, rho, eps);
+}
+
 const struct cooling cooling_table[] = {
     {MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"), haff},
+    {MODEL("GarzoDufty", "Haff's with the second Sonine coefficient of the velocities (Garzo & Dufty 1999)"),
+     garzo_dufty},
 };
 const int cooling_count = sizeof cooling_table / sizeof *cooling_table;
 
