@@ -62,14 +62,12 @@ static void haff(const struct own_params *params, const struct eos *eos, const s
 }
 
 /* Garzo & Dufty (1999), van Noije & Ernst (1998): the velocities of inelastic grains are not quite Maxwellian, and with
- * the second Sonine coefficient in d dimensions a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]
- * the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and 1.028 at e = 0.2 for spheres. */
+ * their second Sonine coefficient a2 the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and 1.028 at e = 0.2 for
+ * spheres. */
 static void garzo_dufty(const struct own_params *params, const struct eos *eos, const struct material *m, double dt,
                         int n, const double *restrict rho, double *restrict eps) {
-    const double e = m->restitution, d = m->disks ? 2 : 3;
-    const double a2 = 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
     (void)params;
-    cool_by(1 + 3. / 16 * a2, eos, m, dt, n, rho, eps);
+    cool_by(1 + 3. / 16 * second_sonine(m), eos, m, dt, n, rho, eps);
 }
 
 const struct cooling cooling_table[] = {

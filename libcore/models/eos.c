@@ -23,6 +23,11 @@ double cooling_factor(const struct material *m) {
     return (m->disks ? 4 : 12) / sqrt(PI);
 }
 
+double second_sonine(const struct material *m) {
+    const double e = m->restitution, d = m->disks ? 2 : 3;
+    return 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
+}
+
 double density_limit(const struct eos *eos, const struct material *m) {
     double k = packing_per_density(m);
     return eos->bounded && k > 0 ? m->alpha_max / k : HUGE_VAL;
@@ -55,6 +60,14 @@ KERNEL static void gs_contact(const struct material *m, int n, const double *res
     for (int i = 0; i < n; i++) {
         double nu = k * rho[i];
         contact[i] = nu / (1 - gs_x(nu, inverse_max, a));
+    }
+}
+
+KERNEL static void gs_slope(const struct material *m, int n, const double *restrict rho, double *restrict steep) {
+    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
+    for (int i = 0; i < n; i++) {
+        double nu = k * rho[i], x = gs_x(nu, inverse_max, a), inverse = 1 / (1 - x);
+        steep[i] = nu * inverse * fma(a * x, inverse, 1);
     }
 }
 
@@ -166,6 +179,13 @@ ALWAYS_INLINE void torquato_contact(int d, const struct material *m, int n, cons
     }
 }
 
+ALWAYS_INLINE void torquato_slope(int d, const struct material *m, int n, const double *restrict rho,
+                                  double *restrict steep) {
+    const struct contact t = contact_make(d, m);
+    const double k = packing_per_density(m);
+    for (int i = 0; i < n; i++) (void)contact_value(d, &t, k * rho[i], &steep[i]);
+}
+
 KERNEL static void disks_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
                                double *restrict p, double *restrict c2, double *restrict gruneisen) {
     torquato_state(2, m, n, rho, eps, p, c2, gruneisen);
@@ -173,6 +193,9 @@ KERNEL static void disks_state(const struct material *m, int n, const double *re
 KERNEL static void disks_contact(const struct material *m, int n, const double *restrict rho,
                                  double *restrict contact) {
     torquato_contact(2, m, n, rho, contact);
+}
+KERNEL static void disks_slope(const struct material *m, int n, const double *restrict rho, double *restrict steep) {
+    torquato_slope(2, m, n, rho, steep);
 }
 KERNEL static void spheres_state(const struct material *m, int n, const double *restrict rho,
                                  const double *restrict eps, double *restrict p, double *restrict c2,
@@ -182,6 +205,10 @@ KERNEL static void spheres_state(const struct material *m, int n, const double *
 KERNEL static void spheres_contact(const struct material *m, int n, const double *restrict rho,
                                    double *restrict contact) {
     torquato_contact(3, m, n, rho, contact);
+}
+
+KERNEL static void spheres_slope(const struct material *m, int n, const double *restrict rho, double *restrict steep) {
+    torquato_slope(3, m, n, rho, steep);
 }
 
 static const struct param gs_param[] = {
@@ -213,14 +240,14 @@ const char *eos_objection(const struct eos *eos, const struct material *m) {
 
 const struct eos eos_table[] = {
     {MODEL_WITH("GoldshteinShapiro", "dense spheres up to close packing (Goldshtein & Shapiro 1995)", gs_param),
-     .bounded = true, .state = gs_state, .contact = gs_contact},
+     .bounded = true, .state = gs_state, .contact = gs_contact, .slope = gs_slope},
     {MODEL_WITH("perfectGas", "the dilute limit, p = rho T", perfect_param), .state = perfect_state,
-     .contact = perfect_contact},
+     .contact = perfect_contact, .slope = perfect_contact},
     {MODEL_WITH("TorquatoDisks", "dense disks, Torquato's contact value (Carrillo, Poeschel & Saluena 2008)",
                 disks_param),
-     .disks = true, .state = disks_state, .contact = disks_contact},
+     .disks = true, .state = disks_state, .contact = disks_contact, .slope = disks_slope},
     {MODEL_WITH("TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", spheres_param),
-     .state = spheres_state, .contact = spheres_contact},
+     .state = spheres_state, .contact = spheres_contact, .slope = spheres_slope},
 };
 const int eos_count = sizeof eos_table / sizeof *eos_table;
 

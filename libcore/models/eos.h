@@ -33,6 +33,8 @@ struct eos {
                   double *restrict p, double *restrict c2, double *restrict gruneisen);
     /* Computes contact = G(nu) = nu chi(nu), the factor of the collision rate that depends on density. */
     void (*contact)(const struct material *m, int n, const double *restrict rho, double *restrict contact);
+    /* Computes steep = nu G'(nu). */
+    void (*slope)(const struct material *m, int n, const double *restrict rho, double *restrict steep);
 };
 
 /* Granular temperature of an internal energy per unit mass, T = (gamma - 1) eps, and the energy of a temperature. As
@@ -59,6 +61,9 @@ double packing_per_density(const struct material *m); /* nu / rho in m^3/kg, for
 /* Returns K of the cooling rate K (1 - e^2) rho T^(3/2) G / sigma per volume, for disks per area: 12/sqrt pi, for disks
  * 4/sqrt pi. */
 double cooling_factor(const struct material *m);
+/* Returns the second Sonine coefficient of the velocities of cooling grains in d dimensions (van Noije & Ernst 1998),
+ *   a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]: 0 if they are elastic. */
+double second_sonine(const struct material *m);
 /* rho at alpha_max; HUGE_VAL: there is no limit */
 double density_limit(const struct eos *eos, const struct material *m);
 

@@ -29,12 +29,17 @@ KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, con
     }
 }
 
+/* The density at which the coefficients are taken at most: where Torquato's G begins its tangent. */
+static double packed_density(const struct material *m) {
+    return m->alpha_max > 0 ? EOS_PACKING * m->alpha_max / packing_per_density(m) : HUGE_VAL;
+}
+
 static void jenkins_richman(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                             const double *restrict rho, const double *restrict T, double *restrict bulk,
                             double *restrict shear, double *restrict heat) {
     struct jenkins_richman own;
     memcpy(&own, params, sizeof own);
-    const double per = packing_per_density(m), low = own.alpha_min / per, high = EOS_PACKING * m->alpha_max / per;
+    const double low = own.alpha_min / packing_per_density(m), high = packed_density(m);
     double clipped[BATCH], contact[BATCH];
     for (int i = 0; i < n; i++) clipped[i] = smaller(larger(rho[i], low), high);
     eos->contact(m, n, clipped, contact);
@@ -49,10 +54,173 @@ static const struct param jenkins_richman_param[] = {
     CHOICE("bulk", bulk, 0, bulk_words, "viscosity by the contact integral, or twice that, as printed"),
 };
 
+#undef PARAM_STRUCT
+
+enum { ZETA_OFF, ZETA_GEOMETRIC, ZETA_FULL };
+struct garzo_dufty {
+    double alpha_min; /* as Jenkins & Richman's; 0: coefficients do not fall */
+    double knudsen;   /* packing fraction at which the coefficients are halved; 0: they are not cut */
+    int zeta_u;       /* index of zeta_words */
+    int stress;       /* index of stress_words; 1: diagonal */
+};
+OWN_PARAMS_FIT(struct garzo_dufty);
+
+/* Garzo & Dufty (1999) in d dimensions, Lutsko (2005): with nu the packing fraction, X = nu chi, L = nu chi'/chi, and
+ * a2 the second Sonine coefficient,
+ *   shear = shear0 shear*,  bulk = shear0 bulk*,  heat = heat0 heat*,  cross = heat0 T/rho cross*,
+ *   shear0 = (d + 2)/8 Gamma(d/2) pi^(-(d - 1)/2) m sqrt T/sigma^(d - 1),  heat0 = d (d + 2)/(2 (d - 1)) shear0,
+ * where the starred functions of X, chi, nu and L are
+ *   bulk*  = g nu X
+ *   shear* = (1 - s1 X)/(chi s0) (1 + s2 X) + d/(d + 2) bulk*
+ *   k      = (h1 + h2 X)/(chi h0),  heat* = k (1 + h3 X) + h4 nu X
+ *   cross* = [z (1 + L) k chi + c1 + c2 X (1 + L/2)]/(chi c0) (1 + h3 X)
+ * and the constants depend on e and d alone. z chi is the cooling rate in units of p0/shear0, p0 = rho T. */
+struct garzo_constants {
+    double shear0, heat_ratio; /* shear0/sqrt T, heat0/shear0 */
+    double z, g, of_bulk;      /* of_bulk: d/(d + 2) */
+    double s0, s1, s2, h0, h1, h2, h3, h4, c0, c1, c2;
+};
+
+static struct garzo_constants garzo_constants_of(const struct material *m) {
+    const double e = m->restitution, d = m->disks ? 2 : 3, a2 = second_sonine(m), pairs = 1 + e;
+    const double two = m->disks ? 1 : 2; /* 2^(d-2) */
+    struct garzo_constants c;
+    c.shear0 = m->mass * (m->disks ? 0.5 / (sqrt(PI) * m->diameter) : 5. / 16 / (sqrt(PI) * m->diameter * m->diameter));
+    c.heat_ratio = d * (d + 2) / (2 * (d - 1));
+    c.z = (d + 2) / (4 * d) * (1 - e * e) * (1 + 3. / 16 * a2);
+    c.g = 32 * two * two / (PI * (d + 2)) * pairs * (1 - a2 / 16);
+    c.of_bulk = d / (d + 2);
+    c.s0 = 3 / (4 * d) * pairs * (1 - e + 2 * d / 3) * (1 - a2 / 32) - c.z / 2;
+    c.s1 = two / (d + 2) * pairs * (1 - 3 * e);
+    c.s2 = 2 * two / (d + 2) * pairs;
+    const double heat_rate =
+        pairs / d * ((d - 1) / 2 + 3. / 16 * (d + 8) * (1 - e) + (4 + 5 * d - 3 * (4 - d) * e) * a2 / 512);
+    c.h0 = heat_rate - 2 * c.z;
+    c.h1 = (d - 1) / d * (1 + 2 * a2);
+    c.h2 = (d - 1) / d * (1.5 * two / (d + 2)) * pairs * pairs * (2 * e - 1 + pairs * a2);
+    c.h3 = 3 * two / (d + 2) * pairs;
+    c.h4 = 32 * two * two * (d - 1) / (PI * (d + 2) * (d + 2)) * pairs * (1 + 7 * a2 / 16);
+    c.c0 = heat_rate - 1.5 * c.z;
+    c.c1 = (d - 1) / d * a2;
+    c.c2 = 3 * two * (d - 1) / (d * (d + 2)) * pairs * (e * (e - 1) + a2 / 6 * (10 + 2 * d - 3 * e + 3 * e * e));
+    return c;
+}
+
+struct garzo_line { /* of a batch: nu, X and 1 + L at densities within the range, rho over these, and the Knudsen cut */
+    double nu[BATCH], X[BATCH], steep[BATCH], share[BATCH], cut[BATCH];
+};
+
+/* Below alpha_min and above EOS_PACKING of alpha_max the coefficients are those there times rho/(rho there), as Jenkins
+ * & Richman's are above. The Knudsen cut takes from the coefficients what grains that cross a thin gas without a
+ * collision do not carry. */
+static void garzo_state(const struct garzo_dufty *own, const struct eos *eos, const struct material *m, int n,
+                        const double *rho, struct garzo_line *l) {
+    const double per = packing_per_density(m), low = larger(own->alpha_min / per, 1e-200);
+    const double high = packed_density(m);
+    double clipped[BATCH];
+    for (int i = 0; i < n; i++) {
+        clipped[i] = smaller(larger(rho[i], low), high);
+        l->nu[i] = per * clipped[i];
+        l->share[i] = rho[i] / clipped[i];
+        l->cut[i] = per * rho[i] / (per * rho[i] + own->knudsen + 1e-300);
+    }
+    eos->contact(m, n, clipped, l->X);
+    eos->slope(m, n, clipped, l->steep);
+    for (int i = 0; i < n; i++) l->steep[i] /= l->X[i];
+}
+
+KERNEL static void garzo_viscosities(int n, const struct garzo_constants *c, const struct garzo_line *l,
+                                     const double *restrict T, double *restrict bulk, double *restrict shear,
+                                     double *restrict heat) {
+    const struct garzo_constants k = *c;
+    for (int i = 0; i < n; i++) {
+        const double X = l->X[i], nu = l->nu[i], inverse = nu / X,
+                     unit = l->share[i] * l->cut[i] * k.shear0 * sqrt(T[i]);
+        const double g = k.g * nu * X, kinetic = (1 - k.s1 * X) * inverse / k.s0;
+        bulk[i] = unit * g;
+        shear[i] = unit * (kinetic * (1 + k.s2 * X) + k.of_bulk * g);
+        heat[i] = unit * k.heat_ratio * ((k.h1 + k.h2 * X) * inverse / k.h0 * (1 + k.h3 * X) + k.h4 * nu * X);
+    }
+}
+
+KERNEL static void garzo_crossing(int n, const struct garzo_constants *c, const struct garzo_line *l, double per,
+                                  const double *restrict T, double *restrict cross) {
+    const struct garzo_constants k = *c;
+    for (int i = 0; i < n; i++) {
+        const double X = l->X[i], inverse = l->nu[i] / X, steep = l->steep[i];
+        const double kinetic = k.z * steep * (k.h1 + k.h2 * X) / k.h0 + k.c1 + k.c2 * X * (0.5 + 0.5 * steep);
+        const double unit = l->cut[i] * k.shear0 * k.heat_ratio * sqrt(T[i]) * T[i] * (per / l->nu[i]);
+        cross[i] = unit * (kinetic * inverse / k.c0 * (1 + k.h3 * X));
+    }
+}
+
+static void garzo_coefficients(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                               const double *restrict rho, const double *restrict T, double *restrict bulk,
+                               double *restrict shear, double *restrict heat) {
+    const struct garzo_constants c = garzo_constants_of(m);
+    struct garzo_dufty own;
+    struct garzo_line l;
+    memcpy(&own, params, sizeof own);
+    garzo_state(&own, eos, m, n, rho, &l);
+    garzo_viscosities(n, &c, &l, T, bulk, shear, heat);
+}
+
+static void garzo_cross(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                        const double *restrict rho, const double *restrict T, double *restrict cross) {
+    const struct garzo_constants c = garzo_constants_of(m);
+    struct garzo_dufty own;
+    struct garzo_line l;
+    memcpy(&own, params, sizeof own);
+    garzo_state(&own, eos, m, n, rho, &l);
+    garzo_crossing(n, &c, &l, packing_per_density(m), T, cross);
+}
+
+/* The cooling rate of a gas that is compressed has the term zeta_U div u beside that of a gas at rest, which takes the
+ * heat rho T/(gamma - 1) zeta_U div u per volume and time. Most of zeta_U is geometry, the rest the change of the
+ * fourth moment of the velocities (taken for a2 = 0). */
+static void garzo_dilation(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                           const double *restrict rho, const double *restrict T, double *restrict dilation) {
+    const double e = m->restitution, d = m->disks ? 2 : 3, two = m->disks ? 1 : 2, losses = 1 - e * e;
+    const double z = (d + 2) / (4 * d) * losses;
+    const double moment = (1 + e) * (56 * d + 73 - (105 + 24 * d) * e + 30 * e * e * (1 - e)) / (64 * d);
+    const double fourth =
+        z * 3 / 16 * (1.5 * two / (d + 2)) * (1 + e) * losses * (5 * e - 1) / (d * (moment - 1.5 * z));
+    struct garzo_dufty own;
+    memcpy(&own, params, sizeof own);
+    const double per_contact = -3 * two / d * losses + (own.zeta_u == ZETA_FULL ? fourth : 0);
+    const double high = packed_density(m);
+    double clipped[BATCH], X[BATCH];
+    for (int i = 0; i < n; i++) clipped[i] = smaller(rho[i], high);
+    eos->contact(m, n, clipped, X);
+    for (int i = 0; i < n; i++) dilation[i] = per_contact * X[i] * rho[i] * eps_of(m, T[i]);
+}
+
+static struct transport_terms garzo_terms(const struct own_params *params) {
+    struct garzo_dufty own;
+    memcpy(&own, params, sizeof own);
+    return (struct transport_terms){.cross = true, .dilation = own.zeta_u != ZETA_OFF, .diagonal = own.stress == 1};
+}
+
+#define PARAM_STRUCT struct garzo_dufty
+static const char *const zeta_words[] = {"off", "geometric", "full", NULL};
+static const char *const stress_words[] = {"full", "diagonal", NULL};
+static const struct param garzo_param[] = {
+    NUMBER("alphaMin", alpha_min, 1e-4, FROM_TO(0, 0.1), NO_UNIT,
+           "packing fraction below which viscosity and conductivity fall with the density; 0: they do not"),
+    NUMBER("knudsenCut", knudsen, 0, FROM_TO(0, 1), NO_UNIT,
+           "coefficients are multiplied by alpha/(alpha + knudsenCut); 0: they are not"),
+    CHOICE("zetaU", zeta_u, ZETA_OFF, zeta_words, "change of the cooling rate with div u: geometric part, or all"),
+    CHOICE("stress", stress, 0, stress_words, "of all derivatives of u, or of those across faces alone (lattices)"),
+};
+
 const struct transport transport_table[] = {
     {MODEL_WITH("JenkinsRichman", "viscosities and heat conductivity of dense disks (Jenkins & Richman 1985)",
                 jenkins_richman_param),
      .valid = GRAINS_DISKS, .coefficients = jenkins_richman},
+    {MODEL_WITH("GarzoDufty", "viscosities and heat flux of dense inelastic disks or spheres (Garzo & Dufty 1999)",
+                garzo_param),
+     .valid = GRAINS_BOTH, .coefficients = garzo_coefficients, .terms = garzo_terms, .cross = garzo_cross,
+     .dilation = garzo_dilation},
 };
 const int transport_count = sizeof transport_table / sizeof *transport_table;
 

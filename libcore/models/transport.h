@@ -1,7 +1,8 @@
 /* Viscosities and heat conductivity of granular gases: a table of batch functions.
  *
  * Stress tau = (bulk - 2/d shear) tr(E) I + 2 shear E with E the symmetric gradient of u, d = 2 for disks and 3 for
- * spheres; heat flux q = -heat grad T, T per unit mass. */
+ * spheres; heat flux q = -heat grad T - cross grad rho, T per unit mass; and of inelastic grains the heat per volume
+ * and time dilation div u, which the gas loses besides the work p div u of its pressure. */
 #ifndef LIBCORE_TRANSPORT_H
 #define LIBCORE_TRANSPORT_H
 
@@ -12,6 +13,11 @@ static inline enum grains_shape shape_of(const struct material *m) {
     return m->disks ? GRAINS_DISKS : GRAINS_SPHERES;
 }
 
+struct transport_terms {  /* what a law asks for besides stress and q = -heat grad T */
+    bool cross, dilation; /* are these coefficients there? */
+    bool diagonal;        /* is the stress on a face made by derivatives across it alone? On lattices only */
+};
+
 struct transport {
     struct model model;      /* its parameters fill a struct of the law's own */
     enum grains_shape valid; /* the grains that the law is for */
@@ -20,7 +26,20 @@ struct transport {
     void (*coefficients)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                          const double *restrict rho, const double *restrict T, double *restrict bulk,
                          double *restrict shear, double *restrict heat);
+    /* Returns what else the law asks for with these parameters; NULL: nothing. */
+    struct transport_terms (*terms)(const struct own_params *params);
+    /* Compute cross (m^4/s^3, for disks m^3/s^3) and dilation (Pa, for disks N/m), as coefficients. NULL: terms never
+     * asks for them. */
+    void (*cross)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                  const double *restrict rho, const double *restrict T, double *restrict cross);
+    void (*dilation)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
+                     const double *restrict rho, const double *restrict T, double *restrict dilation);
 };
+
+/* What a law asks for; nothing without a law. */
+static inline struct transport_terms transport_terms(const struct transport *t, const struct own_params *params) {
+    return t && t->terms ? t->terms(params) : (struct transport_terms){false, false, false};
+}
 
 /* Returns 2/d, the share of the shear viscosity in the trace of the stress. */
 static inline double trace_share(const struct material *m) {

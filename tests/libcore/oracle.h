@@ -17,7 +17,7 @@
 
 struct oracle_row {
     int n;
-    char *word[16];
+    char *word[20];
     char text[1024];
 };
 
@@ -33,7 +33,7 @@ static inline FILE *oracle_open(const char *name) {
 static inline int oracle_row(FILE *f, struct oracle_row *r) {
     if (!fgets(r->text, sizeof r->text, f)) return 0;
     r->n = 0;
-    for (char *w = strtok(r->text, ",\n\r"); w && r->n < 16; w = strtok(NULL, ",\n\r")) r->word[r->n++] = w;
+    for (char *w = strtok(r->text, ",\n\r"); w && r->n < 20; w = strtok(NULL, ",\n\r")) r->word[r->n++] = w;
     return 1;
 }
 
