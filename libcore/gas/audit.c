@@ -27,6 +27,7 @@ static void floors_of(const struct gas *g, double floors[2]) {
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     known[GAS_FLOORS] = true;
+    known[GAS_DILATION] = g->terms.dilation;
     for (int p = 0; p < g->npatches; p++) {
         const struct patch_rules *r = &g->rules[p];
         if (!r->velocity.type) continue;

@@ -9,6 +9,10 @@
  * by friction as a source that is constant over the half step, so that nothing is split between friction and
  * conduction. If they were split, thin gas would keep its frictional heat for a whole flow step, expand and empty.
  *
+ * The heat flux -cross grad rho (transport.h) is constant over a half step, as rho is, and so are the heat that it
+ * brings and dilation div u, with the mean of the velocities before and after the stress. They count as friction, so
+ * that conduction meets them as they come, and thin gas stays sound however long the step is.
+ *
  * Cooling enters conduction in the same way. In the first half of a step, where cooling comes before diffusion, heat is
  * conducted from the T before cooling with the loss as a constant sink. In the second half, where cooling comes last,
  * conduction has the sink of the first half, and the loss is given back to T at the end. The step is symmetric in time,
@@ -19,8 +23,9 @@
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * That does not cover tangential derivatives in the stress, super steps, which are no means of Euler steps, and the
  * sink of cooling. If conduction leaves T below zero, it is done again in parts. If a cell is inadmissible in the end,
- * diffusion is done again without tangential derivatives on that cell's faces and without the sink, which conserves as
- * well; then in ever smaller super steps; if all that does not help, the time step is halved. */
+ * diffusion is done again without tangential derivatives on that cell's faces, without cross there, and without the
+ * sink, which conserves as well; then in ever smaller super steps; if all that does not help, the time step is halved.
+ */
 #include "libcore/gas/gas_private.h"
 
 enum { MOST_PARTS = 64 }; /* most parts that a half step is cut into before the time step is halved */
@@ -222,6 +227,12 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
     const struct lapse stress = {dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
+    if (g->terms.dilation) {
+        g->engine->diffusion.dilate(g, from, mid, 0.5 * dt);
+        g->engine->diffusion.dilate(g, mid, mid, 0.5 * dt);
+        audit_part(g, GAS_DILATION, mid);
+    }
+    if (g->terms.cross) g->engine->diffusion.cross(g, mid, dt);
     note_friction(g, from, mid);
     return conduct(g, mid, to, dt, rate[HEAT]);
 }

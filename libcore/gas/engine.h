@@ -107,6 +107,10 @@ struct diffusion_hooks {
     /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at T
      * warm. NULL: g->ahead is never set. */
     void (*ahead)(struct gas *g, const struct state *to);
+    /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */
+    void (*cross)(struct gas *g, const struct state *to, double dt);
+    /* Takes dt dilation div u from the energy of `to`, with u of s and the coefficients of the last rates. */
+    void (*dilate)(struct gas *g, const struct state *s, const struct state *to, double dt);
     /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0, and S_1 = factor q_0. */
     void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
     /* Computes S_j = c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold
@@ -117,8 +121,8 @@ struct diffusion_hooks {
     long (*end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                 double weight);
     /* keep: turns the marks into flags; from here on the stress on the faces of flagged cells has no tangential
-     * derivatives (on polyhedra all their fluxes have the jumps across the faces alone). Else: drops the marks. Returns
-     * the number of flagged cells of all ranks. */
+     * derivatives (on polyhedra all their fluxes have the jumps across the faces alone), and cross is 0 there. Else:
+     * drops the marks. Returns the number of flagged cells of all ranks. */
     long (*flags)(struct gas *g, bool keep);
 };
 

@@ -10,6 +10,7 @@ static status make(const struct gas *like, struct gas **out) {
     g->nvar = g->dim + 2;
     g->first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;
+    g->terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limit = density_limit(g->models.eos, &g->models.material);
     if (g->models.alpha_floor > 0)
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);

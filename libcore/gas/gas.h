@@ -111,11 +111,11 @@ status gas_totals(const struct gas *g, double totals[MAX_VAR]);
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */
-enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_CAUSES };
+enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CAUSES };
 struct gas_budget {              /* sums over the domain, as by gas_totals */
     double mass, energy;         /* kg, J: of the present state */
     double sourced[SOURCE_MOST]; /* J: from each source */
-    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors */
+    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U */
     double flowed, filled;       /* kg: through open patches, and by the density floor */
     double lost[2];              /* kg, J: changes that no cause accounts for: round-off */
 };

@@ -17,6 +17,7 @@ struct gas {
     struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
     struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
+    struct transport_terms terms; /* what the transport law asks for */
     int dim, nvar, npatches, ncells_all;
     long size;                       /* numbers in a line of a block: the distance from one variable to the next */
     const struct patch_rules *rules; /* [npatches] */

@@ -361,5 +361,7 @@ const struct engine engine_lattice = {
                   .begin = tiles_diffusion_begin,
                   .stage = tiles_diffusion_stage,
                   .end = tiles_diffusion_end,
+                  .cross = tiles_diffusion_cross,
+                  .dilate = tiles_diffusion_dilate,
                   .flags = tiles_diffusion_flags},
     .implicit = {.pattern = tiles_implicit_pattern, .matrix = tiles_implicit_matrix, .move = tiles_implicit_move}};

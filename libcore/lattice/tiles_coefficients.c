@@ -21,22 +21,24 @@ status tiles_diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, 1, &d->mark));
     TRY(blocks_make(g->forest, 1, &g->friction));
     TRY(blocks_make(g->forest, 1, &g->cooled));
+    if (g->terms.cross) TRY(blocks_make(g->forest, g->dim + 1, &d->cross));
+    if (g->terms.dilation) TRY(blocks_make(g->forest, 1, &d->dilation));
     return blocks_make(g->forest, 1, &d->warm);
 }
 
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,     d->light,
-                         d->wall,   d->mark,   d->warm,  d->keep,     g->friction, g->cooled};
-    for (int i = 0; i < 12; i++) blocks_free(g->forest, blocks[i]);
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,   d->light, d->wall,
+                         d->mark,   d->warm,   d->keep,  g->friction, g->cooled, d->cross, d->dilation};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }
 
 struct coefficients { /* what coefficient_visit and ahead_visit need */
     const struct gas *g;
     const double *U;
-    double *warm;
+    double *warm, *cross, *dilation; /* lines of cells; NULL: there is no such term */
 };
 
 /* T of n cells at `offset` of a block U; their velocity and eps go to the workspace. */
@@ -45,7 +47,8 @@ static void temperature_of_row(const struct gas *g, const double *U, long offset
     for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]);
 }
 
-/* The coefficients bulk, shear and heat of a run of cells go to the scratch lines p, c and gruneisen. */
+/* The coefficients bulk, shear and heat of a run of cells go to the scratch lines p, c and gruneisen, others to lines
+ * of their own. */
 static void coefficient_visit(void *context, long offset, int n) {
     const struct coefficients *v = context;
     const struct gas *g = v->g;
@@ -54,8 +57,13 @@ static void coefficient_visit(void *context, long offset, int n) {
     temperature_of_row(g, v->U, offset, n, T);
     for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
-    g->models.transport->coefficients(&g->models.transport_params, g->models.eos, &g->models.material, n, v->U + offset,
-                                      T, w->p + offset, w->c + offset, w->gruneisen + offset);
+    const struct gas_models *m = &g->models;
+    const double *rho = v->U + offset;
+    m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, w->p + offset, w->c + offset,
+                               w->gruneisen + offset);
+    if (v->cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, v->cross + offset);
+    if (v->dilation)
+        m->transport->dilation(&m->transport_params, m->eos, &m->material, n, rho, T, v->dilation + offset);
 }
 
 ALWAYS_INLINE double harmonic(double a, double b) {
@@ -75,22 +83,32 @@ KERNEL static void face_coefficients(int n, long step, long size, double trace, 
     }
 }
 
+KERNEL static void cross_faces(int n, long step, double width, const double *restrict rho, const double *restrict cross,
+                               double *restrict face) {
+    const double square = 1 / (width * width);
+    for (int i = 0; i < n; i++) face[i] = square * harmonic(cross[i - step], cross[i]) * (rho[i] - rho[i - step]);
+}
+
 static long row_at(const struct forest *f, int j, int k) {
     return f->first + j * f->stride[1] + k * f->stride[2];
 }
 
-static void tile_faces(struct gas *g, int tile) {
+static void tile_faces(struct gas *g, int tile, const double *rho) {
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n;
     const struct work *w = &g->tiles->work;
     const double trace = trace_share(&g->models.material);
     for (int axis = 0; axis < g->dim; axis++) {
         double *face = g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size;
+        double *cross = g->terms.cross ? g->tiles->diffuser->cross[tile] : NULL;
         for (int k = 0; k < n[2] + (axis == 2); k++)
             for (int j = 0; j < n[1] + (axis == 1); j++) {
                 long at = row_at(f, j, k);
                 face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
                                   w->c + at, w->gruneisen + at, face + at);
+                if (cross)
+                    cross_faces(n[0] + (axis == 0), f->stride[axis], f->width[axis], rho + at,
+                                cross + g->dim * f->size + at, cross + axis * f->size + at);
             }
     }
 }
@@ -153,58 +171,79 @@ static double slip_at(const struct gas *g, const struct edge *e, int i) {
     return square;
 }
 
-/* Finds the shares of drag and heat at a wall; the share of heat goes into the coefficients of the wall's faces.
- * Velocities and eps are still in the workspace. */
+struct wall_batch { /* the lines of a struct wall_line */
+    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], shear[BATCH], heat[BATCH], slip[BATCH], cross[BATCH];
+};
+
+/* Gathers the cells at a wall. Velocities and eps are still in the workspace. */
+static void take_wall(const struct gas *g, int tile, const struct edge *e, const double *rho, struct wall_batch *b) {
+    const long size = g->forest->size, face = e->to > e->from ? e->to : e->from;
+    const struct diffuser *d = g->tiles->diffuser;
+    const double width = g->forest->width[e->normal], *faces = d->face[tile] + FACE_LINES * e->normal * size;
+    const bool slides = wall_slides(e->rules);
+    for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step, over = face + i * e->step;
+        b->rho[i] = rho[at];
+        b->T[i] = temperature_of(&g->models.material, g->tiles->work.eps[at]) * (g->ahead ? d->warm[tile][at] : 1);
+        b->push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
+        b->d[i] = width;
+        b->shear[i] = width * width * faces[SHEAR * size + over];
+        b->heat[i] = width * width * faces[CONDUCTION * size + over];
+        b->slip[i] = slides ? slip_at(g, e, i) : 0;
+        b->cross[i] = d->cross ? d->cross[tile][g->dim * size + at] : 0;
+    }
+}
+
+/* Finds the shares of drag and heat at a wall; the share of heat goes into the coefficients of the wall's faces. */
 static void wall_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
-    const double width = f->width[e->normal], *U = context;
-    double *faces = g->tiles->diffuser->face[tile] + FACE_LINES * e->normal * f->size,
-           *wall = g->tiles->diffuser->wall[tile];
-    double rho[BATCH], T[BATCH], push[BATCH], d[BATCH], shear[BATCH], heat[BATCH], slip[BATCH], share[2][BATCH];
+    const struct diffuser *d = g->tiles->diffuser;
+    const long face = e->to > e->from ? e->to : e->from;
+    double *heat = d->face[tile] + (FACE_LINES * e->normal + CONDUCTION) * f->size + face, *wall = d->wall[tile],
+           share[2][BATCH];
+    struct wall_batch b;
     struct wall_line line = {.n = e->n,
                              .face = e->face,
                              .eos = g->models.eos,
                              .material = &g->models.material,
-                             .rho = rho,
-                             .T = T,
-                             .push = push,
-                             .d = d,
-                             .shear = shear,
-                             .heat = heat,
-                             .slip = slip};
-    const long face = e->to > e->from ? e->to : e->from;
-    const bool slides = wall_slides(e->rules);
+                             .rho = b.rho,
+                             .T = b.T,
+                             .push = b.push,
+                             .d = b.d,
+                             .shear = b.shear,
+                             .heat = b.heat,
+                             .slip = b.slip,
+                             .cross = d->cross ? b.cross : NULL};
     if (!patch_is_wall(e->rules)) return;
-    for (int i = 0; i < e->n; i++) {
-        const long at = e->from + i * e->step, over = face + i * e->step;
-        rho[i] = U[at];
-        T[i] = temperature_of(&g->models.material, g->tiles->work.eps[at]) *
-               (g->ahead ? g->tiles->diffuser->warm[tile][at] : 1);
-        push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
-        d[i] = width;
-        shear[i] = width * width * faces[SHEAR * f->size + over];
-        heat[i] = width * width * faces[CONDUCTION * f->size + over];
-        slip[i] = slides ? slip_at(g, e, i) : 0;
-    }
+    take_wall(g, tile, e, context, &b);
     wall_shares(e->rules, &line, share[0], share[1]);
     for (int i = 0; i < e->n; i++) {
         const long beyond = e->to + i * e->step;
         wall[DRAG * f->size + beyond] = share[0][i];
         wall[STAYS * f->size + beyond] = 1 - 0.5 * share[1][i];
-        if (wall_conducts(e->rules)) faces[CONDUCTION * f->size + face + i * e->step] *= share[1][i];
+        if (wall_conducts(e->rules)) heat[i * e->step] *= share[1][i];
+    }
+    if (!d->cross || !wall_conducts(e->rules)) return;
+    double *cross = d->cross[tile] + e->normal * f->size + face;
+    const double sign = e->to > e->from ? 1 : -1;
+    for (int i = 0; i < e->n; i++) {
+        heat[i * e->step] *= line.through[i] / b.heat[i];
+        cross[i * e->step] = sign * line.fed[i] / f->width[e->normal];
     }
 }
 
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
-    g->tiles->diffuser->plain = false;
+    g->tiles->diffuser->plain = g->terms.diagonal;
     forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {g, Y0->block[t], g->tiles->diffuser->warm[t]};
+        const struct diffuser *d = g->tiles->diffuser;
+        struct coefficients v = {g, Y0->block[t], d->warm[t], d->cross ? d->cross[t] + g->dim * f->size : NULL,
+                                 d->dilation ? d->dilation[t] : NULL};
         ghosts_of_patches(g, t, Y0->block[t]);
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
-        tile_faces(g, t);
+        tile_faces(g, t, Y0->block[t]);
         edges_visit(g, t, wall_edge, Y0->block[t]);
         tile_rates(g, t, Y0->block[t], most);
     }
@@ -221,7 +260,7 @@ void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
     const struct forest *f = g->forest;
     forest_fill_layers(g->forest, 1, g->nvar, to->block);
     for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {g, to->block[t], g->tiles->diffuser->warm[t]};
+        struct coefficients v = {.g = g, .U = to->block[t], .warm = g->tiles->diffuser->warm[t]};
         ghosts_of_patches(g, t, to->block[t]);
         runs_visit(f, &f->tile[t], 1, ahead_visit, &v);
     }

@@ -308,13 +308,19 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     return bad;
 }
 
-/* Leaves the tangential derivatives out of the stress on the faces of flagged cells. */
+/* Leaves the tangential derivatives out of the stress on the faces of flagged cells, and the gradient of rho out of
+ * their heat flux. */
 static void plain_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
     const double *flag = g->tiles->flag[tile];
     for (int axis = 0; axis < g->dim; axis++) {
         double *keep = g->tiles->diffuser->keep[tile] + axis * f->size;
-        for (long i = f->stride[axis]; i < f->size; i++) keep[i] = flag[i - f->stride[axis]] + flag[i] > 0 ? 0 : 1;
+        double *cross = g->terms.cross ? g->tiles->diffuser->cross[tile] + axis * f->size : NULL;
+        for (long i = f->stride[axis]; i < f->size; i++) {
+            const bool flagged = flag[i - f->stride[axis]] + flag[i] > 0;
+            keep[i] = flagged || g->terms.diagonal ? 0 : 1;
+            if (cross && flagged) cross[i] = 0;
+        }
     }
 }
 

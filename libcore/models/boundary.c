@@ -91,7 +91,7 @@ static void absorbed_shares(double restitution, const struct wall_line *l, doubl
     find_pressure(l, p);
     for (int i = 0; i < l->n; i++) {
         const double T = l->T[i] + l->warmth[i];
-        const double B = c * p[i] * l->d[i] / (4 * l->heat[i]), s = T / (B + sqrt(B * B + T));
+        const double B = c * p[i] * l->d[i] / (4 * l->through[i]), s = T / (B + sqrt(B * B + T));
         share[i] = 4 / (s / B + 2); /* 0 if B = 0 */
     }
 }
@@ -285,6 +285,26 @@ static void find_share(void (*share_of)(const struct rule *, const struct wall_l
     if (any && share_of) share_of(rule, l, share);
 }
 
+/* rho has a gradient at a wall that conducts, as dp/dn = rho push there with n towards the wall:
+ *     d rho/dn = (rho push - p_T dT/dn)/p_rho.
+ * Hence the heat flux -heat dT/dn - cross d rho/dn towards the wall is
+ *     -through dT/dn - Q,  through = heat - cross p_T/p_rho,  Q = cross rho push/p_rho,
+ * and Q acts on the wall as if the cell were colder by Q d/(2 through). A wall that does not conduct takes no heat,
+ * whatever its parts are. */
+static void follow_pressure(struct wall_line *l, double per_jump[BATCH], double still[BATCH]) {
+    double eps[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < l->n; i++) eps[i] = eps_of(l->material, l->T[i]);
+    l->eos->state(l->material, l->n, l->rho, eps, p, c2, gruneisen);
+    for (int i = 0; i < l->n; i++) {
+        const double p_rho = c2[i] - p[i] * gruneisen[i] / l->rho[i];
+        per_jump[i] = -p[i] / (l->T[i] * p_rho);
+        still[i] = l->rho[i] * l->push[i] / p_rho;
+        l->through[i] = l->heat[i] + l->cross[i] * per_jump[i];
+        l->fed[i] = l->cross[i] * still[i];
+        l->warmth[i] = -l->fed[i] * l->d[i] / (2 * l->through[i]);
+    }
+}
+
 /* A wall of the share a of drag has the stress tau = a shear s/d, with s the velocity of the cell's gas relative to the
  * wall. The gas on the wall itself slips at (1 - a/2) s, and friction makes the heat Q = tau (1 - a/2) s there. The
  * heat goes both ways, into the wall and through d/2 into the cell: it acts on the wall as if the cell had
@@ -293,18 +313,26 @@ static void find_share(void (*share_of)(const struct rule *, const struct wall_l
  * The smaller d is, the less a depends on T_s, so that each round from T_s = T on gains an order of d. */
 void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag, double *heat) {
     enum { ROUNDS = 3 };
-    const bool slides = wall_slides(r);
+    const bool slides = wall_slides(r), follows = l->cross && wall_conducts(r);
+    double per_jump[BATCH] = {0}, still[BATCH] = {0}, cooler[BATCH];
     for (int i = 0; i < l->n; i++) {
         l->surface[i] = l->T[i];
-        l->warmth[i] = 0;
+        l->through[i] = l->heat[i];
+        l->warmth[i] = l->fed[i] = l->denser[i] = 0;
     }
+    if (follows) follow_pressure(l, per_jump, still);
+    memcpy(cooler, l->warmth, sizeof cooler);
     for (int round = 0; round < (slides ? ROUNDS : 1); round++) {
         find_share(r->velocity.type->drag, wall_drags(r), &r->velocity, l, drag);
         for (int i = 0; i < l->n && slides; i++)
-            l->warmth[i] = drag[i] * (1 - 0.5 * drag[i]) * l->shear[i] * l->slip[i] / (2 * l->heat[i]);
+            l->warmth[i] = cooler[i] + drag[i] * (1 - 0.5 * drag[i]) * l->shear[i] * l->slip[i] / (2 * l->through[i]);
         find_share(r->temperature.type->heat, wall_conducts(r), &r->temperature, l, heat);
         for (int i = 0; i < l->n; i++)
             l->surface[i] =
                 (1 - 0.5 * heat[i]) * (l->T[i] + l->warmth[i]) + 0.5 * heat[i] * wall_temperature(r, l->face[i]);
+    }
+    for (int i = 0; i < l->n && follows; i++) {
+        l->fed[i] *= 0.5 * heat[i];
+        l->denser[i] = 2 * per_jump[i] * (l->surface[i] - l->T[i]) + still[i] * l->d[i];
     }
 }

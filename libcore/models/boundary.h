@@ -7,7 +7,8 @@
  * besides is viscous stress and heat conduction, by two numbers of each of its faces: with d the distance of the cell
  * to its mirror image, u and T of the cell, u_w and T_w of the wall,
  *     stress along the wall = drag shear (u_w - u)/d,
- *     heat that enters      = heat conductivity (T_w - T)/d.
+ *     heat that enters      = heat conductivity (T_w - T)/d,
+ * the latter with what the gradient of rho at the wall adds to it.
  * The shares `drag` and `heat` are 2 where the gas on the wall itself has the wall's velocity or temperature, and 0
  * where the wall does nothing. A wall is a row with the functions below and a table of parameters; the engines call
  * the functions at the foot of this file and ask for no property of a row. */
@@ -39,8 +40,13 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
     const double *d;            /* [n] m: distance from a cell to its mirror image */
     const double *shear, *heat; /* [n] viscosity and conductivity between the cell and the wall */
     const double *slip;         /* [n] m^2/s^2: square of the cell's velocity along the wall, relative to the wall */
-    double surface[BATCH];      /* T of the gas on the wall itself, by wall_shares */
-    double warmth[BATCH];       /* rise of `surface` by friction if the wall took no heat, by wall_shares */
+    const double *cross;        /* [n] coefficients of grad rho in the heat flux (transport.h); NULL: there are none */
+    /* The rest is by wall_shares. */
+    double surface[BATCH]; /* T of the gas on the wall itself */
+    double warmth[BATCH];  /* rise of `surface` by friction, and by `fed`, if the wall took no heat */
+    double through[BATCH]; /* conductivity towards the wall when rho follows T there; heat, if cross is NULL */
+    double fed[BATCH];     /* W/m^2: heat that enters at any T, as rho has a gradient where `push` is not 0 */
+    double denser[BATCH];  /* rho of the mirror image less rho of the cell, with the gradient of rho at the wall */
 };
 
 struct boundary_type {
@@ -101,8 +107,8 @@ bool wall_conducts(const struct patch_rules *r); /* does heat cross the wall? */
 /* Velocity (m/s) and T of a wall at a face; 0 where the functions of the rows are NULL. */
 void wall_velocity(const struct patch_rules *r, int components, int face, double out[3]);
 double wall_temperature(const struct patch_rules *r, int face);
-/* Computes the shares `drag` and `heat` of the line's faces, and line->surface and line->warmth. Where gas slips along
- * a wall friction heats it, so that its T on the wall follows from the drag, and the drag from that T. */
+/* Computes the shares `drag` and `heat` of the line's faces, and the line's results. Where gas slips along a wall
+ * friction heats it, so that its T on the wall follows from the drag, and the drag from that T. */
 void wall_shares(const struct patch_rules *r, struct wall_line *line, double *drag, double *heat);
 
 #endif

@@ -313,5 +313,7 @@ const struct engine engine_polyhedral = {
                   .begin = cells_diffusion_begin,
                   .stage = cells_diffusion_stage,
                   .end = cells_diffusion_end,
+                  .cross = cells_diffusion_cross,
+                  .dilate = cells_diffusion_dilate,
                   .flags = cells_diffusion_flags},
     .implicit = {.pattern = cells_implicit_pattern, .matrix = cells_implicit_matrix, .move = cells_implicit_move}};

@@ -38,11 +38,15 @@ void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VA
 void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
                   double (*ghost)[BATCH]);
 
-/* drag, heat <- the shares of wall_shares of all mirrors, and lift <- what friction on the wall adds to the T of the
- * mirror, so that gradients see the slope of T that friction makes; 0 where a patch is no wall. U, T, cell (bulk,
- * shear, heat): [size] */
+struct cells_walls {     /* [mirrors] what wall_shares says; 0 where a patch is no wall */
+    double *drag, *heat; /* shares */
+    double *lift; /* what friction on the wall, and the gradient of rho there, add to the T of the mirror, so that
+                   * gradients see the slope of T that these make */
+    double *through, *fed, *denser; /* of struct wall_line, through as a fraction of heat; NULL: there is no cross */
+};
+/* U, T, cell (bulk, shear, heat), cross: [size]; cross may be NULL */
 void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
-                       double *drag, double *heat, double *lift);
+                       const double *cross, const struct cells_walls *out);
 /* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k dim + c, likewise. share: of
  * wall_shares. Beyond walls that conduct S is such that the jump to it times the coefficient is the heat that enters,
  * and weight lift more. */
@@ -71,6 +75,8 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
                            double weight);
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
+void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
+void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt);
 long cells_diffusion_flags(struct gas *g, bool keep);
 status cells_implicit_pattern(struct gas *g, struct links *out);
 void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,

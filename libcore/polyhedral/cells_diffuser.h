@@ -11,9 +11,11 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* T at which the coefficients were taken */
     double *warm;                        /* T of the coefficients, then T(to)/T (diffusion_hooks.ahead) */
-    double *drag, *wall;                 /* [mirrors] shares of wall_shares, of drag and of heat; 0 where none */
-    double *lift;                        /* [mirrors] what friction on a wall adds to T beyond it */
+    struct cells_walls wall;             /* what wall_shares says of the mirrors */
     bool slides;                         /* does gas slip along any wall that drags it? */
+    bool lifts;                          /* is any wall.lift not 0? */
+    double *cross;                       /* -cross d rho/dn times the area, left to right; NULL: no such term */
+    double *dilation;                    /* coefficients of div u; NULL: no such term */
     double *mark;                        /* > 0 in cells that were not admissible */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */
@@ -24,5 +26,18 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     int last;              /* which of the two sums is that of the last stage */
     struct rows weights;   /* of the gradients */
 };
+
+/* The coefficient of two ways one behind the other: `share` of the way with a, the rest with b. Two zeros give 0. */
+ALWAYS_INLINE double harmonic(double share, double a, double b) {
+    return a * b / (share * b + (1 - share) * a + 1e-300);
+}
+
+/* The heat flux -cross grad rho (libcore/polyhedral/cells_terms.c): its memory; the coefficients of cells to
+ * d->start[0], at d->T; from these d->cross, and what it changes of conduction at walls; zeros on the faces of flagged
+ * cells. */
+status cells_cross_make(struct gas *g, struct cells_diffuser *d);
+void cells_cross_coefficients(struct gas *g, const double *rho);
+void cells_cross_faces(struct gas *g, const double *rho);
+void cells_cross_drop(struct gas *g);
 
 #endif

@@ -76,10 +76,16 @@ status cells_diffuser_make(struct gas *g) {
     TRY(allocate(&g->cooled, 1, sizeof *g->cooled, "diffusion"));
     TRY(lines_allocate(g->friction, 1, size));
     TRY(lines_allocate(g->cooled, 1, size));
-    TRY(lines_allocate(&d->drag, 1, m->mirror.n));
-    TRY(lines_allocate(&d->wall, 1, m->mirror.n));
-    TRY(lines_allocate(&d->lift, 1, m->mirror.n));
-    for (int i = 0; i < m->mirror.n; i++) d->slides |= wall_slides(&g->rules[m->mirror.patch[i]]);
+    TRY(lines_allocate(&d->wall.drag, 1, m->mirror.n));
+    TRY(lines_allocate(&d->wall.heat, 1, m->mirror.n));
+    TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
+    for (int i = 0; i < m->mirror.n; i++) {
+        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        d->slides |= wall_slides(r);
+        d->lifts |= wall_slides(r) || (g->terms.cross && wall_conducts(r));
+    }
+    if (g->terms.cross) TRY(cells_cross_make(g, d));
+    if (g->terms.dilation) TRY(lines_allocate(&d->dilation, 1, size));
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->rest, g->dim, faces));
@@ -99,9 +105,14 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->rest, MAX_DIM);
     free(d->T);
     free(d->warm);
-    free(d->drag);
-    free(d->wall);
-    free(d->lift);
+    free(d->wall.drag);
+    free(d->wall.heat);
+    free(d->wall.lift);
+    free(d->wall.through);
+    free(d->wall.fed);
+    free(d->wall.denser);
+    free(d->cross);
+    free(d->dilation);
     free(d->mark);
     free(d->inverse);
     free(d->share);
@@ -129,8 +140,12 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         temperature_row(g, n, rho + at, T);
         for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
         for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
-        g->models.transport->coefficients(&g->models.transport_params, g->models.eos, &g->models.material, n, rho + at,
-                                          T, d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
+        const struct gas_models *models = &g->models;
+        models->transport->coefficients(&models->transport_params, models->eos, &models->material, n, rho + at, T,
+                                        d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
+        if (d->dilation)
+            models->transport->dilation(&models->transport_params, models->eos, &models->material, n, rho + at, T,
+                                        d->dilation + at);
     }
 }
 
@@ -144,11 +159,6 @@ void cells_diffusion_ahead(struct gas *g, const struct state *to) {
         temperature_row(g, n, U[0] + at, T);
         for (int i = 0; i < n; i++) d->warm[at + i] = smaller(larger(T[i] / d->warm[at + i], 1 / MOST_RISE), MOST_RISE);
     }
-}
-
-/* The coefficient of two ways one behind the other: `share` of the way with a, the rest with b. Two zeros give 0. */
-ALWAYS_INLINE double harmonic(double share, double a, double b) {
-    return a * b / (share * b + (1 - share) * a + 1e-300);
 }
 
 KERNEL static void mix_coefficients(int n, double trace, const int *restrict left, const int *restrict right,
@@ -174,7 +184,7 @@ static void find_rates(const struct gas *g, const double *rho, double most[2]) {
         for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
             const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
             sum[0] += (d->face[0][face] + 2 * d->face[1][face]) * d->inverse[face];
-            const double wall = face < m->face.ninternal ? 0 : d->wall[face - m->face.ninternal];
+            const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
             sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
         }
         const double per = c->inverse_volume[i] / rho[i];
@@ -191,7 +201,9 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     cell_coefficients(g, U[0]);
     mix_coefficients(m->face.n, trace_share(&g->models.material), m->face.left, m->face.right, m->face.area, d->share,
                      d->cell, d->face);
-    cells_wall_shares(g, U, d->T, d->cell, d->drag, d->wall, d->lift);
+    if (d->cross) cells_cross_coefficients(g, U[0]);
+    cells_wall_shares(g, U, d->T, d->cell, d->cross ? d->start[0] : NULL, &d->wall);
+    if (d->cross) cells_cross_faces(g, U[0]);
     find_rates(g, U[0], most);
 }
 
@@ -340,13 +352,13 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
     }
 }
 
-/* The jumps to mirrors hold the heat of friction on walls, for the gradients; the gas has had it since the work of the
- * stress, so the faces do not pass it on again. */
+/* The jumps to mirrors hold the heat of friction on walls, and that of the gradient of rho there, for the gradients;
+ * the gas has had it before conduction, so the faces do not pass it on again. */
 static void drop_friction(struct gas *g, double weight) {
     const struct cells_diffuser *d = g->cells->diffuser;
     const int first = g->cells->polyhedra->face.ninternal;
     for (int face = first; face < g->cells->polyhedra->face.n; face++)
-        g->cells->flux[0][face] += d->face[2][face] * d->inverse[face] * (weight * d->lift[face - first]);
+        g->cells->flux[0][face] += d->face[2][face] * d->inverse[face] * (weight * d->wall.lift[face - first]);
 }
 
 /* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */
@@ -355,17 +367,18 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
     struct polyhedra *m = g->cells->polyhedra;
     const int own_mirrors = m->face.n - m->face.ninternal;
     double *const *S = d->sum[d->last];
-    const double *const *start = (const double *const *)d->start, *share = what == VISCOUS ? d->drag : d->wall;
+    const double *const *start = (const double *const *)d->start,
+                        *share = what == VISCOUS ? d->wall.drag : d->wall.heat;
     polyhedra_fill_start(m, lines_of(g, what), S);
-    cells_mirror_sums(g, what, weight, 0, own_mirrors, share, d->lift, start, S);
+    cells_mirror_sums(g, what, weight, 0, own_mirrors, share, d->wall.lift, start, S);
     find_gradients(g, what, 0, m->ninner);
     find_fluxes(g, what, 0, m->face.nlocal);
     polyhedra_fill_finish(m);
-    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, share, d->lift, start, S);
+    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, share, d->wall.lift, start, S);
     find_gradients(g, what, m->ninner, m->nnear);
-    if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->drag, d->gradient);
+    if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->wall.drag, d->gradient);
     find_fluxes(g, what, m->face.nlocal, m->face.n);
-    if (what == HEAT && d->slides) drop_friction(g, weight);
+    if (what == HEAT && d->lifts) drop_friction(g, weight);
 }
 
 /* q = q_0 + per M/rho, then S of the next stage, which takes the place of the sum before the last. */
@@ -425,7 +438,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     cells_lines(g, Y0, in);
     cells_lines(g, to, out);
     flow(g, what, weight);
-    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall, d->sum[d->last]);
+    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.heat, d->sum[d->last]);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);
@@ -447,5 +460,8 @@ long cells_diffusion_flags(struct gas *g, bool keep) {
         d->mark[i] = 0;
     }
     d->marked = false;
-    return keep ? cells_share_flags(g) : 0;
+    if (!keep) return 0;
+    const long flagged = cells_share_flags(g);
+    if (d->cross) cells_cross_drop(g);
+    return flagged;
 }

@@ -131,10 +131,10 @@ static double slip_at(const struct gas *g, const struct patch_rules *r, int mirr
 }
 
 static void wall_shares_run(const struct gas *g, int from, int n, double *const U[MAX_VAR], const double *T,
-                            double *const cell[3], double *drag, double *heat, double *lift) {
+                            double *const cell[3], const double *cross, const struct cells_walls *out) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    double inner[4][BATCH], push[BATCH], d[BATCH], slip[BATCH];
+    double inner[5][BATCH], push[BATCH], d[BATCH], slip[BATCH];
     struct wall_line line = {.n = n,
                              .face = m->mirror.place + from,
                              .eos = g->models.eos,
@@ -145,14 +145,16 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
                              .d = d,
                              .shear = inner[2],
                              .heat = inner[3],
-                             .slip = slip};
+                             .slip = slip,
+                             .cross = cross ? inner[4] : NULL};
     for (int i = 0; i < n; i++) {
         const int at = m->mirror.cell[from + i];
         inner[0][i] = U[0][at];
         inner[1][i] = T[at];
         inner[2][i] = cell[1][at];
         inner[3][i] = cell[2][at];
-        d[i] = push[i] = drag[from + i] = heat[from + i] = lift[from + i] = 0;
+        inner[4][i] = cross ? cross[at] : 0;
+        d[i] = push[i] = out->drag[from + i] = out->heat[from + i] = out->lift[from + i] = 0;
         for (int k = 0; k < g->dim; k++) {
             push[i] += g->pull[k] * m->mirror.normal[k][from + i];
             d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][at]) * m->mirror.normal[k][from + i];
@@ -160,16 +162,21 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
         slip[i] = wall_slides(r) ? slip_at(g, r, from + i, U) : 0;
     }
     if (!patch_is_wall(r)) return;
-    wall_shares(r, &line, drag + from, heat + from);
-    for (int i = 0; i < n; i++) lift[from + i] = (2 - heat[from + i]) * line.warmth[i];
+    wall_shares(r, &line, out->drag + from, out->heat + from);
+    for (int i = 0; i < n; i++) out->lift[from + i] = (2 - out->heat[from + i]) * line.warmth[i];
+    for (int i = 0; i < n && cross; i++) {
+        out->through[from + i] = line.through[i] / line.heat[i];
+        out->fed[from + i] = line.fed[i];
+        out->denser[from + i] = line.denser[i];
+    }
 }
 
 void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
-                       double *drag, double *heat, double *lift) {
+                       const double *cross, const struct cells_walls *out) {
     const int mirrors = g->cells->polyhedra->mirror.n;
     for (int n, from = 0; from < mirrors; from += n) {
         n = patch_run(g, from, mirrors);
-        wall_shares_run(g, from, n, U, T, cell, drag, heat, lift);
+        wall_shares_run(g, from, n, U, T, cell, cross, out);
     }
 }
 
@@ -200,7 +207,7 @@ static void mirror_sums_run(const struct gas *g, enum diffusing what, double wei
     carry_sums(r, what, &line);
     if (what == HEAT && wall_conducts(r))
         for (int i = 0; i < n; i++) ghost[0][i] = inner[0][i] + share[from + i] * (ghost[0][i] - inner[0][i]);
-    if (what == HEAT && wall_slides(r))
+    if (what == HEAT && patch_is_wall(r))
         for (int i = 0; i < n; i++) ghost[0][i] += weight * lift[from + i];
     for (int i = 0; i < n; i++)
         for (int c = 0; c < lines; c++) S[c][m->ncells + from + i] = ghost[c][i];

@@ -88,8 +88,8 @@ void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
     for (int c = 0; c < unknowns; c++) {
         for (int k = 0; k < unknowns; k++)
             for (int i = 0; i < m->nown; i++) S[k][i] = k == c;
-        cells_mirror_sums(g, what, 0, 0, m->face.n - m->face.ninternal, what == VISCOUS ? d->drag : d->wall, d->lift,
-                          (const double *const *)d->start, S);
+        cells_mirror_sums(g, what, 0, 0, m->face.n - m->face.ninternal, what == VISCOUS ? d->wall.drag : d->wall.heat,
+                          d->wall.lift, (const double *const *)d->start, S);
         weight = weigh_links(g, what, c, per, mass, S, weight);
     }
 }

@@ -72,6 +72,10 @@ static status gas_read_state(struct setup *s) {
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
                          s->why);
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
+    if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
+        return dict_fail(g->models->properties, "transport",
+                         "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
+                         "stress full;");
     if (s->grid->polyhedra && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;
@@ -163,13 +167,14 @@ static status gas_after(struct medium *m, const struct moment *now) {
 /* Returns the word for a change of mass or energy in the log: a conserved quantity drifts; a quantity that flows in or
  * out, or that a source takes, changes. */
 static const char *word_for(const struct gas_state *g, bool energy) {
+    const bool dilates = transport_terms(g->models->gas.transport, &g->models->gas.transport_params).dilation;
     if (g->models->gas.alpha_floor > 0) return "change";
     for (int p = 0; p < g->base.setup->mesh->npatches; p++) {
         const struct patch_rules *r = &g->initial->rules[p];
         if (!r->velocity.type) continue;
         if (!patch_is_wall(r) || (energy && (wall_works(r) || wall_conducts(r)))) return "change";
     }
-    return energy && source_active(&g->models->gas.source, &g->models->gas.material) ? "change" : "drift";
+    return energy && (source_active(&g->models->gas.source, &g->models->gas.material) || dilates) ? "change" : "drift";
 }
 
 static void print_totals(FILE *f, const struct gas_state *g, const double now[MAX_VAR]) {
@@ -319,6 +324,7 @@ static status gas_medium_budget(struct medium *m, struct budget_row *out) {
     for (int i = 0; i < source_count; i++)
         if (source_row_active(&models->source, &models->material, i))
             budget_add(out, source_table[i].cause, b.sourced[i]);
+    budget_add(out, "cooling", b.gained[GAS_DILATION]); /* it is the part of cooling that goes with div u */
     return OK;
 }
 

@@ -1,0 +1,62 @@
+/* What the transport law asks for on a lattice besides stress and conduction: the heat flux -cross grad rho, and the
+ * heat that goes with div u (libcore/models/transport.h). */
+#include "libcore/lattice/tiles_diffuser.h"
+
+struct term { /* context of the visitors of rows */
+    const struct gas *g;
+    const struct state *s, *to;
+    double dt;
+};
+
+KERNEL static void cross_row(int n, int dim, const long *stride, long size, double dt, const double *restrict face,
+                             double *restrict E) {
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int axis = 0; axis < dim; axis++) {
+            const double here = face[axis * size + stride[axis] + i] - face[axis * size + i];
+            sum = axis ? sum + here : here;
+        }
+        E[i] += dt * sum;
+    }
+}
+
+static void cross_visit(void *term, const struct row *row) {
+    const struct term *t = term;
+    const struct forest *f = t->g->forest;
+    cross_row(row->n, f->dim, f->stride, f->size, t->dt, t->g->tiles->diffuser->cross[row->block] + row->at,
+              t->to->block[row->block] + (f->dim + 1) * f->size + row->at);
+}
+
+void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
+    g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, NULL, to, dt});
+}
+
+/* The work of dilation on a row of cells; U stands at its first cell, as E and `dilation` do. Half a central difference
+ * is the mean of both faces' velocities. */
+KERNEL static void dilate_row(int n, int dim, const long *stride, const double *width, long size, double dt,
+                              const double *restrict dilation, const double *restrict U, double *restrict E) {
+    double sum[BATCH];
+    for (int axis = 0; axis < dim; axis++) {
+        const double half = 0.5 / width[axis], *restrict m = U + (axis + 1) * size;
+        const long step = stride[axis];
+        for (int i = 0; i < n; i++) {
+            const double here = half * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
+            sum[i] = axis ? sum[i] + here : here;
+        }
+    }
+    for (int i = 0; i < n; i++) E[i] -= dt * dilation[i] * sum[i];
+}
+
+static void dilate_visit(void *term, const struct row *row) {
+    const struct term *t = term;
+    const struct forest *f = t->g->forest;
+    dilate_row(row->n, f->dim, f->stride, f->width, f->size, t->dt,
+               t->g->tiles->diffuser->dilation[row->block] + row->at, t->s->block[row->block] + row->at,
+               t->to->block[row->block] + (f->dim + 1) * f->size + row->at);
+}
+
+void tiles_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
+    forest_fill_layers(g->forest, 1, g->nvar, s->block);
+    for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, s->block[t]);
+    g->engine->state.rows(g, EVERY_CELL, to, dilate_visit, &(struct term){g, s, to, dt});
+}

@@ -1,0 +1,106 @@
+/* What the transport law asks for on polyhedra besides stress and conduction: the heat flux -cross grad rho, and the
+ * heat that goes with div u (libcore/models/transport.h). */
+#include "libcore/polyhedral/cells_diffuser.h"
+
+status cells_cross_make(struct gas *g, struct cells_diffuser *d) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double **of_mirrors[] = {&d->wall.through, &d->wall.fed, &d->wall.denser};
+    for (int i = 0; i < 3; i++) TRY(allocate(of_mirrors[i], m->mirror.n, sizeof(double), "diffusion"));
+    return allocate(&d->cross, m->face.n, sizeof *d->cross, "diffusion");
+}
+
+void cells_cross_coefficients(struct gas *g, const double *rho) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const struct gas_models *m = &g->models;
+    const int size = g->cells->polyhedra->size;
+    for (int at = 0; at < size; at += BATCH)
+        m->transport->cross(&m->transport_params, m->eos, &m->material, size - at < BATCH ? size - at : BATCH, rho + at,
+                            d->T + at, d->start[0] + at);
+}
+
+/* The gradients of rho in the cells, to d->gradient, where faces need them. Beyond walls that conduct rho has the slope
+ * of the wall. */
+static void find_slopes(struct gas *g, const double *rho) {
+    const struct cells_diffuser *d = g->cells->diffuser;
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *line = d->sum[0][0];
+    memcpy(line, rho, (size_t)m->size * sizeof *line);
+    for (int i = 0; i < m->mirror.n; i++) line[m->ncells + i] += d->wall.denser[i];
+    cells_gradients(g->dim, &d->weights, 1, 0, m->nnear, &line, d->gradient);
+}
+
+/* Through the faces between cells, and through open patches, as heat_faces does with T. */
+static void open_faces(struct gas *g, const double *rho, bool skewed) {
+    const struct cells_diffuser *d = g->cells->diffuser;
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const double *cross = d->start[0];
+    for (int i = 0; i < f->n; i++) {
+        const int left = f->left[i], right = f->right[i];
+        double slope = (rho[right] - rho[left]) * d->inverse[i];
+        for (int k = 0; k < g->dim && skewed && i < f->ninternal; k++)
+            slope += d->rest[k][i] * (0.5 * (d->gradient[k][left] + d->gradient[k][right]));
+        d->cross[i] = -f->area[i] * harmonic(d->share[i], cross[left], cross[right]) * slope;
+    }
+}
+
+void cells_cross_faces(struct gas *g, const double *rho) {
+    struct cells_diffuser *d = g->cells->diffuser;
+    const struct polyhedra *m = g->cells->polyhedra;
+    const bool skewed = d->skewed && g->dim > 1;
+    if (skewed) find_slopes(g, rho);
+    open_faces(g, rho, skewed);
+    for (int face = m->face.ninternal; face < m->face.n; face++) {
+        const int i = face - m->face.ninternal;
+        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        if (!patch_is_wall(r)) continue;
+        d->cross[face] = -m->face.area[face] * d->wall.fed[i];
+        if (wall_conducts(r)) d->face[2][face] *= d->wall.through[i];
+    }
+}
+
+void cells_cross_drop(struct gas *g) {
+    const struct cells *c = g->cells;
+    const struct polyhedra_faces *f = &c->polyhedra->face;
+    for (int i = 0; i < f->n; i++)
+        if (c->flag[f->left[i]] + c->flag[f->right[i]] > 0) c->diffuser->cross[i] = 0;
+}
+
+/* E <- E + dt residual of the fluxes */
+static void add_residuals(const struct gas *g, const double *flux, const struct state *to, double dt,
+                          const double *factor) {
+    const int nown = g->cells->polyhedra->nown;
+    double *U[MAX_VAR], sum[BATCH];
+    cells_lines(g, to, U);
+    for (int at = 0; at < nown; at += BATCH) {
+        const int n = nown - at < BATCH ? nown - at : BATCH;
+        double *E = U[g->dim + 1] + at;
+        cells_residuals(g->cells, at, n, flux, sum);
+        for (int i = 0; i < n; i++) E[i] += dt * (factor ? factor[at + i] * sum[i] : sum[i]);
+    }
+}
+
+void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
+    add_residuals(g, g->cells->diffuser->cross, to, dt, NULL);
+}
+
+/* The residual of the volume that the gas on each face sweeps is -div u. */
+void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
+    const struct cells *c = g->cells;
+    const struct cells_diffuser *d = c->diffuser;
+    struct polyhedra *m = c->polyhedra;
+    double *U[MAX_VAR], *swept = c->flux[0];
+    cells_lines(g, s, U);
+    polyhedra_fill_start(m, g->nvar, U);
+    polyhedra_fill_finish(m);
+    cells_mirrors(g, 0, m->mirror.n, U);
+    for (int i = 0; i < m->face.n; i++) {
+        const int left = m->face.left[i], right = m->face.right[i];
+        const bool wall = i >= m->face.ninternal && patch_is_wall(&g->rules[m->mirror.patch[i - m->face.ninternal]]);
+        double across = 0;
+        for (int k = 0; k < g->dim; k++)
+            across += m->face.normal[k][i] *
+                      ((1 - d->share[i]) * U[k + 1][left] / U[0][left] + d->share[i] * U[k + 1][right] / U[0][right]);
+        swept[i] = wall ? 0 : m->face.area[i] * across;
+    }
+    add_residuals(g, swept, to, dt, d->dilation);
+}
