@@ -129,19 +129,22 @@ static double gas_memory(const struct medium *medium) {
     const struct setup *s = medium->setup;
     const struct forest *f = s->grid->forest;
     const struct polyhedra *m = s->grid->polyhedra;
+    const struct gas_models *g = &of(medium)->models->gas;
+    const struct transport_terms terms = transport_terms(g->transport, &g->transport_params);
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
-        const int diffuser = of(medium)->models->gas.transport ? f->dim * (3 + f->dim + 5) + 5 : 0;
+        const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
+        const int diffuser = g->transport ? f->dim * (3 + f->dim + 5) + 5 + further : 0;
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
     }
-    const int dim = m->dim, degree = of(medium)->models->gas.polynomial->degree;
+    const int dim = m->dim, degree = g->polynomial->degree;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
     double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
            sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
-    const bool transport = of(medium)->models->gas.transport;
+    const bool transport = g->transport != NULL;
     const double diffuser = transport ? 8. * (dim * (dim + 3) + 4) + (dim + 1.) * (8 * dim + 4) : 0;
     double cell =
         diffuser + (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 5) : 0) +
+    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 5 + terms.cross) : 0) +
                                              sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 

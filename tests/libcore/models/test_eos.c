@@ -212,6 +212,23 @@ static void no_density_is_forbidden(void **state) {
     }
 }
 
+/* slope is nu G', by central differences of contact, on both sides of every joint. */
+static void slope_is_a_derivative(void **state) {
+    (void)state;
+    for (int k = 0; k < eos_count; k++) {
+        struct material m = grains_of(&eos_table[k], 0.8, 0.1);
+        const double most = m.alpha_max > 0 ? m.alpha_max : 1;
+        for (double part = 0.01; part < 0.999; part += 0.0137) {
+            const double nu = part * most, h = 1e-5 * (most - nu), at[3] = {nu - h, nu, nu + h};
+            double rho[3], G[3], steep;
+            for (int i = 0; i < 3; i++) rho[i] = at[i] / packing_per_density(&m);
+            eos_table[k].contact(&m, 3, rho, G);
+            eos_table[k].slope(&m, 1, &rho[1], &steep);
+            assert_close(steep, nu * (G[2] - G[0]) / (at[2] - at[0]), 1e-6, eos_table[k].model.name);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_libm),
@@ -224,6 +241,7 @@ int main(void) {
         cmocka_unit_test(torquato_values),
         cmocka_unit_test(gas_of_disks),
         cmocka_unit_test(no_density_is_forbidden),
+        cmocka_unit_test(slope_is_a_derivative),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
