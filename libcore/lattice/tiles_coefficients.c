@@ -16,6 +16,8 @@ status tiles_diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, g->dim, &d->keep));
+    for (int t = 0; t < g->forest->ntiles && g->terms.diagonal; t++)
+        memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
     TRY(blocks_make(g->forest, 1, &d->mark));
