@@ -55,19 +55,37 @@ static void stage_rkl2(int stages, int j, double out[4]) {
     out[3] = -(1 - rkl2_b(j - 1)) * out[2];
 }
 
-/* RKJ2 multiplies a mode by R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the mode's rate. P is the Jacobi
- * polynomial of s - 2 stages for (4, -1/2), 1 at 1; it falls faster than the quadratic factor grows, so that |R| < 0.11
- * from z = -8 to the end -2/w. Half of the first order comes from P; b makes the second order right. The quadratic
- * factor comes first, and P damps its round-off. */
+static long plan_explicit(double ratio, int *stages) {
+    *stages = 2;
+    return ratio < 1 ? 1 : (long)ceil(ratio);
+}
+
+static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method, the mean of q_0 and two Euler steps */
+    (void)stages;
+    out[0] = j == 1 ? 0 : 0.5;
+    out[1] = out[3] = 0;
+    out[2] = j == 1 ? 1 : 0.5;
+}
+
+/* Up to a ratio of 1/2 two stages of Heun's method do, whose every T is a mean of temperatures. Beyond, RKJ2 multiplies
+ * a mode by R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the mode's rate. P is the Jacobi polynomial of s - 2
+ * stages for (4, -1/2), 1 at 1; it falls faster than the quadratic factor grows, so that |R| < 0.11 from z = -8 to the
+ * end -2/w. Half of the first order comes from P; b makes the second order right. The quadratic factor comes first, and
+ * P damps its round-off. */
 static const double ALPHA = 4, BETA = -0.5;
 
 static long plan_rkj2(double ratio, int *stages) { /* 2 ratio <= 2/w */
     const double s = ALPHA + BETA + 1;
+    if (ratio <= 0.5) return plan_explicit(ratio, stages);
     *stages = 2 + (int)ceil(larger(2, 0.5 * (sqrt(s * s + 4 * (ALPHA + 1) * ratio) - s)));
     return 1;
 }
 
 static void stage_rkj2(int stages, int j, double out[4]) {
+    if (stages == 2) {
+        stage_explicit(stages, j, out);
+        return;
+    }
     const double m = stages - 2, s = ALPHA + BETA, w = (ALPHA + 1) / (m * (m + s + 1)); /* P'(1) w = 1/2 */
     const double b = 0.25 - 0.125 * (ALPHA + 1) / (ALPHA + 2) * (m - 1) * (m + s + 2) / (m * (m + s + 1));
     const double root = sqrt(b), n = j - 2;
@@ -79,18 +97,6 @@ static void stage_rkj2(int stages, int j, double out[4]) {
     out[1] = -(n + BETA - 1) * (n - 1) * (2 * n + s) / ((n + ALPHA) * (n + s) * (2 * n + s - 2));
     out[0] = 1 - out[1];
     out[2] = 0.5 * w * (2 * n + s - 1) * (2 * n + s) / ((n + s) * (n + ALPHA));
-}
-
-static long plan_explicit(double ratio, int *stages) {
-    *stages = 2;
-    return ratio < 1 ? 1 : (long)ceil(ratio);
-}
-
-static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method, the mean of q_0 and two Euler steps */
-    (void)stages;
-    out[0] = j == 1 ? 0 : 0.5;
-    out[1] = out[3] = 0;
-    out[2] = j == 1 ? 1 : 0.5;
 }
 
 const struct diffusion diffusion_table[] = {
