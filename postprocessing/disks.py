@@ -48,6 +48,14 @@ class Disks:
         """p = rho T A."""
         return 1 + (1 + self.e) * self.G(nu)
 
+    def stiffness(self, nu):
+        """d(nu A)/d nu: p_rho = T times that."""
+        return self.A(nu) + (self.A(nu) - 1) * self.slope(nu)
+
+    def cross(self, rho, T):
+        """Of grad rho in the heat flux."""
+        return 0 * T
+
     def density(self, p, T):
         """rho of a pressure: nu A = per p/T, by bisection."""
         wanted = self.per * np.asarray(p / T, float)
@@ -102,8 +110,7 @@ class Cooling:
     def matrix(self, k):
         """d/dtau of (rho/rho0 - 1, u/sqrt T along the wave, T/T_h - 1)."""
         gas, nu, c, beta = self.gas, self.nu, self.c, self.beta
-        A, b = gas.A(nu), gas.slope(nu)
-        stiff = A + (A - 1) * b  # d(nu A)/d nu
+        A, b, stiff = gas.A(nu), gas.slope(nu), gas.stiffness(nu)
         return np.array([[0, -1j * k * c, 0],
                          [-1j * k * c * stiff, beta - (self.bulk + self.shear) * k * k, -1j * k * c * A],
                          [-2 * beta * b, -1j * k * c * A, -beta - self.heat * k * k]])
@@ -132,13 +139,14 @@ class Channel:
     """Steady flow along x between walls at y = 0 and `height`, mean packing alpha, gravity (gx, gy). A wall is a dict: T
     of an isothermal one, or `restitution` of one that takes q_w = (1 - e_w^2) p sqrt(T/(2 pi)), else adiabatic; u, the
     velocity, of one that holds the gas, or drags it if it has a `specularity` phi, else it slips. Across: p' = rho gy,
-    (mu2 u')' = -rho gx, (kappa T')' = Gamma - mu2 u'^2.
+    (mu2 u')' = -rho gx, (kappa T' + mu rho')' = Gamma - mu2 u'^2; p' = p_rho rho' + p_T T' has the rho' of a gas whose heat
+    flux follows grad rho (garzoDufty.Grains).
 
     The wall of Johnson & Jackson (1987), with phi, drags with tau_w = phi p/sqrt(2 pi T) (u - u_w): p/(m sqrt(2 pi T))
     grains hit it per area and time, and give it the part phi of their momentum along it. What it drags away beyond its
     own work, tau_w (u - u_w), heats the gas there, so that with n into the gas  kappa dT/dn = q_w - tau_w (u - u_w)."""
 
-    NAMES = ("p", "T", "flux", "u", "tau", "mass")  # flux = kappa T', tau = mu2 u', mass below y
+    NAMES = ("p", "T", "flux", "u", "tau", "mass")  # flux = kappa T' + mu rho', tau = mu2 u', mass below y
 
     def __init__(self, gas, height, alpha, low, high, gravity=(0.0, 0.0), tolerance=1e-9, guess=None):
         self.gas, self.height = gas, height
@@ -171,8 +179,10 @@ class Channel:
         p, T, flux, _, tau, _ = q
         T = np.maximum(T, 1e-8)
         rho = self.gas.density(p, T)
-        shear = tau / self.gas.shear(rho, T)
-        return np.array([rho * self.gravity[1], flux / self.gas.heat(rho, T), self.gas.sink(rho, T) - tau * shear, shear,
+        shear, cross = tau / self.gas.shear(rho, T), self.gas.cross(rho, T)
+        p_rho = T * self.gas.stiffness(rho * self.gas.per)
+        slope = (flux - cross * rho * self.gravity[1] / p_rho) / (self.gas.heat(rho, T) - cross * p / (T * p_rho))
+        return np.array([rho * self.gravity[1], slope, self.gas.sink(rho, T) - tau * shear, shear,
                          -rho * self.gravity[0], rho])
 
     @staticmethod
@@ -206,9 +216,10 @@ def numbers(path, file, pattern):
     return found and [float(number) for number in found.groups()]
 
 
-def heated_walls(path):
+def heated_walls(path, gas=None, gravity=0.0):
     absorbed = numbers(path, "0/T", r"right\s+\{ type granularWall; restitution (\S+);")
-    return Channel(Disks.of(path), 20, 0.2, {"T": 1}, {"restitution": absorbed[0]} if absorbed else {"T": 4})
+    far = {"restitution": absorbed[0]} if absorbed else {"T": 4}
+    return Channel(gas or Disks.of(path), 20, 0.2, {"T": 1}, far, (0, gravity))
 
 
 def poiseuille(path):
@@ -221,14 +232,14 @@ def couette(path):
     return Channel(Disks.of(path), 20, 0.2, {"T": 1, "u": -u}, {"T": 1, "u": u})
 
 
-def frictional(path):
+def frictional(path, gas=None):
     """Walls of Johnson & Jackson that move against each other."""
     lids = []
     for patch in ("floor", "lid"):
         phi, e, u = numbers(path, "0/U", patch + r"\s+\{ type JohnsonJacksonSlip; specularityCoefficient (\S+); "
                             r"restitutionCoefficient (\S+); value uniform \((\S+) 0 0\)")
         lids.append({"specularity": phi, "restitution": e, "u": u})
-    return Channel(Disks.of(path), 20, 0.2, *lids)
+    return Channel(gas or Disks.of(path), 20, 0.2, *lids)
 
 
 def error(case, flow, name, component=None, axis=0):

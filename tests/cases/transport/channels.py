@@ -1,6 +1,8 @@
 """Copies of the channels of disks that are shipped, changed."""
 import os
 
+from tests.cases import harness
+
 POLYHEDRAL = ("system/fvSchemes", "fluxScheme  common;", "fluxScheme  common; meshEngine polyhedral;")
 
 
@@ -11,6 +13,24 @@ def replace(case, file, old, new):
     assert old in text, f"{path} has no {old}"
     with open(path, "w") as f:
         f.write(text.replace(old, new))
+
+
+GRAVITY = """FoamFile {{ version 2.0; format ascii; class uniformDimensionedVectorField; object g; }}
+dimensions [0 1 -2 0 0 0 0];
+value      ({!r} 0 0);
+"""
+
+
+def spheres(restitution, gravity=0.0):
+    """Returns a change of a channel to one of inelastic spheres, whose heat flux follows the density, with gravity along x."""
+    def change(case):
+        for old, new in (("TorquatoDisks", "TorquatoSpheres"), ("Haff", "GarzoDufty"), ("JenkinsRichman", "GarzoDufty")):
+            replace(case, "constant/granularProperties", old, new)
+        harness.edit(case, "constant/granularProperties", restitution=restitution)
+        if gravity:
+            with open(os.path.join(case, "constant", "g"), "w") as f:
+                f.write(GRAVITY.format(gravity))
+    return change
 
 
 def friction(case, floor=(-2, 0.6, 0.9), lid=(2, 1, 0.97)):

@@ -5,9 +5,10 @@ import unittest
 import numpy as np
 
 from tests.cases import harness
-from tests.cases.transport.channels import POLYHEDRAL, friction, replace
+from tests.cases.transport.channels import POLYHEDRAL, friction, replace, spheres
 
 import disks  # noqa: E402  (the harness knows where)
+import garzoDufty  # noqa: E402
 
 MARGIN = 1.3  # what an error may exceed the measured one by; that it falls at second order is asserted beside it
 
@@ -64,6 +65,33 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
             with self.subTest(other=other):
                 errors, order = self.errors("couetteDisks", (16, 32), disks.frictional, fields, {},
                                             {"maxCo": 0.4, "endTime": 1200, "writeInterval": 1200}, other)
+                self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
+                self.assertLess(errors[-1].max(), MARGIN * measured)
+
+    def test_spheres(self):
+        """The heat flux of inelastic spheres follows grad rho, too: at walls that hold T, pulled onto one of them, and at one that
+        takes heat."""
+        absorbs = ("0/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
+        for e, gravity, other, measured in ((0.8, -0.1, [], 8.7e-4), (0.8, -0.1, [POLYHEDRAL], 1.9e-3), (0.9, 0.02, [absorbs], 2e-4),
+                                            (0.9, 0.02, [absorbs, POLYHEDRAL], 1e-3)):
+            with self.subTest(restitution=e, gravity=gravity, other=other):
+                errors, order = self.errors("heatedWalls", (20, 40), lambda case: disks.heated_walls(case, garzoDufty.Grains(3, e), gravity),
+                                            (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.4, "endTime": 2000, "writeInterval": 2000},
+                                            [spheres(e, gravity), *other])
+                self.assertGreater(order.min(), 1.4, f"orders {order}, errors {errors}")
+                self.assertLess(errors[-1].max(), MARGIN * measured)
+
+    def test_spheres_along_walls_with_friction(self):
+        def rough(case):
+            """Two walls that are alike: with other walls the mean velocity would take long to become steady."""
+            friction(case, (-2, 0.8, 0.9), (2, 0.8, 0.9))
+            replace(case, "0/T", "internalField   uniform 0.34;", "internalField   uniform 0.07;")
+            replace(case, "0/U", "0.15*(y - 10) + 0.14", "0.17*(y - 10)")
+        fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
+        for other, least, measured in (([], 1.6, 1.3e-4), ([POLYHEDRAL], 1.5, 1.9e-3)):
+            with self.subTest(other=other):
+                errors, order = self.errors("couetteDisks", (16, 32), lambda case: disks.frictional(case, garzoDufty.Grains(3, 0.9)), fields, {},
+                                            {"maxCo": 0.4, "endTime": 1200, "writeInterval": 1200}, [spheres(0.9), rough, *other])
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
