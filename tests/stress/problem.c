@@ -1,24 +1,23 @@
 #include "tests/stress/problem.h"
 
-#include "tests/defaults.h"
+#include <string.h>
 
 static double limit_alpha(const struct problem *p) {
     return p->material.alpha_max;
 }
 
-static double density(const struct problem *p, double alpha) {
+double problem_density(const struct problem *p, double alpha) {
     return alpha / packing_per_density(&p->material);
 }
 
-/* p and c^2 at eps = 1: both are linear in eps. */
-static void per_energy(const struct problem *p, double alpha, double *pressure, double *c2) {
-    double rho = density(p, alpha), one = 1, gruneisen;
+void problem_per_energy(const struct problem *p, double alpha, double *pressure, double *c2) {
+    double rho = problem_density(p, alpha), one = 1, gruneisen;
     p->eos->state(&p->material, 1, &rho, &one, pressure, c2, &gruneisen);
 }
 
 double problem_sound(const struct problem *p, double alpha, double pressure) {
     double unit, c2;
-    per_energy(p, alpha, &unit, &c2);
+    problem_per_energy(p, alpha, &unit, &c2);
     return sqrt(c2 * (pressure / unit));
 }
 
@@ -205,101 +204,6 @@ static void fields(const struct problem *p, const struct place *where, struct po
     for (int k = 0; k < p->dim; k++) out->u[k] = p->size * c * random_field(p, 2 + k, x);
 }
 
-/* ---- disks with viscosity and heat conduction: T over six decades, in one cell or between bed and gas */
-
-enum { DISK_TILES, DISK_BED, DISK_HALVES };
-
-static struct point disks_point(const struct problem *p, struct seed *s, double thinnest, double densest, double low,
-                                double high) {
-    struct point q = {.alpha = larger(seed_power(s, thinnest, densest), 1.01 * p->alpha_floor)};
-    double unit, c2, T = p->p0 / density(p, 0.1) * seed_power(s, low, high), mach = p->size * seed_uniform(s, -1, 1);
-    per_energy(p, q.alpha, &unit, &c2);
-    q.p = unit * T / (p->material.gamma - 1);
-    for (int k = 0; k < p->dim; k++) q.u[k] = mach * problem_sound(p, q.alpha, q.p) * seed_uniform(s, -1, 1);
-    return q;
-}
-
-static void draw_walls(struct problem *p, struct seed *s) {
-    static const char *const velocity[] = {"slip", "noSlip", "translatingWallVelocity"};
-    static const char *const temperature[] = {"zeroGradient", "fixedValue", "granularWall"};
-    const double T = p->p0 / density(p, 0.1);
-    for (int i = 0; i < 6; i++) {
-        struct wall *w = &p->wall[i];
-        int kind = seed_below(s, 3), heat = seed_below(s, 3);
-        double speed = sqrt(T) * seed_power(s, -1, 1.5), hot = T * seed_power(s, -4, 3), e = seed_uniform(s, -0.2, 1.2);
-        w->velocity = velocity[p->dim > 1 ? kind : kind % 2];
-        w->temperature = temperature[heat];
-        w->along = kind == 2 ? seed_sign(s) * speed : 0;
-        w->value = heat == 2 ? smaller(larger(e, 0), 1) : hot;
-    }
-}
-
-static void draw_grains(struct problem *p, struct seed *s) {
-    double e = seed_uniform(s, 0.5, 1);
-    p->eos = eos_find("TorquatoDisks");
-    p->material = (struct material){.disks = true, .mass = 1, .gamma = 2};
-    model_defaults(&p->eos->model, &p->material);
-    p->material.diameter = seed_power(s, -3, -1);
-    p->material.restitution = seed_chance(s, 0.2) ? 1 : e;
-    p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.85) ? cooling_find("Haff") : NULL;
-    p->p0 = density(p, 0.1) * seed_power(s, -2, 2);
-    p->transport = transport_find("JenkinsRichman");
-    p->transport_params = own_defaults(&p->transport->model);
-    model_put(&p->transport->model, &p->transport_params, "alphaMin",
-              seed_chance(s, 0.5) ? 1e-4 : seed_power(s, -5, -2));
-    model_put(&p->transport->model, &p->transport_params, "bulk", seed_below(s, 2));
-    p->diffusion = diffusion_find(seed_below(s, 3) ? "RKJ2" : "RKL2");
-    p->alpha_floor = seed_chance(s, 0.3) ? seed_power(s, -8, -4) : 0;
-}
-
-static void disks_draw(struct problem *p, struct seed *s) {
-    p->dim = p->dim > 1 ? 2 : 1;
-    p->n[0] = p->dim == 1 ? 30 + seed_below(s, 41) : 9 + seed_below(s, 6);
-    p->n[1] = p->dim == 1 ? 1 : 9 + seed_below(s, 6);
-    p->n[2] = 1;
-    p->cells = p->n[0] * p->n[1];
-    if (p->dim < 3 && p->direction[2] > 0) p->direction[0] = p->direction[1] = sqrt(0.5);
-    p->direction[2] = 0;
-    draw_grains(p, s);
-    draw_walls(p, s);
-    p->pattern = seed_below(s, 3);
-    p->size = seed_power(s, -2, 1); /* Mach number */
-    const double pull = p->p0 / density(p, 0.1) * seed_power(s, -2, 2);
-    p->wave[0][0] = seed_uniform(s, 0.1, 0.7);
-    if (p->pattern == DISK_BED || seed_chance(s, 0.3)) {
-        p->source.gravity[0] = -pull;
-        p->source.amplitude = seed_chance(s, 0.8) ? seed_uniform(s, 0, 10) : 0;
-        p->source.frequency = seed_power(s, -1, 2) * sqrt(pull);
-        p->walls_along = true;
-    }
-    if (p->pattern == DISK_BED) {
-        p->direction[0] = 1;
-        p->direction[1] = 0;
-        p->side[0] = disks_point(p, s, -0.5, -0.05, -3, 0);
-        p->side[1] = disks_point(p, s, -7, -2, 0, 3);
-    }
-    if (p->pattern == DISK_HALVES) {
-        p->side[0] = disks_point(p, s, -0.3, -0.05, -3, -1);
-        p->side[1] = disks_point(p, s, -3, -0.3, 1, 3);
-    }
-    p->wave[0][1] = p->pattern;
-    p->pattern = 1 + seed_below(s, 4);
-    p->duration *= 0.5;
-    p->polyhedral = p->dim == 2 && seed_chance(s, 0.4);
-    p->shape = seed_below(s, 3) ? TRIANGLES : QUADS;
-    p->noise = seed_uniform(s, 0, 0.25);
-}
-
-static void disks_at(const struct problem *p, const struct place *where, struct point *out) {
-    struct seed s = seed_start(100 + p->family, p->seed * 65537 + (uint64_t)where->tile);
-    if (p->wave[0][1] != DISK_TILES)
-        *out = p->side[where->along >= p->wave[0][0]];
-    else if (seed_below(&s, 2))
-        *out = disks_point(p, &s, -7, -2, -3, 3);
-    else
-        *out = disks_point(p, &s, -1, -0.05, -3, 3);
-}
-
 enum { GUESTS = 8, FIRST_POLYHEDRAL = 10, DISKS = 13 };
 static int guest(const struct problem *p) {
     return (int)(p->seed % GUESTS);
@@ -345,7 +249,9 @@ const struct family family_table[FAMILIES] = {
     {"triangles", "the first eight on perturbed triangles or quads", triangles_draw, guest_at},
     {"tetrahedra", "the same on perturbed tetrahedra or warped hexahedra", tetrahedra_draw, guest_at},
     {"badCells", "the same on slivers, flat cells, and tiny cells beside large ones", bad_cells_draw, guest_at},
-    {"disks", "disks with viscosity and heat conduction between walls of all kinds", disks_draw, disks_at},
+    {"disks", "disks with viscosity and heat conduction between walls of all kinds", disks_draw, grains_at},
+    {"inelastic", "disks and spheres by Garzo & Dufty, all walls and sources, in 1D, 2D and 3D", inelastic_draw,
+     grains_at},
 };
 
 int family_find(const char *name) {
@@ -365,7 +271,7 @@ static void draw_material(struct problem *p, struct seed *s) {
     p->material.alpha_max = seed_uniform(s, 0.5, 0.75);
     p->eos = eos_find(seed_below(s, 4) ? "GoldshteinShapiro" : "perfectGas");
     p->source.cooling = p->material.restitution < 1 && seed_chance(s, 0.8) ? cooling_find("Haff") : NULL;
-    p->p0 = density(p, 0.1) * seed_power(s, -3, 3);
+    p->p0 = problem_density(p, 0.1) * seed_power(s, -3, 3);
 }
 
 static void draw_box(struct problem *p, struct seed *s) {
@@ -374,7 +280,7 @@ static void draw_box(struct problem *p, struct seed *s) {
              : p->family == FIRST_POLYHEDRAL + 1 ? 3
              : p->family == FIRST_POLYHEDRAL + 2 ? 2 + (seed_below(s, 3) == 0)
                                                  : dims[seed_below(s, 8)];
-    bool cells = p->family >= FIRST_POLYHEDRAL && p->family != DISKS;
+    bool cells = p->family >= FIRST_POLYHEDRAL && p->family < DISKS;
     for (int k = 0; k < 3; k++) {
         int flat = p->dim == 1 ? 50 + seed_below(s, 51) : p->dim == 2 ? 16 + seed_below(s, 9) : 8;
         int coarse = p->dim == 2 ? 9 + seed_below(s, 4) : 4;
@@ -403,7 +309,7 @@ struct problem problem_draw(int family, uint64_t number) {
     }
     family_table[family].draw(&p, &s);
     if (p.source.cooling && seed_chance(&s, 0.2)) /* against the thermal speed */
-        p.material.threshold = sqrt(p.p0 / density(&p, 0.1)) * seed_power(&s, -4, 0);
+        p.material.threshold = sqrt(p.p0 / problem_density(&p, 0.1)) * seed_power(&s, -4, 0);
     return p;
 }
 
@@ -420,8 +326,8 @@ void problem_state(const struct problem *p, const double x[3], double *rho, doub
     }
     where.along /= longest;
     family_table[p->family].at(p, &where, &q);
-    per_energy(p, q.alpha, &unit, &c2);
-    *rho = density(p, q.alpha);
+    problem_per_energy(p, q.alpha, &unit, &c2);
+    *rho = problem_density(p, q.alpha);
     *T = q.p / unit * (p->material.gamma - 1);
     double square = q.u[0] * q.u[0] + q.u[1] * q.u[1] + q.u[2] * q.u[2], most = 1e12 * *T; /* E rounds the rest away */
     for (int k = 0; k < 3; k++) u[k] = square > most ? q.u[k] * sqrt(most / square) : q.u[k];

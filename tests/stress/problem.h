@@ -20,6 +20,7 @@ struct point { /* of the gas */
 struct wall { /* of a closed side; NULL: slip and zeroGradient */
     const char *velocity, *temperature;
     double along, value; /* its velocity along the second axis, or along the first if it stands across that one */
+    double specularity, restitution; /* of JohnsonJacksonSlip */
 };
 
 struct problem {
@@ -38,7 +39,7 @@ struct problem {
     const struct transport *transport; /* and what it needs */
     struct own_params transport_params;
     const struct diffusion *diffusion;
-    double alpha_floor;
+    double alpha_floor, densest; /* densest: alpha of a cell at most, in families with transport */
     struct wall wall[6];
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
 
@@ -50,7 +51,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 14 };
+enum { FAMILIES = 15 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -58,10 +59,17 @@ struct family {
 };
 extern const struct family family_table[FAMILIES];
 int family_find(const char *name); /* -1: none */
+/* Rows with transport (tests/stress/transport.c). */
+void disks_draw(struct problem *p, struct seed *s);
+void inelastic_draw(struct problem *p, struct seed *s);
+void grains_at(const struct problem *p, const struct place *where, struct point *out);
 
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */
 void problem_state(const struct problem *p, const double x[3], double *rho, double u[3], double *T);
+double problem_density(const struct problem *p, double alpha);
+/* p and c^2 at eps = 1: both are linear in eps. */
+void problem_per_energy(const struct problem *p, double alpha, double *pressure, double *c2);
 /* Sound speed, m/s. */
 double problem_sound(const struct problem *p, double alpha, double pressure);
 

@@ -74,6 +74,26 @@ static bool parse(int argc, char **argv, struct request *r) {
     return !r->problem || family_find(r->problem) >= 0;
 }
 
+static void print_transport(const struct problem *p, const struct outcome *o) {
+    const struct model *law = &p->transport->model;
+    printf("  %s by %s:", law->name, p->diffusion->model.name);
+    for (int i = 0; i < law->nparam; i++) {
+        const struct param *q = &law->param[i];
+        const void *own = (const char *)&p->transport_params + q->offset;
+        if (q->kind == PARAM_CHOICE)
+            printf(" %s %s", q->name, q->words[*(const int *)own]);
+        else
+            printf(" %s %.3g", q->name, *(const double *)own);
+    }
+    printf("; cooling %s", p->source.cooling ? p->source.cooling->model.name : "none");
+    for (int i = 0; i < source_count; i++)
+        if (p->source.on[i]) printf(", %s %.3g", source_table[i].model.name, p->source.params[i].room[0]);
+    printf("; floor %.2g; %ld halves, %ld repeated, %ld cells plain, stages %ld %ld\n  walls", p->alpha_floor,
+           o->counts.halves, o->counts.repeated, o->counts.plain, o->counts.stages[0], o->counts.stages[1]);
+    for (int i = 0; i < 2 * p->dim; i++) printf(" (%s %s)", p->wall[i].velocity, p->wall[i].temperature);
+    printf("\n");
+}
+
 static void print_outcome(const struct problem *p, const struct scheme *s, const struct outcome *o) {
     static const char *const words[] = {"finished", "capped", "collapsed", "FAILED"};
     printf("%s seed %llu %s/%s/%s/%s/%g: %s, %d steps, %d cells; limited %ld cells %ld faces, floored %ld, rejected "
@@ -90,6 +110,7 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
            : p->edge == PERIODIC ? "periodic"
                                  : "open",
            p->dim, p->polyhedral ? "polyhedra" : "lattice");
+    if (p->transport) print_transport(p, o);
     if (o->why[0]) printf("  %s\n", o->why);
 }
 

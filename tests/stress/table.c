@@ -23,6 +23,9 @@ static void add(struct oracle_row *r, const struct scheme *s, const struct outco
     r->counts.faces += o->counts.faces;
     r->counts.floored += o->counts.floored;
     r->counts.rejected += o->counts.rejected;
+    r->counts.halves += o->counts.halves;
+    r->counts.repeated += o->counts.repeated;
+    r->counts.plain += o->counts.plain;
     r->least = smaller(r->least, o->least);
     r->source = larger(r->source, o->source);
     for (int q = 0; q < CONSERVED; q++) {
@@ -41,14 +44,14 @@ void table_add(struct table *t, const struct problem *p, const struct scheme *s,
 
 void table_print(FILE *f, const struct table *t) {
     fprintf(f, "scheme,problem,runs,finished,capped,collapsed,failed,steps,cell_stages,limited_cells,limited_faces,"
-               "floored,rejected,"
+               "floored,rejected,halves,repeated,plain,"
                "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound\n");
     for (int i = 0; i < t->rows; i++) {
         const struct oracle_row *r = &t->row[i];
-        fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme, family_table[r->family].name,
-                r->runs, r->verdicts[FINISHED], r->verdicts[CAPPED], r->verdicts[COLLAPSED], r->verdicts[FAILED],
-                r->steps, r->cell_stages, r->counts.cells, r->counts.faces, r->counts.floored, r->counts.rejected,
-                r->least);
+        fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme,
+                family_table[r->family].name, r->runs, r->verdicts[FINISHED], r->verdicts[CAPPED],
+                r->verdicts[COLLAPSED], r->verdicts[FAILED], r->steps, r->cell_stages, r->counts.cells, r->counts.faces,
+                r->counts.floored, r->counts.rejected, r->counts.halves, r->counts.repeated, r->counts.plain, r->least);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->relative[q]);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->drift[q]);
         fprintf(f, ",%.2g\n", r->source);

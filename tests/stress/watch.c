@@ -47,7 +47,8 @@ static void look_visit(void *context, long cell, double volume, const double U[M
     (void)volume;
     bool fine = isgreater(U[0], 0);
     for (int v = 0; v < g->nvar; v++) fine = fine && isfinite(U[v]);
-    long double nu = 3.14159265358979323846L / 6 * U[0] * m->diameter * m->diameter * m->diameter / m->mass;
+    const int d = m->disks ? 2 : 3;
+    long double nu = 3.14159265358979323846L / (2 * d) * U[0] * powl(m->diameter, d) / m->mass;
     /* the bound on rho is itself rounded, once or twice */
     if (fine && g->models.eos->bounded) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
     long double energy = fine ? U[g->dim + 1] - kinetic(g->dim, U) : 0;
@@ -89,20 +90,23 @@ static void tally_visit(void *context, long cell, double volume, const double U[
     t->magnitude[2] += (long double)volume * (U[g->dim + 1] + p);
 }
 
+/* Stages are counted with room for the two ends of a super step in each half of a step; more ends round more. */
+enum { FEW = 4 };
+
 static void tally(struct watch *w, const struct gas *g) {
     struct tally t = {.g = g};
     watch_cells(g, &g->U, tally_visit, &t);
     memcpy(w->budget.now, t.sum, sizeof t.sum);
     for (int i = 0; i < 3; i++) {
         w->budget.magnitude[i] = t.magnitude[i];
-        w->budget.rounding[i] += g->models.stepper->stages * t.magnitude[i];
+        w->budget.rounding[i] += (g->models.stepper->stages + (w->ends > FEW ? w->ends - FEW : 0)) * t.magnitude[i];
     }
 }
 
 struct sourced {
     struct watch *w;
     const struct gas *g;
-    double dt, kick[MAX_DIM];
+    const struct source_plan *plan;
     long double *gained;
 };
 
@@ -112,75 +116,127 @@ static void before_visit(void *context, long cell, double volume, const double U
     for (int v = 0; v < s->g->nvar; v++) s->w->before[MAX_VAR * cell + v] = U[v];
 }
 
-/* Torquato's contact value of disks or its derivatives on one of its branches (shared/physics.md 2.1). */
-static long double branch(bool dense, int derivative, long double nu, long double f, long double c) {
-    const long double chi = (1 - 0.436L * f) / ((1 - f) * (1 - f)) * (c - f) / (c - nu), r = 1 - nu;
+/* Torquato's contact value of disks (d = 2) or spheres, or its derivatives, on one of its branches (shared/physics.md
+ * 2.1): (1 - a nu)/(1 - nu)^d below freezing. */
+static long double branch(int d, bool dense, int derivative, long double nu, long double f, long double c) {
+    const long double a = d == 2 ? 0.436L : 0.5L, r = 1 - nu, rest = 1 - a * nu;
+    const long double chi = (1 - a * f) / powl(1 - f, d) * (c - f) / (c - nu);
     if (dense) return derivative == 0 ? chi : derivative == 1 ? chi / (c - nu) : 2 * chi / ((c - nu) * (c - nu));
-    if (derivative == 0) return (1 - 0.436L * nu) / (r * r);
-    if (derivative == 1) return (-0.436L * r + 2 * (1 - 0.436L * nu)) / (r * r * r);
-    return (-1.744L * r + 6 * (1 - 0.436L * nu)) / (r * r * r * r);
+    if (derivative == 0) return rest / powl(r, d);
+    if (derivative == 1) return (-a * r + d * rest) / powl(r, d + 1);
+    return (-2 * a * d * r + d * (d + 1) * rest) / powl(r, d + 2);
 }
 
-static long double torquato(const struct material *m, long double nu) {
-    const long double f = m->freezing, c = m->alpha_max, w = m->smoothing, h = 2 * w, t = (nu - f + w) / h;
-    if (t <= 0 || t >= 1) return branch(t >= 1, 0, nu, f, c);
-    const long double c0 = branch(false, 0, f - w, f, c), c1 = h * branch(false, 1, f - w, f, c),
-                      c2 = h * h * branch(false, 2, f - w, f, c) / 2, d0 = branch(true, 0, f + w, f, c) - c0 - c1 - c2,
-                      d1 = h * branch(true, 1, f + w, f, c) - c1 - 2 * c2,
-                      d2 = h * h * branch(true, 2, f + w, f, c) - 2 * c2;
+static long double torquato(int d, const struct material *m, long double nu) {
+    const long double f = m->freezing, c = m->alpha_max, w = m->smoothing, h = 2 * w, t = w > 0 ? (nu - f + w) / h : 0;
+    if (w == 0 || t <= 0 || t >= 1) return branch(d, w > 0 ? t >= 1 : nu >= f, 0, nu, f, c);
+    const long double c0 = branch(d, false, 0, f - w, f, c), c1 = h * branch(d, false, 1, f - w, f, c),
+                      c2 = h * h * branch(d, false, 2, f - w, f, c) / 2,
+                      d0 = branch(d, true, 0, f + w, f, c) - c0 - c1 - c2,
+                      d1 = h * branch(d, true, 1, f + w, f, c) - c1 - 2 * c2,
+                      d2 = h * h * branch(d, true, 2, f + w, f, c) - 2 * c2;
     const long double c3 = 10 * d0 - 4 * d1 + d2 / 2, c4 = -15 * d0 + 7 * d1 - d2, c5 = 6 * d0 - 3 * d1 + d2 / 2;
     return c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))));
 }
 
-/* G = nu chi of disks, its tangent where packing is next. */
-static long double disks_contact(const struct material *m, long double nu, long double *condition) {
-    const long double c = m->alpha_max, last = EOS_PACKING * c;
+/* G = nu chi, and how much larger its rounding is than eps: next to packing a difference cancels. */
+static long double contact(const struct gas *g, long double rho, long double *condition) {
+    const struct material *m = &g->models.material;
+    const struct eos *eos = g->models.eos;
+    const int d = m->disks ? 2 : 3;
+    const long double pi = 3.14159265358979323846L, c = m->alpha_max, last = EOS_PACKING * c;
+    const long double nu = pi / (2 * d) * rho * powl(m->diameter, d) / m->mass, a = 4 * c / 3;
+    *condition = 1;
+    if (eos->bounded) { /* Goldshtein & Shapiro */
+        const long double free = 1 - powl(nu / c, a);
+        *condition = 1 + a / free;
+        return nu / free;
+    }
+    if (!m->freezing) return nu;
     *condition = 1 + c / (c - (nu < last ? nu : last));
-    if (nu < last) return nu * torquato(m, nu);
-    const long double chi = torquato(m, last);
-    return last * chi + (nu - last) * (chi + last * branch(true, 1, last, m->freezing, c));
+    if (nu < last) return nu * torquato(d, m, nu);
+    const long double chi = torquato(d, m, last); /* the tangent */
+    return last * chi + (nu - last) * (chi + last * branch(d, true, 1, last, m->freezing, c));
 }
 
-/* 1 + B sqrt(T) dt/2 of Haff's law, and how much larger its rounding is than eps: 1 - x cancels near packing. */
+/* What Garzo & Dufty's law has times Haff's rate: 1 + 3 a2/16 with a2 of van Noije & Ernst. */
+static long double sonine(const struct material *m) {
+    const long double e = m->restitution, top = 16 * (1 - e) * (1 - 2 * e * e), end = 30 * e * e * (1 - e);
+    return 1 + 3 * top / (16 * (m->disks ? 57 - 25 * e + end : 81 - 17 * e + end));
+}
+
+/* 1 + B sqrt(T) dt/2 of the cooling law. */
 static long double slowing(const struct gas *g, double dt, double rho, long double eps, long double *condition) {
     const struct material *m = &g->models.material;
-    const long double pi = 3.14159265358979323846L;
-    long double nu = pi / 6 * rho * m->diameter * m->diameter * m->diameter / m->mass, a = 4 * m->alpha_max / 3.0L;
-    long double free = g->models.eos->bounded ? 1 - powl(nu / m->alpha_max, a) : 1, T = (m->gamma - 1) * eps;
-    long double contact = nu / free;
-    *condition = 1 + a / free;
-    if (m->disks) contact = disks_contact(m, pi / 4 * rho * m->diameter * m->diameter / m->mass, condition);
-    if (!g->models.source.cooling || m->restitution >= 1 || T <= 0) return 1;
+    const long double G = contact(g, rho, condition), T = (m->gamma - 1) * eps;
+    if (m->restitution >= 1 || T <= 0) return 1;
     long double loss = 1 - (long double)m->restitution * m->restitution;
-    loss *= (m->disks ? 4 : 12) / sqrtl(pi) / m->diameter * contact;
+    loss *= (m->disks ? 4 : 12) / sqrtl(3.14159265358979323846L) / m->diameter * G;
+    if (!strcmp(g->models.source.cooling->model.name, "GarzoDufty")) loss *= sonine(m);
     return 1 + (m->gamma - 1) * loss * sqrtl(T) * dt / 2;
+}
+
+struct exact {                     /* of a cell */
+    long double rho, mom[MAX_DIM]; /* momentum */
+    long double low, high;         /* between which eps lies: both the same, unless there is a threshold speed */
+    long double room[MAX_VAR];     /* what rounding adds, in units of eps */
+};
+
+static long double kinetic_of(const struct exact *x, int dim) {
+    long double square = 0;
+    for (int k = 0; k < dim; k++) square += x->mom[k] * x->mom[k];
+    return square / (2 * x->rho);
+}
+
+/* One source, by its row of source_table and the parameters that it was given. */
+static void exact_source(const struct gas *g, const struct source_step *step, struct exact *x) {
+    const char *name = step->row->model.name;
+    const double *own = step->params->room, dt = step->dt;
+    if (!strcmp(name, "cooling")) {
+        long double condition, slow = slowing(g, dt, (double)x->rho, x->high, &condition), old = x->high;
+        const bool spared =
+            g->models.material.threshold > 0; /* its step is of second order: only cooler, and above 0 */
+        x->high = spared ? x->high : x->high / (slow * slow);
+        x->low = spared ? 0 : x->high;
+        x->room[g->dim + 1] += condition * x->rho * old * (slow - 1) / (slow * slow);
+    } else if (!strcmp(name, "gravity")) {
+        for (int k = 0; k < g->dim; k++) x->mom[k] += x->rho * step->kick[k];
+    } else if (!strcmp(name, "linearDrag")) {
+        const long double decay = expl(-(long double)own[0] * dt > -300 ? -(long double)own[0] * dt : -300);
+        for (int k = 0; k < g->dim; k++) x->mom[k] = x->rho * own[1 + k] + (x->mom[k] - x->rho * own[1 + k]) * decay;
+        for (int k = 0; k < g->dim; k++) x->room[1 + k] += fabsl(x->rho * own[1 + k]);
+        for (int k = 0; k < g->dim; k++) x->room[g->dim + 1] += fabsl(own[1 + k] * x->mom[k]); /* u times that */
+        x->low *= decay * decay;
+        x->high *= decay * decay;
+    } else {
+        x->low += own[0] * dt / (g->models.material.gamma - 1);
+        x->high += own[0] * dt / (g->models.material.gamma - 1);
+    }
+    for (int k = 0; k < g->dim; k++) x->room[1 + k] += fabsl(x->mom[k]);
+    x->room[g->dim + 1] += x->rho * x->high + kinetic_of(x, g->dim);
 }
 
 /* The exact step cell by cell; what the step gave is summed up for the budget. */
 static void after_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
     struct sourced *s = context;
     const int dim = s->g->dim, last = dim + 1;
-    const long double *old = s->w->before + MAX_VAR * cell;
+    const long double *old = s->w->before + MAX_VAR * cell, unit = 16 * 0x1p-52L;
     double start[MAX_VAR];
-    long double square = 0, unit = 16 * 0x1p-52L, condition;
+    struct exact x = {.rho = old[0]};
     for (int v = 0; v <= last; v++) start[v] = (double)old[v];
-    long double eps = (old[last] - kinetic(dim, start)) / old[0];
-    long double slow = slowing(s->g, s->dt, U[0], eps, &condition);
+    for (int v = 1; v <= last; v++) x.room[v] = fabsl(old[v]);
+    for (int k = 0; k < dim; k++) x.mom[k] = old[1 + k];
+    x.low = x.high = (old[last] - kinetic(dim, start)) / old[0];
+    for (int i = 0; i < s->plan->n; i++) exact_source(s->g, &s->plan->step[i], &x);
     s->gained[0] += volume * ((long double)U[0] - old[0]);
     for (int k = 1; k <= dim; k++) {
-        long double exact = old[k] + old[0] * s->kick[k - 1];
-        long double room = unit * (fabsl(old[k]) + fabsl(exact));
-        square += exact * exact;
-        if (room > 0) s->w->trial = fmax(s->w->trial, (double)(fabsl(exact - U[k]) / room));
-        s->gained[k] += volume * (exact - old[k]);
+        const long double off = fabsl(x.mom[k - 1] - U[k]);
+        if (off > 0) s->w->trial = fmax(s->w->trial, (double)(off / (unit * x.room[k])));
+        s->gained[k] += volume * (x.mom[k - 1] - old[k]);
     }
-    long double exact = old[0] * eps / (slow * slow) + square / (2 * old[0]);
-    long double room = unit * (fabsl(old[last]) + fabsl(exact) + condition * old[0] * eps * (slow - 1) / (slow * slow));
-    if (s->g->models.material.threshold > 0) { /* its step is of second order: here only cooler, and above zero */
-        long double hottest = old[0] * eps + square / (2 * old[0]), least = square / (2 * old[0]);
-        exact = U[last] > hottest + room ? hottest : U[last] < least - room ? least : U[last];
-    }
-    s->w->trial = fmax(s->w->trial, (double)(fabsl(exact - U[last]) / room));
+    const long double least = x.rho * x.low + kinetic_of(&x, dim), most = x.rho * x.high + kinetic_of(&x, dim);
+    const long double off = U[last] < least ? least - U[last] : U[last] > most ? U[last] - most : 0;
+    s->w->trial = fmax(s->w->trial, (double)(off / (unit * x.room[last])));
     s->gained[last] += volume * ((long double)U[last] - old[last]);
 }
 
@@ -193,9 +249,7 @@ static void watched_rows(const struct gas *g, enum extent extent, const struct s
         w->inner->state.rows(g, extent, from, visit, context);
         return;
     }
-    struct sourced s = {.w = w, .g = g, .dt = h->plan->step[0].dt, .gained = w->budget.gained[from != &g->U]};
-    for (int i = 0; i < h->plan->n; i++)
-        for (int k = 0; k < MAX_DIM; k++) s.kick[k] += h->plan->step[i].kick[k];
+    struct sourced s = {.w = w, .g = g, .plan = h->plan, .gained = w->budget.gained[from != &g->U]};
     for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
     if (from == &g->U) w->trial = 0;
     if (from != &g->U) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */
@@ -213,12 +267,20 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
     return w->inner->stage.stage(g, U0, from, to, a, dt);
 }
 
+static long watched_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
+                        double weight) {
+    struct watch *w = (struct watch *)(uintptr_t)g->engine;
+    w->ends++;
+    return w->inner->diffusion.end(g, what, Y0, to, dt, weight);
+}
+
 status watch_start(struct watch *w, struct gas *g) {
     *w = (struct watch){.engine = *g->engine, .inner = g->engine};
     TRY(allocate(&w->before, (long)MAX_VAR * g->ncells_all, sizeof *w->before, "the watch"));
     w->engine.stage.stage = watched_stage;
     w->engine.stage.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
     w->engine.state.rows = watched_rows;
+    w->engine.diffusion.end = watched_end;
     g->engine = &w->engine;
     tally(w, g);
     memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);
@@ -234,6 +296,7 @@ bool watch_step_finish(struct watch *w, struct gas *g) {
         w->budget.gained[0][v] = w->budget.gained[1][v] = 0;
     }
     tally(w, g);
+    w->ends = 0;
     return true;
 }
 

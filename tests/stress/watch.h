@@ -17,6 +17,7 @@ struct watch {
     const struct engine *inner;
     long bad;             /* inadmissible cells of the attempt in hand */
     double trial, source; /* struct outcome */
+    long ends;            /* super steps of diffusion in the step in hand, of all its attempts */
     struct budget budget;
     long double *before; /* [cells][MAX_VAR] what a source step starts from */
     char why[200];
