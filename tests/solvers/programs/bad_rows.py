@@ -118,6 +118,12 @@ def disks(coefficients):
                 replace(PROPERTIES, "transport none;", "transport JenkinsRichman;\n" + coefficients))
 
 
+def garzo_dufty(coefficients, eos="TorquatoSpheres"):
+    """A gas with the transport law GarzoDufty and these coefficients."""
+    return both(replace(PROPERTIES, "equationOfState GoldshteinShapiro;", f"equationOfState {eos};"),
+                replace(PROPERTIES, "transport none;", "transport GarzoDufty;\n" + coefficients))
+
+
 def mesh(n=bad_case.CELLS, types=None):
     def change(case):
         shutil.rmtree(os.path.join(case, MESH))
@@ -196,6 +202,36 @@ DICTIONARIES = [
         where=PROPERTIES),
     Row("alphaMin 0", disks("JenkinsRichmanCoeffs { alphaMin 0; }"), "alphaMin is 0", "allowed is 0 .. 1",
         at="JenkinsRichmanCoeffs", where=PROPERTIES),
+    # of GarzoDufty
+    Row("misspelt GarzoDufty", (PROPERTIES, "transport none", "transport GarzoDuffty"),
+        "allowed are: none, JenkinsRichman, GarzoDufty", "did you mean 'GarzoDufty'?"),
+    Row("GarzoDufty without a diameter", both(replace(PROPERTIES, "diameter 0.1;", "diameter 0;"), garzo_dufty("")),
+        "grains without a diameter do not collide", "transport none;", at="transport GarzoDufty;", where=PROPERTIES),
+    Row("misspelt GarzoDuftyCoeffs", garzo_dufty("GarzoDuffyCoeffs { knudsenCut 0.1; }"),
+        "'GarzoDuffyCoeffs' is not used", "did you mean 'GarzoDuftyCoeffs'?", at="GarzoDuffyCoeffs", where=PROPERTIES),
+    *[Row(f"GarzoDufty: {entry}", garzo_dufty(f"GarzoDuftyCoeffs {{ {entry} }}"), *says, at="GarzoDuftyCoeffs",
+          where=PROPERTIES)
+      for entry, *says in (
+          ("alphaMim 1e-3;", "'alphaMim' is not used", "did you mean 'alphaMin'?"),
+          ("knudsencut 1e-3;", "'knudsencut' is not used", "did you mean 'knudsenCut'?"),
+          ("zeta_U full;", "'zeta_U' is not used", "did you mean 'zetaU'?"),
+          ("bulk paper;", "'bulk' is not used", "known here: alphaMin knudsenCut zetaU stress"),
+          ("alphaMin -1e-4;", "alphaMin is -0.0001", "allowed is 0 .. 0.1"),
+          ("alphaMin 0.2;", "alphaMin is 0.2", "allowed is 0 .. 0.1"),
+          ("knudsenCut -0.1;", "knudsenCut is -0.1", "allowed is 0 .. 1"),
+          ("knudsenCut 1.5;", "knudsenCut is 1.5", "allowed is 0 .. 1"),
+          ("knudsenCut nan;", "nan", "expected a number"),
+          ("knudsenCut off;", "'knudsenCut' is off", "expected a number"),
+          ("zetaU on;", "'zetaU' is on", "allowed are: off, geometric, full"),
+          ("zetaU fulll;", "'zetaU' is fulll", "did you mean 'full'?"),
+          ("zetaU 1;", "'zetaU' is 1", "off, geometric, full"),
+          ("zetaU;", "'zetaU' is empty", "off, geometric, full"),
+          ("stress diagonel;", "'stress' is diagonel", "allowed are: full, diagonal", "did you mean 'diagonal'?"),
+          ("stress yes;", "'stress' is yes", "full, diagonal"))],
+    Row("GarzoDufty: diagonal stress on polyhedra",
+        both(replace(SCHEMES, "reconstruct PHM;", "meshEngine polyhedral;"),
+             garzo_dufty("GarzoDuftyCoeffs { stress diagonal; }")),
+        "stress diagonal is for lattices", "stress full;", where=PROPERTIES, at="transport GarzoDufty;"),
     Row("unknown flux", (SCHEMES, "fluxScheme common;", "fluxScheme Marqina;"), "Marqina", "allowed are: common, ",
         "did you mean 'Marquina'?"),
     Row("unknown reconstruct", (SCHEMES, "reconstruct PHM", "reconstruct WENO6"), "WENO6", "allowed are",
