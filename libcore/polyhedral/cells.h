@@ -6,10 +6,15 @@
 #include "libcore/schemes/polynomial.h"
 
 /* Most stages of a super step of diffusion. The discrete operator on polyhedra has slightly complex eigenvalues; with
- * imaginary parts up to r times its largest rate, RKJ2 is unstable above about 2/r stages and RKL2 above 1.6/r.
- * Measured limits: 1600 and more on gmsh's triangles, 300 on right triangles, 860 on perturbed quads, 115 on perturbed
- * triangles sheared by 45 degrees, 33 where those are all alike. */
-enum { CELLS_STAGES = 127 };
+ * imaginary parts up to r times its largest rate, RKJ2 is unstable above about 3/r stages, and RKL2 a little earlier.
+ * Limits of RKJ2 and RKL2 by the eigenvalues of the stress on some hundred cells between walls that hold the gas:
+ *   boxes moved by 0.2 in 2D 1633, 1399, in 3D none below 3000; sheared by 45 degrees, too  316, 283
+ *   right triangles 358, 313; moved by 0.2  586, 537; sheared, too  117, 115; sheared and all alike  50, 35
+ *   prisms moved by 0.2  1538, 1399; sheared and all alike  29, 21
+ *   six tetrahedra a cube 203, 189, without walls 157, 135; moved by 0.2  444, 391; flat (5 : 1) 68, 53; sheared 16, 13
+ *   gmsh's tetrahedra from 306, 257; flat (5 : 1) from 71, 53; sheared by 27 degrees from 77, 63; by 45 from 23, 17
+ * More super steps of fewer stages cost in proportion: 2.5 times as much as at 127 stages for a ratio of 3000. */
+enum { CELLS_STAGES = 51 };
 
 struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces, nblocks: of struct polyhedra */
     struct polyhedra *polyhedra;
