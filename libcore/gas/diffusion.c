@@ -178,7 +178,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
 
 /* Returns the number of super steps, and sets their stages, no more than the engine's operator bears. */
 static long plan_steps(const struct gas *g, double ratio, int *stages) {
-    const int most = g->engine->diffusion.most_stages;
+    const int most = g->engine->diffusion.most_stages[g->dim];
     for (long parts = 1;; parts *= 2) {
         const long steps = g->models.diffusion->plan(ratio / (double)parts, stages);
         if (most == 0 || *stages <= most) return parts * steps;

@@ -98,7 +98,8 @@ struct stage_hooks {
 /* The parts of one super step of diffusion: S_0 = 0, q_0 = u or T of Y0, q_j = q_0 + L S_j/rho
  * (libcore/gas/diffusion.h); the fluxes of the last S move the state. */
 struct diffusion_hooks {
-    int most_stages; /* most stages of one super step, where the operator is not quite symmetric; 0: any number */
+    /* [dim] most stages of one super step, where the operator is not quite symmetric; 0: any number */
+    int most_stages[MAX_DIM + 1];
     /* is friction T(to) - (T(from) + cooled)? Else (T(to) - T(from)) - cooled, which differs in the last bit */
     bool cooled_first;
     /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this

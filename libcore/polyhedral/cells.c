@@ -306,7 +306,7 @@ const struct engine engine_polyhedral = {
               .sum_raised = cells_sum_raised,
               .note_limited = cells_note_limited,
               .clear_flags = cells_clear_flags},
-    .diffusion = {.most_stages = CELLS_STAGES,
+    .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
                   .cooled_first = true,
                   .rates = cells_diffusion_rates,
                   .ahead = cells_diffusion_ahead,

@@ -511,7 +511,7 @@ static void shaking(const double x[3], double *rho, double u[3], double *T) {
 }
 
 /* On flat tetrahedra the operator has eigenvalues with imaginary parts of 5 % of its rate, which super steps of 127
- * stages would multiply by 19: with CELLS_STAGES all modes fade. */
+ * stages would multiply by 19: with CELLS_STAGES_3D all modes fade. */
 static void modes_do_not_grow(void **state) {
     (void)state;
     const struct cells_recipe r = {"flat", 3, TETS, {4, 4, 4}, {0, 1, 2}, 0, OPEN};
