@@ -101,19 +101,22 @@ class Layer:
     def profile(self, times, columns=None, dim=None):
         """With height, over one or more times: {"y", "alpha", "U" (up), "T", "p" where there is one}. U and T are those
         of all mass in a row: T holds what U differs by from cell to cell (dim: components of velocity that T is of,
-        default the axes solved). columns: of each time, masks [x] such as crests gives; default all."""
+        default the axes solved). columns: of each time, masks [x] such as crests gives; default all. Of grains there is
+        "TComponents" [y][3], too."""
         dim = dim or self.dim
         times = [times] if isinstance(times, str) else list(times)
         columns = columns or [slice(None)] * len(times)
         rows = self.shape[1]
         total, momentum, energy, pressure = np.zeros(rows), np.zeros((rows, 3)), np.zeros(rows), np.zeros(rows)
-        count, has_p = 0, os.path.exists(os.path.join(self.case.path, times[0], "p"))
+        count, parts = 0, np.zeros((rows, 3))
+        has_p, has_parts = (os.path.exists(os.path.join(self.case.path, times[0], name)) for name in ("p", "TComponents"))
         for time, mask in zip(times, columns):
             alpha, U, T = (self.field(name, time)[mask] for name in ("alpha", "U", "T"))
             total += alpha.sum(axis=(0, 2))
             momentum += np.einsum("xyz,xyzk->yk", alpha, U)
             energy += (alpha * (dim * T + (U**2).sum(axis=3))).sum(axis=(0, 2))
             pressure += self.field("p", time)[mask].sum(axis=(0, 2)) if has_p else 0
+            parts += np.einsum("xyz,xyzk->yk", alpha, self.field("TComponents", time)[mask] + U**2) if has_parts else 0
             count += alpha.shape[0] * alpha.shape[2]
         safe = np.where(total > 0, total, 1)
         mean = momentum / safe[:, None]
@@ -122,6 +125,8 @@ class Layer:
                   "T": np.maximum(energy / safe - (mean**2).sum(axis=1), 0) / dim}
         if has_p:
             result["p"] = pressure / count
+        if has_parts:
+            result["TComponents"] = np.maximum(parts / safe[:, None] - mean**2, 0)
         return {k: v[order] for k, v in result.items()}
 
     def crests(self, time, mode, valleys=False, of="mass"):

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sums of a cell, one behind the other: the shares of grains, the impulse * branch * psi of their impacts, the sum of
- * shares times squared deviation from the mean, the mean velocity. The number of samples stands behind the sums of all
- * cells. */
-enum { SHARE, IMPACTS, DEVIATION, MEAN, MOST_CELLS = 1 << 24, TERMS = 38 };
+/* Sums of a cell, one behind the other: the shares of grains, the impulse * branch * psi of their impacts, and for each
+ * axis the mean velocity and the sum of shares times squared deviation from it. The number of samples stands behind the
+ * sums of all cells. */
+enum { SHARE, IMPACTS, MEAN, DEVIATION, PER_AXIS = 2, MOST_CELLS = 1 << 24, TERMS = 38 };
 
 struct share {
     long cell;
@@ -63,7 +63,7 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
     c->observer.impact = observe;
     bell_make(c);
     c->grid = *grid;
-    c->size = MEAN + grid->dim;
+    c->size = MEAN + PER_AXIS * grid->dim;
     c->cells = 1;
     for (int k = 0; k < grid->dim; k++) {
         if (!(grid->n[k] > 0 && grid->h[k] > 0))
@@ -218,9 +218,10 @@ static inline void add(double *sum, int dim, double w, const double u[3]) {
     if (w == 0) return;
     const double part = w / (sum[SHARE] += w);
     for (int k = 0; k < dim; k++) {
-        const double away = u[k] - sum[MEAN + k];
-        sum[MEAN + k] = part == 1 ? u[k] : sum[MEAN + k] + part * away;
-        sum[DEVIATION] += w * away * (u[k] - sum[MEAN + k]);
+        double *mean = sum + MEAN + PER_AXIS * k, *deviation = sum + DEVIATION + PER_AXIS * k;
+        const double away = u[k] - *mean;
+        *mean = part == 1 ? u[k] : *mean + part * away;
+        *deviation += w * away * (u[k] - *mean);
     }
 }
 
@@ -274,12 +275,16 @@ void coarse_value(const struct coarse *c, double tau, enum coarse_field f, doubl
     for (long i = 0; i < c->cells; i++) {
         const double *sum = c->sums + c->size * i;
         const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0;
-        const double T = sum[SHARE] > 0 ? sum[DEVIATION] / (g->dim * sum[SHARE]) : 0;
+        double deviation = 0;
+        for (int k = 0; k < g->dim; k++) deviation += sum[DEVIATION + PER_AXIS * k];
+        const double T = sum[SHARE] > 0 ? deviation / (g->dim * sum[SHARE]) : 0;
         const double collisional = tau > 0 ? sum[IMPACTS] / (g->dim * tau * volume) : 0;
         if (f == COARSE_RHO) out[0][i] = number * g->mass;
         if (f == COARSE_ALPHA) out[0][i] = number * grain_volume;
         if (f == COARSE_T) out[0][i] = T;
         if (f == COARSE_P) out[0][i] = number * g->mass * T + collisional;
-        for (int k = 0; f == COARSE_U && k < g->dim; k++) out[k][i] = sum[MEAN + k];
+        for (int k = 0; f == COARSE_U && k < g->dim; k++) out[k][i] = sum[MEAN + PER_AXIS * k];
+        for (int k = 0; f == COARSE_T_AXES && k < g->dim; k++)
+            out[k][i] = sum[SHARE] > 0 ? sum[DEVIATION + PER_AXIS * k] / sum[SHARE] : 0;
     }
 }

@@ -2,7 +2,8 @@
  * Weinhart et al., Granular Matter 14 (2012) 289). A grain at x counts with the share w_i(x) in cell i, sum w_i = 1:
  *
  *   rho = sum m w / V,  rho U = sum m u w / V,  T = sum m |u - U|^2 w / (dim rho V),  p = p_kin + p_coll,
- *   p_kin = rho T,  p_coll = 1/(dim V tau) sum over impacts in tau of impulse * branch * psi,
+ *   T_k = sum m (u_k - U_k)^2 w / (rho V): T is the mean of these,  p_kin = rho T,
+ *   p_coll = 1/(dim V tau) sum over impacts in tau of impulse * branch * psi,
  *
  * V: volume of a cell (disks: area); branch: distance of the centres (to a wall: radius); psi: the mean of w along the
  * branch, from its ends and its middle by Simpson's rule, which has the first three moments of the whole branch right.
@@ -30,7 +31,7 @@ struct coarse_grid {
     double width;          /* m, at most the longest side of the grid */
     double mass, diameter; /* kg, m: of a grain */
 };
-enum coarse_field { COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_FIELDS };
+enum coarse_field { COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES, COARSE_FIELDS };
 
 struct coarse; /* the sums; it is a grain_observer of the impacts */
 /* Fails with ERR_INPUT on a width that is not positive or too large, and on a kernel of more than 2^24 cells. */
@@ -43,7 +44,8 @@ void coarse_clear(struct coarse *c); /* sets all sums to 0 */
  * size; it is mirrored or wrapped. */
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]);
 /* Computes a field from the sums, with impacts observed for `tau` seconds (0: no p_coll). out[k]: [cells], axis 0
- * fastest, component k of U (else k = 0). Cells without grains have U = T = 0 and p = p_coll. */
+ * fastest, component k of U and of COARSE_T_AXES, which is T_k (else k = 0). Cells without grains have U = T = 0 and
+ * p = p_coll. */
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]);
 /* The sums for restarts: coarse_size doubles at coarse_sums. */
 long coarse_size(const struct coarse *c);

@@ -1,8 +1,8 @@
 /* Function object phaseAverage writes means of fields at the same phases of a period, summed on the root.
  *
- * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T, which are per unit
- * mass, are weighted by rho if the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where there never was
- * mass); all other fields have the plain mean. */
+ * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T (and the
+ * components of T), which are per unit mass, are weighted by rho if the medium has it: sum rho U / sum rho,
+ * sum rho T / sum rho (0 where there never was mass); all other fields have the plain mean. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/output.h"
@@ -38,7 +38,7 @@ static void phases_free(void *own) {
 static bool weighted(const struct function *f, int k) {
     const struct phases *p = f->own;
     const char *name = quantity_of(f, f->field[k])->name;
-    return p->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T"));
+    return p->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T") || !strcmp(name, "TComponents"));
 }
 
 static double moment_of(const struct phases *p, double index) {

@@ -24,7 +24,7 @@ struct grain_observer *averages_observer(struct averages *a);
 /* Returns the time (s) at which averages_take is due next; INFINITY: never. */
 double averages_next(const struct averages *a);
 void averages_take(struct averages *a, const struct grains *g); /* samples the grains, which stand at that time */
-/* Computes a field: out[k][cells], component k of U (else k = 0). */
+/* Computes a field: out[k][cells], component k of a vector (else k = 0). */
 void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]);
 
 struct averages_mark *averages_mark(struct averages *a);

@@ -39,15 +39,23 @@ static struct grains_run *of(const struct medium *m) {
     return (struct grains_run *)(uintptr_t)m;
 }
 
-enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, QUANTITIES };
+enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, QUANTITIES };
 static const struct quantity quantities[] = {
-    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},     [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},  [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
+    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},
+    [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
+    [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
     [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
+    [COMPONENTS] = {"TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false},
 };
-static const enum coarse_field coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P};
-static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
-static const int written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, -1};
+static const enum coarse_field coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
+static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_T};
+static const int written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};
+
+/* Returns how many components of a quantity lie along solved axes. */
+static int components(const struct setup *s, int quantity) {
+    return quantities[quantity].components == 3 ? s->dim : 1;
+}
 
 static status medium_check_control(const struct medium *m, const struct control *c) {
     (void)m;
@@ -191,8 +199,7 @@ static status make_values(struct grains_run *x) {
     for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
     for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
-        for (int k = 0; k < (f == VELOCITY ? s->dim : 1); k++)
-            TRY(allocate(&x->value[f][k], cells, sizeof(double), "fields"));
+        for (int k = 0; k < components(s, f); k++) TRY(allocate(&x->value[f][k], cells, sizeof(double), "fields"));
     }
     return OK;
 }
@@ -381,13 +388,13 @@ static double *const *values_now(struct grains_run *x, int quantity) {
 static void medium_block(const struct medium *m, int block, int quantity, double *const out[3]) {
     const struct grid_block *b = &m->setup->grid->block[block];
     double *const *value = values_now(of(m), quantity);
-    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+    for (int k = 0; k < components(m->setup, quantity); k++)
         for (int i = 0; i < b->ncells; i++) out[k][i] = value[k][of(m)->place[b->cell[i]]];
 }
 
 static status medium_gather(const struct medium *m, int quantity, double *const out[3]) {
     double *const *value = values_now(of(m), quantity);
-    for (int k = 0; k < (quantity == VELOCITY ? m->setup->dim : 1); k++)
+    for (int k = 0; k < components(m->setup, quantity); k++)
         for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value[k][of(m)->place[i]];
     return OK;
 }
@@ -446,9 +453,9 @@ static const char help[] =
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
     "in\n"
-    "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p are written\n"
-    "as means over grains and impacts, the grains themselves as lagrangian/grains. constant/particleProperties, which\n"
-    "may be missing, holds what belongs to grains alone.\n\n"
+    "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p TComponents\n"
+    "(T along each axis) are written as means over grains and impacts, the grains themselves as lagrangian/grains.\n"
+    "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -listModels  parameters and function objects\n"
     "  -listBCs     boundary conditions\n"

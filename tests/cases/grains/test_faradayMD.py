@@ -71,6 +71,9 @@ class SedimentationMD(Short, unittest.TestCase):
         case = self.run_short("sedimentationMD", {"W": 0.02}, N, endTime=t, writeInterval=t)
         volume = case.field("alpha") @ case.volumes
         self.assertAlmostEqual(volume / (N * enskog.volume(3, 1e-3)), 1, places=11)
+        parts = case.field("TComponents")
+        np.testing.assert_allclose(parts.mean(axis=1), case.field("T"), rtol=1e-14)
+        self.assertGreater(np.ptp(parts, axis=1).max(), 0)
         p = faraday.Layer(case).profile(case.times[-1])
         free = (p["y"] > 0.03) & (p["y"] < 0.07)
         mean = lambda values: np.average(values[free], weights=p["alpha"][free])

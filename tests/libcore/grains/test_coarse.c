@@ -53,7 +53,7 @@ static void sample(struct coarse *c, struct cloud *cloud, int from, int n) {
 }
 
 struct fields {
-    double rho[CELLS], alpha[CELLS], T[CELLS], p[CELLS], u[3][CELLS];
+    double rho[CELLS], alpha[CELLS], T[CELLS], p[CELLS], u[3][CELLS], axes[3][CELLS];
 };
 static struct fields *fields_of(const struct coarse *c, double tau) {
     struct fields *f = calloc(1, sizeof *f);
@@ -61,6 +61,7 @@ static struct fields *fields_of(const struct coarse *c, double tau) {
     const enum coarse_field id[4] = {COARSE_RHO, COARSE_ALPHA, COARSE_T, COARSE_P};
     for (int i = 0; i < 4; i++) coarse_value(c, tau, id[i], (double *const[3]){scalar[i], NULL, NULL});
     coarse_value(c, tau, COARSE_U, (double *const[3]){f->u[0], f->u[1], f->u[2]});
+    coarse_value(c, tau, COARSE_T_AXES, (double *const[3]){f->axes[0], f->axes[1], f->axes[2]});
     return f;
 }
 static void near(double found, double expected, double scale, double most) {
@@ -175,7 +176,7 @@ static void kernels(void **state) {
             struct fields *f = fields_of(c, 0);
             for (int i = 0; i < FEW; i++) brute_shares(&g, cloud.x[i], w[i]);
             for (int j = 0; j < cells_of(&g); j++) {
-                double number = 0, u[3] = {0}, square = 0;
+                double number = 0, u[3] = {0}, square[3] = {0};
                 for (int i = 0; i < FEW; i++) {
                     number += w[i][j];
                     for (int k = 0; k < dim; k++) u[k] += w[i][j] * cloud.u[i][k];
@@ -184,9 +185,10 @@ static void kernels(void **state) {
                 if (number < 1e-6) continue;
                 for (int i = 0; i < FEW; i++)
                     for (int k = 0; k < dim; k++)
-                        square += w[i][j] * (cloud.u[i][k] - u[k] / number) * (cloud.u[i][k] - u[k] / number);
+                        square[k] += w[i][j] * (cloud.u[i][k] - u[k] / number) * (cloud.u[i][k] - u[k] / number);
                 for (int k = 0; k < dim; k++) near(f->u[k][j] * number, u[k], 1, round_off);
-                near(f->T[j] * dim * number, square, 1, round_off);
+                near(f->T[j] * dim * number, square[0] + square[1] + square[2], 1, round_off);
+                for (int k = 0; k < 3; k++) near(f->axes[k][j] * number, square[k], 1, round_off);
             }
             free(f);
             coarse_free(c);
@@ -248,6 +250,8 @@ static void shear(void **state) {
                 near(f->u[0][i], 1e5 + 3 * (g.low[1] + (row + 0.5) * 0.2), 1e5, 1e-14);
             near(f->u[1][i], -7, 7, 1e-14);
             if (kernel == COARSE_CELL) near(f->T[i], 9 * 0.2 * 0.2 / 12 * (1 - 1. / (SIDE * SIDE)) / 2, f->T[i], 1e-9);
+            near(f->axes[0][i], 2 * f->T[i], f->T[i], 1e-14); /* all of T is in the direction of the stream */
+            assert_true(f->axes[1][i] == 0);
         }
         free(f);
         coarse_free(c);
@@ -267,7 +271,7 @@ static void cold(void **state) {
         sample(c, &cloud, 0, GRAINS);
         struct fields *f = fields_of(c, 0);
         for (int i = 0; i < CELLS; i++) {
-            assert_true(f->T[i] == 0);
+            assert_true(f->T[i] == 0 && f->axes[0][i] == 0 && f->axes[1][i] == 0 && f->axes[2][i] == 0);
             assert_true(f->rho[i] == 0 || f->u[0][i] == 1234.567);
         }
         free(f);
