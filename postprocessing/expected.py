@@ -14,6 +14,7 @@ import sys
 import numpy as np
 
 import cellmap
+import columns
 import faraday
 import haff
 import shocks
@@ -21,6 +22,7 @@ from eos import GoldshteinShapiro, PerfectGas
 from riemann import BLAST, Riemann
 
 REFERENCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "references")
+CASES = os.path.join(os.path.dirname(REFERENCES), "..", "cases")
 WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
 
 
@@ -111,7 +113,23 @@ def wavelength(case, _, time):
     return result["wavelength"] if result["stands"] else np.nan
 
 
+def row_of(case, time):
+    """Profile over the height at that time, and of the grains of the case of the same name and MD, profiles.csv, which is
+    of the same time or phase of the shaking."""
+    layer = faraday.Layer(case)
+    grains = columns.read(os.path.join(CASES, os.path.basename(os.path.abspath(case.path)) + "MD", "profiles.csv"))
+    moment = float(time) * layer.frequency % 1 if hasattr(layer, "frequency") else float(time)
+    return columns.profile(layer, time), grains[min(grains, key=lambda m: abs(m - moment))]
+
+
+def difference_to_grains(case, field, time):
+    """L1, relative, over cells where there are grains."""
+    return float(columns.difference(*row_of(case, time), field))
+
+
 QUANTITIES = {
+    "height of the centre of mass": lambda case, field, time: float(columns.centre(columns.profile(faraday.Layer(case), time))),
+    "difference to the grains": difference_to_grains,
     "maximum": lambda case, field, time: float(case.field(field, time).max()),
     "minimum": lambda case, field, time: float(case.field(field, time).min()),
     "position of maximum": lambda case, field, time: float(case.centres[np.argmax(case.field(field, time)), 0]),

@@ -1,6 +1,6 @@
-// 0.1 m high (y) and W wide (x, z), N cells along y, a fifth as fine across: gmsh -setnumber N 50 -setnumber W 0.02 ...
+// 0.1 m high (y) and W wide (x, z), N cells along y, a fifth as fine across: gmsh -setnumber N 50 -setnumber W 0.1 ...
 DefineConstant[ N = {100, Min 20, Step 20, Name "cells along y"} ];
-DefineConstant[ W = {0.1, Min 0.01, Step 0.01, Name "width"} ];
+DefineConstant[ W = {0.03, Min 0.01, Step 0.01, Name "width"} ];
 L = 0.1;   M = Ceil(N*W/(5*L) - 1e-9);
 
 Point(1) = {0, 0, 0};   Point(2) = {W, 0, 0};   Point(3) = {W, L, 0};   Point(4) = {0, L, 0};

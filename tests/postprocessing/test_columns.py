@@ -1,0 +1,49 @@
+"""Profiles over the height: kept, moved and compared."""
+import os
+import tempfile
+import unittest
+
+import numpy as np
+
+from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
+
+import columns
+
+
+class Columns(unittest.TestCase):
+    def setUp(self):
+        y = (np.arange(20) + 0.5) / 2
+        bump = np.exp(-((y - 4) ** 2))
+        self.p = {"y": y, "alpha": bump, "U": 2 + 3 * y, "T": bump, "Tx": bump, "Ty": 3 * bump, "Tz": 2 * bump}
+
+    def test_raised(self):
+        """Half a cell up, or onto other cells: the mass stays, and its centre goes up by as much."""
+        for y in (self.p["y"], (np.arange(30) + 0.5) / 3):
+            q = columns.onto(self.p, y, 0.25)
+            self.assertAlmostEqual(q["alpha"].sum() * (y[1] - y[0]), self.p["alpha"].sum() / 2, places=6)
+            self.assertAlmostEqual(columns.centre(q) - columns.centre(self.p), 0.25, places=5)
+            np.testing.assert_allclose(q["U"][3:-3], 2 + 3 * (y[3:-3] - 0.25))
+        np.testing.assert_allclose(columns.onto(self.p, self.p["y"])["alpha"], self.p["alpha"], atol=1e-14)
+
+    def test_difference(self):
+        """Of a tenth more where grains are; what they have not does not count."""
+        grains = {**self.p, "alpha": np.where(self.p["y"] < 6, 0.1, 1e-3)}
+        more = {**grains, "alpha": np.where(self.p["y"] < 6, 0.11, 0.5), "T": 1.3 * grains["T"]}
+        self.assertAlmostEqual(columns.difference(more, grains, "alpha"), 0.1)
+        self.assertAlmostEqual(columns.difference(more, grains, "T"), 0.3)
+        self.assertAlmostEqual(columns.difference({**grains, "U": 0 * grains["U"]}, grains, lambda p: p["U"]), 1)
+        np.testing.assert_allclose(columns.ratio(grains), 2)
+
+    def test_kept(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "profiles.csv")
+            columns.write(path, {0.3: self.p, 0.6: {**self.p, "T": 2 * self.p["T"]}})
+            found = columns.read(path)
+        self.assertEqual(list(found), [0.3, 0.6])
+        for name, values in self.p.items():
+            np.testing.assert_allclose(found[0.3][name], values, rtol=1e-4)
+        np.testing.assert_allclose(found[0.6]["T"], 2 * self.p["T"], rtol=1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()
