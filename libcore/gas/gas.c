@@ -30,6 +30,7 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .comm = f->comm,
                           .dim = f->dim,
                           .ncells_all = f->ncells_all,
+                          .images = f->images,
                           .models = *models,
                           .npatches = npatches,
                           .rules = rules};
@@ -43,6 +44,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .comm = grid->comm,
                           .dim = grid->dim,
                           .ncells_all = grid->ncells_all,
+                          .images = 1,
                           .models = *models,
                           .npatches = npatches,
                           .rules = rules};

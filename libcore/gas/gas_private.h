@@ -19,6 +19,7 @@ struct gas {
     struct gas_models models;
     struct transport_terms terms; /* what the transport law asks for */
     int dim, nvar, npatches, ncells_all;
+    long images;                     /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
     long size;                       /* numbers in a line of a block: the distance from one variable to the next */
     const struct patch_rules *rules; /* [npatches] */
     const struct reconstruct *first_order;

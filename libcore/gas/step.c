@@ -224,8 +224,8 @@ static bool can_collapse(const struct gas *g) {
 
 static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     double place[3];
-    const struct gas_counts *c = &g->counts;
-    const bool noisy = c->cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
+    const struct gas_counts c = gas_counts(g);
+    const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
     gas_fastest_place(g, speed, place);
     if (!can_collapse(g))
         return fail(
@@ -239,7 +239,7 @@ static status collapse(struct gas *g, double t, double dt, const struct gas_spee
         "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
         "around\n"
         "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
-        t, place[0], place[1], place[2], dt, g->models.material.threshold, c->faces, c->cells, c->rejected,
+        t, place[0], place[1], place[2], dt, g->models.material.threshold, c.faces, c.cells, c.rejected,
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
@@ -309,11 +309,14 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
 }
 
 struct gas_counts gas_counts(const struct gas *g) {
-    return g->counts;
+    struct gas_counts c = g->counts;
+    long *const cells[] = {&c.cells, &c.faces, &c.floored, &c.filled, &c.plain};
+    for (int i = 0; i < 5; i++) *cells[i] *= g->images;
+    return c;
 }
 
 double gas_computed_share(const struct gas *g) {
     long count[2] = {g->computed, g->all};
     comm_sum_long(g->comm, count, 2);
-    return count[1] ? (double)count[0] / (double)count[1] : 1;
+    return count[1] ? (double)count[0] / (double)(count[1] * g->images) : 1;
 }

@@ -77,7 +77,7 @@ static status tiles_make(struct gas *g) {
     g->nraised = g->forest->ntiles;
     TRY(floors_make(g));
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
-    TRY(allocate(&g->tiles->sums, g->forest->ntiles, sizeof(double), "tiles"));
+    TRY(allocate(&g->tiles->sums, g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
@@ -185,7 +185,7 @@ static void place_visit(void *context, long offset, int n) {
     p->values += n;
 }
 
-static void tiles_block_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
+static void tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
     int components = field == GAS_U ? g->dim : 1;
     const int *n = g->forest->tile[tile].n;
     double background[3];
@@ -211,6 +211,23 @@ static void tiles_block_field(const struct gas *g, int tile, enum gas_field fiel
         }
 }
 
+/* Spreads a tile's values at the start of `values` over a block. Backwards, because no value moves down. */
+static void spread_over(const struct forest_block *b, const int n[3], double *values) {
+    double *to = values + (long)b->n[0] * b->n[1] * b->n[2];
+    for (int k = b->n[2] - 1; k >= 0; k--)
+        for (int j = b->n[1] - 1; j >= 0; j--) {
+            const double *row = values + n[0] * ((n[1] > 1 ? j : 0) + (long)n[1] * (n[2] > 1 ? k : 0));
+            for (int i = b->n[0] - 1; i >= 0; i--) *--to = row[n[0] > 1 ? i : 0];
+        }
+}
+
+static void tiles_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
+    const struct forest_block *b = &g->forest->block[block];
+    tile_field(g, b->tile, field, out);
+    for (int c = 0; c < (field == GAS_U ? g->dim : 1) && g->forest->images > 1; c++)
+        spread_over(b, g->forest->tile[b->tile].n, out[c]);
+}
+
 static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
     const struct forest *f = g->forest;
     int components = field == GAS_U ? g->dim : 1;
@@ -218,7 +235,7 @@ static status tiles_field(const struct gas *g, enum gas_field field, double *con
     TRY(allocate(&values, f->size * components, sizeof(double), "a field"));
     for (int t = 0; t < f->ntiles; t++) { /* W is free between steps: it carries the values to the gather */
         double *lines[3] = {values, values + f->size, values + 2 * f->size};
-        tiles_block_field(g, t, field, lines);
+        tile_field(g, t, field, lines);
         for (int c = 0; c < components; c++) {
             struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
             runs_visit(f, &f->tile[t], 0, place_visit, &p);
@@ -310,26 +327,26 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
     first_place_share(g, &first, place);
 }
 
-struct summing {
-    const double *q;
-    double sum;
-};
-
-static void sum_visit(void *context, long offset, int n) {
-    struct summing *s = context;
-    for (int i = 0; i < n; i++) s->sum += s->q[offset + i];
+/* Sums a variable of a tile over a block, cell by cell, also where cells have their values in common, so that uniform
+ * axes change no bit. */
+static double sum_block(const struct forest *f, const struct forest_block *b, const double *variable) {
+    double sum = 0;
+    for (int k = 0; k < b->n[2]; k++)
+        for (int j = 0; j < b->n[1]; j++) {
+            const double *row = variable + f->first + j * f->step[1] + k * f->step[2];
+            for (int i = 0; i < b->n[0]; i++) sum += row[i * f->step[0]];
+        }
+    return sum;
 }
 
 static status tiles_totals(const struct gas *g, const struct state *state, double totals[MAX_VAR]) {
+    const struct forest *f = g->forest;
+    for (int t = 0; t < f->ntiles; t++) activity_store_all(g, t, state);
     for (int v = 0; v < g->nvar; v++) {
-        for (int t = 0; t < g->forest->ntiles; t++) {
-            struct summing s = {.q = state->block[t] + v * g->forest->size};
-            activity_store_all(g, t, state);
-            runs_visit(g->forest, &g->forest->tile[t], 0, sum_visit, &s);
-            g->tiles->sums[t] = s.sum;
-        }
-        TRY(forest_sum(g->forest, g->tiles->sums, &totals[v]));
-        totals[v] *= g->forest->volume;
+        for (int b = 0; b < f->nblocks; b++)
+            g->tiles->sums[b] = sum_block(f, &f->block[b], state->block[f->block[b].tile] + v * f->size);
+        TRY(forest_sum(f, g->tiles->sums, &totals[v]));
+        totals[v] *= f->volume;
     }
     return OK;
 }

@@ -73,8 +73,15 @@ void tiles_unfold_bad(struct gas *g, const struct state *s) {
 }
 
 status tiles_sum_raised(const struct gas *g, double *raised, double *sum) {
-    TRY(forest_sum(g->forest, raised, sum));
-    *sum *= g->forest->volume;
+    const struct forest *f = g->forest;
+    for (int b = 0; b < f->nblocks; b++) {
+        const struct forest_block *block = &f->block[b];
+        const int *n = f->tile[block->tile].n;
+        const long cells = (long)block->n[0] * block->n[1] * block->n[2], computed = (long)n[0] * n[1] * n[2];
+        g->tiles->sums[b] = raised[block->tile] * (double)(cells / computed);
+    }
+    TRY(forest_sum(f, g->tiles->sums, sum));
+    *sum *= f->volume;
     return OK;
 }
 

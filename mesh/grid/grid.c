@@ -22,12 +22,12 @@ static status take_forest(struct grid *g, const struct lattice *l) {
     const struct forest *f = g->forest;
     g->dim = f->dim;
     memcpy(g->axis, f->axis, sizeof g->axis);
-    g->nblocks_all = f->ntiles_all;
-    g->nblocks = f->ntiles;
-    status s = allocate(&g->block, f->ntiles, sizeof *g->block, "the blocks of the grid");
-    for (int t = 0; !s && t < f->ntiles; t++) {
-        const struct tile *tile = &f->tile[t];
-        g->block[t] = (struct grid_block){tile->id, tile->n[0] * tile->n[1] * tile->n[2], tile->cell};
+    g->nblocks_all = f->nblocks_all;
+    g->nblocks = f->nblocks;
+    status s = allocate(&g->block, f->nblocks, sizeof *g->block, "the blocks of the grid");
+    for (int b = 0; !s && b < f->nblocks; b++) {
+        const struct forest_block *here = &f->block[b];
+        g->block[b] = (struct grid_block){here->id, here->n[0] * here->n[1] * here->n[2], here->cell};
     }
     return comm_agree(g->comm, s);
 }
@@ -155,16 +155,6 @@ status grid_sum(const struct grid *g, const double *per_block, double *sum) {
     return OK;
 }
 
-static int cell_of_offset(const struct forest *f, int tile, long offset) {
-    const int *n = f->tile[tile].n;
-    long at = offset - f->first, place[3] = {0, 0, 0};
-    for (int k = f->dim - 1; k >= 0; k--) {
-        place[k] = at / f->stride[k];
-        at -= place[k] * f->stride[k];
-    }
-    return (int)(place[0] + n[0] * (place[1] + n[1] * place[2]));
-}
-
 static void locate_in_polyhedra(const struct grid *g, const double point[3], int *block, int *cell) {
     int found = search_cell(g->hidden->search, point), place = found < 0 ? -1 : g->hidden->place[found];
     *block = *cell = -1;
@@ -175,11 +165,8 @@ static void locate_in_polyhedra(const struct grid *g, const double point[3], int
 }
 
 void grid_locate(const struct grid *g, const double point[3], int *block, int *cell) {
-    long offset;
-    if (g->polyhedra) {
+    if (g->polyhedra)
         locate_in_polyhedra(g, point, block, cell);
-        return;
-    }
-    forest_locate(g->forest, point, block, &offset);
-    *cell = *block < 0 ? -1 : cell_of_offset(g->forest, *block, offset);
+    else
+        forest_locate(g->forest, point, block, cell);
 }

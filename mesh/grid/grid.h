@@ -7,7 +7,7 @@
 #include "mesh/lattice/forest.h"
 #include "mesh/polyhedral/polyhedra.h"
 
-struct grid_block { /* a tile, or a block of polyhedral cells */
+struct grid_block { /* a block of a forest, or of polyhedral cells */
     int id;         /* number among the blocks of all ranks, 0 .. nblocks_all - 1 */
     int ncells;
     const int *cell; /* [ncells] polyMesh cells, in the order in which the gas gives values of a block */

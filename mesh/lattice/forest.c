@@ -1,5 +1,5 @@
-/* Makes the forest of a lattice (forest.h): the memory layout of a tile, this rank's tiles with their cells, and the
- * faces on their patches. */
+/* Makes the forest of a lattice (forest.h): the memory layout of a tile, this rank's tiles with the faces
+ * on their patches, and its blocks with their cells. */
 #include "mesh/lattice/forest.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static long round_up(long n, long to) {
 
 /* Lays out the block of one variable of a tile, which has room for the longest tile along each axis. A row's high
  * ghosts and the next row's low ghosts share the padding, so the cells of every row start on a multiple of 8. */
-static void lay_out(struct forest *f) {
+static void lay_out(struct forest *f, const struct lattice *l) {
     int most[3] = {1, 1, 1}, ghosts[3] = {0};
     for (int k = 0; k < 3; k++) {
         ghosts[k] = k < f->dim ? GHOSTS : 0;
@@ -25,6 +25,7 @@ static void lay_out(struct forest *f) {
     f->stride[2] = f->stride[1] * (most[1] + 2 * ghosts[1]);
     f->first = 8 + ghosts[1] * f->stride[1] + ghosts[2] * f->stride[2];
     f->size = 8 + f->stride[2] * (most[2] + 2 * ghosts[2]);
+    for (int k = 0; k < 3; k++) f->step[k] = l->uniform[k] ? 0 : f->stride[k];
 }
 
 /* Finds the patch of every boundary face; cyclic faces get -1, since they have cells on both sides. */
@@ -67,9 +68,9 @@ static void describe_sides(struct tile *t, const struct trees_tile *all, const s
         t->side[side].neighbour = neighbour >= 0 && neighbour < trees->count ? neighbour : -1;
         t->side[side].patch = -1;
         if (side >= 2 * l->dim || all->neighbour[side] >= 0) continue;
-        int a = side / 2, step[3] = {1, t->n[0], t->n[0] * t->n[1]};
-        int corner = side % 2 ? (t->n[a] - 1) * step[a] : 0;
-        t->side[side].patch = patch_of[l->face[6 * (long)t->cell[corner] + side] - m->ninternal];
+        int a = side / 2, corner[3] = {t->low[0], t->low[1], t->low[2]};
+        if (side % 2) corner[a] += t->n[a] - 1;
+        t->side[side].patch = patch_of[l->face[6 * (long)l->cell[lattice_index(l, corner)] + side] - m->ninternal];
         t->side[side].face = *face;
         *face = list_faces(l, m, t, side, *face);
     }
@@ -78,41 +79,60 @@ static void describe_sides(struct tile *t, const struct trees_tile *all, const s
 static status make_tiles(struct forest *f, const struct lattice *l, const struct polymesh *m, const int *patch_of) {
     struct forest_private *h = f->hidden;
     const struct trees_tile *all = h->all + h->trees->first;
-    long ncells = 0, nfaces = 0;
+    long nfaces = 0;
     f->ntiles = h->trees->count;
     for (int t = 0; t < f->ntiles; t++) {
         const int *n = all[t].n;
-        ncells += (long)n[0] * n[1] * n[2];
         nfaces += 2L * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
     }
     TRY(allocate(&f->tile, f->ntiles, sizeof *f->tile, "the tiles"));
-    TRY(allocate(&h->cell, ncells, sizeof *h->cell, "the cells of the tiles"));
     TRY(allocate(&h->face, nfaces, sizeof *h->face, "the faces of the tiles"));
-    int *cell = h->cell, *face = h->face;
+    int *face = h->face;
     for (int t = 0; t < f->ntiles; t++) {
         struct tile *tile = &f->tile[t];
         tile->id = h->trees->first + t;
         memcpy(tile->low, all[t].low, sizeof tile->low);
         memcpy(tile->n, all[t].n, sizeof tile->n);
-        tile->cell = cell;
-        cell = list_cells(l, tile->low, tile->n, cell);
         describe_sides(tile, &all[t], h->trees, l, m, patch_of, &face);
+    }
+    return OK;
+}
+
+static status make_blocks(struct forest *f, const struct lattice *l) {
+    struct forest_private *h = f->hidden;
+    const struct cut_block *mine = h->block;
+    long ncells = 0;
+    while (mine < h->block + h->nblocks && mine->tile < h->trees->first) mine++;
+    for (int b = 0; mine + b < h->block + h->nblocks && mine[b].tile < h->trees->first + h->trees->count; b++) {
+        ncells += (long)mine[b].n[0] * mine[b].n[1] * mine[b].n[2];
+        f->nblocks++;
+    }
+    TRY(allocate(&f->block, f->nblocks, sizeof *f->block, "the blocks"));
+    TRY(allocate(&h->cell, ncells, sizeof *h->cell, "the cells of the blocks"));
+    int *cell = h->cell;
+    for (int b = 0; b < f->nblocks; b++) {
+        f->block[b] = (struct forest_block){.id = mine[b].id, .tile = mine[b].tile - h->trees->first, .cell = cell};
+        memcpy(f->block[b].low, mine[b].low, sizeof mine->low);
+        memcpy(f->block[b].n, mine[b].n, sizeof mine->n);
+        cell = list_cells(l, mine[b].low, mine[b].n, cell);
     }
     if (!comm_root(f->comm)) return OK;
     TRY(allocate(&h->order, f->ncells_all, sizeof *h->order, "the order of the cells"));
     int *next = h->order;
-    for (int t = 0; t < h->nall; t++) next = list_cells(l, h->all[t].low, h->all[t].n, next);
+    for (int b = 0; b < h->nblocks; b++) next = list_cells(l, h->block[b].low, h->block[b].n, next);
     return OK;
 }
 
 static void describe_lattice(struct forest *f, const struct lattice *l, const struct polymesh *m) {
     f->dim = l->dim;
     f->volume = 1;
+    f->images = 1;
     for (int k = 0; k < 3; k++) {
         f->axis[k] = l->axis[k];
         f->width[k] = l->width[k];
         f->origin[k] = l->origin[k];
         f->volume *= l->width[k];
+        if (l->uniform[k]) f->images *= l->n[k];
     }
     f->ncells_all = m->ncells;
 }
@@ -122,9 +142,11 @@ static status build(struct forest *f, const struct lattice *l, const struct poly
     struct forest_private *h = f->hidden;
     TRY(comm_agree(f->comm, cut_make(h, l, m, patch_of, tile_size)));
     f->ntiles_all = h->nall;
-    lay_out(f);
+    f->nblocks_all = h->nblocks;
+    lay_out(f, l);
     TRY(trees_make(f->comm, l->dim, h->all, h->nall, &h->trees));
     status s = make_tiles(f, l, m, patch_of);
+    if (!s) s = make_blocks(f, l);
     if (!s) s = fill_make(f);
     return comm_agree(f->comm, s);
 }
@@ -165,5 +187,6 @@ void forest_free(struct forest *f) {
         free(h);
     }
     free(f->tile);
+    free(f->block);
     free(f);
 }

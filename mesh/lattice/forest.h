@@ -23,8 +23,16 @@ struct tile {
     int low[3];          /* lattice position of its first cell */
     int n[3];            /* cells along each computational axis; 1 for k >= dim */
     struct side side[6]; /* 2*k + (0 low, 1 high), k < dim */
-    const int *cell;     /* [n0*n1*n2], axis 0 fastest: polyMesh cell */
     bool remote;         /* does a ghost layer come from another rank? */
+};
+/* What a tile stands for: itself or, where an axis is uniform, also its images along that axis, cut as tiles would be.
+ * Values go in and out by blocks, so that nobody else sees which axes are uniform. */
+struct forest_block {
+    int id;          /* place along the curve among the blocks of all ranks */
+    int tile;        /* index in tile[] of the tile that holds its values */
+    int low[3];      /* lattice position of its first cell */
+    int n[3];        /* cells along each computational axis; 1 for k >= dim */
+    const int *cell; /* [n0*n1*n2], axis 0 fastest: polyMesh cell */
 };
 struct forest {
     int dim;
@@ -36,9 +44,14 @@ struct forest {
     long stride[3]; /* doubles: stride[0] = 1; rows are padded so that `first` and stride[1] are multiples of 8 */
     long first;     /* offset of cell (0, 0, 0) */
     long size;      /* doubles per variable, a multiple of 8 */
+    long step[3];   /* doubles from cell to cell of a block: stride, or 0 along uniform axes */
+    long images;    /* cells of the mesh that each cell of a tile stands for: 1 unless an axis is uniform */
     int ntiles;     /* tiles of this rank */
     struct tile *tile;
     int ntiles_all;
+    int nblocks; /* blocks of this rank, tile by tile */
+    struct forest_block *block;
+    int nblocks_all;
     int ncells_all;
     const struct comm *comm;
     struct forest_private *hidden; /* the trees, the plan of the ghost exchange */
@@ -67,19 +80,19 @@ void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_derivatives(struct forest *f, double *const *data);
 
-/* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every tile's cells to the
+/* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every block's cells to the
  * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that
  * every rank holds; local. */
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all);
 void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data);
 
-/* Sums one number per tile over all ranks in the order of the tiles' ids: *sum has the same bits for any number of
+/* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of
  * ranks. Collective. */
-status forest_sum(const struct forest *f, const double *per_tile, double *sum);
+status forest_sum(const struct forest *f, const double *per_block, double *sum);
 
-/* Finds the tile of this rank and the cell in it (offset from the block's start, one variable) that hold a point (x, y,
- * z in m); *tile is -1 if another rank or none has the point. A point between two cells belongs to the upper one, at an
- * upper edge of the domain to the lower one: one rank has it. */
-void forest_locate(const struct forest *f, const double point[3], int *tile, long *offset);
+/* Finds the block of this rank and the cell in it that hold a point (x, y, z in m); *block is -1 if another rank or
+ * none has the point. A point between two cells belongs to the upper one, at an upper edge of the domain to the lower
+ * one: one rank has it. */
+void forest_locate(const struct forest *f, const double point[3], int *block, int *cell);
 
 #endif

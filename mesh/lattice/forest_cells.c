@@ -5,22 +5,23 @@
 
 #include "mesh/lattice/forest_private.h"
 
+/* Returns where a row of a block's cells starts in a variable of its tile. */
 static long row_offset(const struct forest *f, int j, int k) {
-    return f->first + j * f->stride[1] + k * f->stride[2];
+    return f->first + j * f->step[1] + k * f->step[2];
 }
 
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {
     double *mine = NULL, *values = NULL, *next;
     long ncells = 0;
-    for (int t = 0; t < f->ntiles; t++) ncells += (long)f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2];
+    for (int b = 0; b < f->nblocks; b++) ncells += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
     TRY(comm_agree(f->comm, allocate(&mine, ncells, sizeof *mine, "the cells of this rank")));
     next = mine;
-    for (int t = 0; t < f->ntiles; t++) {
-        const int *n = f->tile[t].n;
-        const double *block = data[t] + variable * f->size;
+    for (int b = 0; b < f->nblocks; b++) {
+        const int *n = f->block[b].n;
+        const double *values_of = data[f->block[b].tile] + variable * f->size;
         for (int k = 0; k < n[2]; k++)
             for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++) *next++ = block[row_offset(f, j, k) + i];
+                for (int i = 0; i < n[0]; i++) *next++ = values_of[row_offset(f, j, k) + i * f->step[0]];
     }
     status s = comm_gather(f->comm, mine, ncells, &values, NULL);
     free(mine);
@@ -32,22 +33,25 @@ status forest_gather(const struct forest *f, const double *const *data, int vari
 }
 
 void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data) {
-    for (int t = 0; t < f->ntiles; t++) {
-        const int *n = f->tile[t].n, *cell = f->tile[t].cell;
-        double *block = data[t] + variable * f->size;
+    for (int b = 0; b < f->nblocks; b++) {
+        const int *n = f->block[b].n, *cell = f->block[b].cell;
+        double *values = data[f->block[b].tile] + variable * f->size;
         for (int k = 0; k < n[2]; k++)
             for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++) block[row_offset(f, j, k) + i] = all[*cell++];
+                for (int i = 0; i < n[0]; i++) values[row_offset(f, j, k) + i * f->step[0]] = all[*cell++];
     }
 }
 
-status forest_sum(const struct forest *f, const double *per_tile, double *sum) {
-    double *all = NULL;
-    long n = 0;
+status forest_sum(const struct forest *f, const double *per_block, double *sum) {
+    double *all = NULL, *ordered = NULL;
     *sum = 0;
-    TRY(comm_gather(f->comm, per_tile, f->ntiles, &all, &n));
-    for (long t = 0; t < n; t++) *sum += all[t];
+    TRY(comm_gather(f->comm, per_block, f->nblocks, &all, NULL));
+    status s = all ? allocate(&ordered, f->nblocks_all, sizeof *ordered, "sums of the blocks") : OK;
+    for (int b = 0; ordered && b < f->nblocks_all; b++) ordered[f->hidden->block[b].id] = all[b];
+    for (int b = 0; ordered && b < f->nblocks_all; b++) *sum += ordered[b];
     free(all);
+    free(ordered);
+    TRY(comm_agree(f->comm, s));
     comm_broadcast(f->comm, sum, sizeof *sum);
     return OK;
 }
@@ -64,7 +68,7 @@ static int candidates(const struct forest *f, int k, double x, int position[2]) 
     return 2;
 }
 
-static int find_tile(const struct forest_private *h, const int i[3]) {
+static int find_block(const struct forest_private *h, const int i[3]) {
     int piece[3];
     for (int k = 0; k < 3; k++) {
         if (i[k] < 0 || i[k] >= h->n[k]) return -1;
@@ -81,10 +85,8 @@ static int find_tile(const struct forest_private *h, const int i[3]) {
     return h->id[piece[0] + h->pieces[0] * (piece[1] + (long)h->pieces[1] * piece[2])];
 }
 
-void forest_locate(const struct forest *f, const double point[3], int *tile, long *offset) {
+void forest_locate(const struct forest *f, const double point[3], int *block, int *cell) {
     int choice[3][2] = {{0}}, n[3] = {1, 1, 1}, id = -1, i[3] = {0};
-    *tile = -1;
-    *offset = -1;
     for (int k = 0; k < f->dim; k++) n[k] = candidates(f, k, point[f->axis[k]], choice[k]);
     for (int pick = 0; pick < 8 && id < 0; pick++) {
         bool valid = true;
@@ -92,10 +94,13 @@ void forest_locate(const struct forest *f, const double point[3], int *tile, lon
             i[k] = choice[k][pick >> k & 1];
             valid = valid && (pick >> k & 1) < n[k];
         }
-        if (valid) id = find_tile(f->hidden, i);
+        if (valid) id = find_block(f->hidden, i);
     }
-    if (id < f->hidden->trees->first || id >= f->hidden->trees->first + f->ntiles) return;
-    *tile = id - f->hidden->trees->first;
-    *offset = f->first;
-    for (int k = 0; k < 3; k++) *offset += (i[k] - f->tile[*tile].low[k]) * f->stride[k];
+    *cell = *block = -1;
+    for (int b = 0; b < f->nblocks; b++) {
+        const struct forest_block *here = &f->block[b];
+        if (here->id != id) continue;
+        *block = b;
+        *cell = i[0] - here->low[0] + here->n[0] * (i[1] - here->low[1] + here->n[1] * (i[2] - here->low[2]));
+    }
 }

@@ -1,6 +1,6 @@
 /* Cuts a lattice into the tiles of the forest (forest.h): finds the planes where the boundary or its patch changes,
- * cuts every axis into pieces between them, and numbers the solid boxes of the pieces' tensor product along a Morton
- * curve. */
+ * cuts every axis into pieces between them, and numbers the solid boxes of the pieces' tensor product, the blocks,
+ * along a Morton curve. A block is a tile, too, unless it lies behind another along a uniform axis. */
 #include "mesh/lattice/forest_private.h"
 
 #include <stdint.h>
@@ -111,32 +111,69 @@ static int by_key(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Numbers the solid tiles along the curve; seat[id] is a tile's place in the tile grid. */
-static void number_tiles(struct forest_private *h, const struct cutter *c, struct seat *seat) {
+/* Numbers the solid blocks along the curve; seat[id] is a block's place in their grid. */
+static void number_blocks(struct forest_private *h, const struct cutter *c, struct seat *seat) {
     const int *pieces = h->pieces;
     for (int p[3] = {0}; p[2] < pieces[2]; p[2]++)
         for (p[1] = 0; p[1] < pieces[1]; p[1]++)
             for (p[0] = 0; p[0] < pieces[0]; p[0]++) {
                 int low[3] = {h->start[0][p[0]], h->start[1][p[1]], h->start[2][p[2]]};
                 h->id[at(pieces, p)] = -1;
-                if (c->l->cell[at(h->n, low)] >= 0) seat[h->nall++] = (struct seat){morton(p), {p[0], p[1], p[2]}};
+                if (c->l->cell[at(h->n, low)] >= 0) seat[h->nblocks++] = (struct seat){morton(p), {p[0], p[1], p[2]}};
             }
-    qsort(seat, (size_t)h->nall, sizeof *seat, by_key);
-    for (int t = 0; t < h->nall; t++) h->id[at(pieces, seat[t].piece)] = t;
+    qsort(seat, (size_t)h->nblocks, sizeof *seat, by_key);
+    for (int b = 0; b < h->nblocks; b++) h->id[at(pieces, seat[b].piece)] = b;
 }
 
-static void describe_tile(struct forest_private *h, const struct cutter *c, const int piece[3], struct trees_tile *t) {
+/* Is the block at a place of the grid a tile, too? */
+static bool is_tile(const struct cutter *c, const int piece[3]) {
+    bool first = true;
+    for (int k = 0; k < 3; k++) first &= !c->l->uniform[k] || piece[k] == 0;
+    return first;
+}
+
+/* Returns the tile that holds the values of the block at a place of the grid; -1: a hole is there. */
+static int tile_at(const struct forest_private *h, const struct cutter *c, const int *tile_of, const int piece[3]) {
+    int first[3];
+    for (int k = 0; k < 3; k++) first[k] = c->l->uniform[k] ? 0 : piece[k];
+    const int id = h->id[at(h->pieces, first)];
+    return id < 0 ? -1 : tile_of[id];
+}
+
+static void describe_tile(struct forest_private *h, const struct cutter *c, const int *tile_of, const int piece[3]) {
+    struct trees_tile *t = &h->all[tile_at(h, c, tile_of, piece)];
     for (int k = 0; k < 3; k++) {
         t->low[k] = h->start[k][piece[k]];
-        t->n[k] = h->start[k][piece[k] + 1] - t->low[k];
+        t->n[k] = c->l->uniform[k] ? 1 : h->start[k][piece[k] + 1] - t->low[k];
     }
     for (int side = 0; side < 6; side++) {
         int k = side / 2, corner[3] = {t->low[0], t->low[1], t->low[2]}, next[3] = {piece[0], piece[1], piece[2]};
         if (side % 2) corner[k] += t->n[k] - 1;
         next[k] = (next[k] + (side % 2 ? 1 : h->pieces[k] - 1)) % h->pieces[k];
         bool patch = k >= c->l->dim || side_patch(c, corner, side) >= 0;
-        t->neighbour[side] = patch ? -1 : h->id[at(h->pieces, next)];
+        t->neighbour[side] = patch ? -1 : tile_at(h, c, tile_of, next);
     }
+}
+
+static int by_tile(const void *a, const void *b) {
+    const struct cut_block *p = a, *q = b;
+    return p->tile != q->tile ? (p->tile > q->tile) - (p->tile < q->tile) : (p->id > q->id) - (p->id < q->id);
+}
+
+/* Numbers the tiles in the order of the blocks that they are, and lists the blocks tile by tile. */
+static void describe_all(struct forest_private *h, const struct cutter *c, const struct seat *seat, int *tile_of) {
+    for (int b = 0; b < h->nblocks; b++)
+        if (is_tile(c, seat[b].piece)) tile_of[b] = h->nall++;
+    for (int b = 0; b < h->nblocks; b++) {
+        const int *piece = seat[b].piece;
+        h->block[b] = (struct cut_block){.id = b, .tile = tile_at(h, c, tile_of, piece)};
+        for (int k = 0; k < 3; k++) {
+            h->block[b].low[k] = h->start[k][piece[k]];
+            h->block[b].n[k] = h->start[k][piece[k] + 1] - h->block[b].low[k];
+        }
+        if (is_tile(c, piece)) describe_tile(h, c, tile_of, piece);
+    }
+    qsort(h->block, (size_t)h->nblocks, sizeof *h->block, by_tile);
 }
 
 /* Refuses tile t if a neighbour tile takes ghost layers from it and it has fewer than GHOSTS cells there. A tile that
@@ -159,12 +196,16 @@ static status check_thickness(const struct forest_private *h, const struct latti
 
 static status make_tiles(struct forest_private *h, const struct cutter *c) {
     long places = (long)h->pieces[0] * h->pieces[1] * h->pieces[2];
-    TRY(allocate(&h->id, places, sizeof *h->id, "the tile grid"));
+    TRY(allocate(&h->id, places, sizeof *h->id, "the grid of blocks"));
     struct seat *seat;
+    int *tile_of = NULL;
     TRY(allocate(&seat, places, sizeof *seat, "the curve of the tiles"));
-    number_tiles(h, c, seat);
-    status s = allocate(&h->all, h->nall, sizeof *h->all, "the tiles");
-    for (int t = 0; !s && t < h->nall; t++) describe_tile(h, c, seat[t].piece, &h->all[t]);
+    number_blocks(h, c, seat);
+    status s = allocate(&h->block, h->nblocks, sizeof *h->block, "the blocks");
+    if (!s) s = allocate(&h->all, h->nblocks, sizeof *h->all, "the tiles");
+    if (!s) s = allocate(&tile_of, h->nblocks, sizeof *tile_of, "the tiles");
+    if (!s) describe_all(h, c, seat, tile_of);
+    free(tile_of);
     free(seat);
     for (int t = 0; !s && t < h->nall; t++) s = check_thickness(h, c->l, t);
     return s;
@@ -186,5 +227,6 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
 void cut_free(struct forest_private *h) {
     for (int k = 0; k < 3; k++) free(h->start[k]);
     free(h->id);
+    free(h->block);
     free(h->all);
 }

@@ -19,17 +19,23 @@ struct copies {
     int n;
     struct copy *item;
 };
+struct cut_block { /* one block; every rank has the list of all */
+    int id, tile;  /* places along the curve: of the block, and of the tile that holds its values */
+    int low[3], n[3];
+};
 struct forest_private {
     int n[3];      /* cells of the lattice along each axis */
-    int pieces[3]; /* pieces along each axis: the tile grid */
+    int pieces[3]; /* pieces along each axis: the grid of blocks */
     int *start[3]; /* [pieces + 1] lattice position of each piece's first cell, and n at the end */
-    int *id;       /* [pieces0*pieces1*pieces2] tile id, -1 in a hole */
+    int *id;       /* [pieces0*pieces1*pieces2] block id, -1 in a hole */
+    int nblocks;
+    struct cut_block *block; /* [nblocks] all blocks, tile by tile, and by id within a tile */
     int nall;
     struct trees_tile *all; /* [nall] all tiles, by id */
     struct trees *trees;
-    int *cell;  /* the array that tile[].cell points into */
+    int *cell;  /* the array that block[].cell points into */
     int *face;  /* the array that tile[].side[].face points into */
-    int *order; /* root: [ncells_all] polyMesh cell, tile by tile; NULL elsewhere */
+    int *order; /* root: [ncells_all] polyMesh cell, block by block; NULL elsewhere */
 
     struct copies fill, pack; /* copies into ghost layers, tile by tile; copies into messages */
     int *fill_start;          /* [ntiles + 1] where the copies for a tile begin */
@@ -42,8 +48,8 @@ struct forest_private {
     double *const *data;
 };
 
-/* Cuts the lattice into the tiles of all ranks: sets n, pieces, start, id, nall, all, the same on every rank and
- * without communication. patch_of[f - ninternal] is the patch of boundary face f, or -1 on a cyclic patch. */
+/* Cuts the lattice into the tiles of all ranks: sets n, pieces, start, id, nblocks, block, nall, all, the same on every
+ * rank and without communication. patch_of[f - ninternal] is the patch of boundary face f, or -1 on a cyclic patch. */
 status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, const int *patch_of,
                 int tile_size);
 void cut_free(struct forest_private *h);

@@ -244,6 +244,10 @@ void lattice_free(struct lattice *l) {
     free(l);
 }
 
+bool lattice_may_be_uniform(const struct lattice *l, const struct polymesh *m, int k) {
+    return l->periodic[k] && l->n[k] > 1 && m->ncells == (long)l->n[0] * l->n[1] * l->n[2];
+}
+
 static void set_axes(const struct search *s, struct lattice *l) {
     int gone = 0;
     for (int k = 0; k < 3; k++) gone += s->gone[k];

@@ -15,11 +15,16 @@ struct lattice {
     int *face;        /* [ncells][6] by polyMesh cell: face at side 2*k + (0 low, 1 high); -1 for k >= dim */
     double thickness; /* product of the mesh's extents along the empty axes, m^(3-dim): volume = product(width) */
     bool periodic[3]; /* axis k is wrapped by cyclic patches */
+    bool uniform[3];  /* the forest shall hold one layer of cells along axis k, which stands for all. lattice_recognise
+                         sets none; who sets it knows that all values are the same along k, and keeps them so */
 };
 
 /* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell
  * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
 void lattice_free(struct lattice *l);
+
+/* Can the lattice be uniform along axis k? It must be a periodic box without holes, and more than one cell long. */
+bool lattice_may_be_uniform(const struct lattice *l, const struct polymesh *m, int k);
 
 #endif

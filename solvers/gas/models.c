@@ -33,6 +33,8 @@ static const struct param limits_param[] = {
 static const struct param solution_param[] = {
     SWITCH("skipUniform", gas.skip_uniform, true,
            "leave out cells whose surroundings are uniform to the bit; the result has the same bits"),
+    SWITCH("skipUniformAxes", skip_axes, true,
+           "compute one layer of cells along a periodic axis along which all is uniform to the bit; the same bits"),
 };
 static const char *const shaking_names[] = {"none", "sinusoidal"};
 

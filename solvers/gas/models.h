@@ -21,6 +21,7 @@ struct case_models {
     struct gas_models gas;
     struct forces forces;
     double min_fraction; /* fraction of the calm time step below which the gas has collapsed */
+    bool skip_axes;      /* is an axis along which the run is uniform computed on one layer of cells? */
     struct dict *properties, *schemes, *solution;
 };
 /* Reads all these files. dim and axis are those of the mesh, for gravity in computational axes. Misspelt keys are

@@ -49,6 +49,11 @@ static void print_mesh(FILE *f, const struct setup *s) {
         fprintf(f, " %c %d cells of %g%s;", "xyz"[l->axis[k]], l -> n[k], l -> width[k],
                 l -> periodic[k] ? " (periodic)" : "");
     fprintf(f, " %d tiles\n", s->grid->nblocks_all);
+    const long images = s->grid->forest->images;
+    if (images == 1) return;
+    for (int k = 0, n = 0; k < l->dim; k++)
+        if (l->uniform[k]) fprintf(f, "%s %c", n++ ? " and" : "    uniform along", "xyz"[l->axis[k]]);
+    fprintf(f, ": %ld of %d cells are computed\n", m->ncells / images, m->ncells);
 }
 
 static void print_dictionaries(FILE *f, const struct setup *s) {
