@@ -24,6 +24,10 @@ struct lattice {
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
 void lattice_free(struct lattice *l);
 
+/* Sets the centres [ncells][3] (m) of the cells along the solved axes from their places, so that a layer of cells has
+ * one coordinate, to the bit, and expressions in it one value. */
+void lattice_centres(const struct lattice *l, double *centre);
+
 /* Can the lattice be uniform along axis k? It must be a periodic box without holes, and more than one cell long. */
 bool lattice_may_be_uniform(const struct lattice *l, const struct polymesh *m, int k);
 

@@ -31,6 +31,7 @@ static status read_mesh(struct setup *s) {
         e = polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
     }
     if (!e) e = lattice_recognise(m, &s->lattice, s->why);
+    if (!e && s->lattice) lattice_centres(s->lattice, s->centre);
     free(face_centre);
     free(area);
     return e;
