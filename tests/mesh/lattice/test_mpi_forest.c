@@ -20,6 +20,7 @@ struct scene {
     int hole_low[3], hole_high[3]; /* cells low <= i < high are missing */
     int switch_plane;              /* low side of axis 1: another patch from here on along axis 0; 0: none */
     int tiles;                     /* expected */
+    bool uniform[3];
 };
 enum { EDGE = 0, WALL = 6, OTHER, CYCLIC, PATCHES }; /* EDGE + side: an edge of the domain; WALL: of the hole */
 
@@ -27,20 +28,25 @@ static struct comm *world;
 static const double absent = -12345;
 
 static const struct scene scenes[] = {
-    {"1D", 1, {37, 1, 1}, 8, {false}, {0}, {0}, 0, 5},
-    {"1D periodic", 1, {37, 1, 1}, 8, {true}, {0}, {0}, 0, 5},
-    {"1D one tile, its own image", 1, {20, 1, 1}, 32, {true}, {0}, {0}, 0, 1},
-    {"1D tiles that would be thin", 1, {5, 1, 1}, 4, {false}, {0}, {0}, 0, 1},
-    {"2D box", 2, {23, 17, 1}, 7, {false}, {0}, {0}, 0, 12},
-    {"2D fewer tiles than ranks", 2, {9, 6, 1}, 7, {false, true}, {0}, {0}, 0, 2},
-    {"2D patch change", 2, {30, 20, 1}, 10, {false}, {0}, {0}, 5, 8},
-    {"2D step", 2, {40, 16, 1}, 8, {false}, {12, 0, 0}, {40, 5, 1}, 0, 14},
-    {"2D block inside, periodic", 2, {40, 22, 1}, 8, {true, true}, {12, 5, 0}, {20, 13, 1}, 0, 23},
-    {"2D one cell high, its own image", 2, {30, 1, 1}, 8, {false, true}, {0}, {0}, 0, 4},
-    {"2D thin between patches", 2, {30, 2, 1}, 8, {true, false}, {0}, {0}, 0, 4},
-    {"3D box", 3, {9, 11, 7}, 4, {false}, {0}, {0}, 0, 18},
-    {"3D periodic", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 18},
-    {"3D step, thin own image", 3, {16, 12, 2}, 6, {false, false, true}, {8, 0, 0}, {16, 6, 2}, 0, 6},
+    {"1D", 1, {37, 1, 1}, 8, {false}, {0}, {0}, 0, 5, {false}},
+    {"1D periodic", 1, {37, 1, 1}, 8, {true}, {0}, {0}, 0, 5, {false}},
+    {"1D one tile, its own image", 1, {20, 1, 1}, 32, {true}, {0}, {0}, 0, 1, {false}},
+    {"1D tiles that would be thin", 1, {5, 1, 1}, 4, {false}, {0}, {0}, 0, 1, {false}},
+    {"2D box", 2, {23, 17, 1}, 7, {false}, {0}, {0}, 0, 12, {false}},
+    {"2D fewer tiles than ranks", 2, {9, 6, 1}, 7, {false, true}, {0}, {0}, 0, 2, {false}},
+    {"2D patch change", 2, {30, 20, 1}, 10, {false}, {0}, {0}, 5, 8, {false}},
+    {"2D step", 2, {40, 16, 1}, 8, {false}, {12, 0, 0}, {40, 5, 1}, 0, 14, {false}},
+    {"2D block inside, periodic", 2, {40, 22, 1}, 8, {true, true}, {12, 5, 0}, {20, 13, 1}, 0, 23, {false}},
+    {"2D one cell high, its own image", 2, {30, 1, 1}, 8, {false, true}, {0}, {0}, 0, 4, {false}},
+    {"2D thin between patches", 2, {30, 2, 1}, 8, {true, false}, {0}, {0}, 0, 4, {false}},
+    {"3D box", 3, {9, 11, 7}, 4, {false}, {0}, {0}, 0, 18, {false}},
+    {"3D periodic", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 18, {false}},
+    {"3D step, thin own image", 3, {16, 12, 2}, 6, {false, false, true}, {8, 0, 0}, {16, 6, 2}, 0, 6, {false}},
+    {"2D uniform along x", 2, {37, 22, 1}, 8, {true, false}, {0}, {0}, 0, 3, {true, false}},
+    {"2D uniform along z, both periodic", 2, {22, 17, 1}, 8, {true, true}, {0}, {0}, 0, 3, {false, true}},
+    {"3D uniform along x and z", 3, {9, 11, 8}, 4, {true, false, true}, {0}, {0}, 0, 3, {true, false, true}},
+    {"3D uniform along y", 3, {9, 11, 8}, 4, {false, true, false}, {0}, {0}, 0, 6, {false, true, false}},
+    {"3D uniform", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 1, {true, true, true}},
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
@@ -102,6 +108,7 @@ static void scene_make(const struct scene *s, struct lattice *l, struct polymesh
         l->origin[k] = -1.0 - k;
         l->width[k] = 0.1 * (k + 1);
         l->periodic[k] = s->periodic[k];
+        l->uniform[k] = s->uniform[k];
     }
     make_cells(s, l, m);
     l->face = malloc(6 * (size_t)m->ncells * sizeof *l->face);
@@ -152,8 +159,13 @@ static void end(struct fixture *x) {
     scene_free(&x->l, &x->m);
 }
 
+/* The lattice index of the cell that holds the values of cell i: the first one along uniform axes. */
+static long computed(const struct scene *s, const int i[3]) {
+    return index_of(s->n, (const int[3]){s->uniform[0] ? 0 : i[0], s->uniform[1] ? 0 : i[1], s->uniform[2] ? 0 : i[2]});
+}
+
 static double value(const struct fixture *x, const int i[3], int v) {
-    return 1000000.0 * v + (double)index_of(x->scene->n, i) + 0.5;
+    return 1000000.0 * v + (double)computed(x->scene, i) + 0.5;
 }
 
 static long offset_of(const struct forest *f, int i, int j, int k) {
@@ -195,9 +207,11 @@ static double expected(const struct fixture *x, const struct tile *tile, const i
 static void check_block(const struct fixture *x, int t) {
     const struct forest *f = x->f;
     const long rows = f->stride[2] / f->stride[1], planes = f->size / f->stride[2];
+    const long start =
+        f->first - (f->dim > 1 ? GHOSTS * f->stride[1] : 0) - (f->dim > 2 ? GHOSTS * f->stride[2] : 0) - GHOSTS;
     for (int v = 0; v < x->nvar; v++)
         for (long place = 0; place < f->size; place++) {
-            long in_rows = place - f->first % f->stride[1] + GHOSTS; /* a row begins with its low ghosts */
+            long in_rows = place - start; /* a row begins with its low ghosts */
             long row = in_rows < 0 ? -1 : in_rows / f->stride[1];
             int i[3] = {(int)(in_rows - row * f->stride[1]) - GHOSTS, (int)(row % rows), (int)(row / rows)};
             if (f->dim > 1) i[1] -= GHOSTS;
@@ -282,8 +296,7 @@ static void check_side(const struct fixture *x, const struct tile *tile, int sid
         for (i[1] = low[1]; i[1] < high[1]; i[1]++)
             for (i[0] = low[0]; i[0] < high[0]; i[0]++) {
                 int at[3] = {tile->low[0] + i[0], tile->low[1] + i[1], tile->low[2] + i[2]};
-                int cell = tile->cell[index_of(tile->n, i)];
-                assert_int_equal(cell, x->l.cell[index_of(x->l.n, at)]);
+                int cell = x->l.cell[index_of(x->l.n, at)];
                 long next = beyond(x->scene, at, side, &patch);
                 assert_int_equal(tile->side[side].patch, next < 0 ? patch : -1);
                 if (next < 0)
@@ -293,24 +306,51 @@ static void check_side(const struct fixture *x, const struct tile *tile, int sid
             }
 }
 
+/* A block has its tile's place and cells, but for uniform axes; blocks stand tile by tile. Returns its cells. */
+static long check_cells(const struct fixture *x, const struct forest_block *b) {
+    const struct tile *tile = &x->f->tile[b->tile];
+    for (int k = 0; k < 3; k++) {
+        assert_in_range(b->n[k], 1, x->scene->tile_size + 2);
+        assert_int_equal(tile->low[k], x->scene->uniform[k] ? 0 : b->low[k]);
+        assert_int_equal(tile->n[k], x->scene->uniform[k] ? 1 : b->n[k]);
+        assert_int_equal(x->f->step[k], x->scene->uniform[k] ? 0 : x->f->stride[k]);
+    }
+    for (int i[3] = {0}; i[2] < b->n[2]; i[2]++)
+        for (i[1] = 0; i[1] < b->n[1]; i[1]++)
+            for (i[0] = 0; i[0] < b->n[0]; i[0]++) {
+                const int at[3] = {b->low[0] + i[0], b->low[1] + i[1], b->low[2] + i[2]};
+                assert_int_equal(b->cell[index_of(b->n, i)], x->l.cell[index_of(x->l.n, at)]);
+            }
+    return (long)b->n[0] * b->n[1] * b->n[2];
+}
+
 static void tiles_cover_the_lattice(void **state) {
     (void)state;
     for (int s = 0; s < SCENES; s++) {
         struct fixture x;
         begin(&x, &scenes[s], 1);
         const struct forest *f = x.f;
-        long ncells = 0, ntiles = f->ntiles;
+        long ncells = 0, computed_cells = 0, ntiles = f->ntiles, nblocks = f->nblocks;
+        for (int b = 0; b < f->nblocks; b++) {
+            ncells += check_cells(&x, &f->block[b]);
+            assert_true(b == 0 || f->block[b].tile == f->block[b - 1].tile ||
+                        f->block[b].tile == f->block[b - 1].tile + 1);
+        }
         for (int t = 0; t < f->ntiles; t++) {
             const struct tile *tile = &f->tile[t];
-            ncells += (long)tile->n[0] * tile->n[1] * tile->n[2];
+            computed_cells += (long)tile->n[0] * tile->n[1] * tile->n[2];
             for (int k = 0; k < 3; k++) assert_in_range(tile->n[k], 1, scenes[s].tile_size + 2);
             assert_int_equal(tile->id, f->tile[0].id + t);
             for (int side = 0; side < 6; side++) check_side(&x, tile, side);
         }
         comm_sum_long(world, &ncells, 1);
+        comm_sum_long(world, &computed_cells, 1);
         comm_sum_long(world, &ntiles, 1);
+        comm_sum_long(world, &nblocks, 1);
         assert_int_equal(ncells, x.m.ncells);
         assert_int_equal(f->ncells_all, x.m.ncells);
+        assert_int_equal(computed_cells * f->images, x.m.ncells);
+        assert_int_equal(nblocks, f->nblocks_all);
         assert_int_equal(ntiles, f->ntiles_all);
         if (f->ntiles_all != scenes[s].tiles) fail_msg("%s: %d tiles", scenes[s].name, f->ntiles_all);
         assert_true(f->first % 8 == 0 && f->stride[1] % 8 == 0 && f->size % 8 == 0 && f->stride[0] == 1);
@@ -327,7 +367,11 @@ static void gather_undoes_scatter(void **state) {
         size_t n = (size_t)x.m.ncells;
         double *all = malloc(n * sizeof *all), *back = calloc(n, sizeof *back),
                *target = comm_root(world) ? back : NULL;
-        for (size_t c = 0; c < n; c++) all[c] = sqrt((double)c + 1);
+        for (int i[3] = {0}; i[2] < x.l.n[2]; i[2]++)
+            for (i[1] = 0; i[1] < x.l.n[1]; i[1]++)
+                for (i[0] = 0; i[0] < x.l.n[0]; i[0]++)
+                    if (is_solid(x.scene, i))
+                        all[x.l.cell[index_of(x.l.n, i)]] = sqrt((double)computed(x.scene, i) + 1);
         forest_scatter(x.f, all, 1, x.data);
         assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
         if (target) assert_memory_equal(all, back, n * sizeof *all);
@@ -335,8 +379,11 @@ static void gather_undoes_scatter(void **state) {
             for (long i = 0; i < x.f->size; i++) assert_true(x.data[t][i] == absent);
         set_cells(&x); /* by place on the lattice: ties the order to the cells, not only to its own inverse */
         assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
-        for (long place = 0; target && place < (long)x.l.n[0] * x.l.n[1] * x.l.n[2]; place++)
-            if (x.l.cell[place] >= 0) assert_true(back[x.l.cell[place]] == 1000000.5 + (double)place);
+        for (int i[3] = {0}; target && i[2] < x.l.n[2]; i[2]++)
+            for (i[1] = 0; i[1] < x.l.n[1]; i[1]++)
+                for (i[0] = 0; i[0] < x.l.n[0]; i[0]++)
+                    if (is_solid(x.scene, i))
+                        assert_true(back[x.l.cell[index_of(x.l.n, i)]] == 1000000.5 + (double)computed(x.scene, i));
         free(all);
         free(back);
         end(&x);
@@ -348,9 +395,9 @@ static void sums_have_the_same_bits_on_any_number_of_ranks(void **state) {
     for (int s = 0; s < SCENES; s++) {
         struct fixture x;
         begin(&x, &scenes[s], 1);
-        double *mine = malloc(((size_t)x.f->ntiles + 1) * sizeof *mine), serial = 0, sum;
-        for (int t = 0; t < x.f->ntiles; t++) mine[t] = sin(1e4 * x.f->tile[t].id) / 3;
-        for (int id = 0; id < x.f->ntiles_all; id++) serial += sin(1e4 * id) / 3;
+        double *mine = malloc(((size_t)x.f->nblocks + 1) * sizeof *mine), serial = 0, sum;
+        for (int b = 0; b < x.f->nblocks; b++) mine[b] = sin(1e4 * x.f->block[b].id) / 3;
+        for (int id = 0; id < x.f->nblocks_all; id++) serial += sin(1e4 * id) / 3;
         assert_null(forest_sum(x.f, mine, &sum));
         assert_memory_equal(&sum, &serial, sizeof sum);
         free(mine);
@@ -362,12 +409,12 @@ static void sums_have_the_same_bits_on_any_number_of_ranks(void **state) {
 static long locate(const struct fixture *x, const double s[3], long *index) {
     double point[3] = {0};
     for (int k = 0; k < x->f->dim; k++) point[x->f->axis[k]] = x->f->origin[k] + s[k] * x->f->width[k];
-    int tile;
-    long offset, owner[2] = {0};
-    forest_locate(x->f, point, &tile, &offset);
-    if (tile >= 0) {
+    int block, cell;
+    long owner[2] = {0};
+    forest_locate(x->f, point, &block, &cell);
+    if (block >= 0) {
         owner[0] = 1;
-        owner[1] = (long)(x->data[tile][offset] - 0.5);
+        while (x->l.cell[owner[1]] != x->f->block[block].cell[cell]) owner[1]++;
     }
     comm_sum_long(world, owner, 2);
     *index = owner[1];
@@ -379,7 +426,6 @@ static void points_are_found_by_one_rank(void **state) {
     for (int s = 0; s < SCENES; s++) {
         struct fixture x;
         begin(&x, &scenes[s], 1);
-        set_cells(&x);
         const int *n = x.scene->n;
         long index;
         for (long place = 0; place < (long)n[0] * n[1] * n[2]; place += 3) {
@@ -418,13 +464,14 @@ static void check_refusal(const struct scene *s, int tile_size, const char *cons
 
 static void what_cannot_be_cut_is_refused(void **state) {
     (void)state;
-    const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0};
+    const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0, {false}};
     const char *const thin[] = {"2 cells along z", "z = -2 and z = -1.6", "at least 3", "factor of 2", NULL};
     check_refusal(&step, 8, thin);
-    const struct scene change = {"thin patch", 2, {30, 16, 1}, 8, {false}, {0}, {0}, 1, 0};
+    const struct scene change = {"thin patch", 2, {30, 16, 1}, 8, {false}, {0}, {0}, 1, 0, {false}};
     const char *const one[] = {"1 cell along x", "x = -1 and x = -0.9", "factor of 3", NULL};
     check_refusal(&change, 8, one);
-    const struct scene half = {"hole at one periodic edge", 2, {30, 16, 1}, 8, {true}, {25, 8, 0}, {30, 16, 1}, 0, 0};
+    const struct scene half = {
+        "hole at one periodic edge", 2, {30, 16, 1}, 8, {true}, {25, 8, 0}, {30, 16, 1}, 0, 0, {false}};
     const char *const image[] = {"cyclic", "x = -1", "opposite", NULL};
     check_refusal(&half, 8, image);
     const char *const size[] = {"tile size 2", "at least 3", NULL};
