@@ -76,9 +76,9 @@ void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
 
 enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_LIMITED, GAS_FIELDS };
-/* gas_block_field writes the values of one field in the cells of one of this rank's blocks (in tiles axis 0 is
- * fastest), out[component][cells], with dim components for GAS_U, else 1. gas_field gathers a whole field to the root
- * in polyMesh order. */
+/* gas_block_field writes the values of one field in the cells of one of this rank's blocks (struct grid; on a
+ * lattice axis 0 is fastest), out[component][cells], with dim components for GAS_U, else 1. gas_field gathers a whole
+ * field to the root in polyMesh order. */
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);
 

@@ -93,6 +93,48 @@ static void test_hole(void **state) {
     polymesh_free(m);
 }
 
+static bool inner_hole(int i, int j, int k) {
+    return i == 2 && j == 2 && k == 1;
+}
+
+/* An axis may be uniform that is periodic, longer than a cell, and without holes. */
+static void test_uniform(void **state) {
+    (void)state;
+    for (int hole = 0; hole < 2; hole++) {
+        struct recipe r = {.n = {6, 5, 1},
+                           .width = {1, 1, 1},
+                           .hole = hole ? inner_hole : NULL,
+                           .type = {[2] = "cyclic", [3] = "cyclic", [4] = "cyclic", [5] = "cyclic"}};
+        if (hole) r.n[2] = 4;
+        struct polymesh *m;
+        char why[256];
+        struct lattice *l = recognise(&r, &m, why);
+        if (!l) fail_msg("%s", why);
+        for (int k = 0; k < 3; k++) {
+            assert_int_equal(lattice_may_be_uniform(l, m, k), !hole && k == 1);
+            assert_false(l->uniform[k]);
+        }
+        lattice_free(l);
+        polymesh_free(m);
+    }
+}
+
+/* The centres of a layer of cells have the same bits, and are the cells' centres but for the noise. */
+static void check_centres(const struct polymesh *m, const struct lattice *l) {
+    double *centre = malloc((size_t)m->ncells * 24);
+    lattice_centres(l, centre);
+    for (int i = 0; i < l->n[0] * l->n[1] * l->n[2]; i++) {
+        const int at[3] = {i % l->n[0], i / l->n[0] % l->n[1], i / l->n[0] / l->n[1]};
+        for (int k = 0; k < l->dim; k++) {
+            const double x = centre[3 * l->cell[i] + l->axis[k]], exact = l->origin[k] + (at[k] + 0.5) * l->width[k];
+            const int first = l->cell[k == 0 ? at[0] : k == 1 ? at[1] * l->n[0] : at[2] * l->n[0] * l->n[1]];
+            assert_memory_equal(&x, &centre[3 * first + l->axis[k]], sizeof x);
+            assert_true(fabs(x - exact) < 1e-15 * fabs(exact) + 1e-15);
+        }
+    }
+    free(centre);
+}
+
 static void test_noise(void **state) {
     (void)state;
     struct recipe r = {.n = {40, 30, 2}, .origin = {1000, -3, 0}, .width = {0.01, 0.01, 0.01}, .noise = 2e-7};
@@ -101,6 +143,7 @@ static void test_noise(void **state) {
     struct lattice *l = recognise(&r, &m, why);
     if (!l) fail_msg("%s", why);
     check_lattice(m, l, 1e-6);
+    check_centres(m, l);
     lattice_free(l);
     polymesh_free(m);
     r.noise = 1e-5;
@@ -174,8 +217,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_dimensions),  cmocka_unit_test(test_hole),
-                                       cmocka_unit_test(test_noise),       cmocka_unit_test(test_periodic),
-                                       cmocka_unit_test(test_skew_cyclic), cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_dimensions), cmocka_unit_test(test_hole),
+                                       cmocka_unit_test(test_uniform),    cmocka_unit_test(test_noise),
+                                       cmocka_unit_test(test_periodic),   cmocka_unit_test(test_skew_cyclic),
+                                       cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
