@@ -77,7 +77,7 @@ static status tiles_make(struct gas *g) {
     g->nraised = g->forest->ntiles;
     TRY(floors_make(g));
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
-    TRY(allocate(&g->tiles->sums, g->forest->nblocks, sizeof(double), "blocks"));
+    TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
@@ -327,25 +327,33 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
     first_place_share(g, &first, place);
 }
 
-/* Sums a variable of a tile over a block, cell by cell, also where cells have their values in common, so that uniform
- * axes change no bit. */
-static double sum_block(const struct forest *f, const struct forest_block *b, const double *variable) {
-    double sum = 0;
+/* Sums the variables of a tile's block U over a block of the forest: all at once, in registers, as each addition waits
+ * for the one before. Cells that have their values in common are added one by one, so that uniform axes change no bit.
+ * Sums beyond the variables of the gas repeat the first. */
+static void sum_block(const struct gas *g, const struct forest_block *b, const double *U, double out[MAX_VAR]) {
+    const struct forest *f = g->forest;
+    const double *line[MAX_VAR];
+    double sum[MAX_VAR] = {0};
+    for (int v = 0; v < MAX_VAR; v++) line[v] = U + (v < g->nvar ? v : 0) * f->size + f->first;
     for (int k = 0; k < b->n[2]; k++)
-        for (int j = 0; j < b->n[1]; j++) {
-            const double *row = variable + f->first + j * f->step[1] + k * f->step[2];
-            for (int i = 0; i < b->n[0]; i++) sum += row[i * f->step[0]];
-        }
-    return sum;
+        for (int j = 0; j < b->n[1]; j++)
+            for (int i = 0; i < b->n[0]; i++) {
+                const long at = i * f->step[0] + j * f->step[1] + k * f->step[2];
+                for (int v = 0; v < MAX_VAR; v++) sum[v] += line[v][at];
+            }
+    memcpy(out, sum, sizeof sum);
 }
 
 static status tiles_totals(const struct gas *g, const struct state *state, double totals[MAX_VAR]) {
     const struct forest *f = g->forest;
+    double sum[MAX_VAR];
     for (int t = 0; t < f->ntiles; t++) activity_store_all(g, t, state);
+    for (int b = 0; b < f->nblocks; b++) {
+        sum_block(g, &f->block[b], state->block[f->block[b].tile], sum);
+        for (int v = 0; v < g->nvar; v++) g->tiles->sums[v * f->nblocks + b] = sum[v];
+    }
     for (int v = 0; v < g->nvar; v++) {
-        for (int b = 0; b < f->nblocks; b++)
-            g->tiles->sums[b] = sum_block(f, &f->block[b], state->block[f->block[b].tile] + v * f->size);
-        TRY(forest_sum(f, g->tiles->sums, &totals[v]));
+        TRY(forest_sum(f, g->tiles->sums + v * f->nblocks, &totals[v]));
         totals[v] *= f->volume;
     }
     return OK;

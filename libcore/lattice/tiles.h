@@ -34,7 +34,7 @@ struct tiles {
     double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
     double **limited; /* [ntiles] of [size]: how often that was so */
     bool *flagged;    /* [ntiles] does the tile, or its ghost layer, hold a flag? */
-    double *sums;     /* [nblocks] */
+    double *sums;     /* [nvar][nblocks] */
     struct work work;
     struct activity activity;
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
