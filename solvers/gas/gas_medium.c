@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
+static const double FALL_PART = 0.2;
+
 struct gas_state {
     struct medium base;
     struct case_models *models;
@@ -16,6 +19,7 @@ struct gas_state {
     struct gas *gas;
     struct limiter_table limiter;
     struct gas_speed speed;   /* wave speeds of the last plan */
+    double fall;              /* s: the longest step that gravity allows; HUGE_VAL: any */
     double totals[MAX_VAR];   /* mass, momentum, energy at the start */
     struct gas_counts counts; /* counts at the last log entry */
     bool audited;             /* is a budget kept? */
@@ -63,9 +67,39 @@ static status gas_read(struct setup *s) {
     return OK;
 }
 
+/* Computes the largest g(t) along physical axes (m/s^2), shaking included. */
+static void largest_gravity(const struct setup *s, const struct sources *q, double out[3]) {
+    double most = fabs(q->amplitude);
+    for (int i = 0; i < q->knots; i++) most = fmax(most, fabs(q->ramp[2 * i + 1]));
+    for (int k = 0; k < 3; k++) out[k] = 0;
+    for (int k = 0; k < s->dim; k++) out[s->axis[k]] = q->gravity[k] * (1 + most);
+}
+
+/* Finds the longest step that gravity allows: FALL_PART of sqrt(2 h/|g|), in which gas at rest falls through the
+ * flattest cell; |g|/h is the sum of |g . A| / (2 V) over its faces. The speed of sound alone would let cold gas at
+ * rest fall through many cells in its first step. */
+static status find_fall(const struct setup *s, const struct sources *q, double *out) {
+    const struct polymesh *m = s->mesh;
+    double g[3], *face = NULL, most = 0;
+    largest_gravity(s, q, g);
+    TRY(allocate(&face, 6L * m->nfaces + m->ncells, sizeof(double), "faces"));
+    double *area = face + 3L * m->nfaces, *through = area + 3L * m->nfaces;
+    polymesh_face_geometry(m, face, area);
+    for (int f = 0; f < m->nfaces; f++) {
+        const double *A = area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
+        through[m->owner[f]] += part;
+        if (f < m->ninternal) through[m->neighbour[f]] += part;
+    }
+    for (int i = 0; i < m->ncells; i++) most = fmax(most, through[i] / (2 * s->volume[i]));
+    free(face);
+    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
+    return OK;
+}
+
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
+    TRY(find_fall(s, &models->source, &g->fall));
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(initial_read(s->dir, &s->start, &place, s->dim, s->axis, models, &g->initial));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
@@ -156,6 +190,9 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
     struct gas_state *g = of(m);
     gas_speed(g->gas, &g->speed);
     *out = (struct pace){.stable = c->max_co / g->speed.rate, .rate = g->speed.rate};
+    if (!(g->fall < out->stable)) return;
+    out->stable = g->fall;
+    out->limit = "free fall";
 }
 
 static void gas_place(struct medium *m, double place[3]) {
