@@ -217,14 +217,17 @@ static status look_at_end(const struct scene *s, struct outcome *out) {
 #define ROUNDINGS 4
 #define EPS       0x1p-52
 
-/* What walls and the law of transport do to what is conserved. */
+static bool dilates(const struct scene *s) {
+    return transport_terms(s->models.transport, &s->models.transport_params).dilation;
+}
+
+/* What walls do to what is conserved. */
 struct exchange {
     bool drag;       /* of momentum */
     bool work, loss; /* of energy: either way; to the walls only */
 };
 static struct exchange exchange_of(const struct scene *s) {
     struct exchange e = {false, false, false};
-    if (transport_terms(s->models.transport, &s->models.transport_params).dilation) e.work = true;
     for (int i = 0; i < 2 * s->problem->dim; i++) {
         const struct patch_rules *r = &s->rules[i];
         if (is_periodic(s->problem, i / 2) || !patch_is_wall(r)) continue;
@@ -235,6 +238,16 @@ static struct exchange exchange_of(const struct scene *s) {
         e.loss |= lossy;
     }
     return e;
+}
+
+/* What a gas that is compressed or expands loses as inelastic grains do, by its own account. */
+static double dilated(const struct scene *s) {
+    struct gas_budget b;
+    if (!dilates(s)) return 0;
+    status e = gas_budget(s->gas, &b);
+    const bool known = e == OK;
+    status_free(e);
+    return known ? b.gained[GAS_DILATION] : NAN;
 }
 
 static void judge_budget(const struct scene *s, const struct watch *w, struct outcome *out) {
@@ -249,7 +262,7 @@ static void judge_budget(const struct scene *s, const struct watch *w, struct ou
         int q = v == 0 ? MASS : v <= p->dim ? MOMENTUM : ENERGY;
         if (!closed || (q == MOMENTUM && (!is_periodic(p, v - 1) || e.drag || out->counts.filled))) continue;
         if (q == ENERGY && e.work) continue;
-        long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy : 0); /* of the floor */
+        long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy + dilated(s) : 0); /* counts: of the floor */
         if (q != MOMENTUM) gain += out->counts.fill[q == ENERGY];
         long double off = b->now[v] - b->start[v] - gain;
         off = q == ENERGY && e.loss && off < 0 ? 0 : fabsl(off);
@@ -323,6 +336,7 @@ static status run(struct scene *s, const struct scheme *scheme, const struct run
     TRY(fill(s, &out->packed_at_first));
     TRY(gas_check(s->gas));
     if (!o->bare) TRY(watch_start(&w, s->gas));
+    if (!o->bare && dilates(s)) TRY(gas_audit(s->gas));
     status e = advance(s, scheme, o, &w, out);
     status ended = look_at_end(s, out);
     out->cells = s->cells;
