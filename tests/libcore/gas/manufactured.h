@@ -1,7 +1,8 @@
 /* Smooth fields in the unit box, periodic along every axis, and what the Navier-Stokes equations of a granular gas make
- * of them, by their definition. Every term is there: pressure and convection; bulk, shear and heat with coefficients
- * that vary in space, derivatives across, the work of the stress; cooling, gravity. Derivatives by differences of the
- * fourth order (1e-9 of the largest): nothing here knows a mesh or a scheme, so both engines are held to the same.
+ * of them, by their definition. Every term is there: pressure and convection; bulk, shear, heat and, if the law asks
+ * for them, cross and dilation (libcore/models/transport.h), with coefficients that vary in space, derivatives across,
+ * the work of the stress; cooling, gravity. Derivatives by differences of the fourth order (1e-9 of the largest):
+ * nothing here knows a mesh or a scheme, so both engines are held to the same.
  *
  * A mesh's own operator is tested by its rates in a cell against manufactured_rates at the cell's centre: the
  * difference must fall at second order. */
@@ -34,7 +35,32 @@ static inline void manufactured_law(const struct own_params *params, const struc
     }
 }
 
-enum manufactured_part { OF_CONVECTION = 1, OF_STRESS = 2, OF_HEAT = 4, OF_SOURCES = 8, OF_ALL = 15 };
+/* The other terms: of the size that they have in inelastic spheres, beside the law above. */
+static inline void manufactured_cross(const struct own_params *params, const struct eos *eos, const struct material *m,
+                                      int n, const double *restrict rho, const double *restrict T,
+                                      double *restrict cross) {
+    (void)params, (void)eos, (void)m;
+    for (int i = 0; i < n; i++) cross[i] = 0.7 * T[i] * sqrt(T[i]) / rho[i];
+}
+
+static inline void manufactured_dilation(const struct own_params *params, const struct eos *eos,
+                                         const struct material *m, int n, const double *restrict rho,
+                                         const double *restrict T, double *restrict dilation) {
+    (void)params, (void)eos, (void)m;
+    for (int i = 0; i < n; i++) dilation[i] = -0.6 * rho[i] * rho[i] * T[i];
+}
+
+static inline struct transport_terms manufactured_terms(const struct own_params *params) {
+    (void)params;
+    return (struct transport_terms){.cross = true, .dilation = true};
+}
+
+static inline struct transport_terms manufactured_diagonal(const struct own_params *params) {
+    (void)params;
+    return (struct transport_terms){.diagonal = true};
+}
+
+enum manufactured_part { OF_CONVECTION = 1, OF_DIFFUSION = 2, OF_SOURCES = 4, OF_ALL = 7 };
 
 /* d/dx_axis of f at x, n values; h: of the difference */
 typedef void manufactured_function(const void *context, const double x[3], double *out);
@@ -62,35 +88,70 @@ static inline void manufactured_velocity_and_temperature(const void *context, co
     manufactured_fields(x, &rho, out, out + 3);
 }
 
+static inline void manufactured_density(const void *context, const double x[3], double *out) {
+    double u[3], T;
+    (void)context;
+    manufactured_fields(x, out, u, &T);
+}
+
+/* What stress and heat flux bring into the positive direction of m->axis; d: derivatives of u and T along each axis. */
+static inline void manufactured_diffusion(const struct manufactured *m, const double x[3], double d[3][4],
+                                          double *out) {
+    const struct gas_models *models = m->models;
+    const struct transport_terms terms = transport_terms(models->transport, &models->transport_params);
+    const struct material *grains = &models->material;
+    const int k = m->axis, energy = m->dim + 1;
+    double rho, u[3], T, bulk, shear, heat, cross, steep, spread = 0;
+    manufactured_fields(x, &rho, u, &T);
+    models->transport->coefficients(&models->transport_params, models->eos, grains, 1, &rho, &T, &bulk, &shear, &heat);
+    for (int a = 0; a < m->dim; a++) spread += a == k || !terms.diagonal ? d[a][a] : 0;
+    for (int c = 0; c < m->dim; c++) {
+        const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
+        const double stress =
+            shear * (d[k][c] + (c == k || !terms.diagonal ? d[c][k] : 0)) + (c == k ? lambda * spread : 0);
+        out[1 + c] -= stress;
+        out[energy] -= stress * u[c];
+    }
+    out[energy] -= heat * d[k][3];
+    if (!terms.cross) return;
+    models->transport->cross(&models->transport_params, models->eos, grains, 1, &rho, &T, &cross);
+    manufactured_derivative(manufactured_density, NULL, 1, k, x, &steep);
+    out[energy] -= cross * steep;
+}
+
 /* Into the positive direction of m->axis: mass, momentum, energy. */
 static inline void manufactured_flux(const void *context, const double x[3], double *out) {
     const struct manufactured *m = context;
     const struct material *grains = &m->models->material;
     const int dim = m->dim, k = m->axis, energy = dim + 1;
-    double rho, u[3] = {0}, T, d[3][4], spread = 0, square = 0, p, c2, gruneisen, bulk, shear, heat;
+    double rho, u[3] = {0}, T, d[3][4], square = 0, p, c2, gruneisen;
     manufactured_fields(x, &rho, u, &T);
-    for (int a = 0; a < dim; a++) {
-        manufactured_derivative(manufactured_velocity_and_temperature, NULL, 4, a, x, d[a]);
-        spread += d[a][a];
-        square += u[a] * u[a];
-    }
-    const double eps = T / (grains->gamma - 1), E = rho * (eps + 0.5 * square);
-    m->models->eos->state(grains, 1, &rho, &eps, &p, &c2, &gruneisen);
-    m->models->transport->coefficients(&m->models->transport_params, m->models->eos, grains, 1, &rho, &T, &bulk, &shear,
-                                       &heat);
     for (int v = 0; v <= energy; v++) out[v] = 0;
+    for (int a = 0; a < dim; a++) square += u[a] * u[a];
     if (m->parts & OF_CONVECTION) {
+        const double eps = T / (grains->gamma - 1), E = rho * (eps + 0.5 * square);
+        m->models->eos->state(grains, 1, &rho, &eps, &p, &c2, &gruneisen);
         out[0] = rho * u[k];
         for (int c = 0; c < dim; c++) out[1 + c] = rho * u[k] * u[c] + (c == k ? p : 0);
         out[energy] = (E + p) * u[k];
     }
-    for (int c = 0; c < dim && m->parts & OF_STRESS; c++) {
-        const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
-        const double stress = shear * (d[k][c] + d[c][k]) + (c == k ? lambda * spread : 0);
-        out[1 + c] -= stress;
-        out[energy] -= stress * u[c];
+    if (!(m->parts & OF_DIFFUSION)) return;
+    for (int a = 0; a < dim; a++) manufactured_derivative(manufactured_velocity_and_temperature, NULL, 4, a, x, d[a]);
+    manufactured_diffusion(m, x, d, out);
+}
+
+/* The heat that the law's term of dilation takes at x, per volume and time. */
+static inline double manufactured_dilated(const struct gas_models *models, int dim, const double x[3]) {
+    double rho, u[3], T, dilation, spread = 0;
+    if (!transport_terms(models->transport, &models->transport_params).dilation) return 0;
+    manufactured_fields(x, &rho, u, &T);
+    for (int a = 0; a < dim; a++) {
+        double d[4];
+        manufactured_derivative(manufactured_velocity_and_temperature, NULL, 4, a, x, d);
+        spread += d[a];
     }
-    if (m->parts & OF_HEAT) out[energy] -= heat * d[k][3];
+    models->transport->dilation(&models->transport_params, models->eos, &models->material, 1, &rho, &T, &dilation);
+    return dilation * spread;
 }
 
 /* d/dt of mass, momentum (dim) and energy at x, all per volume. */
@@ -104,6 +165,7 @@ static inline void manufactured_rates(const struct gas_models *models, int dim, 
         manufactured_derivative(manufactured_flux, &m, dim + 2, axis, x, change);
         for (int v = 0; v < dim + 2; v++) out[v] -= change[v];
     }
+    if (parts & OF_DIFFUSION) out[dim + 1] -= manufactured_dilated(models, dim, x);
     if (!(parts & OF_SOURCES)) return;
     const struct material *m = &models->material;
     double rho, u[3], T, contact;

@@ -6,32 +6,10 @@
 
 static struct comm *world, *alone;
 
+/* law: of disks; NULL: inelastic grains by a law for them */
 static void choose(struct scene *s, int dim, const char *wall, const struct transport *law) {
-    *s = (struct scene){.dim = dim, .models = disks_models(law, "RKL2")};
+    *s = (struct scene){.dim = dim, .models = law ? disks_models(law, "RKL2") : models_of(dim, "RKL2")};
     set_walls(s, wall);
-}
-
-/* In the unit box; its cells grow along x if they are graded. */
-static void open_graded(struct scene *s, const struct comm *c, const struct cells_recipe *r, bool graded) {
-    s->mesh = cells_make(r);
-    for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * r->n[i % 3];
-    for (int i = 0; i < s->mesh->npoints && graded; i++) s->mesh->points[3 * i] *= 0.2 + 0.8 * s->mesh->points[3 * i];
-    open_mesh(s, c);
-    for (int i = 0; i < s->cells; i++)
-        for (int k = s->dim; k < 3; k++) s->centre[3 * i + k] = 0;
-}
-
-static void open_cells(struct scene *s, const struct comm *c, const struct cells_recipe *r) {
-    open_graded(s, c, r, false);
-}
-
-/* An Euler step of the viscous part alone. */
-static void shear(struct scene *s, double dt) {
-    struct gas *g = s->gas;
-    double rate[2];
-    g->engine->diffusion.rates(g, &g->U, rate);
-    g->engine->diffusion.begin(g, VISCOUS, &g->U, dt, 0);
-    assert_true(g->engine->diffusion.end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
 }
 
 /* dt at which an Euler step of the faster of both kinds is just stable */
@@ -47,68 +25,55 @@ static double stable(struct scene *s) {
 /* ---- order ---------------------------------------------------------------------------------------------------------
  */
 
-/* What keeps the manufactured fields steady is added in halves around each step; what is left at the end is the error
- * of space and splitting: the mean over the cells, the worst of the variables. */
-static double steady_error(const struct cells_recipe *r, int count) {
+/* The mean error of the manufactured fields: stress, heat and dilation of grains with a made-up law; or whole steps of
+ * falling and cooling spheres with the law of Garzo & Dufty. */
+static double driven_error(const struct cells_recipe *r, bool whole, int count) {
     struct scene s;
-    const double time = 0.02;
-    double worst = 0;
-    choose(&s, r->dim, "slip", &VARIED);
+    double error[2];
+    choose(&s, r->dim, "slip", &COMPLETE);
+    if (whole) {
+        s.models = spheres_models(0.8, 0.5, true, "RKJ2");
+        s.models.source = (struct sources){.cooling = cooling_find("Haff"), .gravity = {3, -5, 2}};
+        s.models.polynomial = polynomial_find("CWENO3");
+    }
     open_cells(&s, world, r);
-    start(&s, manufactured_fields);
-    const int nvar = r->dim + 2;
-    double *begin = state_of(&s, world), *drive = malloc((size_t)(nvar * s.cells) * sizeof *drive);
-    for (int i = 0; i < s.cells; i++) {
-        double rates[MAX_VAR] = {0};
-        manufactured_rates(&s.models, r->dim, OF_STRESS | OF_HEAT, s.centre + 3 * i, rates);
-        for (int v = 0; v < nvar; v++) drive[v * s.cells + i] = -rates[v];
-    }
-    for (int step = 0; step < 2 * count; step++) {
-        double *now = state_of(&s, world);
-        const double *U[MAX_VAR];
-        for (int i = 0; i < nvar * s.cells; i++) now[i] += 0.5 * time / count * drive[i];
-        for (int v = 0; v < nvar; v++) U[v] = now + v * s.cells;
-        gas_set_conserved(s.gas, U);
-        free(now);
-        if (step % 2 == 0) spread(&s, 1, time / count);
-    }
-    double *end = state_of(&s, world);
-    for (int v = 0; v < nvar; v++) {
-        double sum = 0;
-        for (int i = 0; i < s.cells; i++) sum += fabs(end[v * s.cells + i] - begin[v * s.cells + i]) / s.cells;
-        worst = larger(worst, sum);
-    }
-    free(begin);
-    free(drive);
-    free(end);
+    drive(&s, world, whole ? OF_ALL : OF_DIFFUSION, 0.02, count, error);
     close_scene(&s);
-    return worst;
+    return error[1];
 }
 
 static void driven_gas_stays_at_second_order(void **state) {
     (void)state;
     if (comm_size(world) > 1) skip(); /* other ranks have the same bits */
+    /* In whole steps the errors of convection, alone of order 2.5, and of diffusion, alone 2.1, cancel in part, and do
+     * so most on coarse meshes: 3D orders rise with the number of cells (tetrahedra from 13 to 20 boxes: 1.9). */
     static const struct {
         struct cells_recipe recipe;
         int fine, count; /* steps of the coarse mesh; as many more as there are cells in a square of the fine one */
-        double order, most;
+        struct {
+            double order, most;
+        } diffusion, whole;
     } cases[] = {
-        {{"line", 1, BOXES, {32, 1, 1}, {0, 1, 2}, 0.3, CYCLIC}, 128, 48, 1.9, 0.002},
-        {{"quads", 2, BOXES, {16, 16, 1}, {0, 1, 2}, 0.2, CYCLIC}, 32, 48, 1.9, 0.009},
-        {{"triangles", 2, PRISMS, {12, 12, 1}, {0, 1, 2}, 0.15, CYCLIC}, 24, 48, 1.9, 0.01},
-        {{"hexahedra", 3, BOXES, {8, 8, 8}, {0, 1, 2}, 0.15, CYCLIC}, 12, 24, 1.9, 0.06},
-        {{"tetrahedra", 3, TETS, {9, 9, 9}, {0, 1, 2}, 0.1, CYCLIC}, 15, 24, 1.6, 0.03}, /* from 16 to 24 boxes 2.1 */
+        {{"line", 1, BOXES, {32, 1, 1}, {0, 1, 2}, 0.3, CYCLIC}, 128, 48, {1.9, 0.001}, {1.7, 0.0008}},
+        {{"quads", 2, BOXES, {16, 16, 1}, {0, 1, 2}, 0.2, CYCLIC}, 32, 48, {1.9, 0.009}, {1.9, 0.007}},
+        {{"triangles", 2, PRISMS, {12, 12, 1}, {0, 1, 2}, 0.15, CYCLIC}, 24, 48, {1.9, 0.01}, {1.9, 0.014}},
+        {{"hexahedra", 3, BOXES, {8, 8, 8}, {0, 1, 2}, 0.15, CYCLIC}, 12, 24, {1.9, 0.07}, {1.9, 0.045}},
+        {{"mixed", 3, MIXED, {8, 8, 8}, {0, 1, 2}, 0.1, CYCLIC}, 12, 24, {1.9, 0.04}, {1.65, 0.06}},
+        {{"tetrahedra", 3, TETS, {9, 9, 9}, {0, 1, 2}, 0.1, CYCLIC}, 15, 24, {1.6, 0.035}, {1.65, 0.035}},
     };
-    for (int c = 0; c < (int)(sizeof cases / sizeof *cases); c++) {
-        struct cells_recipe fine = cases[c].recipe;
-        const double ratio = (double)cases[c].fine / fine.n[0];
-        for (int k = 0; k < fine.dim; k++) fine.n[k] = cases[c].fine;
-        const double coarse = steady_error(&cases[c].recipe, cases[c].count),
-                     error = steady_error(&fine, (int)(ratio * ratio * cases[c].count));
+    for (int c = 0; c < 2 * (int)(sizeof cases / sizeof *cases); c++) {
+        const bool whole = c % 2;
+        struct cells_recipe fine = cases[c / 2].recipe;
+        const int count = cases[c / 2].count / (whole ? 2 : 1);
+        const double ratio = (double)cases[c / 2].fine / fine.n[0];
+        for (int k = 0; k < fine.dim; k++) fine.n[k] = cases[c / 2].fine;
+        const double coarse = driven_error(&cases[c / 2].recipe, whole, count),
+                     error = driven_error(&fine, whole, (int)(ratio * ratio * count));
         const double order = log(coarse / error) / log(ratio);
-        print_message("%s: %.3g, %.3g: order %.2f\n", fine.name, coarse, error, order);
-        assert_true(order > cases[c].order);
-        assert_true(error < cases[c].most);
+        print_message("%s, %s: %.3g, %.3g: order %.2f\n", fine.name, whole ? "whole steps" : "diffusion", coarse, error,
+                      order);
+        assert_true(order > (whole ? cases[c / 2].whole.order : cases[c / 2].diffusion.order));
+        assert_true(error < (whole ? cases[c / 2].whole.most : cases[c / 2].diffusion.most));
     }
 }
 
@@ -122,13 +87,15 @@ static const struct cells_recipe rough[] = {
 };
 enum { ROUGH = sizeof rough / sizeof *rough };
 
-/* Neither force nor heat from rigid rotation, whatever the viscosities; away from the walls, which do not turn. */
+/* Neither force nor heat from rigid rotation, whatever the axis and the viscosities; away from the walls, which do not
+ * turn. */
 static void rotation_makes_no_heat(void **state) {
     (void)state;
     for (int b = 0; b < ROUGH; b++) {
         struct scene s;
         double most = 0;
         choose(&s, rough[b].dim, "noSlip", &VARIED);
+        turn(rough[b].dim);
         open_cells(&s, world, &rough[b]);
         start(&s, turning);
         double *before = state_of(&s, world), *after;
@@ -214,7 +181,7 @@ static void layers_conduct_one_behind_the_other(void **state) {
         choose(&s, dim, "slip", &LAYERS);
         for (int p = 0; p < 2; p++)
             s.rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {p ? 5 : 2}};
-        open_graded(&s, world, &r, true);
+        open_reshaped(&s, world, &r, true, 0);
         start(&s, through_layers);
         double *before = state_of(&s, world), *after;
         spread(&s, 1, 30 * stable(&s));
@@ -311,7 +278,7 @@ static void friction_has_limits(void **state) {
         int numbers = 0;
         for (int i = 0; i < 2; i++) {
             struct scene s;
-            choose(&s, rough[kind / 2].dim, full ? "noSlip" : "slip", transport_find("JenkinsRichman"));
+            choose(&s, rough[kind / 2].dim, full ? "noSlip" : "slip", NULL);
             for (int p = 0; p < 6 && i == 0; p++) s.rules[p].velocity = rubbing(full ? 1e40 : 0, 1, 0);
             open_cells(&s, world, &rough[kind / 2]);
             start(&s, manufactured_fields);
@@ -336,7 +303,7 @@ static void friction_heats_the_gas(void **state) {
         struct scene s;
         double before[MAX_VAR], after[MAX_VAR];
         r.cyclic[1] = r.cyclic[2] = true;
-        choose(&s, r.dim, "slip", transport_find("JenkinsRichman"));
+        choose(&s, r.dim, "slip", NULL);
         s.rules[1].velocity = rubbing(0.6, 1, speed);
         open_cells(&s, world, &r);
         start(&s, manufactured_fields);
@@ -361,7 +328,7 @@ static double difference(int dim, int n, const char *wall, double time) {
     struct scene s[2];
     double *end[2], mean = 0;
     for (int i = 0; i < 2; i++) {
-        choose(&s[i], dim, wall, &VARIED);
+        choose(&s[i], dim, wall, &COMPLETE);
         for (int p = 0; p < 2; p++)
             s[i].rules[p].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
         s[i].rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
@@ -423,7 +390,7 @@ static long repeated; /* for cells that would have become inadmissible: these, t
 static void totals_stay(const struct cells_recipe *r, const char *wall, const char *diffusion) {
     struct scene s;
     double before[MAX_VAR], after[MAX_VAR];
-    choose(&s, r->dim, wall, transport_find("JenkinsRichman"));
+    choose(&s, r->dim, wall, NULL);
     s.models.diffusion = diffusion_find(diffusion);
     if (!s.models.diffusion->plan) s.models.linear = linear_module();
     open_cells(&s, world, r);
@@ -467,7 +434,8 @@ static void bits_know_no_ranks(void **state) {
         size_t bytes = 0;
         for (int i = 0; i < 2; i++) {
             struct scene s;
-            choose(&s, rough[b].dim, "noSlip", transport_find("JenkinsRichman"));
+            choose(&s, rough[b].dim, "noSlip", NULL);
+            if (s.dim == 3) s.models = spheres_models(0.8, 0.2, true, "RKJ2");
             s.models.source.cooling = cooling_find("Haff");
             s.rules[0].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {3}};
             s.rules[1].velocity.type = boundary_find("zeroGradient");
@@ -488,21 +456,25 @@ static void bits_know_no_ranks(void **state) {
 
 static void uniform_gas_keeps_its_bits(void **state) {
     (void)state;
-    for (int b = 0; b < ROUGH; b++) {
-        struct scene s;
-        struct cells_recipe round = rough[b];
-        for (int k = 0; k < 3; k++) round.cyclic[k] = true;
-        choose(&s, round.dim, "slip", transport_find("JenkinsRichman"));
-        open_cells(&s, world, &round);
-        start(&s, uniform);
-        double *before = state_of(&s, world);
-        spread(&s, 3, 100 * stable(&s));
-        double *after = state_of(&s, world);
-        assert_memory_equal(before, after, (size_t)((s.dim + 2) * s.cells) * sizeof *before);
-        free(before);
-        free(after);
-        close_scene(&s);
-    }
+    for (int b = 0; b < ROUGH; b++)
+        for (int dilated = 0; dilated < (rough[b].dim == 3 ? 2 : 1); dilated++) {
+            struct scene s;
+            struct cells_recipe round = rough[b];
+            for (int k = 0; k < 3; k++) round.cyclic[k] = true;
+            choose(&s, round.dim, "slip", NULL);
+            if (dilated) s.models = spheres_models(0.8, 0.2, true, "RKL2");
+            open_cells(&s, world, &round);
+            start(&s, uniform);
+            double *before = state_of(&s, world);
+            spread(&s, 3, 100 * stable(&s));
+            double *after = state_of(&s, world);
+            for (int i = 0; i < (s.dim + 2) * s.cells; i++)
+                if (after[i] != before[i])
+                    fail_msg("%s%s: %.17g became %.17g", round.name, dilated ? ", zeta_U" : "", before[i], after[i]);
+            free(before);
+            free(after);
+            close_scene(&s);
+        }
 }
 
 static void shaking(const double x[3], double *rho, double u[3], double *T) {

@@ -19,16 +19,6 @@ static void choose(struct scene *s, int dim, const struct transport *law, bool m
     s->rules[2].velocity = (struct rule){.type = boundary_find("translatingWallVelocity"), .params = {{0.5}}};
 }
 
-/* In the unit box, sheared if `lean`, so that no wall but two lies along an axis. */
-static void open_cells(struct scene *s, const struct comm *c, const struct cells_recipe *r, double lean) {
-    s->mesh = cells_make(r);
-    for (int i = 0; i < 3 * s->mesh->npoints; i++) s->mesh->points[i] /= 0.1 * (i % 3 + 1) * r->n[i % 3];
-    for (int i = 0; i < s->mesh->npoints; i++) s->mesh->points[3 * i] += lean * s->mesh->points[3 * i + 1];
-    open_mesh(s, c);
-    for (int i = 0; i < s->cells; i++)
-        for (int k = s->dim; k < 3; k++) s->centre[3 * i + k] = 0;
-}
-
 /* Where cell i of one scene is in another. */
 static int same_cell(const struct scene *a, int i, const struct scene *b) {
     for (int j = 0; j < b->cells; j++) {
@@ -61,7 +51,7 @@ static void boxes_are_a_lattice(void **state) {
         for (int i = 0; i < 2; i++) {
             choose(&s[i], dim, &VARIED, true, "implicit");
             if (i)
-                open_cells(&s[i], world, &r, 0);
+                open_cells(&s[i], world, &r);
             else
                 open_box(&s[i], world, dim, r.n, (double[3]){1, 1, 1}, r.cyclic, 8);
             start(&s[i], manufactured_fields);
@@ -98,7 +88,7 @@ static void many_steps_come_to_the_same(void **state) {
             const int steps = k == 0 ? 400 : 16 << k;
             struct scene s;
             choose(&s, rough[b].dim, &OF_DENSITY, false, k ? "implicit" : "explicit");
-            open_cells(&s, world, &rough[b], 0.3);
+            open_reshaped(&s, world, &rough[b], false, 0.3);
             start(&s, manufactured_fields);
             spread(&s, steps, 0.02 / steps);
             if (k) assert_few_iterations(&s, steps, 8);
@@ -125,7 +115,7 @@ static void ranks_agree(void **state) {
         for (int i = 0; i < 2; i++) {
             struct scene s;
             choose(&s, rough[b].dim, transport_find("JenkinsRichman"), false, "implicit");
-            open_cells(&s, i ? alone : world, &rough[b], 0.3);
+            open_reshaped(&s, i ? alone : world, &rough[b], false, 0.3);
             start(&s, manufactured_fields);
             go(&s, 2, 1e-3);
             end[i] = state_of(&s, i ? alone : world);

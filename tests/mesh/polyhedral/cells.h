@@ -1,6 +1,5 @@
-/* Perturbed meshes of lines, quads, triangles, hexahedra, prisms, tetrahedra or pyramids in a box: for the tests of the
- * polyhedra.
- */
+/* Perturbed meshes of lines, quads, triangles, hexahedra, prisms, tetrahedra or pyramids in a box, or of hexahedra,
+ * prisms and pyramids side by side (MIXED): for the tests of the polyhedra. */
 #ifndef TESTS_CELLS_H
 #define TESTS_CELLS_H
 
@@ -11,7 +10,7 @@
 
 #include "tests/checks.h" /* last */
 
-enum cell_shape { BOXES, PRISMS, TETS, PYRAMIDS };
+enum cell_shape { BOXES, PRISMS, TETS, PYRAMIDS, MIXED };
 struct cells_recipe {
     const char *name;
     int dim;
@@ -77,27 +76,34 @@ static inline void soup_pyramids(struct soup *s, const int corner[8], const int 
     }
 }
 
+/* Mixed meshes have columns of prisms along the third axis, and elsewhere hexahedra and pyramids in turn. */
+static inline enum cell_shape soup_shape(const struct cells_recipe *r, const int at[3]) {
+    if (r->shape != MIXED) return r->shape;
+    return (at[0] + 2 * at[1]) % 3 == 0 ? PRISMS : (at[0] + at[1] + at[2]) % 2 ? BOXES : PYRAMIDS;
+}
+
 /* The box at `at` as one box, two prisms along its third axis, six tetrahedra about its diagonal, or six pyramids. */
 static inline void soup_box(struct soup *s, const int at[3]) {
     static const int sides[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
     static const int prisms[2][5][4] = {{{0, 1, 3, -1}, {4, 7, 5, -1}, {0, 4, 5, 1}, {1, 5, 7, 3}, {3, 7, 4, 0}},
                                         {{0, 3, 2, -1}, {4, 6, 7, -1}, {0, 3, 7, 4}, {3, 2, 6, 7}, {2, 0, 4, 6}}};
     static const int paths[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
+    const enum cell_shape shape = soup_shape(s->r, at);
     int corner[8], p[4];
     for (int c = 0; c < 8; c++)
         corner[c] = soup_point(s->r, (int[3]){at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)});
-    for (int f = 0; s->r->shape == BOXES && f < 6; f++) {
+    for (int f = 0; shape == BOXES && f < 6; f++) {
         for (int i = 0; i < 4; i++) p[i] = corner[sides[f][i]];
         soup_add(s, s->m->ncells, 4, p);
     }
-    s->m->ncells += s->r->shape == BOXES;
-    if (s->r->shape == PYRAMIDS) soup_pyramids(s, corner, sides);
-    for (int half = 0; s->r->shape == PRISMS && half < 2; half++, s->m->ncells++)
+    s->m->ncells += shape == BOXES;
+    if (shape == PYRAMIDS) soup_pyramids(s, corner, sides);
+    for (int half = 0; shape == PRISMS && half < 2; half++, s->m->ncells++)
         for (int f = 0; f < 5; f++) {
             for (int i = 0; i < 4; i++) p[i] = prisms[half][f][i] < 0 ? -1 : corner[prisms[half][f][i]];
             soup_add(s, s->m->ncells, p[3] < 0 ? 3 : 4, p);
         }
-    for (int t = 0; s->r->shape == TETS && t < 6; t++, s->m->ncells++) {
+    for (int t = 0; shape == TETS && t < 6; t++, s->m->ncells++) {
         const int v[4] = {corner[0], corner[paths[t][0]], corner[paths[t][1]], corner[7]};
         for (int f = 0; f < 4; f++) soup_add(s, s->m->ncells, 3, (int[]){v[f], v[(f + 1) % 4], v[(f + 2) % 4]});
     }
