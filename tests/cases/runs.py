@@ -22,8 +22,18 @@ TABLES = """functions
 """
 
 
-def make(path, n, end, hole=False, tables=False, types=None, **options):
-    """A hot bubble in a cooling gas that falls on slip walls; n: cells, 0.1 wide. hole: a step in the low corner."""
+SPHERES = {"eos": "TorquatoSpheres", "e": 0.9, "cooling": "GarzoDufty"}
+
+
+def conduct(case):
+    """Gives a case of SPHERES viscosity and conduction, with all terms."""
+    harness.edit(case, "constant/granularProperties", transport="GarzoDufty; GarzoDuftyCoeffs { zetaU full; }")
+
+
+def make(path, n, end, hole=False, tables=False, types=None, viscous=False, **options):
+    """A hot bubble in a cooling gas that falls on slip walls; n: cells, 0.1 wide. hole: a step in the low corner. viscous:
+    spheres with transport between walls that hold them."""
+    options = {**(SPHERES if viscous else {}), **options}
     n, size = np.array(n), np.where(np.array(n) > 1, 0.1 * np.array(n), 0.1)
     at = boxes.centres(n, size)
     away = sum(((at[:, k] - 0.6 * size[k]) / size[k]) ** 2 for k in range(3) if n[k] > 1)
@@ -38,8 +48,11 @@ def make(path, n, end, hole=False, tables=False, types=None, **options):
     rules = "\n".join(f"{a}Empty empty" for a, k in zip("xyz", n) if k == 1)
     rules += "".join(f"\n{name} cyclic" for name in (a + s for a in types or "" for s in ("Low", "High")))
     for name, values in (("rho", rho), ("p", p), ("U", u)):
-        boxes.write_field(path, name, values, f'".*" {"slip" if name == "U" else "zeroGradient"}\n{rules}'.strip())
+        wall = "zeroGradient" if name != "U" else "noSlip" if viscous else "slip"
+        boxes.write_field(path, name, values, f'".*" {wall}\n{rules}'.strip())
     add(path, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n")
+    if viscous:
+        conduct(path)
     if tables:
         ends = [" ".join("%.3f" % v for v in at[i] + 1e-3) for i in (0, -1)]
         add(path, "system/controlDict", TABLES.format(*ends))

@@ -83,8 +83,11 @@ class General(harness.Folder, unittest.TestCase):
     def case(self, name, mesh, end, **options):
         return make(os.path.join(self.folder, name), MESHES[mesh][0], end, **options)
 
-    def stream(self, mesh, reconstruct):
-        case = self.case(f"stream_{mesh}_{reconstruct}", mesh, 0.02, uniform=True)
+    def stream(self, mesh, reconstruct, viscous=False):
+        case = self.case(f"stream_{mesh}_{reconstruct}{viscous}", mesh, 0.02, uniform=True,
+                         **({**runs.SPHERES, "cooling": "none"} if viscous else {}))
+        if viscous:
+            runs.conduct(case)
         runs.add(case, "system/fvSchemes", f"polyReconstruct {reconstruct};\n")
         harness.program("granularGas", "-case", case)
         result = haff.Case(case)
@@ -98,6 +101,7 @@ class General(harness.Folder, unittest.TestCase):
             for reconstruct in ("linear", "CWENO3"):
                 with self.subTest(mesh, reconstruct=reconstruct):
                     self.stream(mesh, reconstruct)
+        self.stream("tets", "CWENO3", viscous=True)
 
     def test_closed_box(self):
         """Slip walls, no cooling: mass and energy stay to round-off, while the gas moves."""
@@ -114,8 +118,12 @@ class General(harness.Folder, unittest.TestCase):
 
     def test_ranks_and_restarts(self):
         """Every byte that is written, function objects too, on 1, 2 and 3 ranks; and from each time on another number."""
-        for mesh, geo in MANY.items():
-            case = make(os.path.join(self.folder, "ranks_" + mesh), geo, 0.002, interval=0.0005, tables=True, e=0.9, cooling="Haff")
+        for mesh in ("triangles", "tets", "viscous tets"):
+            options = runs.SPHERES if mesh.startswith("viscous") else {"e": 0.9, "cooling": "Haff"}
+            case = make(os.path.join(self.folder, "ranks_" + mesh.replace(" ", "_")), MANY[mesh.split()[-1]], 0.002, interval=0.0005,
+                        tables=True, **options)
+            if options is runs.SPHERES:
+                runs.conduct(case)
             copies = {r: shutil.copytree(case, f"{case}_on{r}/{os.path.basename(case)}") for r in (2, 3)}
             harness.program("granularGas", "-case", case)
             reference = runs.results(case)

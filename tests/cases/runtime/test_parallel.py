@@ -39,6 +39,7 @@ class Ranks(harness.Folder, unittest.TestCase):
 
     def test_three_dimensions(self):
         self.compare("block", (36, 24, 20), hole=True)
+        self.compare("spheres", (30, 24, 16), hole=True, viscous=True)
 
     def test_more_ranks_than_tiles(self):
         self.compare("few", (40, 1, 1), ranks=(2, 3))

@@ -51,6 +51,10 @@ class Restart(harness.Folder, unittest.TestCase):
         self.continued(self.through("fixed", n=(20, 16, 12), end=0.02, interval=0.005, control="runTime", adjust="no",
                                     step=2e-4))
 
+    def test_spheres(self):
+        """Spheres with transport and all its terms, between walls that hold them."""
+        self.continued(self.through("spheres", n=(20, 16, 12), end=0.02, interval=0.005, viscous=True))
+
     def test_ramp(self):
         """Shaken with an amplitude that has knots between and at the times written."""
         case = runs.make(os.path.join(self.folder, "ramp"), (30, 20, 1), 0.04, interval=0.01)
