@@ -32,8 +32,22 @@ static inline void density_law(const struct own_params *params, const struct eos
         heat[i] = 1.1 / rho[i];
     }
 }
+static inline void density_cross(const struct own_params *params, const struct eos *eos, const struct material *m,
+                                 int n, const double *restrict rho, const double *restrict T, double *restrict cross) {
+    (void)params, (void)eos, (void)m, (void)T;
+    for (int i = 0; i < n; i++) cross[i] = 0.8 / rho[i];
+}
+static inline void density_dilation(const struct own_params *params, const struct eos *eos, const struct material *m,
+                                    int n, const double *restrict rho, const double *restrict T,
+                                    double *restrict dilation) {
+    (void)params, (void)eos, (void)m, (void)T;
+    for (int i = 0; i < n; i++) dilation[i] = -0.5 * rho[i];
+}
 static const struct transport CONSTANT = {.coefficients = constant_law}, VARIED = {.coefficients = manufactured_law},
-                              OF_DENSITY = {.coefficients = density_law},
+                              OF_DENSITY = {.coefficients = density_law,
+                                            .terms = manufactured_terms,
+                                            .cross = density_cross,
+                                            .dilation = density_dilation},
                               DIAGONAL = {.coefficients = manufactured_law, .terms = manufactured_diagonal},
                               COMPLETE = {.coefficients = manufactured_law,
                                           .terms = manufactured_terms,

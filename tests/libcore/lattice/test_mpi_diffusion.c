@@ -123,7 +123,7 @@ static double driven_error(enum gas_of gas, int dim, int n, const char *diffusio
     struct scene s;
     double error[2];
     open_manufactured(&s, dim, n, gas, diffusion);
-    drive(&s, world, OF_ALL, 0.03, dim == 3 ? n : 3 * n, error);
+    drive(&s, world, OF_ALL, dim == 3 ? 0.01 : 0.03, dim == 3 ? n : 3 * n, error);
     close_scene(&s);
     return error[0];
 }

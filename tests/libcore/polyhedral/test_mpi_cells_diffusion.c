@@ -426,6 +426,29 @@ static void totals_are_conserved(void **state) {
     assert_true(repeated > 0);
 }
 
+/* Heat of walls and, of spheres, of zeta_U: nothing else has changed the energy. */
+static void budget_closes(void **state) {
+    (void)state;
+    for (int b = 0; b < ROUGH; b++) {
+        struct scene s;
+        struct gas_budget budget;
+        choose(&s, rough[b].dim, "noSlip", NULL);
+        if (s.dim == 3) s.models = spheres_models(0.8, 0.2, true, "RKJ2");
+        s.rules[0].temperature = (struct rule){.type = boundary_find("fixedValue"), .uniform = {40}};
+        s.rules[3].temperature = (struct rule){.type = boundary_find("granularWall"), .params = {{0.8}}};
+        open_cells(&s, world, &rough[b]);
+        start(&s, wild);
+        ok(gas_audit(s.gas));
+        run(&s, 4, 0.4);
+        ok(gas_budget(s.gas, &budget));
+        assert_true(fabs(budget.lost[0]) < 1e-13 * budget.mass);
+        assert_true(fabs(budget.lost[1]) < 1e-13 * budget.energy);
+        assert_true(fabs(budget.gained[GAS_HEAT]) > 1e-3 * budget.energy);
+        assert_true((fabs(budget.gained[GAS_DILATION]) > 1e-4 * budget.energy) == (s.dim == 3));
+        close_scene(&s);
+    }
+}
+
 /* Whole steps, with walls, on these ranks and on one. */
 static void bits_know_no_ranks(void **state) {
     (void)state;
@@ -524,6 +547,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(friction_heats_the_gas),
         cmocka_unit_test(boxes_are_a_lattice),
         cmocka_unit_test(totals_are_conserved),
+        cmocka_unit_test(budget_closes),
         cmocka_unit_test(bits_know_no_ranks),
         cmocka_unit_test(uniform_gas_keeps_its_bits),
         cmocka_unit_test(modes_do_not_grow),

@@ -115,6 +115,7 @@ static void ranks_agree(void **state) {
         for (int i = 0; i < 2; i++) {
             struct scene s;
             choose(&s, rough[b].dim, transport_find("JenkinsRichman"), false, "implicit");
+            if (s.dim == 3) s.models = spheres_models(0.8, 0.2, true, "implicit");
             open_reshaped(&s, i ? alone : world, &rough[b], false, 0.3);
             start(&s, manufactured_fields);
             go(&s, 2, 1e-3);
