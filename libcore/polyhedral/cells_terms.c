@@ -66,41 +66,48 @@ void cells_cross_drop(struct gas *g) {
 }
 
 /* E <- E + dt residual of the fluxes */
-static void add_residuals(const struct gas *g, const double *flux, const struct state *to, double dt,
-                          const double *factor) {
+void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     const int nown = g->cells->polyhedra->nown;
     double *U[MAX_VAR], sum[BATCH];
     cells_lines(g, to, U);
     for (int at = 0; at < nown; at += BATCH) {
         const int n = nown - at < BATCH ? nown - at : BATCH;
         double *E = U[g->dim + 1] + at;
-        cells_residuals(g->cells, at, n, flux, sum);
-        for (int i = 0; i < n; i++) E[i] += dt * (factor ? factor[at + i] * sum[i] : sum[i]);
+        cells_residuals(g->cells, at, n, g->cells->diffuser->cross, sum);
+        for (int i = 0; i < n; i++) E[i] += dt * sum[i];
     }
 }
 
-void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
-    add_residuals(g, g->cells->diffuser->cross, to, dt, NULL);
+/* The volume that the gas on a face sweeps beyond what the gas of the cell does, so that the sum over the faces of a
+ * cell in uniform gas is exactly 0. Gas on a wall sweeps nothing. */
+static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int cell, int face) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct polyhedra_faces *f = &m->face;
+    const bool left = f->left[face] == cell;
+    const int other = left ? f->right[face] : f->left[face];
+    const bool wall = face >= f->ninternal && patch_is_wall(&g->rules[m->mirror.patch[face - f->ninternal]]);
+    const double share = g->cells->diffuser->share[face], part = left ? share : 1 - share;
+    double sum = 0;
+    for (int k = 0; k < g->dim; k++) {
+        const double own = U[k + 1][cell] / U[0][cell];
+        sum += f->normal[k][face] * (wall ? -own : part * (U[k + 1][other] / U[0][other] - own));
+    }
+    return (left ? 1 : -1) * f->area[face] * sum;
 }
 
-/* The residual of the volume that the gas on each face sweeps is -div u. */
 void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
     const struct cells *c = g->cells;
-    const struct cells_diffuser *d = c->diffuser;
     struct polyhedra *m = c->polyhedra;
-    double *U[MAX_VAR], *swept = c->flux[0];
+    double *U[MAX_VAR], *out[MAX_VAR];
     cells_lines(g, s, U);
+    cells_lines(g, to, out);
     polyhedra_fill_start(m, g->nvar, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, 0, m->mirror.n, U);
-    for (int i = 0; i < m->face.n; i++) {
-        const int left = m->face.left[i], right = m->face.right[i];
-        const bool wall = i >= m->face.ninternal && patch_is_wall(&g->rules[m->mirror.patch[i - m->face.ninternal]]);
-        double across = 0;
-        for (int k = 0; k < g->dim; k++)
-            across += m->face.normal[k][i] *
-                      ((1 - d->share[i]) * U[k + 1][left] / U[0][left] + d->share[i] * U[k + 1][right] / U[0][right]);
-        swept[i] = wall ? 0 : m->face.area[i] * across;
+    for (int i = 0; i < m->nown; i++) {
+        double sum = 0;
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
+            sum += swept_beyond(g, U, i, m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]);
+        out[g->dim + 1][i] -= dt * c->diffuser->dilation[i] * (c->inverse_volume[i] * sum);
     }
-    add_residuals(g, swept, to, dt, d->dilation);
 }
