@@ -85,10 +85,14 @@ KERNEL static void face_coefficients(int n, long step, long size, double trace, 
     }
 }
 
+/* cross has either sign (it is below 0 near packing at e = 0.5): where the signs differ it passes through 0. */
 KERNEL static void cross_faces(int n, long step, double width, const double *restrict rho, const double *restrict cross,
                                double *restrict face) {
     const double square = 1 / (width * width);
-    for (int i = 0; i < n; i++) face[i] = square * harmonic(cross[i - step], cross[i]) * (rho[i] - rho[i - step]);
+    for (int i = 0; i < n; i++) {
+        const double a = cross[i - step], b = cross[i];
+        face[i] = square * select_double(a * b > 0, harmonic(a, b), 0) * (rho[i] - rho[i - step]);
+    }
 }
 
 static long row_at(const struct forest *f, int j, int k) {

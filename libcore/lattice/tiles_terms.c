@@ -31,28 +31,27 @@ void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, NULL, to, dt});
 }
 
-/* The work of dilation on a row of cells; U stands at its first cell, as E and `dilation` do. Half a central difference
- * is the mean of both faces' velocities. */
-KERNEL static void dilate_row(int n, int dim, const long *stride, const double *width, long size, double dt,
-                              const double *restrict dilation, const double *restrict U, double *restrict E) {
-    double sum[BATCH];
+/* Computes div u in a row of cells, at whose first cell U stands. Half a central difference is the mean of both faces'
+ * velocities. */
+KERNEL static void find_spread(int n, int dim, const long *stride, const double *width, long size,
+                               const double *restrict U, double *restrict spread) {
     for (int axis = 0; axis < dim; axis++) {
         const double half = 0.5 / width[axis], *restrict m = U + (axis + 1) * size;
         const long step = stride[axis];
         for (int i = 0; i < n; i++) {
             const double here = half * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
-            sum[i] = axis ? sum[i] + here : here;
+            spread[i] = axis ? spread[i] + here : here;
         }
     }
-    for (int i = 0; i < n; i++) E[i] -= dt * dilation[i] * sum[i];
 }
 
 static void dilate_visit(void *term, const struct row *row) {
     const struct term *t = term;
     const struct forest *f = t->g->forest;
-    dilate_row(row->n, f->dim, f->stride, f->width, f->size, t->dt,
-               t->g->tiles->diffuser->dilation[row->block] + row->at, t->s->block[row->block] + row->at,
-               t->to->block[row->block] + (f->dim + 1) * f->size + row->at);
+    double spread[BATCH];
+    find_spread(row->n, f->dim, f->stride, f->width, f->size, t->s->block[row->block] + row->at, spread);
+    dilate_row(t->g, row->n, t->dt, t->g->tiles->diffuser->dilation[row->block] + row->at, spread,
+               t->to->block[row->block] + row->at);
 }
 
 void tiles_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {

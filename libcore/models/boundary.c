@@ -289,8 +289,10 @@ static void find_share(void (*share_of)(const struct rule *, const struct wall_l
  *     d rho/dn = (rho push - p_T dT/dn)/p_rho.
  * Hence the heat flux -heat dT/dn - cross d rho/dn towards the wall is
  *     -through dT/dn - Q,  through = heat - cross p_T/p_rho,  Q = cross rho push/p_rho,
- * and Q acts on the wall as if the cell were colder by Q d/(2 through). A wall that does not conduct takes no heat,
- * whatever its parts are. */
+ * and Q acts on the wall as if the cell were colder by Q d/(2 through), by T/2 at most: where d is too large for a
+ * linear gradient, with rho push d beyond p, the wall would seem colder than 0. `through` stays above a tenth of heat,
+ * which only the most inelastic grains near packing ask for. A wall that does not conduct takes no heat, whatever its
+ * parts are. */
 static void follow_pressure(struct wall_line *l, double per_jump[BATCH], double still[BATCH]) {
     double eps[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH];
     for (int i = 0; i < l->n; i++) eps[i] = eps_of(l->material, l->T[i]);
@@ -299,8 +301,9 @@ static void follow_pressure(struct wall_line *l, double per_jump[BATCH], double 
         const double p_rho = c2[i] - p[i] * gruneisen[i] / l->rho[i];
         per_jump[i] = -p[i] / (l->T[i] * p_rho);
         still[i] = l->rho[i] * l->push[i] / p_rho;
-        l->through[i] = l->heat[i] + l->cross[i] * per_jump[i];
-        l->fed[i] = l->cross[i] * still[i];
+        l->through[i] = larger(l->heat[i] + l->cross[i] * per_jump[i], 0.1 * l->heat[i]);
+        const double most = l->through[i] * l->T[i] / l->d[i];
+        l->fed[i] = smaller(larger(l->cross[i] * still[i], -most), most);
         l->warmth[i] = -l->fed[i] * l->d[i] / (2 * l->through[i]);
     }
 }

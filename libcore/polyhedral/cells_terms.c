@@ -39,7 +39,8 @@ static void open_faces(struct gas *g, const double *rho, bool skewed) {
         double slope = (rho[right] - rho[left]) * d->inverse[i];
         for (int k = 0; k < g->dim && skewed && i < f->ninternal; k++)
             slope += d->rest[k][i] * (0.5 * (d->gradient[k][left] + d->gradient[k][right]));
-        d->cross[i] = -f->area[i] * harmonic(d->share[i], cross[left], cross[right]) * slope;
+        const bool alike = cross[left] * cross[right] > 0; /* else cross passes through 0 between the cells */
+        d->cross[i] = alike ? -f->area[i] * harmonic(d->share[i], cross[left], cross[right]) * slope : 0;
     }
 }
 
@@ -98,16 +99,20 @@ static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int ce
 void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
     const struct cells *c = g->cells;
     struct polyhedra *m = c->polyhedra;
-    double *U[MAX_VAR], *out[MAX_VAR];
+    double *U[MAX_VAR], spread[BATCH];
     cells_lines(g, s, U);
-    cells_lines(g, to, out);
     polyhedra_fill_start(m, g->nvar, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, 0, m->mirror.n, U);
-    for (int i = 0; i < m->nown; i++) {
-        double sum = 0;
-        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
-            sum += swept_beyond(g, U, i, m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]);
-        out[g->dim + 1][i] -= dt * c->diffuser->dilation[i] * (c->inverse_volume[i] * sum);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        for (int i = 0; i < n; i++) {
+            spread[i] = 0;
+            for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++)
+                spread[i] +=
+                    swept_beyond(g, U, at + i, m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]);
+            spread[i] *= c->inverse_volume[at + i];
+        }
+        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, to->block[0] + at);
     }
 }
