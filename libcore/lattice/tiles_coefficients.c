@@ -226,7 +226,7 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
     for (int i = 0; i < e->n; i++) {
         const long beyond = e->to + i * e->step;
         wall[DRAG * f->size + beyond] = share[0][i];
-        wall[STAYS * f->size + beyond] = 1 - 0.5 * share[1][i];
+        wall[STAYS * f->size + beyond] = line.stays[i];
         if (wall_conducts(e->rules)) heat[i * e->step] *= share[1][i];
     }
     if (!d->cross || !wall_conducts(e->rules)) return;

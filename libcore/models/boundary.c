@@ -334,8 +334,19 @@ void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag,
             l->surface[i] =
                 (1 - 0.5 * heat[i]) * (l->T[i] + l->warmth[i]) + 0.5 * heat[i] * wall_temperature(r, l->face[i]);
     }
+    for (int i = 0; i < l->n; i++) {
+        l->lift[i] = (2 - heat[i]) * l->warmth[i];
+        l->stays[i] = 1 - 0.5 * heat[i];
+    }
     for (int i = 0; i < l->n && follows; i++) {
-        l->fed[i] *= 0.5 * heat[i];
         l->denser[i] = 2 * per_jump[i] * (l->surface[i] - l->T[i]) + still[i] * l->d[i];
+        l->fed[i] *= 0.5 * heat[i];
+    }
+    if (!follows || r->temperature.type->temperature) return;
+    for (int i = 0; i < l->n;
+         i++) { /* the wall takes less by `fed`, in proportion to T like the rest, and gives none */
+        l->lift[i] += heat[i] * cooler[i];
+        heat[i] *= 1 + cooler[i] / l->T[i];
+        l->fed[i] = 0;
     }
 }

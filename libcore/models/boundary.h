@@ -44,6 +44,8 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
     /* The rest is by wall_shares. */
     double surface[BATCH]; /* T of the gas on the wall itself */
     double warmth[BATCH];  /* rise of `surface` by friction, and by `fed`, if the wall took no heat */
+    double lift[BATCH];    /* what these add to T of the mirror image, beside the jump share (T_w - T) */
+    double stays[BATCH];   /* part of the heat of friction on the wall that goes into the gas */
     double through[BATCH]; /* conductivity towards the wall when rho follows T there; heat, if cross is NULL */
     double fed[BATCH];     /* W/m^2: heat that enters at any T, as rho has a gradient where `push` is not 0 */
     double denser[BATCH];  /* rho of the mirror image less rho of the cell, with the gradient of rho at the wall */

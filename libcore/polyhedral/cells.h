@@ -46,6 +46,7 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
 
 struct cells_walls {     /* [mirrors] what wall_shares says; 0 where a patch is no wall */
     double *drag, *heat; /* shares */
+    double *stays;       /* of struct wall_line */
     double *lift; /* what friction on the wall, and the gradient of rho there, add to the T of the mirror, so that
                    * gradients see the slope of T that these make */
     double *through, *fed, *denser; /* of struct wall_line, through as a fraction of heat; NULL: there is no cross */
@@ -60,7 +61,7 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
                        const double *lift, const double *const *start, double *const *S);
 void cells_mirror_gradients(const struct gas *g, int from, int to, const double *share, double *const *gradient);
 /* Gives the gas in the fluxes of energy the heat of friction on walls that it slips along. */
-void cells_slide(const struct gas *g, double weight, const double *heat, double *const *S);
+void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S);
 
 /* -(sum of the fluxes out of the cell)/V of n cells, in the order of their faces. */
 void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual);

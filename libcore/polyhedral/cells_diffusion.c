@@ -79,6 +79,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(&d->wall.drag, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.heat, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
+    TRY(lines_allocate(&d->wall.stays, 1, m->mirror.n));
     for (int i = 0; i < m->mirror.n; i++) {
         const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
         d->slides |= wall_slides(r);
@@ -108,6 +109,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->wall.drag);
     free(d->wall.heat);
     free(d->wall.lift);
+    free(d->wall.stays);
     free(d->wall.through);
     free(d->wall.fed);
     free(d->wall.denser);
@@ -438,7 +440,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     cells_lines(g, Y0, in);
     cells_lines(g, to, out);
     flow(g, what, weight);
-    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.heat, d->sum[d->last]);
+    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[d->last]);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);

@@ -163,7 +163,8 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
     }
     if (!patch_is_wall(r)) return;
     wall_shares(r, &line, out->drag + from, out->heat + from);
-    for (int i = 0; i < n; i++) out->lift[from + i] = (2 - out->heat[from + i]) * line.warmth[i];
+    memcpy(out->lift + from, line.lift, (size_t)n * sizeof(double));
+    memcpy(out->stays + from, line.stays, (size_t)n * sizeof(double));
     for (int i = 0; i < n && cross; i++) {
         out->through[from + i] = line.through[i] / line.heat[i];
         out->fed[from + i] = line.fed[i];
@@ -259,7 +260,7 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
 
 /* The walls that gas slips along get of the work of the stress f on it what f does on the wall itself, and heat: of
  * the rest, which the mean of both cells' velocities counts as lost, a part stays in the gas. */
-void cells_slide(const struct gas *g, double weight, const double *heat, double *const *S) {
+void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
     for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
         const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
@@ -269,7 +270,7 @@ void cells_slide(const struct gas *g, double weight, const double *heat, double 
         wall_velocity(r, g->dim, m->mirror.place[i], w);
         for (int k = 0; k < g->dim; k++)
             rest += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
-        g->cells->flux[g->dim][face] += (1 - 0.5 * heat[i]) * rest;
+        g->cells->flux[g->dim][face] += stays[i] * rest;
     }
 }
 
