@@ -55,7 +55,8 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
 KERNEL static void take_dilation(int n, double dt, const double *restrict dilation, const double *restrict spread,
                                  const double *restrict rho, const double *restrict eps, double *restrict E) {
     for (int i = 0; i < n; i++) {
-        const double internal = rho[i] * eps[i], z = dt * dilation[i] * spread[i] / internal;
+        const double internal = rho[i] * eps[i], heat = dt * dilation[i] * spread[i];
+        const double z = smaller(larger(heat / internal, -1e100), 1e100); /* squared it does not overflow */
         E[i] -= internal > 0 ? internal * (z / sqrt(1 + z * z)) : 0;
     }
 }

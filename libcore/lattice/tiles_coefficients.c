@@ -57,6 +57,7 @@ static void coefficient_visit(void *context, long offset, int n) {
     const struct work *w = &g->tiles->work;
     double T[BATCH], *warm = v->warm + offset;
     temperature_of_row(g, v->U, offset, n, T);
+    for (int i = 0; i < n; i++) T[i] = larger(T[i], COLDEST);
     for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
     const struct gas_models *m = &g->models;
@@ -190,7 +191,8 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step, over = face + i * e->step;
         b->rho[i] = rho[at];
-        b->T[i] = temperature_of(&g->models.material, g->tiles->work.eps[at]) * (g->ahead ? d->warm[tile][at] : 1);
+        b->T[i] = larger(temperature_of(&g->models.material, g->tiles->work.eps[at]), COLDEST) *
+                  (g->ahead ? d->warm[tile][at] : 1);
         b->push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
         b->d[i] = width;
         b->shear[i] = width * width * faces[SHEAR * size + over];

@@ -332,7 +332,8 @@ void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag,
         find_share(r->temperature.type->heat, wall_conducts(r), &r->temperature, l, heat);
         for (int i = 0; i < l->n; i++)
             l->surface[i] =
-                (1 - 0.5 * heat[i]) * (l->T[i] + l->warmth[i]) + 0.5 * heat[i] * wall_temperature(r, l->face[i]);
+                larger((1 - 0.5 * heat[i]) * (l->T[i] + l->warmth[i]) + 0.5 * heat[i] * wall_temperature(r, l->face[i]),
+                       COLDEST);
     }
     for (int i = 0; i < l->n; i++) {
         l->lift[i] = (2 - heat[i]) * l->warmth[i];

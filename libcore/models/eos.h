@@ -7,6 +7,9 @@
 
 #include "libcore/models/param.h"
 
+/* m^2/s^2: T at which coefficients are taken where round-off leaves a cell none, or a wall takes all: nothing is
+ * divided by 0 */
+#define COLDEST     1e-200
 #define EOS_PACKING 0.9999 /* fraction of alpha_max where Torquato's G goes on as its tangent */
 
 struct material {       /* parameters of the grains and of the equation of state; filled through the tables below */

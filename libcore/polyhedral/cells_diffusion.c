@@ -140,6 +140,7 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         const int n = size - at < BATCH ? size - at : BATCH;
         double *T = d->T + at;
         temperature_row(g, n, rho + at, T);
+        for (int i = 0; i < n; i++) T[i] = larger(T[i], COLDEST);
         for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
         for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
         const struct gas_models *models = &g->models;
