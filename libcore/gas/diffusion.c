@@ -23,8 +23,9 @@
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * That does not cover tangential derivatives in the stress, super steps, which are no means of Euler steps, and the
  * sink of cooling. If conduction leaves T below zero, it is done again in parts. If a cell is inadmissible in the end,
- * diffusion is done again without tangential derivatives on that cell's faces, without cross there, and without the
- * sink, which conserves as well; then in ever smaller super steps; if all that does not help, the time step is halved.
+ * diffusion is done again without tangential derivatives on that cell's faces, without cross there, without the sink,
+ * and with dilation before conduction, which conserves as well; then in ever smaller super steps; if all that does not
+ * help, the time step is halved.
  */
 #include "libcore/gas/gas_private.h"
 
@@ -226,20 +227,27 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Applies the stress, then conducts heat, by way of a third state. */
+/* Takes what the law's term of dilation takes from the result `mid` of the stress on `from`. */
+static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
+    if (!g->terms.dilation) return;
+    audit_part(g, GAS_HEAT, mid); /* what cross has moved */
+    g->engine->diffusion.dilate(g, from, mid, 0.5 * dt);
+    g->engine->diffusion.dilate(g, mid, mid, 0.5 * dt);
+    audit_part(g, GAS_DILATION, mid);
+}
+
+/* Applies the stress, then conducts heat, by way of a third state. again: the heat of dilation is no source of
+ * conduction, but has gone before. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
-                         const double rate[2]) {
+                         const double rate[2], bool again) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;
     const struct lapse stress = {dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
-    if (g->terms.dilation) {
-        g->engine->diffusion.dilate(g, from, mid, 0.5 * dt);
-        g->engine->diffusion.dilate(g, mid, mid, 0.5 * dt);
-        audit_part(g, GAS_DILATION, mid);
-    }
+    if (!again) dilate(g, from, mid, dt);
     if (g->terms.cross) g->engine->diffusion.cross(g, mid, dt);
     note_friction(g, from, mid);
+    if (again) dilate(g, from, mid, dt);
     return conduct(g, mid, to, dt, rate[HEAT]);
 }
 
@@ -256,7 +264,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1);
+        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1, repeats > 0);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
