@@ -231,8 +231,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
     if (!g->terms.dilation) return;
     audit_part(g, GAS_HEAT, mid); /* what cross has moved */
-    g->engine->diffusion.dilate(g, from, mid, 0.5 * dt);
-    g->engine->diffusion.dilate(g, mid, mid, 0.5 * dt);
+    g->engine->diffusion.dilate(g, from, mid, dt);
     audit_part(g, GAS_DILATION, mid);
 }
 

@@ -95,9 +95,11 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
                 const double *restrict residual, double *restrict to);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
-/* Takes from the energy of n <= BATCH states of a block what the law's term of dilation takes over dt where div u is
- * spread[n]; U points to the first state's density, dilation [n] has the coefficients. */
-void dilate_row(const struct gas *g, int n, double dt, const double *dilation, const double *spread, double *U);
+/* Takes from the energy E of n <= BATCH states of a block what the law's term of dilation takes over dt where div u is
+ * spread[n], less than the internal energy of U, which points to the first state's density; dilation: [n]
+ * coefficients. */
+void dilate_row(const struct gas *g, int n, double dt, const double *dilation, const double *spread, const double *U,
+                double *E);
 /* Computes a field of n <= BATCH states whose variables are `size` apart: out[component][n]; any field but
  * GAS_LIMITED. */
 void field_row(const struct gas *g, enum gas_field field, int n, long size, const double *U, double *const out[3]);

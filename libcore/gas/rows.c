@@ -50,8 +50,8 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
 }
 
 /* The heat q = dt dilation div u is that of the beginning or of the end of a half step, whose errors cancel in a whole
- * step. Of the internal energy I it takes or adds I z/sqrt(1 + z^2), z = q/I: q, but for terms of third order, and
- * never more than there is, as q would in packed gas, where zeta_U is large. */
+ * step. Of the internal energy I before the stress it takes or adds I z/sqrt(1 + z^2), z = q/I: q, but for terms of
+ * third order, and never more than there is, as q would in packed gas, where zeta_U is large. */
 KERNEL static void take_dilation(int n, double dt, const double *restrict dilation, const double *restrict spread,
                                  const double *restrict rho, const double *restrict eps, double *restrict E) {
     for (int i = 0; i < n; i++) {
@@ -61,10 +61,11 @@ KERNEL static void take_dilation(int n, double dt, const double *restrict dilati
     }
 }
 
-void dilate_row(const struct gas *g, int n, double dt, const double *dilation, const double *spread, double *U) {
+void dilate_row(const struct gas *g, int n, double dt, const double *dilation, const double *spread, const double *U,
+                double *E) {
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->dim, g->size, U, u, eps);
-    take_dilation(n, dt, dilation, spread, U, eps, U + (g->dim + 1) * g->size);
+    take_dilation(n, dt, dilation, spread, U, eps, E);
 }
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {

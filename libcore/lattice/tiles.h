@@ -62,7 +62,7 @@ void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt);
-void tiles_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt);
+void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
 long tiles_diffusion_flags(struct gas *g, bool keep);
 status tiles_implicit_pattern(struct gas *g, struct links *out);
 void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,

@@ -4,7 +4,7 @@
 
 struct term { /* context of the visitors of rows */
     const struct gas *g;
-    const struct state *s, *to;
+    const struct state *from, *to;
     double dt;
 };
 
@@ -31,31 +31,35 @@ void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, NULL, to, dt});
 }
 
-/* Computes div u in a row of cells, at whose first cell U stands. Half a central difference is the mean of both faces'
- * velocities. */
-KERNEL static void find_spread(int n, int dim, const long *stride, const double *width, long size,
-                               const double *restrict U, double *restrict spread) {
+/* Adds half of div u to `spread` in a row of cells, at whose first cell U stands. A central difference has the mean of
+ * both cells on each face. */
+KERNEL static void add_half_spread(int n, int dim, const long *stride, const double *width, long size,
+                                   const double *restrict U, double *restrict spread) {
+    double sum[BATCH] = {0};
     for (int axis = 0; axis < dim; axis++) {
-        const double half = 0.5 / width[axis], *restrict m = U + (axis + 1) * size;
+        const double quarter = 0.25 / width[axis], *restrict m = U + (axis + 1) * size;
         const long step = stride[axis];
-        for (int i = 0; i < n; i++) {
-            const double here = half * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
-            spread[i] = axis ? spread[i] + here : here;
-        }
+        for (int i = 0; i < n; i++) sum[i] += quarter * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
     }
+    for (int i = 0; i < n; i++) spread[i] += sum[i];
 }
 
 static void dilate_visit(void *term, const struct row *row) {
     const struct term *t = term;
     const struct forest *f = t->g->forest;
-    double spread[BATCH];
-    find_spread(row->n, f->dim, f->stride, f->width, f->size, t->s->block[row->block] + row->at, spread);
-    dilate_row(t->g, row->n, t->dt, t->g->tiles->diffuser->dilation[row->block] + row->at, spread,
-               t->to->block[row->block] + row->at);
+    const double *from = t->from->block[row->block] + row->at;
+    double spread[BATCH] = {0}, *to = t->to->block[row->block] + row->at;
+    add_half_spread(row->n, f->dim, f->stride, f->width, f->size, from, spread);
+    add_half_spread(row->n, f->dim, f->stride, f->width, f->size, to, spread);
+    dilate_row(t->g, row->n, t->dt, t->g->tiles->diffuser->dilation[row->block] + row->at, spread, from,
+               to + (f->dim + 1) * f->size);
 }
 
-void tiles_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
-    forest_fill_layers(g->forest, 1, g->nvar, s->block);
-    for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, s->block[t]);
-    g->engine->state.rows(g, EVERY_CELL, to, dilate_visit, &(struct term){g, s, to, dt});
+void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt) {
+    const struct state *both[] = {from, to};
+    for (int i = 0; i < 2; i++) {
+        forest_fill_layers(g->forest, 1, g->nvar, both[i]->block);
+        for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, both[i]->block[t]);
+    }
+    g->engine->state.rows(g, EVERY_CELL, to, dilate_visit, &(struct term){g, from, to, dt});
 }

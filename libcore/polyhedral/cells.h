@@ -83,7 +83,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
-void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt);
+void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
 long cells_diffusion_flags(struct gas *g, bool keep);
 status cells_implicit_pattern(struct gas *g, struct links *out);
 void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,

@@ -96,23 +96,26 @@ static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int ce
     return (left ? 1 : -1) * f->area[face] * sum;
 }
 
-void cells_diffusion_dilate(struct gas *g, const struct state *s, const struct state *to, double dt) {
+void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt) {
     const struct cells *c = g->cells;
     struct polyhedra *m = c->polyhedra;
-    double *U[MAX_VAR], spread[BATCH];
-    cells_lines(g, s, U);
-    polyhedra_fill_start(m, g->nvar, U);
-    polyhedra_fill_finish(m);
-    cells_mirrors(g, 0, m->mirror.n, U);
+    double *U[2][MAX_VAR], spread[BATCH];
+    for (int i = 0; i < 2; i++) {
+        cells_lines(g, i ? to : from, U[i]);
+        polyhedra_fill_start(m, g->nvar, U[i]);
+        polyhedra_fill_finish(m);
+        cells_mirrors(g, 0, m->mirror.n, U[i]);
+    }
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int i = 0; i < n; i++) {
-            spread[i] = 0;
-            for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++)
-                spread[i] +=
-                    swept_beyond(g, U, at + i, m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]);
-            spread[i] *= c->inverse_volume[at + i];
+            double sum = 0;
+            for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++) {
+                const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+                sum += swept_beyond(g, U[0], at + i, face) + swept_beyond(g, U[1], at + i, face);
+            }
+            spread[i] = 0.5 * c->inverse_volume[at + i] * sum;
         }
-        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, to->block[0] + at);
+        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, U[0][0] + at, U[1][g->dim + 1] + at);
     }
 }
