@@ -24,6 +24,8 @@ ROOT_PI = np.sqrt(np.pi)
 
 
 class Disks:
+    d, packed = 2, 0.82
+
     def __init__(self, restitution, diameter=1.0, threshold=0.0):
         self.e, self.sigma, self.threshold = restitution, diameter, threshold
         self.per = np.pi / 4 * diameter**2  # packing per density
@@ -37,7 +39,7 @@ class Disks:
         return cls(value["restitution"], value["diameter"], value.get("thresholdSpeed", 0.0))
 
     def G(self, nu):
-        return nu * enskog.torquato(nu, 2)
+        return nu * enskog.torquato(nu, self.d)
 
     def slope(self, nu):
         """d ln G / d ln nu."""
@@ -46,7 +48,7 @@ class Disks:
 
     def A(self, nu):
         """p = rho T A."""
-        return 1 + (1 + self.e) * self.G(nu)
+        return 1 + 2.0 ** (self.d - 2) * (1 + self.e) * self.G(nu)
 
     def stiffness(self, nu):
         """d(nu A)/d nu: p_rho = T times that."""
@@ -59,7 +61,7 @@ class Disks:
     def density(self, p, T):
         """rho of a pressure: nu A = per p/T, by bisection."""
         wanted = self.per * np.asarray(p / T, float)
-        low, high = np.zeros_like(wanted), np.full_like(wanted, 0.82 * (1 - 1e-9))
+        low, high = np.zeros_like(wanted), np.full_like(wanted, self.packed * (1 - 1e-9))
         for _ in range(60):
             middle = 0.5 * (low + high)
             less = middle * self.A(middle) < wanted

@@ -4,46 +4,21 @@ GarzoDufty`; written from the formulas in d dimensions, not from the solver. Gra
     gas = garzoDufty.Grains(3, restitution=0.9)
     gas.heat(rho, T)                                    # q = -heat grad T - cross grad rho
 
-It takes the place of disks.Disks in disks.Cooling and disks.Channel.
+They take the place of those of disks.Disks, whose contact value, pressure and flows they share.
 """
 from math import gamma
 
 import numpy as np
 
+import disks
 import enskog
 
 
-class Grains:
+class Grains(disks.Disks):
     def __init__(self, d, restitution, diameter=1.0):
         self.d, self.e, self.sigma = d, restitution, diameter
         self.per = enskog.volume(d, diameter)  # packing per density
         self.packed = {2: 0.82, 3: 0.64}[d]
-
-    def G(self, nu):
-        return nu * enskog.torquato(nu, self.d)
-
-    def slope(self, nu):
-        """d ln G / d ln nu."""
-        h = 1e-5 * nu
-        return (self.G(nu + h) - self.G(nu - h)) / (2 * h) * nu / self.G(nu)
-
-    def A(self, nu):
-        """p = rho T A."""
-        return 1 + 2.0 ** (self.d - 2) * (1 + self.e) * self.G(nu)
-
-    def stiffness(self, nu):
-        """d(nu A)/d nu: p_rho = T times that."""
-        return self.A(nu) + (self.A(nu) - 1) * self.slope(nu)
-
-    def density(self, p, T):
-        """rho of a pressure: nu A = per p/T, by bisection."""
-        wanted = self.per * np.asarray(p / T, float)
-        low, high = np.zeros_like(wanted), np.full_like(wanted, self.packed * (1 - 1e-9))
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            less = middle * self.A(middle) < wanted
-            low, high = np.where(less, middle, low), np.where(less, high, middle)
-        return 0.5 * (low + high) / self.per
 
     def starred(self, nu):
         """bulk, shear, heat and cross in units of shear0, shear0, heat0 and heat0 T/rho; zeta0."""
@@ -91,6 +66,3 @@ class Grains:
 
     def sink(self, rho, T):
         return self.d / 2 * rho * self.cooling(rho * self.per) * T**1.5
-
-    def cooled(self, nu, T, t):
-        return T / (1 + 0.5 * self.cooling(nu) * np.sqrt(T) * t) ** 2
