@@ -119,27 +119,48 @@ static struct gas_models disks_of(const struct diffusion *diffusion) {
     return m;
 }
 
-/* Disks with viscosity and heat conduction. */
-static status print_diffusion(const struct comm *c, int dim, const struct diffusion *diffusion) {
+/* Inelastic spheres with all terms of their transport. */
+static struct gas_models spheres_of(const struct diffusion *diffusion) {
+    struct gas_models m = models_of(flux_find("common"));
+    m.eos = eos_find("TorquatoSpheres");
+    model_defaults(&m.eos->model, &m.material);
+    m.transport = transport_find("GarzoDufty");
+    m.transport_params = own_defaults(&m.transport->model);
+    model_put(&m.transport->model, &m.transport_params, "zetaU", 2);
+    m.diffusion = diffusion;
+    return m;
+}
+
+/* Walls that hold the gas, those around spheres (`takes`) also take heat. */
+static void viscous_walls(bool takes, struct patch_rules walls[6]) {
+    for (int k = 0; k < 6; k++) {
+        walls[k] =
+            (struct patch_rules){.density = {.type = boundary_find("zeroGradient")},
+                                 .velocity = {.type = boundary_find("noSlip")},
+                                 .temperature = {.type = boundary_find(takes ? "granularWall" : "zeroGradient")}};
+        walls[k].temperature.params.room[0] = 0.8; /* restitution */
+    }
+}
+
+/* Disks or spheres with viscosity and heat conduction. */
+static status print_diffusion(const struct comm *c, int dim, bool spheres, const struct diffusion *diffusion) {
     struct box box;
     struct forest *f;
     struct gas *g;
     uint64_t sum = 0;
-    int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, 1};
-    struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
-    for (int k = 0; k < 6; k++) {
-        walls[k].density.type = walls[k].temperature.type = boundary_find("zeroGradient");
-        walls[k].velocity.type = boundary_find("noSlip");
-    }
+    int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, dim > 2 ? 14 : 1};
+    struct patch_rules walls[6];
+    viscous_walls(spheres, walls);
     box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false});
-    struct gas_models m = disks_of(diffusion);
+    struct gas_models m = spheres ? spheres_of(diffusion) : disks_of(diffusion);
     m.reconstruct = reconstruct_find("WENO5");
     TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));
     TRY(gas_make(f, &m, 6, walls, &g));
     TRY(fill(g, box.mesh.ncells, n));
     TRY(advance(g));
     TRY(checksum(g, box.mesh.ncells, &sum));
-    if (comm_root(c)) printf("%dD %s %016llx\n", dim, diffusion->model.name, (unsigned long long)sum);
+    if (comm_root(c))
+        printf("%dD %s %s %016llx\n", dim, m.transport->model.name, diffusion->model.name, (unsigned long long)sum);
     gas_free(g);
     forest_free(f);
     box_free(&box);
@@ -149,16 +170,17 @@ static status print_diffusion(const struct comm *c, int dim, const struct diffus
 static status print_polynomial(const struct comm *c, const struct cells_recipe *r, const struct polynomial *p,
                                const struct diffusion *diffusion) {
     struct polymesh *mesh = cells_make(r);
-    struct patch_rules walls[6] = {{{0}, {0}, {0}, false}};
+    const bool spheres = diffusion && r->dim == 3;
+    struct patch_rules walls[6];
     struct grid *grid;
     struct gas *g;
     uint64_t sum = 0;
-    struct gas_models m = diffusion ? disks_of(diffusion) : models_of(flux_find("common"));
+    struct gas_models m = spheres     ? spheres_of(diffusion)
+                          : diffusion ? disks_of(diffusion)
+                                      : models_of(flux_find("common"));
     m.polynomial = p;
-    for (int k = 0; k < 6; k++) {
-        walls[k].density.type = walls[k].temperature.type = boundary_find("zeroGradient");
-        walls[k].velocity.type = boundary_find(diffusion ? "noSlip" : "slip");
-    }
+    viscous_walls(spheres, walls);
+    for (int k = 0; k < 6 && !diffusion; k++) walls[k].velocity.type = boundary_find("slip");
     TRY(grid_make(NULL, mesh, NULL, NULL, c, p->rings, &grid));
     TRY(gas_make_polyhedral(grid, &m, 6, walls, &g));
     TRY(fill(g, mesh->ncells, (int[3]){mesh->ncells, 1, 1}));
@@ -223,9 +245,9 @@ int main(int argc, char **argv) {
         for (int f = 0; f < flux_count; f++)
             for (int r = 0; r < reconstruct_count && !s; r++)
                 s = print_scheme(c, dim, &flux_table[f], &reconstruct_table[r]);
-    for (int dim = 1; dim <= 2; dim++)
+    for (int dim = 1; dim <= 3; dim++)
         for (int i = 0; i < diffusion_count && !s; i++)
-            if (diffusion_table[i].plan) s = print_diffusion(c, dim, &diffusion_table[i]);
+            if (diffusion_table[i].plan) s = print_diffusion(c, dim, dim == 3, &diffusion_table[i]);
     static const struct cells_recipe meshes[] = {
         {"triangles", 2, PRISMS, {34, 34, 1}, {0, 1, 2}, 0.2, {false, true, false}},
         {"tetrahedra", 3, TETS, {7, 7, 7}, {0, 1, 2}, 0.1, {false, true, false}}};
