@@ -344,8 +344,8 @@ void wall_shares(const struct patch_rules *r, struct wall_line *l, double *drag,
         l->fed[i] *= 0.5 * heat[i];
     }
     if (!follows || r->temperature.type->temperature) return;
-    for (int i = 0; i < l->n;
-         i++) { /* the wall takes less by `fed`, in proportion to T like the rest, and gives none */
+    /* a wall that takes heat in proportion to T takes less by `fed`, in proportion to T, too, and never gives any */
+    for (int i = 0; i < l->n; i++) {
         l->lift[i] += heat[i] * cooler[i];
         heat[i] *= 1 + cooler[i] / l->T[i];
         l->fed[i] = 0;

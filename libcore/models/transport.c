@@ -139,7 +139,8 @@ KERNEL static void garzo_viscosities(int n, const struct garzo_constants *c, con
         const double g = k.g * nu * X, kinetic = (1 - k.s1 * X) * inverse / k.s0;
         bulk[i] = unit * g;
         shear[i] = unit * (kinetic * (1 + k.s2 * X) + k.of_bulk * g);
-        heat[i] = unit * k.heat_ratio * ((k.h1 + k.h2 * X) * inverse / k.h0 * (1 + k.h3 * X) + k.h4 * nu * X);
+        const double of_heat = (k.h1 + k.h2 * X) * inverse / k.h0 * (1 + k.h3 * X) + k.h4 * nu * X;
+        heat[i] = unit * k.heat_ratio * larger(of_heat, 0); /* it is below 0 for disks of e = 0 near packing */
     }
 }
 
