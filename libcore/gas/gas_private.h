@@ -84,6 +84,16 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 /* Sets *first to the number, over all ranks, of this rank's first cell, for the patterns of implicit diffusion. */
 status implicit_first(const struct gas *g, int cells, long *first);
 
+/* ---- why a gas cannot go on (libcore/gas/stop.c); all are collective ---- */
+
+bool gas_can_collapse(const struct gas *g); /* does the gas cool, so that it may reach close packing in finite time? */
+/* dt falls below what is allowed. */
+status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
+/* The rate of wave speeds is infinite or no number. */
+status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
+/* t + dt is t. */
+status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
+
 /* ---- rows of cells (libcore/gas/rows.c) ---- */
 
 /* Computes velocity and eps = E/rho - |u|^2/2 of n <= BATCH states whose variables are `size` apart. */

@@ -218,31 +218,6 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     return !guarded ? end_unguarded(g, &ending, bad, at_once) : !sources || end_guarded(g, bad);
 }
 
-static bool can_collapse(const struct gas *g) {
-    return source_cools(&g->models.source, &g->models.material);
-}
-
-static status collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
-    double place[3];
-    const struct gas_counts c = gas_counts(g);
-    const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
-    gas_fastest_place(g, speed, place);
-    if (!can_collapse(g))
-        return fail(
-            ERR_STATE,
-            "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g): less than is allowed; the last good state is kept", dt,
-            t, place[0], place[1], place[2]);
-    return fail(
-        ERR_STATE,
-        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
-        "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
-        "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
-        "around\n"
-        "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
-        t, place[0], place[1], place[2], dt, g->models.material.threshold, c.faces, c.cells, c.rejected,
-        noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
-}
-
 /* Returns the largest rate of wave speeds (1/s), over all ranks, in U0, from which the stages start. */
 static double rate_of_start(struct gas *g) {
     struct gas_speed after;
@@ -273,16 +248,18 @@ static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     const bool sources = source_active(&g->models.source, &g->models.material);
+    if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
-    const double calm = can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    if (allowed < least || (allowed < calm && g->slow < 0)) return collapse(g, t, allowed, speed);
+    const double calm = gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
+    if (allowed < least || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
     if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
-        return collapse(g, t, g->slow_dt[1], speed);
+        return stop_of_collapse(g, t, g->slow_dt[1], speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = false;
     for (;;) {
         const bool guarded = g->guarded > 0;
         long bad;
+        if (t + *dt == t) return stop_of_time(g, t, *dt, speed);
         audit_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         const bool hot = U0 && overheated(g, *dt, maxCo, speed);
@@ -293,7 +270,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         }
         g->counts.rejected++;
         *dt = shorter(g, U0, *dt, maxCo);
-        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return collapse(g, t, *dt, speed);
+        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return stop_of_collapse(g, t, *dt, speed);
     }
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;

@@ -3,6 +3,8 @@
 #include "libcore/gas/gas.h"
 #include "tests/box.h"
 
+#include <unistd.h>
+
 #include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world;
@@ -379,12 +381,63 @@ static void speed_is_the_largest_rate(void **state) {
     }
 }
 
+/* Cells whose density is the last number below the limit, of grains whose alpha is rounded to alphaMax there. */
+static double last_density;
+static void to_the_last_digit(const double x[3], double *rho, double u[3], double *T) {
+    (void)u;
+    *rho = x[0] > 0.5 ? last_density : 100;
+    *T = 1;
+}
+
+static void stands_still(struct scene *s, double t, double dt, const char *parts) {
+    struct gas_speed speed;
+    gas_speed(s->gas, &speed);
+    if (dt == 0) dt = 0.5 / speed.rate;
+    status stop = gas_step(s->gas, t, &dt, 0.5, 0, 0, &speed);
+    assert_non_null(stop);
+    assert_int_equal(status_kind(stop), ERR_STATE);
+    char copy[256];
+    snprintf(copy, sizeof copy, "%s", parts);
+    for (char *part = strtok(copy, "|"); part; part = strtok(NULL, "|"))
+        if (!strstr(status_text(stop), part)) fail_msg("'%s' does not say '%s'", status_text(stop), part);
+    status_free(stop);
+}
+
+/* A step that would be 0, or less than the last digit of t, ends the run; without that the test would hang. */
+static void endless_steps(void **state) {
+    (void)state;
+    struct scene s;
+    open_scene(&s, 1, (int[3]){40, 1, 1}, false, "common", "PHM");
+    do {
+        s.models.material.diameter += 1e-3;
+        last_density = nextafter(density_limit(s.models.eos, &s.models.material), 0);
+    } while (last_density * packing_per_density(&s.models.material) < s.models.material.alpha_max);
+    gas_free(s.gas);
+    must(gas_make(s.forest, &s.models, 6, s.rules, &s.gas));
+    (void)alarm(60);
+    start(&s, to_the_last_digit);
+    stands_still(&s, 0, 0, "the speed of sound is without bound at t = 0, (0.5|alpha = 0.6|start below it");
+    start(&s, pile);
+    stands_still(&s, 1e16, 1e-3, "time stands still at t = 1e+16|less than the last digit of t|alpha = ");
+    s.rules[1].velocity.type = boundary_find("zeroGradient");
+    s.rules[1].density = (struct rule){.type = boundary_find("fixedValue"), .uniform = {100}};
+    start(&s, pile);
+    stands_still(&s, 1e16, 1e-3, "time stands still|gives the density and leaves T free");
+    (void)alarm(0);
+    close_scene(&s);
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conservation),        cmocka_unit_test(one_is_two_is_three),
-        cmocka_unit_test(free_stream),         cmocka_unit_test(skipping_changes_no_bit),
-        cmocka_unit_test(safety_net),          cmocka_unit_test(collapse),
-        cmocka_unit_test(looking_once_a_step), cmocka_unit_test(speed_is_the_largest_rate),
+        cmocka_unit_test(conservation),
+        cmocka_unit_test(one_is_two_is_three),
+        cmocka_unit_test(free_stream),
+        cmocka_unit_test(skipping_changes_no_bit),
+        cmocka_unit_test(safety_net),
+        cmocka_unit_test(collapse),
+        cmocka_unit_test(endless_steps),
+        cmocka_unit_test(looking_once_a_step),
+        cmocka_unit_test(speed_is_the_largest_rate),
     };
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);

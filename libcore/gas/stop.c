@@ -1,0 +1,106 @@
+/* Why a gas cannot go on: says when, where and in which state, what feeds it, and what can be done. */
+#include "libcore/gas/gas_private.h"
+
+#define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached somewhere */
+
+bool gas_can_collapse(const struct gas *g) {
+    return source_cools(&g->models.source, &g->models.material);
+}
+
+struct look { /* context of look_row */
+    const struct gas *g;
+    const double *place; /* of the cell that is looked for */
+    double alpha, T,
+        most; /* out: of that cell, -HUGE_VAL if this rank has not got it; the largest alpha of all cells */
+};
+
+static void look_row(void *look, const struct row *row) {
+    struct look *l = look;
+    const double *rho = l->g->U.block[row->block] + row->at, per = packing_per_density(&l->g->models.material);
+    double T[BATCH], here[3];
+    temperature_row(l->g, row->n, rho, T);
+    for (int i = 0; i < row->n; i++) {
+        l->most = larger(l->most, per * rho[i]);
+        l->g->engine->state.place(l->g, row->block, row->at + i, here);
+        if (memcmp(here, l->place, sizeof here) != 0) continue;
+        l->alpha = per * rho[i];
+        l->T = T[i];
+    }
+}
+
+/* Finds a cell that has the largest rate of wave speeds, its state, and the largest alpha of the domain. */
+static struct look fastest_cell(struct gas *g, const struct gas_speed *speed, double place[3]) {
+    struct look l = {g, place, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    gas_fastest_place(g, speed, place);
+    g->engine->state.rows(g, EVERY_CELL, &g->U, look_row, &l);
+    double all[] = {l.alpha, l.T, l.most};
+    comm_max(g->comm, all, 3);
+    l.alpha = all[0];
+    l.T = all[1];
+    l.most = all[2];
+    return l;
+}
+
+/* Does a patch hold the density, but leave T to the gas? Then gas may heat up or cool without end there. */
+static bool leaves_T_free(const struct gas *g) {
+    bool found = false;
+    for (int p = 0; p < g->npatches; p++) {
+        const struct patch_rules *r = &g->rules[p];
+        if (r->velocity.type && !patch_is_wall(r)) found |= rule_holds(&r->density) && !rule_holds(&r->temperature);
+    }
+    return found;
+}
+
+/* Returns what feeds a time step that falls and falls, as far as the gas can tell. */
+static const char *cause_of(const struct gas *g) {
+    const struct gas_counts c = gas_counts(g);
+    if (leaves_T_free(g))
+        return "\n  a boundary gives the density and leaves T free, so that nothing bounds T there: give T (or p) "
+               "there, "
+               "too";
+    if (c.filled > 0 || c.floored > 0)
+        return "\n  floors have added mass or energy on the way (see the log): what they add may be what is seen here";
+    return "";
+}
+
+status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
+    double place[3];
+    const struct look l = fastest_cell(g, speed, place);
+    const struct gas_counts c = gas_counts(g);
+    const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
+    const bool packed = g->models.material.alpha_max == 0 || l.most > PACKED_AT_LAST * g->models.material.alpha_max;
+    if (!gas_can_collapse(g) || !packed)
+        return fail(ERR_STATE,
+                    "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: less than is allowed; "
+                    "the last good state is kept%s",
+                    dt, t, place[0], place[1], place[2], l.alpha, l.T, cause_of(g));
+    return fail(
+        ERR_STATE,
+        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
+        "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
+        "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
+        "around\n"
+        "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
+        t, place[0], place[1], place[2], dt, g->models.material.threshold, c.faces, c.cells, c.rejected,
+        noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
+}
+
+status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed) {
+    double place[3];
+    const struct look l = fastest_cell(g, speed, place);
+    return fail(ERR_STATE,
+                "the speed of sound is without bound at t = %.10g, (%.6g %.6g %.6g), alpha = %.17g, T = %.6g: no time "
+                "step is short enough; the last good state is kept\n"
+                "  alpha = alphaMax, to the last digits, has no finite pressure: start below it",
+                t, place[0], place[1], place[2], l.alpha, l.T);
+}
+
+status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {
+    double place[3];
+    const struct look l = fastest_cell(g, speed, place);
+    return fail(ERR_STATE,
+                "time stands still at t = %.10g: a step of %.3g s is less than the last digit of t; the fastest gas is "
+                "at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g, with %.3g crossings of a cell a second; the last good "
+                "state is kept%s",
+                t, dt, place[0], place[1], place[2], l.alpha, l.T, speed->rate, cause_of(g));
+}
