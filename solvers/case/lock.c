@@ -46,6 +46,10 @@ static status unwritable(const char *case_dir, int reason) {
                        : "nothing was run");
 }
 
+static status leads_away(const char *path) {
+    return fail(ERR_INPUT, "%s: this is a link, and a run would write to the file it leads to: remove it", path);
+}
+
 /* Locks the file; returns 0 or an errno. EINTR: the path names another file by now, because the last holder removed
  * this one meanwhile. */
 static int lock_file(const struct lock *l) {
@@ -61,7 +65,8 @@ static status take(struct lock *l, const char *case_dir, const char *program) {
     int reason = EINTR;
     while (reason == EINTR) {
         if (l->file >= 0) close(l->file);
-        l->file = open(l->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        l->file = open(l->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        if (l->file < 0 && errno == ELOOP) return leads_away(l->path);
         if (l->file < 0) return unwritable(case_dir, errno);
         reason = lock_file(l);
     }

@@ -80,6 +80,14 @@ static status make_one(struct function *f, struct dict *d) {
     return allocate(&f->block_values, 3 * largest, sizeof(double), "a block's field");
 }
 
+status function_name(struct dict *d, const char *name) {
+    enum { LONGEST = sizeof((struct function *)0)->name - 1 };
+    if (strchr(name, '/') || *name == '.')
+        return dict_fail(d, name, "the name of a file or a folder below postProcessing/: no '/' and no '.' in front");
+    if (strlen(name) > LONGEST) return dict_fail(d, name, "longer than %d letters", (int)LONGEST);
+    return OK;
+}
+
 status functions_make(const struct setup *s, struct functions **out) {
     struct functions *f = NULL;
     struct dict *all = s->control->functions, *one;
@@ -91,6 +99,7 @@ status functions_make(const struct setup *s, struct functions **out) {
         const char *name = dict_key(all, i);
         e = dict_sub(all, name, &one);
         bool enabled = true;
+        if (!e) e = function_name(all, name);
         if (!e) e = dict_switch_or(one, "enabled", true, &enabled);
         if (!e && !enabled) {
             dict_mark_used(one);

@@ -35,6 +35,8 @@ struct function_type {
 const struct quantity *quantity_of(const struct function *f, int field);
 /* Computes the values of a block's cells in f->block_values; lines[c] are those along computational axis c. */
 void function_block(const struct function *f, int block, int field, double *lines[3]);
+/* Checks the key `name` of a dictionary, which names a file or a folder below postProcessing/: it must not lead out. */
+status function_name(struct dict *d, const char *name);
 /* Opens postProcessing/<function>/<folder>/<file>, and makes its folders. On the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
 /* Ends a row of a table and hands it to the system; fails if that has no room for it. */

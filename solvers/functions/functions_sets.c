@@ -61,6 +61,7 @@ static status sets_make(struct function *f, struct dict *d) {
     TRY(allocate(&sets->line, n, sizeof *sets->line, "lines"));
     for (int i = 0; i < n; i++) {
         TRY(dict_sub(all, dict_key(all, i), &one));
+        TRY(function_name(all, dict_key(all, i)));
         TRY(set_make(f, sets, dict_key(all, i), one));
     }
     return OK;

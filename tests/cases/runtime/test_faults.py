@@ -66,6 +66,19 @@ class Lock(harness.Folder, unittest.TestCase):
             self.assertEqual(again.returncode, 0)
             self.assertEqual(runs.hidden(folder), [])
 
+    def test_lock_that_is_a_link(self):
+        """What the link leads to is not touched."""
+        case = self.endless("link")
+        outside = os.path.join(self.folder, "outside")
+        with open(outside, "w") as f:
+            f.write("mine")
+        os.symlink(outside, os.path.join(case, ".haff.lock"))
+        done = try_it(case)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(".haff.lock: this is a link", done.stderr)
+        with open(outside) as f:
+            self.assertEqual(f.read(), "mine")
+
     def test_hang_up(self):
         """A terminal that closes is a wish to stop, unless nohup says no."""
         for ignored in (False, True):

@@ -247,6 +247,11 @@ DICTIONARIES = [
         at="extremes { type fieldMinMax;"),
     Row("unknown operation", (CONTROL, "operation volIntegrate;", "operation volIntegral;"), "volIntegral",
         "did you mean 'volIntegrate'?"),
+    Row("a function object that leads out of the case", (CONTROL, "    vtk {", "    ../../vtk {"), "'../../vtk'",
+        "below postProcessing/"),
+    Row("a line that leads out of the case", (CONTROL, "            a\n", "            ../../../a\n"), "'../../../a'",
+        "below postProcessing/"),
+    Row("a function object that is hidden", (CONTROL, "    vtk {", "    ..vtk {"), "'..vtk'", "no '.' in front"),
     Row("a function object that is no dictionary", (CONTROL, "    vtk {", "    extra 3;\n    vtk {"), "'extra'",
         "{ ... }"),
     # values: type
