@@ -1,4 +1,5 @@
-/* Inside of diffusion on polyhedra: the memory of libcore/polyhedral/cells_diffusion.c. */
+/* Inside of diffusion on polyhedra: what libcore/polyhedral/cells_diffusion.c, cells_terms.c and cells_implicit.c
+ * share. */
 #ifndef LIBCORE_CELLS_DIFFUSER_H
 #define LIBCORE_CELLS_DIFFUSER_H
 

@@ -66,7 +66,6 @@ void cells_cross_drop(struct gas *g) {
         if (c->flag[f->left[i]] + c->flag[f->right[i]] > 0) c->diffuser->cross[i] = 0;
 }
 
-/* E <- E + dt residual of the fluxes */
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     const int nown = g->cells->polyhedra->nown;
     double *U[MAX_VAR], sum[BATCH];
