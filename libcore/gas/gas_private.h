@@ -86,7 +86,9 @@ status implicit_first(const struct gas *g, int cells, long *first);
 
 /* ---- why a gas cannot go on (libcore/gas/stop.c); all are collective ---- */
 
-bool gas_can_collapse(const struct gas *g); /* does the gas cool, so that it may reach close packing in finite time? */
+/* Does the gas cool, however slow its impacts are, so that it may reach close packing in finite time? With a threshold
+ * speed the steps of a bed at rest are short, but they fall no further. */
+bool gas_can_collapse(const struct gas *g);
 /* dt falls below what is allowed. */
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
 /* The rate of wave speeds is infinite or no number. */

@@ -4,7 +4,7 @@
 #define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached somewhere */
 
 bool gas_can_collapse(const struct gas *g) {
-    return source_cools(&g->models.source, &g->models.material);
+    return source_cools(&g->models.source, &g->models.material) && g->models.material.threshold == 0;
 }
 
 struct look { /* context of look_row */
@@ -76,12 +76,12 @@ status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_spe
                     dt, t, place[0], place[1], place[2], l.alpha, l.T, cause_of(g));
     return fail(
         ERR_STATE,
-        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g): the time step falls to %.3g s there, as it does when the "
-        "gas reaches close packing; the exact problem ends here, the last good state is kept\n"
-        "  a way through: thresholdSpeed in `grain` of constant/granularProperties (now %g), say a tenth of sqrt(T) "
-        "around\n"
+        "inelastic collapse at t = %.10g, (%.6g %.6g %.6g), alpha = %.10g, T = %.6g: the time step falls to %.3g s "
+        "there, as it does when the gas reaches close packing; the exact problem ends here, the last good state is "
+        "kept\n"
+        "  a way through: thresholdSpeed in `grain` of constant/granularProperties, say a tenth of sqrt(T) around\n"
         "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
-        t, place[0], place[1], place[2], dt, g->models.material.threshold, c.faces, c.cells, c.rejected,
+        t, place[0], place[1], place[2], l.alpha, l.T, dt, c.faces, c.cells, c.rejected,
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 

@@ -28,9 +28,17 @@ double second_sonine(const struct material *m) {
     return 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
 }
 
+/* Densities below the limit may give nu = alpha_max once they are rounded. G follows its formula up to this fraction of
+ * alpha_max, so that no pressure or speed of sound is infinite. */
+#define LAST_DIGIT (1 - 0x1p-52)
+
+double packing_limit(const struct eos *eos, const struct material *m) {
+    return eos->bounded && !m->tangent ? m->alpha_max : HUGE_VAL;
+}
+
 double density_limit(const struct eos *eos, const struct material *m) {
     double k = packing_per_density(m);
-    return eos->bounded && k > 0 ? m->alpha_max / k : HUGE_VAL;
+    return k > 0 ? packing_limit(eos, m) / k : HUGE_VAL;
 }
 
 /* Goldshtein & Shapiro (1995), Serna & Marquina (1)-(8):
@@ -38,7 +46,8 @@ double density_limit(const struct eos *eos, const struct material *m) {
  *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
  * Their printed A' lacks the factor 2 (physics S1); `printed_sound` reproduces it in c alone. */
 static inline double gs_x(double nu, double inverse_max, double a) {
-    return power(nu * inverse_max + 1e-200, a); /* 1e-200 allows nu = 0: x is then too small to matter */
+    double x = power(nu * inverse_max + 1e-200, a); /* 1e-200 allows nu = 0: x is then too small to matter */
+    return smaller(x, LAST_DIGIT);
 }
 
 KERNEL static void gs_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
@@ -94,11 +103,12 @@ KERNEL static void perfect_contact(const struct material *m, int n, const double
  * 2.1):
  *   chi = (1 - a nu)/(1 - nu)^d below freezing, a = 0.436 (disks), 1/2;  chi_f (nu_c - nu_f)/(nu_c - nu) above.
  * chi' jumps at nu_f, and with it the speed of sound. On nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
- * 1/2 takes over value, slope and curvature of both branches. Above EOS_PACKING nu_c G goes on as its tangent: no
- * density is forbidden, and the gas resists a density beyond nu_c. */
+ * 1/2 takes over value, slope and curvature of both branches. G diverges at nu_c, below which the gas stays (limit.h).
+ * With `tangent` G goes on as its tangent above EOS_PACKING nu_c: no density is forbidden then, and a gas that cools
+ * under its weight is pressed beyond nu_c, as its T falls below what a G without divergence needs to carry it. */
 struct contact {
     double freezing, packed, dense; /* nu_f; nu_c; chi (nu_c - nu) of the dense branch */
-    double last;                    /* nu where the tangent begins */
+    double last;                    /* nu where the tangent begins: without `tangent` at the last digit of nu_c */
     double smoothing, inverse;      /* half the joint; 1/(2 smoothing) */
     double c[6];                    /* coefficients of the quintic */
 };
@@ -121,7 +131,7 @@ ALWAYS_INLINE struct contact contact_make(int d, const struct material *m) {
     double slope, value = fluid_value(d, m->freezing, &slope), h = 2 * m->smoothing;
     struct contact t = {.freezing = m->freezing,
                         .packed = m->alpha_max,
-                        .last = EOS_PACKING * m->alpha_max,
+                        .last = (m->tangent ? EOS_PACKING : LAST_DIGIT) * m->alpha_max,
                         .dense = value * (m->alpha_max - m->freezing),
                         .smoothing = m->smoothing};
     if (h == 0) return t;
@@ -223,11 +233,14 @@ static const struct param perfect_param[] = {
 #define TORQUATO_PARAM(least_heats, packed, freezes)                                                                   \
     NUMBER("gamma", gamma, least_heats, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats of the dilute elastic gas"),  \
         NUMBER("alphaMax", alpha_max, packed, BETWEEN(0, 1), NO_UNIT,                                                  \
-               "where the pressure would diverge; from 0.9999 of it on G is continued linearly"),                      \
+               "packing fraction at which the pressure diverges"),                                                     \
         NUMBER("alphaFreezing", freezing, freezes, BETWEEN(0, 1), NO_UNIT,                                             \
                "packing fraction where the two branches of the contact value meet"),                                   \
         NUMBER("smoothing", smoothing, 0.01, FROM_TO(0, 0.5), NO_UNIT,                                                 \
-               "the branches are joined smoothly within so much of alphaFreezing; 0: a kink")
+               "the branches are joined smoothly within so much of alphaFreezing; 0: a kink"),                         \
+        SWITCH("tangent", tangent, false,                                                                              \
+               "G goes on linearly above 0.9999 alphaMax: fewer steps in cold beds, but nothing keeps alpha below "    \
+               "alphaMax")
 static const struct param disks_param[] = {TORQUATO_PARAM(2, 0.82, 0.69)},
                           spheres_param[] = {TORQUATO_PARAM(5. / 3, 0.64, 0.49)};
 
@@ -245,8 +258,8 @@ const struct eos eos_table[] = {
      .contact = perfect_contact, .slope = perfect_contact},
     {MODEL_WITH("TorquatoDisks", "dense disks, Torquato's contact value (Carrillo, Poeschel & Saluena 2008)",
                 disks_param),
-     .disks = true, .state = disks_state, .contact = disks_contact, .slope = disks_slope},
-    {MODEL_WITH("TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", spheres_param),
+     .bounded = true, .disks = true, .state = disks_state, .contact = disks_contact, .slope = disks_slope},
+    {MODEL_WITH("TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", spheres_param), .bounded = true,
      .state = spheres_state, .contact = spheres_contact, .slope = spheres_slope},
 };
 const int eos_count = sizeof eos_table / sizeof *eos_table;

@@ -10,7 +10,7 @@
 /* m^2/s^2: T at which coefficients are taken where round-off leaves a cell none, or a wall takes all: nothing is
  * divided by 0 */
 #define COLDEST     1e-200
-#define EOS_PACKING 0.9999 /* fraction of alpha_max where Torquato's G goes on as its tangent */
+#define EOS_PACKING 0.9999 /* fraction of alpha_max at which the coefficients of transport are taken at most */
 
 struct material {       /* parameters of the grains and of the equation of state; filled through the tables below */
     double diameter;    /* sigma, m */
@@ -20,6 +20,7 @@ struct material {       /* parameters of the grains and of the equation of state
     double threshold;
     double gamma;       /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
     double alpha_max;   /* packing fraction at which the pressure diverges, or would without the tangent */
+    bool tangent;       /* does Torquato's G go on as its tangent from EOS_PACKING of alpha_max on, without a bound? */
     bool printed_sound; /* is the sound speed that of Serna & Marquina's printed A' (half of dA/drho; erratum S1)? */
     bool disks;         /* are the grains disks, not spheres? Given by the equation of state */
     double freezing;    /* nu_f: packing fraction at which Torquato's two branches meet */
@@ -28,7 +29,7 @@ struct material {       /* parameters of the grains and of the equation of state
 
 struct eos {
     struct model model; /* its parameters fill members of struct material */
-    bool bounded;       /* must nu stay below alpha_max? */
+    bool bounded;       /* must nu stay below alpha_max? (Unless material.tangent says otherwise) */
     bool disks;         /* are its grains disks, not spheres? Copied to material.disks */
     /* Computes p, c2 = squared sound speed and gruneisen = p_eps / rho of n <= BATCH states (rho > 0, eps > 0, nu below
      * alpha_max). */
@@ -67,7 +68,8 @@ double cooling_factor(const struct material *m);
 /* Returns the second Sonine coefficient of the velocities of cooling grains in d dimensions (van Noije & Ernst 1998),
  *   a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]: 0 if they are elastic. */
 double second_sonine(const struct material *m);
-/* rho at alpha_max; HUGE_VAL: there is no limit */
+/* nu, and rho, below which a gas stays: alpha_max, and rho there; HUGE_VAL: there is no limit */
+double packing_limit(const struct eos *eos, const struct material *m);
 double density_limit(const struct eos *eos, const struct material *m);
 
 /* Computes p / T, which depends on rho alone, for rho[n] with any n. */

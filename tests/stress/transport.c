@@ -152,7 +152,9 @@ static void inelastic_material(struct problem *p, struct seed *s) {
     p->p0 = problem_density(p, 0.1) * seed_power(s, -2, 2);
     p->alpha_floor = seed_chance(s, 0.3) ? seed_power(s, -8, -4) : 0;
     p->densest = p->material.alpha_max > 0 ? (1 - gap) * p->material.alpha_max : 1;
-    if (!p->eos->bounded && seed_chance(s, 0.2)) p->densest = 1; /* beyond packing */
+    if (p->eos == eos_find("GoldshteinShapiro") || !seed_chance(s, 0.2)) return;
+    p->material.tangent = true; /* without a bound: beyond packing */
+    p->densest = 1;
 }
 
 /* The coefficients of a thin gas are bounded by alphaMin or knudsenCut in most problems; steps of Heun's method are too

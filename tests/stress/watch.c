@@ -50,7 +50,7 @@ static void look_visit(void *context, long cell, double volume, const double U[M
     const int d = m->disks ? 2 : 3;
     long double nu = 3.14159265358979323846L / (2 * d) * U[0] * powl(m->diameter, d) / m->mass;
     /* the bound on rho is itself rounded, once or twice */
-    if (fine && g->models.eos->bounded) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
+    if (fine && isfinite(g->limit)) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
     long double energy = fine ? U[g->dim + 1] - kinetic(g->dim, U) : 0;
     if (fine && energy > 0) return;
     if (!l->bad++)
@@ -144,10 +144,11 @@ static long double contact(const struct gas *g, long double rho, long double *co
     const struct material *m = &g->models.material;
     const struct eos *eos = g->models.eos;
     const int d = m->disks ? 2 : 3;
-    const long double pi = 3.14159265358979323846L, c = m->alpha_max, last = EOS_PACKING * c;
+    const long double pi = 3.14159265358979323846L, c = m->alpha_max;
+    const long double last = m->tangent ? EOS_PACKING * c : (1 - 0x1p-52L) * c;
     const long double nu = pi / (2 * d) * rho * powl(m->diameter, d) / m->mass, a = 4 * c / 3;
     *condition = 1;
-    if (eos->bounded) { /* Goldshtein & Shapiro */
+    if (eos->bounded && !m->freezing) { /* Goldshtein & Shapiro */
         const long double free = 1 - powl(nu / c, a);
         *condition = 1 + a / free;
         return nu / free;

@@ -186,12 +186,49 @@ static void gas_of_disks(void **state) {
     assert_true(rows == 72);
 }
 
-/* Above 0.9999 nu_c G is its own tangent: convex, and p and c^2 finite at any density. */
+/* G and nu G' of every row that has an alphaMax, where 1 - nu/alphaMax is 1e-1, .. 1e-12, and at last its last digit:
+ * they grow, as the formulas do, and nothing is infinite, not even where rho is rounded up to the bound. */
+static void packing_is_a_bound(void **state) {
+    (void)state;
+    enum { PLACES = 14 };
+    for (int k = 0; k < eos_count; k++) {
+        struct material m = grains_of(&eos_table[k], 0.8, 0.1);
+        const double per = packing_per_density(&m), c = m.alpha_max;
+        if (!(c > 0)) continue;
+        double rho[PLACES], eps[PLACES], G[PLACES], steep[PLACES], p[PLACES], c2[PLACES], g[PLACES];
+        for (int i = 0; i < PLACES; i++) {
+            rho[i] = density_limit(&eos_table[k], &m) * (1 - pow(10, -1 - i));
+            eps[i] = 1;
+        }
+        rho[PLACES - 2] = nextafter(density_limit(&eos_table[k], &m), 0);
+        rho[PLACES - 1] = density_limit(&eos_table[k], &m) * (1 + 0x1p-51);
+        eos_table[k].contact(&m, PLACES, rho, G);
+        eos_table[k].slope(&m, PLACES, rho, steep);
+        eos_table[k].state(&m, PLACES, rho, eps, p, c2, g);
+        for (int i = 0; i < PLACES; i++) {
+            assert_true(isfinite(G[i]) && isfinite(steep[i]) && isfinite(p[i]) && isfinite(c2[i]));
+            assert_true(G[i] > (i ? G[i - 1] : 0) && steep[i] > (i ? steep[i - 1] : 0));
+            assert_true(p[i] > (i ? p[i - 1] : 0) && c2[i] > (i ? c2[i - 1] : 0));
+            if (i >= PLACES - 2) continue;
+            const long double nu = (long double)per * rho[i], near = 1 - nu / c, a = 4.L / 3 * c;
+            const long double x = powl(nu / c, a), f = m.freezing,
+                              chi = m.disks ? (1 - 0.436L * f) / powl(1 - f, 2) : (1 - f / 2) / powl(1 - f, 3);
+            const long double exact = f > 0 ? nu * chi * (c - f) / (c - nu) : nu / (1 - x);
+            const long double slope = f > 0 ? exact * c / (c - nu) : exact * (1 + a * x / (1 - x));
+            const double tolerance = 1e-13 + 1e-15 / (double)near; /* nu, rounded, is the less of 1 - nu/c */
+            assert_close(G[i], (double)exact, tolerance, eos_table[k].model.name);
+            assert_close(steep[i], (double)slope, 2 * tolerance, eos_table[k].model.name);
+        }
+    }
+}
+
+/* With `tangent` G is its own tangent above 0.9999 nu_c: convex, and p and c^2 finite at any density. */
 static void no_density_is_forbidden(void **state) {
     (void)state;
     for (int k = 0; k < eos_count; k++) {
         if (strncmp(eos_table[k].model.name, "Torquato", 8) != 0) continue;
         struct material m = grains_of(&eos_table[k], 0.8, 0.1);
+        m.tangent = true;
         const double last = 0.9999 * m.alpha_max, h = 1e-9;
         double rho[4], G[4], nu[4] = {last * (1 - h), last, last * (1 + h), 3};
         for (int i = 0; i < 4; i++) rho[i] = nu[i] / packing_per_density(&m);
@@ -240,6 +277,7 @@ int main(void) {
         cmocka_unit_test(batch_is_a_loop),
         cmocka_unit_test(torquato_values),
         cmocka_unit_test(gas_of_disks),
+        cmocka_unit_test(packing_is_a_bound),
         cmocka_unit_test(no_density_is_forbidden),
         cmocka_unit_test(slope_is_a_derivative),
     };
