@@ -1,5 +1,5 @@
-/* The limiter at single faces (libcore/schemes/limit.h): between any two admissible states, whatever the high-order
- * flux. */
+/* The limiter at single faces (libcore/schemes/limit.h): between any two admissible states of every equation of state,
+ * whatever the high-order flux. */
 #include "libcore/schemes/limit.h"
 
 #include <stdio.h>
@@ -17,6 +17,7 @@ struct pairs { /* faces between cell 0 (left) and cell 1 */
     double limit;
     double state[MAX_VAR][2][BATCH], flux[MAX_VAR][2][BATCH], velocity[MAX_DIM][2][BATCH];
     double eps[2][BATCH], p[2][BATCH], c[2][BATCH], gruneisen[2][BATCH], out[MAX_VAR][BATCH];
+    const struct eos *eos;
     struct material material;
 };
 
@@ -33,8 +34,7 @@ static struct faces close_pairs(struct pairs *q) {
             }
             q->eps[side][i] = (q->state[dim + 1][side][i] - 0.5 * square / rho) / rho;
         }
-        eos_find("GoldshteinShapiro")
-            ->state(&q->material, BATCH, q->state[0][side], q->eps[side], q->p[side], q->c[side], q->gruneisen[side]);
+        q->eos->state(&q->material, BATCH, q->state[0][side], q->eps[side], q->p[side], q->c[side], q->gruneisen[side]);
         for (int i = 0; i < BATCH; i++) {
             double u = q->velocity[0][side][i], p = q->p[side][i];
             q->c[side][i] = sqrt(q->c[side][i]);
@@ -75,17 +75,14 @@ static double some_flux(double F, double wild) {
 }
 
 static struct pairs some_pairs(int dim) {
-    struct pairs q = {.dim = dim,
-                      .material = {.diameter = 0.1,
-                                   .mass = 1,
-                                   .restitution = uniform(0, 1),
-                                   .gamma = 5. / 3,
-                                   .alpha_max = 0.65,
-                                   .printed_sound = uniform(0, 1) < 0.2}};
-    q.limit = density_limit(eos_find("GoldshteinShapiro"), &q.material);
+    struct pairs q = {.dim = dim, .eos = &eos_table[(int)uniform(0, eos_count)]};
+    q.material = grains_of(q.eos, uniform(0, 1), 0.1);
+    q.material.printed_sound = uniform(0, 1) < 0.2; /* of Goldshtein & Shapiro alone */
+    q.limit = density_limit(q.eos, &q.material);
     for (int side = 0; side < 2; side++)
         for (int i = 0; i < BATCH; i++) {
-            double rho = some_density(q.limit), T = pow(10, uniform(-5, 5)), square = 0;
+            double rho = some_density(isfinite(q.limit) ? q.limit : 1 / packing_per_density(&q.material)),
+                   T = pow(10, uniform(-5, 5)), square = 0;
             double mach = pow(10, uniform(-3, 3));
             q.state[0][side][i] = rho;
             for (int k = 1; k <= dim; k++) {
