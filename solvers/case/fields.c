@@ -303,11 +303,12 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
                 x[2], f->kind->name, *v, text);
 }
 
-status field_check_range(const struct field *f, const struct field_place *place, double low, double high) {
+status field_check_range(const struct field *f, const struct field_place *place, double low, double high,
+                         const char *cure) {
+    char allowed[300];
+    snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s", low, high, cure);
     for (int i = 0; i < place->mesh->ncells; i++)
-        if (!(f->values[i] > low && f->values[i] < high))
-            return isinf(high) ? field_fail(f, place, i, "it must be greater than %g", low)
-                               : field_fail(f, place, i, "it must lie between %g and %g", low, high);
+        if (!(f->values[i] > low && f->values[i] < high)) return field_fail(f, place, i, "it must %s", allowed);
     for (int p = 0; p < place->mesh->npatches; p++) {
         const struct patch_field *q = &f->patch[p];
         const char *value = boundary_value(boundary_find(q->type), f->kind->components);
@@ -315,8 +316,6 @@ status field_check_range(const struct field *f, const struct field_place *place,
         for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
             double v = q->values ? q->values[i] : q->uniform[0];
             if (v > low && v < high) continue;
-            char allowed[100];
-            snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g", low, high);
             return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
                         place->mesh->patch[p].name, value, f->kind->name, v, allowed);
         }

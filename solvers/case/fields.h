@@ -66,8 +66,10 @@ bool field_has_expression(const struct field *f);
 /* Evaluates such a field at points[npoints][3] (m) and time t: out[npoints][components]. */
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out);
 
-/* Checks that every value lies within low .. high, both excluded. The error names file, line, cell and place. */
-status field_check_range(const struct field *f, const struct field_place *place, double low, double high);
+/* Checks that every value of cells and patches lies within low .. high, both excluded. The error names file, line, cell
+ * and place, and ends with the cure if there is a greatest value. */
+status field_check_range(const struct field *f, const struct field_place *place, double low, double high,
+                         const char *cure);
 
 /* Returns the error "FILE:LINE: cell 7 at (x y z): T is -1; <format...>". */
 status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...)

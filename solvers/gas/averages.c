@@ -33,9 +33,9 @@ static status take_range(struct averager *a, const struct field *f, double most)
     TRY(take_values(a, f));
     for (long i = 0; i < a->n; i++)
         if (!(a->values[i] > 0 && a->values[i] < most))
-            return fail(ERR_INPUT, "%s:%d: it gives %s = %g at (%g %g %g); it must lie between 0 and %g",
+            return fail(ERR_INPUT, "%s:%d: it gives %s = %g at (%g %g %g); it must lie between 0 and %g%s",
                         dict_path(f->dict), dict_line(f->dict, "expression"), f->kind->name, a->values[i], a->x[i][0],
-                        a->x[i][1], a->x[i][2], most);
+                        a->x[i][1], a->x[i][2], most, isfinite(most) ? BELOW_PACKING : "");
     return OK;
 }
 
@@ -45,7 +45,7 @@ static status take_states(struct averager *a) {
     const struct material *m = &a->models->material;
     const bool density = field[FIELD_RHO] != NULL, thermal = field[FIELD_T] != NULL;
     const double limit = density_limit(a->models->eos, m), per = packing_per_density(m);
-    TRY(take_range(a, field[density ? FIELD_RHO : FIELD_ALPHA], density ? limit : limit * per));
+    TRY(take_range(a, field[density ? FIELD_RHO : FIELD_ALPHA], density ? limit : packing_limit(a->models->eos, m)));
     for (long i = 0; i < a->n; i++) a->rho[i] = density ? a->values[i] : a->values[i] / per;
     if (!thermal) pressure_per_temperature(a->models->eos, m, (int)a->n, a->rho, a->T);
     TRY(take_range(a, field[thermal ? FIELD_T : FIELD_P], HUGE_VAL));

@@ -74,13 +74,13 @@ static bool continued(const struct reader *r) {
 static status check_values(const struct reader *r, const struct initial *s) {
     const struct material *m = &r->models->material;
     const double limit[FIELD_COUNT] = {[FIELD_RHO] = density_limit(r->models->eos, m),
-                                       [FIELD_ALPHA] = r->models->eos->bounded ? m->alpha_max : HUGE_VAL,
+                                       [FIELD_ALPHA] = packing_limit(r->models->eos, m),
                                        [FIELD_T] = HUGE_VAL,
                                        [FIELD_P] = HUGE_VAL};
     for (int i = 0; i < FIELD_COUNT; i++)
         /* written with few digits alpha may be rounded to its limit: gas_check checks a state that is continued */
         if (s->field[i] && i != FIELD_U && !(continued(r) && i == FIELD_ALPHA))
-            TRY(field_check_range(s->field[i], r->place, 0, limit[i]));
+            TRY(field_check_range(s->field[i], r->place, 0, limit[i], BELOW_PACKING));
     return OK;
 }
 

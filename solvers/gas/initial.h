@@ -6,6 +6,9 @@
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 
+/* What is said of a density that a gas cannot start from. */
+#define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
+
 struct initial {                      /* the same on every rank */
     struct field *field[FIELD_COUNT]; /* NULL: there is no such file */
     enum field_id (*from)[3];         /* [npatches] the fields that give a patch's rules: rho or alpha, U, T or p */

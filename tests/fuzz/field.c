@@ -25,7 +25,7 @@ static void try_field(struct field *f) {
         for (int i = 0; f->patch[p].values && i < patches[p].nfaces * kind->components; i++)
             PROMISE(isfinite(f->patch[p].values[i]), "values of patches are finite");
     (void)accepted(field_fail(f, &place, 3, "no"));
-    if (kind->components == 1) (void)accepted(field_check_range(f, &place, 0, INFINITY));
+    if (kind->components == 1) (void)accepted(field_check_range(f, &place, 0, INFINITY, ""));
     if (field_has_expression(f)) (void)accepted(field_evaluate(f, 4, centre, 1, out));
     field_free(f);
 }
