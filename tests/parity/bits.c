@@ -104,7 +104,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
 
 static struct gas_models disks_of(const struct diffusion *diffusion) {
     struct gas_models m = models_of(flux_find("common"));
-    m.material = (struct material){.diameter = 0.04,
+    m.material = (struct material){.diameter = 0.036,
                                    .mass = 1,
                                    .restitution = 0.9,
                                    .gamma = 2,

@@ -91,7 +91,8 @@ static void disks_material(struct problem *p, struct seed *s) {
     model_put(&p->transport->model, &p->transport_params, "bulk", seed_below(s, 2));
     p->diffusion = diffusion_find(seed_below(s, 3) ? "RKJ2" : "RKL2");
     p->alpha_floor = seed_chance(s, 0.3) ? seed_power(s, -8, -4) : 0;
-    p->densest = 1;
+    p->material.tangent = p->seed % 5 == 0; /* without a bound: beyond packing, too */
+    p->densest = p->material.tangent ? 1 : 0.999 * p->material.alpha_max;
 }
 
 void disks_draw(struct problem *p, struct seed *s) {
