@@ -29,7 +29,10 @@
  */
 #include "libcore/gas/gas_private.h"
 
-enum { MOST_PARTS = 64 }; /* most parts that a half step is cut into before the time step is halved */
+enum {
+    MOST_PARTS = 64, /* most parts that a half step is cut into before the time step is halved */
+    ASK_EVERY = 64   /* stages after which the ranks ask each other whether to leave the step */
+};
 
 /* Whatever its number of stages, a super step of RKL2 leaves 1 - b_s, about half, of the stiffest modes: a thin hot
  * cell that loses mass would keep its heat, and empty. Four super steps leave a sixteenth (cases/faraday). */
@@ -154,8 +157,15 @@ static void forget_cooled(struct gas *g) {
     g->engine->state.rows(g, EVERY_CELL, &g->U, forget_row, g);
 }
 
+/* Is the step to be left? The ranks ask each other only now and then, in steps that are long. */
+static bool leaves(struct gas *g) {
+    if (++g->unasked < ASK_EVERY) return g->left;
+    g->unasked = 0;
+    return asked_to_leave(g);
+}
+
 /* Does one super step of stress or heat from Y0 to `to`, which may be Y0; returns this rank's number of inadmissible
- * cells. */
+ * cells, or 1 if the step is left. */
 static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                        const struct lapse *l, int stages) {
     double c[5], weight[2] = {0, 0}; /* values of S_j and S_(j-1) if q were 1 throughout */
@@ -172,6 +182,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
         const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
         weight[1] = weight[0];
         weight[0] = next;
+        if (leaves(g)) return 1;
     }
     g->counts.stages[what] += stages;
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
@@ -184,6 +195,20 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
         const long steps = g->models.diffusion->plan(ratio / (double)parts, stages);
         if (most == 0 || *stages <= most) return parts * steps;
     }
+}
+
+/* Would a half step over dt from a state never get through? Notes that in g->stiff. */
+static bool too_stiff(struct gas *g, const struct state *from, double dt, const double rate[2]) {
+    for (int what = 0; what < 2; what++) {
+        const double ratio = smaller(dt * rate[what], MOST_RATIO);
+        int each = 0;
+        const long stages = g->models.diffusion->plan ? plan_steps(g, ratio, &each) * each : 0;
+        if (ratio < MOST_RATIO && stages <= MOST_STAGES) continue;
+        g->stiff = (struct stiff){true, g->late, (enum diffusing)what, rate[what], dt, (double)stages, {0}};
+        g->engine->diffusion.stiffest_place(g, (enum diffusing)what, from, rate[what], g->stiff.place);
+        return true;
+    }
+    return false;
 }
 
 /* Returns the i-th of `parts` equal parts of a lapse. */
@@ -199,7 +224,7 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
     if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, all, monotone);
     const long steps = plan_steps(g, all->dt * rate, &stages);
     long bad = 0;
-    for (long i = 0; i < steps; i++) {
+    for (long i = 0; i < steps && !g->left; i++) {
         const struct lapse one = part_of(all, i, steps);
         bad = super_step(g, what, i ? to : from, to, &one, stages);
     }
@@ -212,12 +237,13 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     const struct lapse whole = {dt, 1, 1};
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
-        for (int i = 0; i < parts; i++) {
+        for (int i = 0; i < parts && !g->left; i++) {
             const struct lapse part = part_of(&whole, i, parts);
             bad = cover(g, HEAT, i ? to : from, to, &part, rate, parts > 1);
         }
         double most = (double)bad;
         comm_max(g->comm, &most, 1);
+        if (g->left) return 1;
         if (most == 0 || 4 * parts > MOST_PARTS) {
             audit_part(g, GAS_HEAT, to);
             return bad;
@@ -257,13 +283,14 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->engine->diffusion.rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
-    if (most[0] > 0 || !isfinite(most[1] + most[2])) return false;
+    if (most[0] > 0 || !isfinite(most[1] + most[2]) || too_stiff(g, from, dt, most + 1)) return false;
     const bool first = !second && g->engine->diffusion.ahead;
     g->ahead = false;
     long repeats = 0, plain = 0;
     audit_mark(g, false);
-    for (int parts = 1; parts <= MOST_PARTS; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < parts; i++) bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1, repeats > 0);
+    for (int parts = 1; parts <= MOST_PARTS && !g->left; parts *= repeats > 1 ? 2 : 1) {
+        for (int i = 0; i < parts && !g->left; i++)
+            bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1, repeats > 0);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;

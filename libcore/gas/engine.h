@@ -105,6 +105,8 @@ struct diffusion_hooks {
     /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this
      * rank's cells, 1/s. */
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
+    /* Finds the centre of a cell that reached `rate` in the last rates, of Y0, as gas_fastest_place. */
+    void (*stiffest_place)(struct gas *g, enum diffusing what, const struct state *Y0, double rate, double place[3]);
     /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at T
      * warm. NULL: g->ahead is never set. */
     void (*ahead)(struct gas *g, const struct state *to);

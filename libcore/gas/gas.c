@@ -136,6 +136,10 @@ status gas_check(const struct gas *g) {
     return comm_agree(g->comm, s);
 }
 
+void gas_heed(struct gas *g, bool (*asked)(void)) {
+    g->asked = asked;
+}
+
 void gas_speed(struct gas *g, struct gas_speed *speed) {
     if (!g->speed_known) {
         struct gas_speed mine;

@@ -91,11 +91,14 @@ void gas_speed(struct gas *g, struct gas_speed *speed);
 /* Finds the centre (m; physical x, y, z; the same on all ranks) of a cell that reaches the rate of gas_speed. */
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]);
 
+/* Lets gas_step ask, between parts of a step that takes long, whether to leave it. It is left if any rank is told so;
+ * each rank sets `asked`, or none. */
+void gas_heed(struct gas *g, bool (*asked)(void));
 /* Advances the state from t by *dt, or by a halved *dt where the state would leave the admissible set. `speed` comes
  * from gas_speed for the present state. Fails (ERR_STATE, "inelastic collapse at t = .., (x y z)") if dt must fall
  * below `least` (s); in a gas that cools also if it falls below `fraction` of maxCo / calm: immediately if the state
  * that was set is already that stiff, otherwise after 100 consecutive tiny steps whose dt halved over the last 50, or
- * after 500. The state is then the last good one. */
+ * after 500. The state is then the last good one. A step that is left (gas_heed) has *dt = 0 and changes nothing. */
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);

@@ -8,6 +8,10 @@
 #include "libcore/schemes/limit.h"
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
+/* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */
+#define MOST_RATIO 1e16
+/* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */
+enum { MOST_STAGES = 100000 };
 
 struct gas {
     const struct engine *engine;
@@ -54,6 +58,17 @@ struct gas {
     double **friction;         /* [blocks][size] rise of T by the stress of this half step, less cooled; 0 in ghosts */
     double **cooled;           /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
     struct implicit *implicit; /* NULL: diffusion is explicit */
+
+    bool (*asked)(void); /* of gas_heed; NULL: nobody asks */
+    bool left;           /* is this step left as asked? The same on all ranks */
+    int unasked;         /* stages of diffusion since the ranks last asked each other */
+    struct stiff {       /* the diffusion that this attempt at a step refused; the same on all ranks */
+        bool found, second;
+        enum diffusing what;
+        double rate, dt; /* 1/s: the largest rate of its cells; s: the half step */
+        double stages;   /* that it would take, at least; 0 if diffusion is implicit */
+        double place[3]; /* m: of a cell that has that rate */
+    } stiff;
 };
 
 /* Sets g->speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
@@ -93,6 +108,10 @@ bool gas_can_collapse(const struct gas *g);
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
 /* The rate of wave speeds is infinite or no number. */
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
+/* Diffusion is too stiff: g->stiff. */
+status stop_of_diffusion(struct gas *g, double t);
+/* Have the ranks been asked to leave the step? Sets g->left. */
+bool asked_to_leave(struct gas *g);
 /* t + dt is t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
 

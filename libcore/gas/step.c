@@ -61,7 +61,7 @@ static double share_of(const struct stepper *s, int added) {
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
     long cells, before = 0;
-    for (; (cells = g->engine->stage.share_flags(g)) > before; before = cells)
+    for (; (cells = g->engine->stage.share_flags(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
     long count[2] = {g->faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
@@ -69,7 +69,7 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     g->counts.faces += count[0];
     g->engine->stage.note_limited(g, g->counts.place);
     g->engine->stage.clear_flags(g);
-    return count[1] == 0;
+    return count[1] == 0 && !g->left;
 }
 
 static void swap(struct state *a, struct state *b) {
@@ -245,6 +245,25 @@ static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_
     return rate > 2 * speed->rate && dt * rate > 2 * maxCo;
 }
 
+static void attempt_begin(struct gas *g) {
+    g->stiff.found = g->left = false;
+    g->unasked = 0;
+    audit_begin(g);
+}
+
+/* Ends a step that is left: the state is still that at its start. */
+static status leave(struct gas *g, double *dt) {
+    g->engine->stage.clear_flags(g);
+    *dt = 0;
+    return OK;
+}
+
+/* Is diffusion too stiff in the state that the step starts from? If a source has heated the gas a great deal in the
+ * first half, or the stages have, a shorter step is not. */
+static bool hopeless(const struct gas *g) {
+    return g->stiff.found && !g->stiff.second && !source_heats(&g->models.source);
+}
+
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     const bool sources = source_active(&g->models.source, &g->models.material);
@@ -260,17 +279,20 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         const bool guarded = g->guarded > 0;
         long bad;
         if (t + *dt == t) return stop_of_time(g, t, *dt, speed);
-        audit_begin(g);
+        attempt_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         const bool hot = U0 && overheated(g, *dt, maxCo, speed);
         if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
+        if (asked_to_leave(g)) return leave(g, dt);
+        if (hopeless(g)) return stop_of_diffusion(g, t);
         if (!guarded && !hot) {
             g->guarded = GUARDED;
             continue;
         }
         g->counts.rejected++;
         *dt = shorter(g, U0, *dt, maxCo);
-        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked) return stop_of_collapse(g, t, *dt, speed);
+        if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
+            return g->stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;

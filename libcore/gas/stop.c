@@ -1,4 +1,5 @@
-/* Why a gas cannot go on: says when, where and in which state, what feeds it, and what can be done. */
+/* Why a gas cannot go on: says when, where and in which state, what feeds it, and what can be done. And whether it may
+ * go on: somebody may have asked for an end. */
 #include "libcore/gas/gas_private.h"
 
 #define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached somewhere */
@@ -28,10 +29,9 @@ static void look_row(void *look, const struct row *row) {
     }
 }
 
-/* Finds a cell that has the largest rate of wave speeds, its state, and the largest alpha of the domain. */
-static struct look fastest_cell(struct gas *g, const struct gas_speed *speed, double place[3]) {
+/* Finds the state of the cell at a place, and the largest alpha of the domain. */
+static struct look look_at(struct gas *g, const double place[3]) {
     struct look l = {g, place, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    gas_fastest_place(g, speed, place);
     g->engine->state.rows(g, EVERY_CELL, &g->U, look_row, &l);
     double all[] = {l.alpha, l.T, l.most};
     comm_max(g->comm, all, 3);
@@ -39,6 +39,12 @@ static struct look fastest_cell(struct gas *g, const struct gas_speed *speed, do
     l.T = all[1];
     l.most = all[2];
     return l;
+}
+
+/* As look_at, of a cell that has the largest rate of wave speeds. */
+static struct look fastest_cell(struct gas *g, const struct gas_speed *speed, double place[3]) {
+    gas_fastest_place(g, speed, place);
+    return look_at(g, place);
 }
 
 /* Does a patch hold the density, but leave T to the gas? Then gas may heat up or cool without end there. */
@@ -93,6 +99,27 @@ status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed) {
                 "step is short enough; the last good state is kept\n"
                 "  alpha = alphaMax, to the last digits, has no finite pressure: start below it",
                 t, place[0], place[1], place[2], l.alpha, l.T);
+}
+
+status stop_of_diffusion(struct gas *g, double t) {
+    const struct stiff *s = &g->stiff;
+    const struct look l = look_at(g, s->place);
+    return fail(ERR_STATE,
+                "%s is too stiff at t = %.10g, in the cell at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: its rate of "
+                "%.3g 1/s times half a step of %.3g s is %.3g, for %.3g stages of %s; %.0e and %d are the most; the "
+                "last good state is kept\n"
+                "  the cell is far smaller than the others (checkCase names such a cell: make the mesh even) or than a "
+                "grain, or its gas conducts almost without bound (thin and hot: alphaMin or knudsenCut of `transport`, "
+                "alphaFloor); `diffusion` RKJ2 or implicit and a lower maxCo or maxDeltaT want fewer stages",
+                s->what == HEAT ? "heat conduction" : "viscous stress", t, s->place[0], s->place[1], s->place[2],
+                l.alpha, l.T, s->rate, s->dt, s->rate * s->dt, s->stages, g->models.diffusion->model.name, MOST_RATIO,
+                MOST_STAGES);
+}
+
+bool asked_to_leave(struct gas *g) {
+    double asked = g->asked && g->asked();
+    if (g->asked) comm_max(g->comm, &asked, 1);
+    return g->left |= asked > 0;
 }
 
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {

@@ -382,6 +382,7 @@ const struct engine engine_lattice = {
               .note_limited = tiles_note_limited,
               .clear_flags = tiles_clear_flags},
     .diffusion = {.rates = tiles_diffusion_rates,
+                  .stiffest_place = tiles_stiffest_place,
                   .ahead = tiles_diffusion_ahead,
                   .begin = tiles_diffusion_begin,
                   .stage = tiles_diffusion_stage,

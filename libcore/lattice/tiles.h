@@ -55,6 +55,7 @@ void tiles_unfold_bad(struct gas *g, const struct state *s);
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
 void tiles_diffusion_ahead(struct gas *g, const struct state *to);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],

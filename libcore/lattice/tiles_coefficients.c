@@ -129,23 +129,47 @@ KERNEL static void add_rates(int n, long step, long size, const double *restrict
     }
 }
 
-static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
+/* Computes the rates of n cells of a tile from `at` on; `light` is set. */
+static void rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]) {
     const struct forest *f = g->forest;
-    const int *n = f->tile[tile].n;
-    const double factor[2] = {1, temperature_of(&g->models.material, 1)};
-    double *light = g->tiles->diffuser->light[tile];
+    const struct diffuser *d = g->tiles->diffuser;
+    const double factor[2] = {1, temperature_of(&g->models.material, 1)}, *light = d->light[tile] + at;
+    memset(rate, 0, 2 * sizeof *rate);
+    for (int axis = 0; axis < g->dim; axis++)
+        add_rates(n, f->stride[axis], f->size, d->face[tile] + FACE_LINES * axis * f->size + at, rate);
+    for (int what = 0; what < 2; what++)
+        for (int i = 0; i < n; i++) rate[what][i] = factor[what] * rate[what][i] * light[i];
+}
+
+static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
+    const int *n = g->forest->tile[tile].n;
+    double *light = g->tiles->diffuser->light[tile], rate[2][BATCH];
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
-            double sum[2][BATCH] = {{0}};
-            const long at = row_at(f, j, k);
-            for (int axis = 0; axis < g->dim; axis++)
-                add_rates(n[0], f->stride[axis], f->size,
-                          g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size + at, sum);
+            const long at = row_at(g->forest, j, k);
             for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
+            rates_row(g, tile, at, n[0], rate);
             for (int what = 0; what < 2; what++)
-                for (int i = 0; i < n[0]; i++)
-                    most[what] = larger(factor[what] * sum[what][i] * light[at + i], most[what]);
+                for (int i = 0; i < n[0]; i++) most[what] = larger(rate[what][i], most[what]);
         }
+}
+
+void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]) {
+    const struct forest *f = g->forest;
+    (void)Y0; /* its 1/rho is still kept */
+    struct first_place first = {.order = HUGE_VAL};
+    double rate[2][BATCH], here[3];
+    for (int t = 0; t < f->ntiles; t++)
+        for (int row = 0; row < f->tile[t].n[1] * f->tile[t].n[2]; row++) {
+            const long at = row_at(f, row % f->tile[t].n[1], row / f->tile[t].n[1]);
+            rates_row(g, t, at, f->tile[t].n[0], rate);
+            for (int i = 0; i < f->tile[t].n[0]; i++) {
+                if (rate[what][i] != wanted) continue;
+                tiles_place(g, t, at + i, here);
+                first_place_offer(&first, here);
+            }
+        }
+    first_place_share(g, &first, place);
 }
 
 void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {

@@ -309,6 +309,7 @@ const struct engine engine_polyhedral = {
     .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
                   .cooled_first = true,
                   .rates = cells_diffusion_rates,
+                  .stiffest_place = cells_stiffest_place,
                   .ahead = cells_diffusion_ahead,
                   .begin = cells_diffusion_begin,
                   .stage = cells_diffusion_stage,

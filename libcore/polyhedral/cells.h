@@ -76,6 +76,7 @@ void cells_clear_flags(struct gas *g);
 status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
+void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
 void cells_diffusion_ahead(struct gas *g, const struct state *to);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],

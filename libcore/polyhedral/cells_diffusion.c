@@ -177,22 +177,28 @@ KERNEL static void mix_coefficients(int n, double trace, const int *restrict lef
     }
 }
 
-static void find_rates(const struct gas *g, const double *rho, double most[2]) {
+static void cell_rates(const struct gas *g, int i, double rho, double rate[2]) {
     const struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
     const struct cells_diffuser *d = c->diffuser;
+    double sum[2] = {0, 0};
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+        sum[0] += (d->face[0][face] + 2 * d->face[1][face]) * d->inverse[face];
+        const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
+        sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
+    }
+    const double per = c->inverse_volume[i] / rho;
+    rate[0] = per * sum[0];
+    rate[1] = temperature_of(&g->models.material, per) * sum[1];
+}
+
+static void find_rates(const struct gas *g, const double *rho, double most[2]) {
+    double rate[2];
     most[0] = most[1] = 0;
-    for (int i = 0; i < m->nown; i++) {
-        double sum[2] = {0, 0};
-        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-            const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
-            sum[0] += (d->face[0][face] + 2 * d->face[1][face]) * d->inverse[face];
-            const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
-            sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
-        }
-        const double per = c->inverse_volume[i] / rho[i];
-        most[0] = larger(per * sum[0], most[0]);
-        most[1] = larger(temperature_of(&g->models.material, per) * sum[1], most[1]);
+    for (int i = 0; i < g->cells->polyhedra->nown; i++) {
+        cell_rates(g, i, rho[i], rate);
+        for (int what = 0; what < 2; what++) most[what] = larger(rate[what], most[what]);
     }
 }
 
@@ -208,6 +214,17 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     cells_wall_shares(g, U, d->T, d->cell, d->cross ? d->start[0] : NULL, &d->wall);
     if (d->cross) cells_cross_faces(g, U[0]);
     find_rates(g, U[0], most);
+}
+
+void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double rate[2], cell = HUGE_VAL;
+    for (int i = 0; i < m->nown; i++) {
+        cell_rates(g, i, Y0->block[0][i], rate);
+        if (rate[what] == wanted) cell = smaller(cell, m->cell[i]);
+    }
+    comm_min(g->comm, &cell, 1);
+    for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
 }
 
 /* ---- S and its gradients ------------------------------------------------------------------------------------------

@@ -59,8 +59,8 @@ struct medium_type {
 
     void (*plan)(struct medium *m, const struct control *c, struct pace *out);
     void (*place)(struct medium *m, double place[3]); /* m, of the cell that gave the last plan's rate */
-    /* Advances from t by *dt or, where that fails, by less, which *dt then says. After ERR_STATE the state is the last
-     * good one. */
+    /* Advances from t by *dt or, where that fails, by less, which *dt then says: 0 if the step took long and was left
+     * because a rank had been asked to. After ERR_STATE the state is the last good one. */
     status (*step)(struct medium *m, const struct control *c, double t, double *dt);
     status (*after)(struct medium *m, const struct moment *now); /* writes tables of its own; NULL: it has none */
     /* prints its lines of a log entry, on the root; collective */
@@ -86,8 +86,9 @@ struct medium_type {
 struct medium { /* the first member of each medium's own struct */
     const struct medium_type *type;
     struct setup *setup;
-    double next; /* s: step to try next, which uniform/time keeps as deltaT for a restart; 0: the last step */
-    double end;  /* s: end of the next step if it is not shortened, which t + dt may miss by a bit */
+    double next;         /* s: step to try next, which uniform/time keeps as deltaT for a restart; 0: the last step */
+    double end;          /* s: end of the next step if it is not shortened, which t + dt may miss by a bit */
+    bool (*asked)(void); /* has this rank been asked to end the run? NULL: nobody asks */
 };
 
 extern const struct medium_type gas_medium, segregation_medium, grains_medium;

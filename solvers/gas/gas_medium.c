@@ -127,6 +127,7 @@ static status gas_start(struct medium *m) {
     g->limiter.fills = models->alpha_floor > 0;
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
+    gas_heed(g->gas, m->asked);
     if (i->conserved[0])
         gas_set_conserved(g->gas, (const double *const *)i->conserved);
     else

@@ -29,6 +29,9 @@ static volatile sig_atomic_t asked_to_stop; /* the one variable that a signal ha
 static void on_signal(int number) {
     asked_to_stop = number;
 }
+static bool is_asked(void) {
+    return asked_to_stop != 0;
+}
 static void catch_signals(void) {
     const int signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGXCPU, SIGHUP};
     struct sigaction action, was;
@@ -99,6 +102,7 @@ static status save_functions(const void *functions, const struct field_writer *w
 
 static status start(struct run *r) {
     struct setup *s = r->setup;
+    s->medium->asked = is_asked;
     TRY(s->medium->type->start(s->medium));
     TRY(comm_agree(s->comm, output_make(s, save_functions, r->functions, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
@@ -152,7 +156,7 @@ struct word {
 };
 static struct word root_says(const struct run *r) {
     const struct setup *s = r->setup;
-    struct word w = {.signal = asked_to_stop != 0};
+    struct word w = {.signal = is_asked()};
     if (comm_root(s->comm)) {
         long steps = r->now.step - s->start.step, every = s->control->log_interval;
         w.clock = clock_now() - r->progress.start_clock;
@@ -184,6 +188,22 @@ static status after_step(struct run *r, const struct moment *before, const struc
     return OK;
 }
 
+/* Writes the state that the medium holds, unless it is on disk already. */
+static status write_last(struct run *r) {
+    char name[TIME_NAME];
+    if (r->now.t == r->written_time) return OK;
+    TRY(write_now(r, name));
+    r->now.fields = true;
+    return functions_execute(r->functions, NULL, &r->now, name);
+}
+
+/* Ends the run at the start of a step that was left because of a signal. */
+static status end_early(struct run *r) {
+    r->stop = true;
+    if (comm_root(r->setup->comm)) printf("stopped as asked at time %.10g, within a step from there\n", r->now.t);
+    return write_last(r);
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
@@ -203,6 +223,7 @@ static status step_once(struct run *r) {
     }
     m->end = end;
     TRY(m->type->step(m, c, r->now.t, &dt));
+    if (dt == 0) return end_early(r);
     const struct moment before = r->now;
     r->now = (struct moment){
         .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
@@ -224,17 +245,10 @@ static status step_once(struct run *r) {
     return after_step(r, &before, &w);
 }
 
-/* Writes the last good state, which the medium holds, for a look at it, unless it is on disk already. */
+/* Writes the last good state for a look at it. */
 static status keep_last(struct run *r, status cause) {
-    char name[TIME_NAME];
     if (status_kind(cause) != ERR_STATE || !r->output || !r->setup->control->write_on_error) return cause;
-    if (r->now.t == r->written_time || r->now.step == r->setup->start.step) return cause;
-    status e = write_now(r, name);
-    if (!e) {
-        r->now.fields = true;
-        e = functions_execute(r->functions, NULL, &r->now, name);
-    }
-    status_free(e);
+    if (r->now.step != r->setup->start.step) status_free(write_last(r));
     return cause;
 }
 

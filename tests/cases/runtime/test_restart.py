@@ -133,6 +133,35 @@ class Restart(harness.Folder, unittest.TestCase):
         runs.complete(self, case, last)
         self.assertIn(f"written: {last}", text)
 
+    def test_signal_within_a_step(self):
+        """SIGTERM in a step of a hundred thousand stages of diffusion (grains far larger than cells): the step is dropped, on all
+        ranks, and the state at its start is written. The end of the step would be seconds away."""
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                n, packing = (120, 100, 1), np.pi / 6 * 5000.0**3
+                case = runs.make(os.path.join(self.folder, f"within{ranks}"), n, 10.0, viscous=True)
+                harness.edit(case, "constant/granularProperties", transport="GarzoDufty; GarzoDuftyCoeffs { zetaU none; }")
+                text = runs.contents(case)["constant/granularProperties"].decode().replace("diameter 0.1", "diameter 5000")
+                with open(os.path.join(case, "constant", "granularProperties"), "w") as f:
+                    f.write(text)
+                for name in ("rho", "p"):
+                    values = np.full(n[0] * n[1], (0.1 if name == "rho" else 1.0) / packing)
+                    harness.boxes.write_field(case, name, values, '".*" zeroGradient\nzEmpty empty')
+                runs.add(case, "system/fvSolution", "diffusion { type explicit; }\n")
+                run = subprocess.Popen([os.path.join(harness.BIN, "mpirun"), "-np", str(ranks), GAS, "-case", case],
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                for line in run.stdout:
+                    if line.startswith("    wall"):
+                        break
+                time.sleep(0.5)
+                run.send_signal(signal.SIGTERM)
+                begin = time.monotonic()
+                text = run.communicate(timeout=60)[0]
+                self.assertLess(time.monotonic() - begin, 3)
+                self.assertIn("stopped as asked at time 1e-06, within a step from there", text)
+                self.assertEqual(runs.times(case), ["0", "1e-06"])
+                runs.complete(self, case, "1e-06")
+
     def test_tables(self):
         """The tables of a restarted run stand in a folder of its start time and go on where the others stopped."""
         case = self.through("tables", n=(60, 40, 1), interval=0.01, tables=True)
