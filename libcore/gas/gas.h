@@ -90,6 +90,11 @@ status gas_check(const struct gas *g);
 void gas_speed(struct gas *g, struct gas_speed *speed);
 /* Finds the centre (m; physical x, y, z; the same on all ranks) of a cell that reaches the rate of gas_speed. */
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]);
+struct gas_cell {
+    double place[3], alpha, T, c; /* centre, m; state, m^2/s^2, m/s */
+};
+/* Finds such a cell with its state, the same on all ranks. */
+void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_cell *out);
 
 /* Lets gas_step ask, between parts of a step that takes long, whether to leave it. It is left if any rank is told so;
  * each rank sets `asked`, or none. */

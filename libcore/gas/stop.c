@@ -10,41 +10,43 @@ bool gas_can_collapse(const struct gas *g) {
 
 struct look { /* context of look_row */
     const struct gas *g;
-    const double *place; /* of the cell that is looked for */
-    double alpha, T,
-        most; /* out: of that cell, -HUGE_VAL if this rank has not got it; the largest alpha of all cells */
+    struct gas_cell
+        *cell;   /* place: of the cell that is looked for; out: its state, -HUGE_VAL if this rank has not got it */
+    double most; /* out: the largest alpha of all cells */
 };
 
 static void look_row(void *look, const struct row *row) {
     struct look *l = look;
     const double *rho = l->g->U.block[row->block] + row->at, per = packing_per_density(&l->g->models.material);
-    double T[BATCH], here[3];
+    double T[BATCH], c[BATCH], here[3], *const speed[3] = {c, NULL, NULL};
     temperature_row(l->g, row->n, rho, T);
     for (int i = 0; i < row->n; i++) {
         l->most = larger(l->most, per * rho[i]);
         l->g->engine->state.place(l->g, row->block, row->at + i, here);
-        if (memcmp(here, l->place, sizeof here) != 0) continue;
-        l->alpha = per * rho[i];
-        l->T = T[i];
+        if (memcmp(here, l->cell->place, sizeof here) != 0) continue;
+        field_row(l->g, GAS_C, row->n, l->g->size, rho, speed);
+        l->cell->alpha = per * rho[i];
+        l->cell->T = T[i];
+        l->cell->c = c[i];
     }
 }
 
-/* Finds the state of the cell at a place, and the largest alpha of the domain. */
-static struct look look_at(struct gas *g, const double place[3]) {
-    struct look l = {g, place, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+/* Finds the state of the cell at a place; returns the largest alpha of the domain. */
+static double look_at(struct gas *g, struct gas_cell *cell) {
+    struct look l = {g, cell, -HUGE_VAL};
+    cell->alpha = cell->T = cell->c = -HUGE_VAL;
     g->engine->state.rows(g, EVERY_CELL, &g->U, look_row, &l);
-    double all[] = {l.alpha, l.T, l.most};
-    comm_max(g->comm, all, 3);
-    l.alpha = all[0];
-    l.T = all[1];
-    l.most = all[2];
-    return l;
+    double all[] = {cell->alpha, cell->T, cell->c, l.most};
+    comm_max(g->comm, all, 4);
+    cell->alpha = all[0];
+    cell->T = all[1];
+    cell->c = all[2];
+    return all[3];
 }
 
-/* As look_at, of a cell that has the largest rate of wave speeds. */
-static struct look fastest_cell(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    gas_fastest_place(g, speed, place);
-    return look_at(g, place);
+void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_cell *out) {
+    gas_fastest_place(g, speed, out->place);
+    (void)look_at(g, out);
 }
 
 /* Does a patch hold the density, but leave T to the gas? Then gas may heat up or cool without end there. */
@@ -70,16 +72,17 @@ static const char *cause_of(const struct gas *g) {
 }
 
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
-    double place[3];
-    const struct look l = fastest_cell(g, speed, place);
+    struct gas_cell q;
+    gas_fastest_place(g, speed, q.place);
+    const double most = look_at(g, &q);
     const struct gas_counts c = gas_counts(g);
     const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
-    const bool packed = g->models.material.alpha_max == 0 || l.most > PACKED_AT_LAST * g->models.material.alpha_max;
+    const bool packed = g->models.material.alpha_max == 0 || most > PACKED_AT_LAST * g->models.material.alpha_max;
     if (!gas_can_collapse(g) || !packed)
         return fail(ERR_STATE,
                     "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: less than is allowed; "
                     "the last good state is kept%s",
-                    dt, t, place[0], place[1], place[2], l.alpha, l.T, cause_of(g));
+                    dt, t, q.place[0], q.place[1], q.place[2], q.alpha, q.T, cause_of(g));
     return fail(
         ERR_STATE,
         "inelastic collapse at t = %.10g, (%.6g %.6g %.6g), alpha = %.10g, T = %.6g: the time step falls to %.3g s "
@@ -87,23 +90,25 @@ status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_spe
         "kept\n"
         "  a way through: thresholdSpeed in `grain` of constant/granularProperties, say a tenth of sqrt(T) around\n"
         "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
-        t, place[0], place[1], place[2], l.alpha, l.T, dt, c.faces, c.cells, c.rejected,
+        t, q.place[0], q.place[1], q.place[2], q.alpha, q.T, dt, c.faces, c.cells, c.rejected,
         noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
 }
 
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed) {
-    double place[3];
-    const struct look l = fastest_cell(g, speed, place);
+    struct gas_cell q;
+    gas_fastest_cell(g, speed, &q);
     return fail(ERR_STATE,
                 "the speed of sound is without bound at t = %.10g, (%.6g %.6g %.6g), alpha = %.17g, T = %.6g: no time "
                 "step is short enough; the last good state is kept\n"
                 "  alpha = alphaMax, to the last digits, has no finite pressure: start below it",
-                t, place[0], place[1], place[2], l.alpha, l.T);
+                t, q.place[0], q.place[1], q.place[2], q.alpha, q.T);
 }
 
 status stop_of_diffusion(struct gas *g, double t) {
     const struct stiff *s = &g->stiff;
-    const struct look l = look_at(g, s->place);
+    struct gas_cell q;
+    memcpy(q.place, s->place, sizeof q.place);
+    (void)look_at(g, &q);
     return fail(ERR_STATE,
                 "%s is too stiff at t = %.10g, in the cell at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: its rate of "
                 "%.3g 1/s times half a step of %.3g s is %.3g, for %.3g stages of %s; %.0e and %d are the most; the "
@@ -111,8 +116,8 @@ status stop_of_diffusion(struct gas *g, double t) {
                 "  the cell is far smaller than the others (checkCase names such a cell: make the mesh even) or than a "
                 "grain, or its gas conducts almost without bound (thin and hot: alphaMin or knudsenCut of `transport`, "
                 "alphaFloor); `diffusion` RKJ2 or implicit and a lower maxCo or maxDeltaT want fewer stages",
-                s->what == HEAT ? "heat conduction" : "viscous stress", t, s->place[0], s->place[1], s->place[2],
-                l.alpha, l.T, s->rate, s->dt, s->rate * s->dt, s->stages, g->models.diffusion->model.name, MOST_RATIO,
+                s->what == HEAT ? "heat conduction" : "viscous stress", t, q.place[0], q.place[1], q.place[2], q.alpha,
+                q.T, s->rate, s->dt, s->rate * s->dt, s->stages, g->models.diffusion->model.name, MOST_RATIO,
                 MOST_STAGES);
 }
 
@@ -123,11 +128,11 @@ bool asked_to_leave(struct gas *g) {
 }
 
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {
-    double place[3];
-    const struct look l = fastest_cell(g, speed, place);
+    struct gas_cell q;
+    gas_fastest_cell(g, speed, &q);
     return fail(ERR_STATE,
                 "time stands still at t = %.10g: a step of %.3g s is less than the last digit of t; the fastest gas is "
                 "at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g, with %.3g crossings of a cell a second; the last good "
                 "state is kept%s",
-                t, dt, place[0], place[1], place[2], l.alpha, l.T, speed->rate, cause_of(g));
+                t, dt, q.place[0], q.place[1], q.place[2], q.alpha, q.T, speed->rate, cause_of(g));
 }

@@ -55,8 +55,17 @@ int polymesh_axes(const struct polymesh *m, int axis[3]);
 /* Fails on coordinates so large that volumes would overflow. */
 status polymesh_check_points(const struct polymesh *m);
 
-/* Checks what a run needs and more: closed cells, positive volumes, face orientation, `empty` patches that cover every
- * cell exactly twice, cyclic halves that match, no left-over defaultFaces. Each defect is an error with number and
+struct narrowest {
+    long cell;
+    double width; /* m: its V/A, A without `empty` faces: the least of all */
+    double ratio; /* of that to the median; where it is above 1e-3, a lower bound */
+};
+/* Finds the narrowest cell. Area and volume are those of polymesh_face_geometry and polymesh_cell_geometry. */
+status polymesh_narrowest(const struct polymesh *m, const double *area, const double *volume, struct narrowest *out);
+
+/* Checks what a run needs and more: closed cells, positive volumes, none 1e-12 times as narrow as the others, face
+ * orientation, `empty` patches that cover every cell exactly twice, cyclic halves that match, no left-over
+ * defaultFaces. Each defect is an error with number and
  * place. */
 status polymesh_check(const struct polymesh *m);
 

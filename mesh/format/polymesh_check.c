@@ -1,4 +1,5 @@
 /* Checks a polyMesh before a run (polymesh_check): cells are closed, volumes positive, normals point out of the owner,
+ * no cell is all but flat beside the others,
  * `empty` and cyclic patches are sound. Lists the first defects with their places. */
 #include "mesh/format/polymesh.h"
 
@@ -12,6 +13,7 @@ enum { SHOWN = 3, TEXT = 1400 };
 static const double CLOSED = 1e-6; /* |sum of area vectors| / sum of |areas|: OpenFOAM's closedThreshold */
 static const double FLAT = 1e-6;   /* largest 1 - |cosine| between the normal of an empty face and its axis */
 static const double FAR = 1e60;    /* largest |coordinate|, m: products of five of them are still finite */
+static const double LEAST = 1e-12; /* V/A of a cell beside the median: beyond it steps have no end */
 static const double MATCH = 1e-4;  /* tolerance of positions for cyclic faces, times the square root of the area */
 
 struct check {
@@ -107,6 +109,18 @@ static status check_cells(struct check *k) {
     return verdict(k, "bad cells");
 }
 
+static status check_widths(const struct check *k) {
+    struct narrowest n;
+    TRY(polymesh_narrowest(k->m, k->face_area, k->volume, &n));
+    const double *x = k->cell_centre + 3 * n.cell;
+    if (n.ratio > LEAST) return OK;
+    return fail(ERR_INPUT,
+                "mesh: cell %ld at (%g, %g, %g) has V/A = %.3g m, %.3g of the median of all cells; %g is the least: a "
+                "run would go by steps for this cell and never end; make the mesh even there (points that should be "
+                "one, or a layer of no thickness)",
+                n.cell, x[0], x[1], x[2], n.width, n.ratio, LEAST);
+}
+
 /* ---- empty patches ----------------------------------------------------------------------------------------------- */
 
 static void cover(struct check *k, const struct patch *p, bool *axes) {
@@ -198,6 +212,7 @@ static status check_all(struct check *k) {
     TRY(check_cells(k));
     TRY(check_faces(k));
     TRY(check_empty(k));
+    TRY(check_widths(k));
     return check_cyclic(k);
 }
 

@@ -59,6 +59,9 @@ struct medium_type {
 
     void (*plan)(struct medium *m, const struct control *c, struct pace *out);
     void (*place)(struct medium *m, double place[3]); /* m, of the cell that gave the last plan's rate */
+    /* Says which cell, in which state, gave the last plan's rate, and what can be done about it: ", cell at ..".
+     * Collective; NULL: it cannot. */
+    void (*bound)(struct medium *m, char *text, size_t size);
     /* Advances from t by *dt or, where that fails, by less, which *dt then says: 0 if the step took long and was left
      * because a rank had been asked to. After ERR_STATE the state is the last good one. */
     status (*step)(struct medium *m, const struct control *c, double t, double *dt);

@@ -11,6 +11,7 @@
 
 /* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
 static const double FALL_PART = 0.2;
+static const double DENSE = 0.9; /* fraction of alphaMax beyond which it is packing that makes c large */
 
 struct gas_state {
     struct medium base;
@@ -198,6 +199,20 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
 
 static void gas_place(struct medium *m, double place[3]) {
     gas_fastest_place(of(m)->gas, &of(m)->speed, place);
+}
+
+static void gas_bound(struct medium *m, char *text, size_t size) {
+    struct gas_state *g = of(m);
+    struct gas_cell q;
+    gas_fastest_cell(g->gas, &g->speed, &q);
+    const double most = g->models->gas.material.alpha_max;
+    snprintf(text, size, ", cell at (%.6g %.6g %.6g) with alpha = %.6g, T = %.6g, c = %.6g\n      %s", q.place[0],
+             q.place[1], q.place[2], q.alpha, q.T, q.c,
+             most > 0 && q.alpha > DENSE * most
+                 ? "near packing c has no bound: thresholdSpeed in `grain` keeps grains from collapsing, and larger "
+                   "cells there take longer steps"
+                 : "hot or fast gas, or a narrow cell (checkCase names such a cell): larger cells there take longer "
+                   "steps; alphaFloor keeps thin gas from growing hot");
 }
 
 static status gas_medium_step(struct medium *m, const struct control *c, double t, double *dt) {
@@ -392,6 +407,7 @@ const struct medium_type gas_medium = {
     .memory = gas_memory,
     .plan = gas_plan,
     .place = gas_place,
+    .bound = gas_bound,
     .step = gas_medium_step,
     .after = gas_after,
     .log = gas_log,

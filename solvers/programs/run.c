@@ -2,6 +2,8 @@
  * controlDict (run.h). */
 #include "solvers/programs/run.h"
 
+#include "solvers/programs/outlook.h"
+
 #include "solvers/case/changes.h"
 #include "solvers/case/lock.h"
 #include "solvers/dict/params.h"
@@ -19,6 +21,7 @@ struct run {
     struct functions *functions;
     struct output *output;
     struct progress progress;
+    struct outlook outlook;
     struct moment now;
     double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
@@ -70,19 +73,27 @@ static void print_control(const struct setup *s) {
     }
 }
 
-static status print_check(const struct setup *s) {
-    struct pace pace;
-    TRY(s->medium->type->start(s->medium));
-    s->medium->type->plan(s->medium, s->control, &pace);
-    if (!comm_root(s->comm)) return OK;
+static void print_keys(const struct setup *s, const struct pace *pace) {
+    const struct control *c = s->control;
+    const double dt = c->adjust ? fmin(pace->stable, c->max_delta_t) : c->delta_t;
     report_header(stdout, s, true);
     changes_print(stdout, s);
     print_control(s);
-    double dt = s->control->adjust ? fmin(pace.stable, s->control->max_delta_t) : s->control->delta_t;
     if (!s->medium->type->event_driven) printf("\nfirst time step about %.3g s", dt);
-    if (!s->medium->type->event_driven && isfinite(s->control->end_time))
-        printf(", %.3g steps to endTime at that", (s->control->end_time - s->start.t) / dt);
-    printf("\nThe case is sound.\n");
+    if (!s->medium->type->event_driven && isfinite(c->end_time))
+        printf(", %.3g steps to endTime at that", (c->end_time - s->start.t) / dt);
+    printf("\n");
+}
+
+static status print_check(const struct setup *s) {
+    struct pace pace;
+    struct outlook outlook = {0};
+    TRY(s->medium->type->start(s->medium));
+    s->medium->type->plan(s->medium, s->control, &pace);
+    if (comm_root(s->comm)) print_keys(s, &pace);
+    outlook_steps(&outlook, s, &pace, s->start.t);
+    TRY(outlook_mesh(s));
+    if (comm_root(s->comm)) printf("The case is sound.\n");
     return OK;
 }
 
@@ -213,6 +224,7 @@ static status step_once(struct run *r) {
     double end;
     const struct control *c = s->control;
     m->type->plan(m, c, &pace);
+    outlook_steps(&r->outlook, s, &pace, r->now.t);
     double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
     double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
     bool event = limit == DT_WRITE || limit == DT_END;

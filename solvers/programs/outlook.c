@@ -1,0 +1,57 @@
+/* Foretells the end of a run (outlook.h). */
+#include "solvers/programs/outlook.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double MANY = 1e6;    /* steps */
+static const double FALLEN = 1000; /* steps foretold now, beside those foretold first */
+static const double FEW = 100;     /* a run of fewer steps may take many more without being long */
+static const double NARROW = 1e-6; /* V/A of a cell beside the median */
+enum { PLACE = 400 };
+
+static void say(const struct setup *s, const struct pace *pace, double t, double dt, double left, double first) {
+    char bound[PLACE] = "";
+    const struct medium *m = s->medium;
+    const bool limits = s->control->adjust && pace->stable <= s->control->max_delta_t;
+    if (limits && !pace->limit && m->type->bound) m->type->bound(s->medium, bound, sizeof bound);
+    if (!comm_root(s->comm)) return;
+    printf("    note: %.3g steps from t = %.10g to endTime %g at deltaT = %.3g s", left, t, s->control->end_time, dt);
+    if (first > 0) printf(", %.3g times as many as the first step foretold", left / first);
+    printf("\n      deltaT is limited by: %s%s\n",
+           !limits       ? "controlDict"
+           : pace->limit ? pace->limit
+                         : "Courant",
+           *bound ? bound : "");
+}
+
+void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t) {
+    const struct control *c = s->control;
+    const double dt = c->adjust ? fmin(pace->stable, c->max_delta_t) : c->delta_t, left = (c->end_time - t) / dt;
+    if (s->medium->type->event_driven || !isfinite(left) || c->stop_at != STOP_END_TIME) return;
+    const bool first = o->too_many == 0;
+    if (left > (first ? MANY : o->too_many)) {
+        say(s, pace, t, dt, left, o->first);
+        o->too_many = HUGE_VAL;
+    }
+    if (!first) return;
+    o->first = left;
+    o->too_many = FALLEN * fmax(left, FEW);
+}
+
+status outlook_mesh(const struct setup *s) {
+    const struct polymesh *m = s->mesh;
+    struct narrowest n;
+    double *face;
+    TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
+    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+    status e = polymesh_narrowest(m, face + 3L * m->nfaces, s->volume, &n);
+    free(face);
+    TRY(e);
+    const double *x = s->centre + 3 * n.cell;
+    if (n.ratio > NARROW || !comm_root(s->comm)) return OK;
+    printf("\nwarning: cell %ld at (%.6g %.6g %.6g) has V/A = %.3g m, %.3g of the median of all: it alone makes the "
+           "steps short, and\n    with transport many more stages; make the mesh even there (1e-12 is refused)\n",
+           n.cell, x[0], x[1], x[2], n.width, n.ratio);
+    return OK;
+}

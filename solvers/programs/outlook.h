@@ -1,0 +1,20 @@
+/* What a run foretells of its end: cells that are far narrower than the others, and steps without number. */
+#ifndef SOLVERS_OUTLOOK_H
+#define SOLVERS_OUTLOOK_H
+
+#include "solvers/case/case.h"
+
+struct outlook {     /* of one run; starts as zeros */
+    double first;    /* number of steps to endTime that the first step foretold */
+    double too_many; /* the number that is said next; 0: none has been foretold yet */
+};
+
+/* Says on the root, once, if the number of steps from t to endTime exceeds a million at the first call, or 1000 times
+ * that of the first call (or 100,000, if that is more) later on: with what limits the step and what can be done about
+ * it. Collective. */
+void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t);
+
+/* Warns of a cell whose V/A is so small beside that of the others that it alone makes the steps short. */
+status outlook_mesh(const struct setup *s);
+
+#endif

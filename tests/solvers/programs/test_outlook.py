@@ -1,0 +1,84 @@
+"""What checkCase and the log of a run foretell: narrow cells, and steps without number."""
+import os
+import re
+import subprocess
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+
+CELLS = 10  # 0.1 wide
+
+
+class Outlook(harness.Folder, unittest.TestCase):
+    def make(self, name, end, **options):
+        return runs.make(os.path.join(self.folder, name), (CELLS, 1, 1), end, e=1.0, cooling="none", **options)
+
+    def narrow(self, name, width):
+        """A line of cells of which one is `width` wide, and the next as much wider."""
+        case = self.make(name, 1.0)
+        path = os.path.join(case, "constant", "polyMesh", "points")
+        with open(path) as f:
+            text = f.read()
+        with open(path, "w") as f:
+            f.write(re.sub(r"\(0\.5\d* ", f"({0.4 + width!r} ", text))
+        return case
+
+    def test_narrow_cells(self):
+        """V/A below 1e-6 of the median is warned of by checkCase, below 1e-12 refused by all programs. On a line V/A is half of the
+        width: empty faces do not count."""
+        even = harness.program("checkCase", self.narrow("even", 1e-4)).stdout
+        self.assertNotIn("warning", even)
+        self.assertIn("The case is sound", even)
+        said = harness.program("checkCase", self.narrow("narrow", 5e-8)).stdout
+        found = re.search(r"warning: cell 4 at \(0.4 0.05 0.05\) has V/A = (\S+) m, (\S+) of the median", said)
+        self.assertAlmostEqual(float(found.group(1)), 2.5e-8, delta=1e-10)
+        self.assertAlmostEqual(float(found.group(2)), 5e-7, delta=1e-9)
+        self.assertIn("The case is sound", said)
+        case = self.narrow("flat", 5e-14)
+        for command in (["checkCase", case], ["granularGas", "-case", case]):
+            done = harness.program(*command, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, r"cell 4 at \(0.4, 0.05, 0.05\) has V/A = 2.5\S*e-14 m, 5\S*e-13 of the median(.|\n)*make the mesh even")
+
+    def log_until(self, case, wanted, ranks=1):
+        """The log of a run up to a line, where the run is stopped."""
+        command = [os.path.join(harness.BIN, "mpirun"), "-np", str(ranks), os.path.join(harness.BIN, "granularGas"), "-case", case]
+        run, seen = subprocess.Popen(command, stdout=subprocess.PIPE, text=True), []
+        for line in run.stdout:
+            seen.append(line)
+            if re.search(wanted, line):
+                break
+        run.terminate()
+        rest = run.communicate(timeout=60)[0]
+        return "".join(seen), rest
+
+    NOTE = r"    note: (\S+) steps from t = (\S+) to endTime (\S+) at deltaT = (\S+) s(, \S+ times as many as the first step foretold)?\n" \
+           r"      deltaT is limited by: Courant, cell at \(\S+ \S+ \S+\) with alpha = \S+, T = \S+, c = \S+\n      (.*)\n"
+
+    def test_the_first_step(self):
+        """A first step that foretells more than a million is spoken of by checkCase and in the log, in the same words."""
+        said = harness.program("checkCase", self.make("short", 100.0)).stdout
+        self.assertNotIn("note:", said)
+        said = re.search(self.NOTE, harness.program("checkCase", self.make("endless", 1e6)).stdout)
+        self.assertGreater(float(said.group(1)), 1e6)
+        for ranks in (1, 2):
+            case = self.make(f"endless{ranks}", 1e6)
+            log, rest = self.log_until(case, "larger cells there", ranks)
+            self.assertEqual(re.search(self.NOTE, log).group(), said.group())
+            self.assertNotIn("note:", rest)
+
+    def test_a_step_that_falls(self):
+        """A gas that is heated: when more than 1000 times as many steps are left as at first, the log says so, once."""
+        case = self.make("heated", 100.0)
+        harness.edit(case, "constant/granularProperties", cooling="none; sources (uniformHeating); uniformHeatingCoeffs { rate 1e12; }")
+        self.assertNotIn("note:", harness.program("checkCase", case).stdout)
+        log, rest = self.log_until(case, "larger cells there")
+        found = re.search(self.NOTE, log)
+        self.assertAlmostEqual(float(re.search(r"[\d.e+]+", found.group(5)).group()), 1000, delta=20)
+        self.assertNotIn("note:", rest)
+
+
+if __name__ == "__main__":
+    unittest.main()
