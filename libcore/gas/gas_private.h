@@ -112,7 +112,7 @@ status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
 status stop_of_diffusion(struct gas *g, double t);
 /* Have the ranks been asked to leave the step? Sets g->left. */
 bool asked_to_leave(struct gas *g);
-/* t + dt is t. */
+/* t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
 
 /* ---- rows of cells (libcore/gas/rows.c) ---- */

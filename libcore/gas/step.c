@@ -15,6 +15,8 @@ enum {
 };
 /* A rejected step is shortened at most by this factor at once, as the shorter step heats less. */
 static const double LEAST_SHARE = 1. / 16;
+/* A step that is no longer than so many last digits of t is the end: t would be off by a hundredth of it. */
+static const double DIGITS = 64;
 
 /* Plans the sources over the first half of a step of dt from t on, or over the second half, in which they act
  * backwards. */
@@ -278,7 +280,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (;;) {
         const bool guarded = g->guarded > 0;
         long bad;
-        if (t + *dt == t) return stop_of_time(g, t, *dt, speed);
+        if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         attempt_begin(g);
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         const bool hot = U0 && overheated(g, *dt, maxCo, speed);

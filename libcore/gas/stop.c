@@ -130,9 +130,10 @@ bool asked_to_leave(struct gas *g) {
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     struct gas_cell q;
     gas_fastest_cell(g, speed, &q);
-    return fail(ERR_STATE,
-                "time stands still at t = %.10g: a step of %.3g s is less than the last digit of t; the fastest gas is "
-                "at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g, with %.3g crossings of a cell a second; the last good "
-                "state is kept%s",
-                t, dt, q.place[0], q.place[1], q.place[2], q.alpha, q.T, speed->rate, cause_of(g));
+    return fail(
+        ERR_STATE,
+        "time stands still at t = %.10g: a step of %.3g s is less than some last digits of t; the fastest gas is "
+        "at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g, with %.3g crossings of a cell a second; the last good "
+        "state is kept%s",
+        t, dt, q.place[0], q.place[1], q.place[2], q.alpha, q.T, speed->rate, cause_of(g));
 }

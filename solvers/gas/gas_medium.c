@@ -205,10 +205,11 @@ static void gas_bound(struct medium *m, char *text, size_t size) {
     struct gas_state *g = of(m);
     struct gas_cell q;
     gas_fastest_cell(g->gas, &g->speed, &q);
-    const double most = g->models->gas.material.alpha_max;
+    const struct gas_models *models = &g->models->gas;
+    const double most = models->material.alpha_max;
     snprintf(text, size, ", cell at (%.6g %.6g %.6g) with alpha = %.6g, T = %.6g, c = %.6g\n      %s", q.place[0],
              q.place[1], q.place[2], q.alpha, q.T, q.c,
-             most > 0 && q.alpha > DENSE * most
+             most > 0 && q.alpha > DENSE * most && source_cools(&models->source, &models->material)
                  ? "near packing c has no bound: thresholdSpeed in `grain` keeps grains from collapsing, and larger "
                    "cells there take longer steps"
                  : "hot or fast gas, or a narrow cell (checkCase names such a cell): larger cells there take longer "

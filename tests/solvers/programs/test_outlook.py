@@ -79,6 +79,25 @@ class Outlook(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(float(re.search(r"[\d.e+]+", found.group(5)).group()), 1000, delta=20)
         self.assertNotIn("note:", rest)
 
+    def test_time_stands_still(self):
+        """An inlet that gives a dense alpha and leaves U and T free feeds a gas of elastic spheres without end: T grows, and dt falls
+        below the last digits of t. The run says so then, with what feeds it, instead of going on."""
+        n, packing = 40, np.pi / 6 * 0.1**3
+        case = os.path.join(self.folder, "inlet")
+        boxes, rest = harness.boxes, "xHigh zeroGradient\nyEmpty empty\nzEmpty empty"
+        harness.box_case(case, (n, 1, 1), (4.0, 0.1, 0.1), np.full(n, 0.3 / packing), np.zeros((n, 3)), np.full(n, 1e3), 10.0,
+                         eos="TorquatoSpheres", e=1.0, cooling="none")
+        os.remove(case + "/0/rho")
+        os.remove(case + "/0/p")
+        boxes.write_field(case, "alpha", np.full(n, 0.3), "xLow fixedValue; value uniform 0.6398\n" + rest)
+        boxes.write_field(case, "T", np.full(n, 1.0), "xLow zeroGradient\n" + rest)
+        boxes.write_field(case, "U", np.zeros((n, 3)), "xLow zeroGradient\n" + rest)
+        done = harness.program("granularGas", "-case", case, check=False, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"time stands still at t = \S+ a step of \S+ s is less than some last digits of t(.|\n)*"
+                                      r"a boundary gives the density and leaves T free")
+        self.assertEqual(runs.times(case)[-1], re.findall("    written: (.*)", done.stdout)[-1])
+
 
 if __name__ == "__main__":
     unittest.main()
