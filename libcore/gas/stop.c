@@ -2,7 +2,7 @@
  * go on: somebody may have asked for an end. */
 #include "libcore/gas/gas_private.h"
 
-#define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached somewhere */
+#define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached where it is */
 
 bool gas_can_collapse(const struct gas *g) {
     return source_cools(&g->models.source, &g->models.material) && g->models.material.threshold == 0;
@@ -10,9 +10,7 @@ bool gas_can_collapse(const struct gas *g) {
 
 struct look { /* context of look_row */
     const struct gas *g;
-    struct gas_cell
-        *cell;   /* place: of the cell that is looked for; out: its state, -HUGE_VAL if this rank has not got it */
-    double most; /* out: the largest alpha of all cells */
+    struct gas_cell *cell; /* of `place`; out: its state, -HUGE_VAL if this rank has not got it */
 };
 
 static void look_row(void *look, const struct row *row) {
@@ -21,7 +19,6 @@ static void look_row(void *look, const struct row *row) {
     double T[BATCH], c[BATCH], here[3], *const speed[3] = {c, NULL, NULL};
     temperature_row(l->g, row->n, rho, T);
     for (int i = 0; i < row->n; i++) {
-        l->most = larger(l->most, per * rho[i]);
         l->g->engine->state.place(l->g, row->block, row->at + i, here);
         if (memcmp(here, l->cell->place, sizeof here) != 0) continue;
         field_row(l->g, GAS_C, row->n, l->g->size, rho, speed);
@@ -31,58 +28,71 @@ static void look_row(void *look, const struct row *row) {
     }
 }
 
-/* Finds the state of the cell at a place; returns the largest alpha of the domain. */
-static double look_at(struct gas *g, struct gas_cell *cell) {
-    struct look l = {g, cell, -HUGE_VAL};
+/* Finds the state of the cell at a place. */
+static void look_at(struct gas *g, struct gas_cell *cell) {
+    struct look l = {g, cell};
     cell->alpha = cell->T = cell->c = -HUGE_VAL;
     g->engine->state.rows(g, EVERY_CELL, &g->U, look_row, &l);
-    double all[] = {cell->alpha, cell->T, cell->c, l.most};
-    comm_max(g->comm, all, 4);
+    double all[] = {cell->alpha, cell->T, cell->c};
+    comm_max(g->comm, all, 3);
     cell->alpha = all[0];
     cell->T = all[1];
     cell->c = all[2];
-    return all[3];
 }
 
 void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_cell *out) {
     gas_fastest_place(g, speed, out->place);
-    (void)look_at(g, out);
+    look_at(g, out);
 }
 
-/* Does a patch hold the density, but leave T to the gas? Then gas may heat up or cool without end there. */
-static bool leaves_T_free(const struct gas *g) {
-    bool found = false;
+/* Returns what feeds the gas without a bound through an open patch that gives one part of the state and leaves another
+ * to the gas; NULL: nothing does. */
+static const char *fed_by(const struct gas *g) {
+    const char *found = NULL;
     for (int p = 0; p < g->npatches; p++) {
         const struct patch_rules *r = &g->rules[p];
-        if (r->velocity.type && !patch_is_wall(r)) found |= rule_holds(&r->density) && !rule_holds(&r->temperature);
+        if (!r->velocity.type || patch_is_wall(r)) continue;
+        const bool rho = rule_holds(&r->density), u = rule_holds(&r->velocity), T = rule_holds(&r->temperature);
+        if (rho && !T) return "gives the density and leaves T free, so that nothing bounds T there: give T (or p), too";
+        if (u && !T) return "gives the velocity and leaves T free, so that nothing bounds T there: give T (or p), too";
+        if (T && !(rho && u)) found = "leaves the density or the velocity free, so that nothing bounds what flows in";
+        if (!rho && !u && !T && !found) found = "is zeroGradient: where gas flows in, give values (inletOutlet)";
     }
     return found;
 }
 
-/* Returns what feeds a time step that falls and falls, as far as the gas can tell. */
-static const char *cause_of(const struct gas *g) {
+/* Returns what feeds a time step that falls and falls, as far as the gas can tell, in two parts. */
+struct cause {
+    const char *lead, *text;
+};
+static struct cause cause_of(const struct gas *g) {
     const struct gas_counts c = gas_counts(g);
-    if (leaves_T_free(g))
-        return "\n  a boundary gives the density and leaves T free, so that nothing bounds T there: give T (or p) "
-               "there, "
-               "too";
+    const char *fed = fed_by(g);
+    if (fed) return (struct cause){"\n  a boundary ", fed};
     if (c.filled > 0 || c.floored > 0)
-        return "\n  floors have added mass or energy on the way (see the log): what they add may be what is seen here";
-    return "";
+        return (struct cause){"\n  floors have added mass or energy on the way (see the log): ",
+                              "what they add may be what is seen here"};
+    return (struct cause){"", ""};
+}
+
+/* Has a gas that can collapse come near packing where it has the largest rate of wave speeds? Finds that cell. */
+static bool collapses(struct gas *g, const struct gas_speed *speed, struct gas_cell *cell) {
+    const double limit = g->models.material.alpha_max;
+    gas_fastest_cell(g, speed, cell);
+    return gas_can_collapse(g) && limit > 0 && cell->alpha > PACKED_AT_LAST * limit;
 }
 
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     struct gas_cell q;
-    gas_fastest_place(g, speed, q.place);
-    const double most = look_at(g, &q);
+    const bool collapse = collapses(g, speed, &q);
+    const struct cause cause = cause_of(g);
     const struct gas_counts c = gas_counts(g);
     const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
-    const bool packed = g->models.material.alpha_max == 0 || most > PACKED_AT_LAST * g->models.material.alpha_max;
-    if (!gas_can_collapse(g) || !packed)
+    if (!collapse)
         return fail(ERR_STATE,
                     "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: less than is allowed; "
-                    "the last good state is kept%s",
-                    dt, t, q.place[0], q.place[1], q.place[2], q.alpha, q.T, cause_of(g));
+                    "the last good state is kept%s%s",
+                    dt, t, q.place[0], q.place[1], q.place[2], q.alpha, q.T, cause.lead, cause.text);
     return fail(
         ERR_STATE,
         "inelastic collapse at t = %.10g, (%.6g %.6g %.6g), alpha = %.10g, T = %.6g: the time step falls to %.3g s "
@@ -108,7 +118,7 @@ status stop_of_diffusion(struct gas *g, double t) {
     const struct stiff *s = &g->stiff;
     struct gas_cell q;
     memcpy(q.place, s->place, sizeof q.place);
-    (void)look_at(g, &q);
+    look_at(g, &q);
     return fail(ERR_STATE,
                 "%s is too stiff at t = %.10g, in the cell at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: its rate of "
                 "%.3g 1/s times half a step of %.3g s is %.3g, for %.3g stages of %s; %.0e and %d are the most; the "
@@ -129,11 +139,12 @@ bool asked_to_leave(struct gas *g) {
 
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     struct gas_cell q;
-    gas_fastest_cell(g, speed, &q);
+    const struct cause cause = cause_of(g);
+    if (collapses(g, speed, &q)) return stop_of_collapse(g, t, dt, speed);
     return fail(
         ERR_STATE,
         "time stands still at t = %.10g: a step of %.3g s is less than some last digits of t; the fastest gas is "
         "at (%.6g %.6g %.6g), alpha = %.6g, T = %.6g, with %.3g crossings of a cell a second; the last good "
-        "state is kept%s",
-        t, dt, q.place[0], q.place[1], q.place[2], q.alpha, q.T, speed->rate, cause_of(g));
+        "state is kept%s%s",
+        t, dt, q.place[0], q.place[1], q.place[2], q.alpha, q.T, speed->rate, cause.lead, cause.text);
 }
