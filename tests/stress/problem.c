@@ -252,6 +252,10 @@ const struct family family_table[FAMILIES] = {
     {"disks", "disks with viscosity and heat conduction between walls of all kinds", disks_draw, grains_at},
     {"inelastic", "disks and spheres by Garzo & Dufty, all walls and sources, in 1D, 2D and 3D", inelastic_draw,
      grains_at},
+    {"open", "disks and spheres in boxes with open sides of every kind", open_draw, grains_at},
+    {"extreme", "the first eight, or grains that conduct, on cells flat, thin and small by many orders", extreme_draw,
+     extreme_at},
+    {"settled", "beds that have settled, between all walls, over long times", settled_draw, settled_at},
 };
 
 int family_find(const char *name) {

@@ -23,6 +23,12 @@ struct wall { /* of a closed side; NULL: slip and zeroGradient */
     double specularity, restitution; /* of JohnsonJacksonSlip */
 };
 
+struct gate { /* of an open side; NULL: zeroGradient */
+    const char *density, *velocity, *temperature;
+    double rho, u[3], T; /* T: of the gas outside, or p */
+    bool pressure, shut; /* shut: it is a wall all the same */
+};
+
 struct problem {
     int family;
     uint64_t seed;
@@ -41,7 +47,11 @@ struct problem {
     const struct diffusion *diffusion;
     double alpha_floor, densest; /* densest: alpha of a cell at most, in families with transport */
     struct wall wall[6];
+    struct gate gate[6];
+    int patience;    /* how many times as many steps as others it may take; 0: one */
+    bool stated;     /* may it end with a stated cause other than a collapse? */
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
+    double end;      /* s: the end, in place of duration; 0: that counts */
 
     double p0;               /* pressure scale, Pa */
     double direction[3];     /* unit */
@@ -51,7 +61,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 15 };
+enum { FAMILIES = 18 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -63,6 +73,19 @@ int family_find(const char *name); /* -1: none */
 void disks_draw(struct problem *p, struct seed *s);
 void inelastic_draw(struct problem *p, struct seed *s);
 void grains_at(const struct problem *p, const struct place *where, struct point *out);
+/* Their parts, for others: what lies where; box; grains, equation of state and cooling; transport; walls. */
+void grains_scene(struct problem *p, struct seed *s);
+double grains_T(const struct problem *p); /* T that the others are measured by */
+void inelastic_box(struct problem *p, struct seed *s);
+void inelastic_material(struct problem *p, struct seed *s);
+void inelastic_transport(struct problem *p, struct seed *s);
+void inelastic_walls(struct problem *p, struct seed *s);
+/* Rows of problems that might have no end (tests/stress/endless.c). */
+void open_draw(struct problem *p, struct seed *s);
+void extreme_draw(struct problem *p, struct seed *s);
+void extreme_at(const struct problem *p, const struct place *where, struct point *out);
+void settled_draw(struct problem *p, struct seed *s);
+void settled_at(const struct problem *p, const struct place *where, struct point *out);
 
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */

@@ -1,18 +1,13 @@
-#!/usr/bin/env -S /usr/bin/python3
-"""postprocessing/reports/stress.md from the tables that stress and rhoCentralFoam.py write.
-
-    report.py DEFAULT.csv OTHERS.csv FOAM.csv NOTES.md > postprocessing/reports/stress.md
-
-NOTES.md goes in front: what was run, when, on what.
-"""
+"""The text of postprocessing/reports/stress.md, from the tables that stress and rhoCentralFoam.py write; see `remake`. notes.md
+goes in front."""
 import csv
-import sys
+import os
 
-SUMS = ("runs", "finished", "capped", "collapsed", "failed", "steps", "cell_stages", "limited_cells", "limited_faces", "floored",
+SUMS = ("runs", "finished", "capped", "collapsed", "stated", "failed", "steps", "cell_stages", "limited_cells", "limited_faces", "floored",
         "rejected")
 LARGEST = ("mass", "momentum", "energy", "mass_bound", "momentum_bound", "energy_bound", "source_bound")
-HEAD = ("problems", "finished", "capped", "collapsed", "failed", "limited cells", "limited faces", "floored cells", "rejected steps",
-        "least dt", "mass", "momentum", "energy", "of bound")
+HEAD = ("problems", "ran to their end", "stopped at the bound of steps", "ended with a stated cause", "failed",
+        "limited cells", "limited faces", "floored cells", "rejected steps", "least dt", "mass", "momentum", "energy", "of bound")
 
 
 def read(path):
@@ -44,8 +39,8 @@ def error(x):
 
 def cells(t):
     bound = max(t["mass_bound"], t["momentum_bound"], t["energy_bound"])
-    return [t["runs"], percent(t["finished"], t["runs"]), percent(t["capped"], t["runs"]), percent(t["collapsed"], t["runs"]),
-            t["failed"], percent(t["limited_cells"], t["cell_stages"]), percent(t["limited_faces"], t["cell_stages"]), t["floored"],
+    return [t["runs"], percent(t["finished"], t["runs"]), percent(t["capped"], t["runs"]),
+            percent(t["collapsed"] + t["stated"], t["runs"]), t["failed"], percent(t["limited_cells"], t["cell_stages"]), percent(t["limited_faces"], t["cell_stages"]), t["floored"],
             percent(t["rejected"], t["steps"]), f"{t['least_dt']:.1g}", error(t["mass"]), error(t["momentum"]), error(t["energy"]),
             f"{bound:.1g}"]
 
@@ -76,20 +71,29 @@ def foam_table(rows):
     return "\n".join(lines) + "\n\nIts ends: " + "; ".join(f"{n} times {why}" for why, n in whys.items()) + ".\n"
 
 
-def main():
-    default, others, foam = (read(path) for path in sys.argv[1:4])
-    with open(sys.argv[4]) as f:
-        print(f.read())
-    families = grouped(default, lambda r: r["problem"])
-    print("## The default schemes\n\n" + table("problem", {**families, "**all**": add(default)}))
-    lattice = [r for r in others if r["problem"] not in ("triangles", "tetrahedra", "badCells")]
-    polyhedral = [r for r in others if r not in lattice]
-    print("## All other schemes\n\nEvery Runge-Kutta row at the largest Courant number it states.\n")
-    print("On lattices:\n\n" + table("flux/reconstruction", grouped(lattice, lambda r: part(r["scheme"], 0, 1))))
-    print("On polyhedra:\n\n" + table("flux/polynomial", grouped(polyhedral, lambda r: part(r["scheme"], 0, 1))))
-    print("By time scheme:\n\n" + table("time scheme/maxCo", grouped(others, lambda r: part(r["scheme"], 2, 3))))
-    print("## The elastic dilute problems by rhoCentralFoam\n\n" + foam_table(foam))
+def sentence(t):
+    """Of all problems of a table: how they ended."""
+    return (f"Of {t['runs']:,} problems {t['finished']:,} ({percent(t['finished'], t['runs'])}) ran to their end, {t['capped']:,} "
+            f"({percent(t['capped'], t['runs'])}) were stopped at the bound of steps, {t['collapsed'] + t['stated']:,} ended with a "
+            f"stated cause ({t['collapsed']:,} of them a collapse), {t['failed']:,} failed.")
 
 
-if __name__ == "__main__":
-    main()
+def text(default, others, foam, notes):
+    """The report from the tables' paths; None: that part was not run. notes: what notes.md leaves open."""
+    rows = read(default)
+    total = add(rows)
+    with open(os.path.join(os.path.dirname(__file__), "notes.md")) as f:
+        parts = [f.read().format(runs=f"{total['runs']:,}", failed=total["failed"] or "no", sentence=sentence(total), **notes)]
+    parts += ["## The default schemes\n", table("problem", {**grouped(rows, lambda r: r["problem"]), "**all**": total})]
+    if others:
+        rows = read(others)
+        cells = [r for r in rows if r["problem"] in ("triangles", "tetrahedra", "badCells") or part(r["scheme"], 1) in ("linear", "CWENO3")]
+        parts += ["## All other schemes\n\nEvery Runge-Kutta row at the largest Courant number it states.\n", sentence(add(rows)) + "\n"]
+        parts += ["On lattices:\n", table("flux/reconstruction", grouped([r for r in rows if r not in cells], lambda r: part(r["scheme"], 0, 1)))]
+        parts += ["On polyhedra:\n", table("flux/polynomial", grouped(cells, lambda r: part(r["scheme"], 0, 1)))]
+        parts += ["By time scheme:\n", table("time scheme/maxCo", grouped(rows, lambda r: part(r["scheme"], 2, 3)))]
+    if foam:
+        parts += ["## The elastic dilute problems by rhoCentralFoam\n", foam_table(read(foam))]
+        parts += ["One has finished if it came to the end time with all values finite and T and p above zero everywhere; the step of ours is "
+                  "not limited here.\n"]
+    return "\n".join(parts)

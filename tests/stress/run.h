@@ -14,17 +14,18 @@ struct run_options {
     bool bare;       /* the engine as it is: nothing is checked but the last state */
     bool verbose;    /* a line per step */
 };
-enum verdict { FINISHED, CAPPED, COLLAPSED, FAILED };
+enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };
 enum conserved { MASS, MOMENTUM, ENERGY, CONSERVED };
 
 struct outcome {
     enum verdict verdict;
-    char why[400]; /* of COLLAPSED and FAILED */
+    char why[400]; /* of COLLAPSED, STATED and FAILED */
     int steps, cells;
     struct gas_counts counts;
-    double end;    /* s: where the run was to end */
-    double least;  /* dt taken over the Courant step, the smallest */
-    double packed; /* largest alpha / alpha_max at the end */
+    double end;     /* s: where the run was to end */
+    double reached; /* share of that */
+    double least;   /* dt taken over the Courant step, the smallest */
+    double packed;  /* largest alpha / alpha_max at the end */
     double packed_at_first;
     double drift[CONSERVED];    /* of what was conserved, in units of its bound in watch.c; -1: not conserved here */
     double relative[CONSERVED]; /* the same over the sum of magnitudes: in the report */

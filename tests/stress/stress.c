@@ -95,12 +95,12 @@ static void print_transport(const struct problem *p, const struct outcome *o) {
 }
 
 static void print_outcome(const struct problem *p, const struct scheme *s, const struct outcome *o) {
-    static const char *const words[] = {"finished", "capped", "collapsed", "FAILED"};
+    static const char *const words[] = {"finished", "capped", "collapsed", "stated", "FAILED"};
     printf("%s seed %llu %s/%s/%s/%s/%g: %s, %d steps, %d cells; limited %ld cells %ld faces, floored %ld, rejected "
-           "%ld, least dt %.3g, packed %.6g\n",
+           "%ld, least dt %.3g, packed 1 - %.3g, reached %.3g of the time\n",
            family_table[p->family].name, (unsigned long long)p->seed, s->flux, s->reconstruct, s->polynomial,
            s->stepper, s->courant, words[o->verdict], o->steps, o->cells, o->counts.cells, o->counts.faces,
-           o->counts.floored, o->counts.rejected, o->least, o->packed);
+           o->counts.floored, o->counts.rejected, o->least, 1 - o->packed, o->reached);
     printf("  drift over its bound: mass %.3g momentum %.3g energy %.3g; source %.3g\n", o->drift[0], o->drift[1],
            o->drift[2], o->source);
     printf("  %s e %.4g, cooling %d, threshold %.3g, alphaMax %.4g, sigma %.3g, gamma %.4g, g %.3g, %s, %dD %s\n",

@@ -43,15 +43,17 @@ void table_add(struct table *t, const struct problem *p, const struct scheme *s,
 }
 
 void table_print(FILE *f, const struct table *t) {
-    fprintf(f, "scheme,problem,runs,finished,capped,collapsed,failed,steps,cell_stages,limited_cells,limited_faces,"
-               "floored,rejected,halves,repeated,plain,"
-               "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound\n");
+    fprintf(f,
+            "scheme,problem,runs,finished,capped,collapsed,stated,failed,steps,cell_stages,limited_cells,limited_faces,"
+            "floored,rejected,halves,repeated,plain,"
+            "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound\n");
     for (int i = 0; i < t->rows; i++) {
         const struct oracle_row *r = &t->row[i];
-        fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme,
+        fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme,
                 family_table[r->family].name, r->runs, r->verdicts[FINISHED], r->verdicts[CAPPED],
-                r->verdicts[COLLAPSED], r->verdicts[FAILED], r->steps, r->cell_stages, r->counts.cells, r->counts.faces,
-                r->counts.floored, r->counts.rejected, r->counts.halves, r->counts.repeated, r->counts.plain, r->least);
+                r->verdicts[COLLAPSED], r->verdicts[STATED], r->verdicts[FAILED], r->steps, r->cell_stages,
+                r->counts.cells, r->counts.faces, r->counts.floored, r->counts.rejected, r->counts.halves,
+                r->counts.repeated, r->counts.plain, r->least);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->relative[q]);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->drift[q]);
         fprintf(f, ",%.2g\n", r->source);
@@ -59,13 +61,16 @@ void table_print(FILE *f, const struct table *t) {
 }
 
 void table_summary(FILE *f, const struct table *t) {
-    long runs = 0, verdicts[4] = {0};
+    long runs = 0, verdicts[VERDICTS] = {0};
     for (int i = 0; i < t->rows; i++) {
         runs += t->row[i].runs;
-        for (int v = 0; v < 4; v++) verdicts[v] += t->row[i].verdicts[v];
+        for (int v = 0; v < VERDICTS; v++) verdicts[v] += t->row[i].verdicts[v];
     }
-    fprintf(f, "%ld problems: %ld finished, %ld capped, %ld collapsed, %ld failed\n", runs, verdicts[FINISHED],
-            verdicts[CAPPED], verdicts[COLLAPSED], verdicts[FAILED]);
+    fprintf(f,
+            "%ld problems: %ld ran to their end, %ld were stopped at the bound of steps, %ld ended with a stated cause "
+            "(%ld of them a collapse), %ld failed\n",
+            runs, verdicts[FINISHED], verdicts[CAPPED], verdicts[COLLAPSED] + verdicts[STATED], verdicts[COLLAPSED],
+            verdicts[FAILED]);
 }
 
 void table_free(struct table *t) {

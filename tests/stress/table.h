@@ -9,7 +9,7 @@
 struct oracle_row {
     char scheme[128];
     int family;
-    long runs, verdicts[4], steps, cell_stages;
+    long runs, verdicts[VERDICTS], steps, cell_stages;
     struct gas_counts counts;
     double least, relative[CONSERVED], drift[CONSERVED], source;
 };

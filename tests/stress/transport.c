@@ -6,8 +6,7 @@
 
 enum { TILES, BED, HALVES };
 
-/* T that the others are measured by. */
-static double usual_T(const struct problem *p) {
+double grains_T(const struct problem *p) {
     return p->p0 / problem_density(p, 0.1);
 }
 
@@ -15,18 +14,17 @@ static struct point grains_point(const struct problem *p, struct seed *s, double
                                  double high) {
     struct point q = {.alpha = larger(seed_power(s, thinnest, densest), 1.01 * p->alpha_floor)};
     q.alpha = smaller(q.alpha, p->densest);
-    double unit, c2, T = usual_T(p) * seed_power(s, low, high), mach = p->size * seed_uniform(s, -1, 1);
+    double unit, c2, T = grains_T(p) * seed_power(s, low, high), mach = p->size * seed_uniform(s, -1, 1);
     problem_per_energy(p, q.alpha, &unit, &c2);
     q.p = unit * T / (p->material.gamma - 1);
     for (int k = 0; k < p->dim; k++) q.u[k] = mach * problem_sound(p, q.alpha, q.p) * seed_uniform(s, -1, 1);
     return q;
 }
 
-/* What lies where, and gravity. */
-static void draw_scene(struct problem *p, struct seed *s) {
+void grains_scene(struct problem *p, struct seed *s) {
     p->pattern = seed_below(s, 3);
     p->size = seed_power(s, -2, 1); /* Mach number */
-    const double pull = usual_T(p) * seed_power(s, -2, 2);
+    const double pull = grains_T(p) * seed_power(s, -2, 2);
     p->wave[0][0] = seed_uniform(s, 0.1, 0.7);
     if (p->pattern == BED || seed_chance(s, 0.3)) {
         p->source.gravity[0] = -pull;
@@ -63,7 +61,7 @@ void grains_at(const struct problem *p, const struct place *where, struct point 
 static void disks_walls(struct problem *p, struct seed *s) {
     static const char *const velocity[] = {"slip", "noSlip", "translatingWallVelocity"};
     static const char *const temperature[] = {"zeroGradient", "fixedValue", "granularWall"};
-    const double T = usual_T(p);
+    const double T = grains_T(p);
     for (int i = 0; i < 6; i++) {
         struct wall *w = &p->wall[i];
         int kind = seed_below(s, 3), heat = seed_below(s, 3);
@@ -105,7 +103,7 @@ void disks_draw(struct problem *p, struct seed *s) {
     p->direction[2] = 0;
     disks_material(p, s);
     disks_walls(p, s);
-    draw_scene(p, s);
+    grains_scene(p, s);
     p->polyhedral = p->dim == 2 && seed_chance(s, 0.4);
     p->shape = seed_below(s, 3) ? TRIANGLES : QUADS;
     p->noise = seed_uniform(s, 0, 0.25);
@@ -113,7 +111,7 @@ void disks_draw(struct problem *p, struct seed *s) {
 
 /* ---- disks and spheres by Garzo & Dufty, in 1D, 2D and 3D */
 
-static void inelastic_box(struct problem *p, struct seed *s) {
+void inelastic_box(struct problem *p, struct seed *s) {
     static const int dims[8] = {1, 1, 2, 2, 2, 3, 3, 3};
     p->material.disks = seed_below(s, 3) == 0;
     const int dim = dims[seed_below(s, p->material.disks ? 5 : 8)];
@@ -137,7 +135,7 @@ static void inelastic_box(struct problem *p, struct seed *s) {
     for (int k = 0; k < 3; k++) p->direction[k] = k >= dim ? 0 : diagonal ? 1 / sqrt((double)dim) : k == 0;
 }
 
-static void inelastic_material(struct problem *p, struct seed *s) {
+void inelastic_material(struct problem *p, struct seed *s) {
     static const char *const spheres[] = {"TorquatoSpheres", "TorquatoSpheres", "GoldshteinShapiro", "perfectGas"};
     const bool disks = p->material.disks;
     const int kind = seed_below(s, 4), law = seed_below(s, 7);
@@ -160,7 +158,7 @@ static void inelastic_material(struct problem *p, struct seed *s) {
 
 /* The coefficients of a thin gas are bounded by alphaMin or knudsenCut in most problems; steps of Heun's method are too
  * many if not. */
-static void inelastic_transport(struct problem *p, struct seed *s) {
+void inelastic_transport(struct problem *p, struct seed *s) {
     static const char *const schemes[8] = {"RKJ2", "RKL2", "explicit", "RKJ2", "RKL2", "RKJ2", "RKJ2", "implicit"};
     const struct transport *t = p->transport = transport_find("GarzoDufty");
     const int kind = seed_below(s, 10);
@@ -180,10 +178,10 @@ static void inelastic_transport(struct problem *p, struct seed *s) {
     model_put(&t->model, &p->transport_params, "stress", diagonal && !p->polyhedral);
 }
 
-static void inelastic_walls(struct problem *p, struct seed *s) {
+void inelastic_walls(struct problem *p, struct seed *s) {
     static const char *const velocity[] = {"slip", "noSlip", "translatingWallVelocity", "JohnsonJacksonSlip"};
     static const char *const temperature[] = {"zeroGradient", "fixedValue", "granularWall"};
-    const double T = usual_T(p);
+    const double T = grains_T(p);
     for (int i = 0; i < 6; i++) {
         struct wall *w = &p->wall[i];
         const int kind = seed_below(s, 5), heat = seed_below(s, 3);
@@ -210,7 +208,7 @@ static void draw_source(struct problem *p, const char *name, double rate, const 
 }
 
 static void inelastic_sources(struct problem *p, struct seed *s) {
-    const double T = usual_T(p), drag = sqrt(T) * seed_power(s, -2, 3), heating = T * sqrt(T) * seed_power(s, -3, 2);
+    const double T = grains_T(p), drag = sqrt(T) * seed_power(s, -2, 3), heating = T * sqrt(T) * seed_power(s, -3, 2);
     const double speed = sqrt(T) * seed_power(s, -2, 1);
     double velocity[3];
     for (int k = 0; k < 3; k++) velocity[k] = speed * seed_uniform(s, -1, 1);
@@ -224,5 +222,5 @@ void inelastic_draw(struct problem *p, struct seed *s) {
     inelastic_transport(p, s);
     inelastic_walls(p, s);
     inelastic_sources(p, s);
-    draw_scene(p, s);
+    grains_scene(p, s);
 }
