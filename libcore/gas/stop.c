@@ -140,7 +140,9 @@ bool asked_to_leave(struct gas *g) {
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {
     struct gas_cell q;
     const struct cause cause = cause_of(g);
-    if (collapses(g, speed, &q)) return stop_of_collapse(g, t, dt, speed);
+    const bool packing =
+        speed->rate > 10 * speed->calm; /* else all gas is as fast, and it is no packing that makes it so */
+    if (collapses(g, speed, &q) && packing) return stop_of_collapse(g, t, dt, speed);
     return fail(
         ERR_STATE,
         "time stands still at t = %.10g: a step of %.3g s is less than some last digits of t; the fastest gas is "
