@@ -2,9 +2,11 @@
 #include "tests/stress/run.h"
 #include "tests/stress/table.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare]\n"
@@ -126,12 +128,29 @@ static void export(const struct problem *p, double end) {
     }
 }
 
+/* A problem that hangs ends them all, and says its name. */
+enum { MOST_SECONDS = 600 };
+static char at_work[100];
+static void on_alarm(int number) {
+    (void)number;
+    (void)!write(STDOUT_FILENO, at_work, strlen(at_work));
+    _exit(1);
+}
+static void watch_clock(const char *family, uint64_t seed) {
+    (void)signal(SIGALRM, on_alarm);
+    snprintf(at_work, sizeof at_work, "%s seed %llu: no end after %d s\n", family, (unsigned long long)seed,
+             MOST_SECONDS);
+    (void)alarm(MOST_SECONDS);
+}
+
 /* Runs and counts one. */
 static status one(const struct request *r, const struct comm *c, int family, uint64_t seed, const struct scheme *s,
                   struct table *t, long *failed) {
     struct outcome o;
     struct problem p = problem_draw(family, seed);
+    watch_clock(family_table[family].name, seed);
     TRY(stress_run(&p, s, &r->run, c, &o));
+    (void)alarm(0);
     table_add(t, &p, s, &o);
     *failed += o.verdict == FAILED;
     if (r->export) {
