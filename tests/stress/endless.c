@@ -84,6 +84,8 @@ void extreme_draw(struct problem *p, struct seed *s) {
     p->stretch = spoilt & 1 ? stretch : 1;
     p->squash = spoilt & 2 || lattice ? squash : 1;
     p->sliver = spoilt & 4 ? 1 - gap : 0;
+    p->through =
+        conducts(p) ? 16 : 1; /* flat cells: all heat of a line of 12 may pass through each, and is rounded there */
     p->stated = true;
 }
 

@@ -49,6 +49,7 @@ struct problem {
     struct wall wall[6];
     struct gate gate[6];
     int patience;    /* how many times as many steps as others it may take; 0: one */
+    double through;  /* how many times what a cell holds may pass through it in a half step; 0: once */
     bool stated;     /* may it end with a stated cause other than a collapse? */
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
     double end;      /* s: the end, in place of duration; 0: that counts */

@@ -263,8 +263,8 @@ static void judge_budget(const struct scene *s, const struct watch *w, struct ou
     const struct budget *b = &w->budget;
     const bool closed = p->edge != OPEN_ENDED;
     const struct exchange e = exchange_of(s);
-    const long double bound[3] = {ROUNDINGS * EPS * b->rounding[0], ROUNDINGS * EPS * b->rounding[1],
-                                  ROUNDINGS * EPS * b->rounding[2]};
+    const long double each = ROUNDINGS * EPS * (p->through > 0 ? p->through : 1);
+    const long double bound[3] = {each * b->rounding[0], each * b->rounding[1], each * b->rounding[2]};
     for (int q = 0; q < CONSERVED; q++) out->drift[q] = out->relative[q] = -1;
     for (int v = 0; v < p->dim + 2; v++) {
         int q = v == 0 ? MASS : v <= p->dim ? MOMENTUM : ENERGY;
