@@ -15,7 +15,9 @@
  * cell's faces sum to 0 as vectors, so its forward-Euler update is
  *     (1 - K) u + sum over its faces of (dt A s/V) (ubar -+ theta D),  K = dt/V sum of A s.
  * If K <= 1 and theta keeps ubar +- theta D in the set at all its faces, it is a convex combination of the set. So are
- * strong-stability-preserving stages of such updates.
+ * strong-stability-preserving stages of such updates. Beyond a patch u_r is what the patch's rules make of the cell
+ * (libcore/gas/patch.c), which is in the set, too: a density is the cell's or a given one below rho_max. So no patch
+ * lets in more than the cell can hold.
  *
  * theta is the largest share, to one secant, at which ubar +- theta D keep KEPT of ubar's distance from vacuum, packing
  * and zero energy (monolithic convex limiting: Kuzmin 2020); 1 where F_H = F_L. It is a minimum over the two signs, so
