@@ -15,8 +15,8 @@ OWN_PARAMS_FIT(struct jenkins_richman);
  *   bulk = 2/sqrt pi rho sigma sqrt T G,  shear = sqrt pi/8 rho sigma sqrt T [1/G + 2 + (1 + 8/pi) G],
  *   heat = sqrt pi/2 rho sigma sqrt T [1/G + 3 + (9/4 + 4/pi) G].
  * Where G vanishes, rho/G has a limit, but diffusivities, which are coefficients per rho, have none: below alpha_min G
- * is taken at alpha_min. Near packing G is taken at most where the equation of state begins its tangent. The factor rho
- * itself is never clipped. */
+ * is taken at alpha_min. Near packing, where G diverges, it is taken at most at EOS_PACKING of alpha_max, so that
+ * coefficients stay finite. The factor rho itself is never clipped. */
 KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, const double *restrict rho,
                                     const double *restrict T, const double *restrict contact, double *restrict bulk,
                                     double *restrict shear, double *restrict heat) {
@@ -29,7 +29,7 @@ KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, con
     }
 }
 
-/* The density at which the coefficients are taken at most: where Torquato's G begins its tangent. */
+/* The density at which the coefficients are taken at most. */
 static double packed_density(const struct material *m) {
     return m->alpha_max > 0 ? EOS_PACKING * m->alpha_max / packing_per_density(m) : HUGE_VAL;
 }
