@@ -2,6 +2,8 @@
  * FoamFile header. foamlist.c reads lists, foamwrite.c writes. */
 #include "mesh/format/foamfile.h"
 
+#include "mesh/format/files.h"
+
 #include <errno.h>
 #include <locale.h>
 #include <math.h>
@@ -10,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 /* ---- source ---- */
@@ -22,14 +24,34 @@ void source_free(struct source *s) {
     free(s);
 }
 
+status source_fail(const struct source *s, int line, const char *format, ...) {
+    char text[1600];
+    va_list args;
+    if (s->foreign)
+        return fail(ERR_INPUT,
+                    "%s:%d: this line cannot be read as it should; its text comes from a file outside of the case (a link "
+                    "leads there) and is not shown: put a copy in place of the link to see what is wrong",
+                    s->path, line);
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return fail(ERR_INPUT, "%s:%d: %s", s->path, line, text);
+}
+
 /* A file that unzips to more than UNZIPPED bytes may not grow by more than RATIO: sound data seldom do, a gzip bomb
  * does. */
 static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
 
 /* Reads the whole file; gzread passes a file that is not gzipped through unchanged. */
-static status read_all(struct source *s, size_t guess) {
-    gzFile f = gzopen(s->path, "rb");
-    if (!f) return fail(ERR_INPUT, "%s: cannot open: %s", s->path, strerror(errno));
+static status read_all(struct source *s) {
+    size_t guess = 0;
+    int file;
+    TRY(file_open_read(s->path, &file, &guess));
+    gzFile f = gzdopen(file, "rb");
+    if (!f) {
+        close(file);
+        return fail(ERR_SYSTEM, "%s: no memory to read it", s->path);
+    }
     size_t room = guess + 1;
     int got = 0;
     do {
@@ -47,6 +69,11 @@ static status read_all(struct source *s, size_t guess) {
             gzclose(f);
             return fail(ERR_INPUT, "%s: unzips to more than %zu times its size; if that is meant, gunzip it", s->path,
                         RATIO);
+        }
+        if (s->size > file_most()) {
+            gzclose(f);
+            return fail(ERR_INPUT, "%s: it holds more than %.3g GiB; so much is not read", s->path,
+                        (double)file_most() / (1 << 30));
         }
     } while (got > 0);
     int code = 0;
@@ -75,19 +102,19 @@ static status source_make(const char *path, const char *ending, struct source **
 
 status source_open(const char *path, struct source **out) {
     *out = NULL;
-    struct stat info;
     struct source *s = NULL;
     TRY(source_make(path, "", &s));
-    if (stat(s->path, &info)) {
+    if (access(s->path, F_OK)) {
         int why = errno;
         source_free(s);
         TRY(source_make(path, ".gz", &s));
-        if (stat(s->path, &info)) {
+        if (access(s->path, F_OK)) {
             source_free(s);
             return fail(ERR_INPUT, "%s: cannot open (nor %s.gz): %s", path, path, strerror(why));
         }
     }
-    status e = S_ISREG(info.st_mode) ? read_all(s, (size_t)info.st_size) : fail(ERR_INPUT, "%s: is no file", s->path);
+    s->foreign = file_is_foreign(s->path, path_case(s->path));
+    status e = read_all(s);
     if (e) {
         source_free(s);
         return e;
@@ -190,9 +217,8 @@ status lexer_fail(const struct lexer *l, const struct token *found, const char *
     snprintf(name, sizeof name, "%.*s%s", shown, found->text ? found->text : "", shown < found->length ? "..." : "");
     for (char *c = name; *c; c++)
         if ((unsigned char)*c < ' ') *c = ' ';
-    if (found->kind == TOKEN_END)
-        return fail(ERR_INPUT, "%s:%d: the file ends; %s", l->source->path, found->line, text);
-    return fail(ERR_INPUT, "%s:%d: found '%s'; %s", l->source->path, found->line, name, text);
+    if (found->kind == TOKEN_END) return source_fail(l->source, found->line, "the file ends; %s", text);
+    return source_fail(l->source, found->line, "found '%s'; %s", name, text);
 }
 
 static status skip_blanks(struct lexer *l) {
@@ -208,7 +234,7 @@ static status skip_blanks(struct lexer *l) {
         } else if (p[0] == '/' && p[1] == '*') {
             int start = l->line;
             for (p += 2; *p && !(p[0] == '*' && p[1] == '/'); p++) l->line += *p == '\n';
-            if (!*p) return fail(ERR_INPUT, "%s:%d: the comment /* is not closed", l->source->path, start);
+            if (!*p) return source_fail(l->source, start, "the comment /* is not closed");
             p += 2;
         } else {
             break;
@@ -225,10 +251,10 @@ static status read_string(struct lexer *l, const char *p, struct token *t) {
         if (*p == '\\' && p[1])
             p++;
         else if (*p == '\n' || !*p)
-            return fail(ERR_INPUT, "%s:%d: the string \"%.*s is not closed on its line", l->source->path, t->line,
-                        (int)strcspn(t->text, "\r\n"), t->text);
+            return source_fail(l->source, t->line, "the string \"%.*s is not closed on its line",
+                               (int)strcspn(t->text, "\r\n"), t->text);
         if ((unsigned char)*p < ' ' && !strchr("\t\r\n", *p))
-            return fail(ERR_INPUT, "%s:%d: found byte 0x%02x in a string", l->source->path, l->line, (unsigned char)*p);
+            return source_fail(l->source, l->line, "found byte 0x%02x in a string", (unsigned char)*p);
         l->line += *p == '\n';
     }
     t->length = (int)(p - t->text);
@@ -240,7 +266,7 @@ static status read_verbatim(struct lexer *l, const char *p, struct token *t) {
     t->kind = TOKEN_VERBATIM;
     t->text = p + 2;
     for (p += 2; *p && !(p[0] == '#' && p[1] == '}'); p++) l->line += *p == '\n';
-    if (!*p) return fail(ERR_INPUT, "%s:%d: '#{' is not closed by '#}'", l->source->path, t->line);
+    if (!*p) return source_fail(l->source, t->line, "'#{' is not closed by '#}'");
     t->length = (int)(p - t->text);
     l->position = (size_t)(p + 2 - l->source->text);
     return OK;
@@ -254,7 +280,7 @@ static status read_word(struct lexer *l, const char *p, struct token *t) {
         int braces = 0;
         do {
             braces += (*p == '{') - (*p == '}');
-            if (!*p || *p == '\n') return fail(ERR_INPUT, "%s:%d: '${' is not closed by '}'", l->source->path, t->line);
+            if (!*p || *p == '\n') return source_fail(l->source, t->line, "'${' is not closed by '}'");
         } while (*++p && (braces > 0 || p == t->text + 1));
     }
     for (;; p++) {
@@ -266,8 +292,9 @@ static status read_word(struct lexer *l, const char *p, struct token *t) {
             break;
     }
     if (depth > 0)
-        return fail(ERR_INPUT, "%s:%d: word '%.*s' has an open '('; close it, or set a blank before the list it starts",
-                    l->source->path, t->line, (int)(p - t->text), t->text);
+        return source_fail(l->source, t->line,
+                           "word '%.*s' has an open '('; close it, or set a blank before the list it starts",
+                           (int)(p - t->text), t->text);
     t->length = (int)(p - t->text);
     l->position = (size_t)(p - l->source->text);
     return OK;
@@ -294,8 +321,8 @@ status lexer_next(struct lexer *l, struct token *t) {
         t->length = 1;
         l->position++;
     } else if ((unsigned char)*p < ' ') {
-        return fail(ERR_INPUT, "%s:%d: found byte 0x%02x in text; is 'format' of the header wrong?", l->source->path,
-                    l->line, (unsigned char)*p);
+        return source_fail(l->source, l->line, "found byte 0x%02x in text; is 'format' of the header wrong?",
+                           (unsigned char)*p);
     } else {
         TRY(read_word(l, p, t));
     }

@@ -12,9 +12,13 @@ struct source { /* a file in memory, already unzipped; text[size] is 0 */
     char *path; /* as given, or with .gz added */
     char *text;
     size_t size;
+    bool foreign; /* does the file lie outside of the case (files.h)? Messages then show none of its text */
 };
-/* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file. */
+/* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file, and on what is
+ * no regular file. */
 status source_open(const char *path, struct source **out);
+/* Returns the error "PATH:LINE: <format...>"; of a foreign file it says no more than that. */
+status source_fail(const struct source *s, int line, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Makes a source from a string in memory (copied); `name` stands for the path in messages. */
 status source_from_text(const char *name, const char *text, struct source **out);
 void source_free(struct source *s);

@@ -86,10 +86,10 @@ static status open_list(struct lexer *l, const struct foam_header *h, long most,
 static status raw_bytes(struct lexer *l, const struct opening *o, int bytes, const char **raw) {
     size_t left = l->source->size - l->position, need = (size_t)o->count * (size_t)bytes;
     if (need >= left || l->source->text[l->position + need] != ')')
-        return fail(ERR_INPUT,
-                    "%s:%d: the binary list of %ld entries of %d bytes does not end with ')': the count or the 'arch' "
-                    "of the header is wrong, or the file was cut",
-                    l->source->path, o->line, o->count, bytes);
+        return source_fail(l->source, o->line,
+                           "the binary list of %ld entries of %d bytes does not end with ')': the count or the 'arch' "
+                           "of the header is wrong, or the file was cut",
+                           o->count, bytes);
     *raw = l->source->text + l->position;
     l->position += need + 1;
     l->last_line = l->line;
@@ -97,8 +97,8 @@ static status raw_bytes(struct lexer *l, const struct opening *o, int bytes, con
 }
 
 static status wrong_count(const struct lexer *l, const struct opening *o, long found) {
-    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has %ld", l->source->path,
-                l->line, o->line, o->count, found);
+    return source_fail(l->source, l->line, "the list that starts at line %d says %ld entries, but has %ld", o->line,
+                       o->count, found);
 }
 
 /* Returns the lexer moved past the blanks and line ends that writers put between entries; lexer_next handles
@@ -113,8 +113,8 @@ static struct lexer past_blanks(const struct lexer *l) {
 }
 
 static status too_many(const struct lexer *l, const struct opening *o) {
-    return fail(ERR_INPUT, "%s:%d: the list that starts at line %d says %ld entries, but has more", l->source->path,
-                past_blanks(l).line, o->line, o->count);
+    return source_fail(l->source, past_blanks(l).line, "the list that starts at line %d says %ld entries, but has more",
+                       o->line, o->count);
 }
 
 /* Moves past the closing bracket if it comes next, and sets *closed. */
@@ -193,8 +193,8 @@ static status binary_doubles(struct lexer *l, const struct foam_header *h, const
         float f;
         if (h->scalar_bytes == 4) memcpy(&f, raw + 4 * i, 4), v[i] = f;
         if (!isfinite(v[i]))
-            return fail(ERR_INPUT, "%s:%d: entry %ld of the binary list is %g; numbers must be finite", l->source->path,
-                        o->line, i / components, v[i]);
+            return source_fail(l->source, o->line, "entry %ld of the binary list is %g; numbers must be finite",
+                               i / components, v[i]);
     }
     g->count = n;
     return OK;
@@ -245,8 +245,8 @@ static status binary_labels(struct lexer *l, const struct foam_header *h, const 
         int64_t wide;
         memcpy(&wide, raw + 8 * i, 8);
         if (wide > INT_MAX || wide < INT_MIN)
-            return fail(ERR_INPUT, "%s:%d: entry %ld of the binary list is %lld; labels are at most %d",
-                        l->source->path, o->line, i, (long long)wide, INT_MAX);
+            return source_fail(l->source, o->line, "entry %ld of the binary list is %lld; labels are at most %d", i,
+                               (long long)wide, INT_MAX);
         v[i] = (int)wide;
     }
     g->count += o->count;
@@ -303,8 +303,8 @@ static status compact_faces(struct lexer *l, const struct foam_header *h, struct
     bool good = s[0] == 0 && s[start->count - 1] == points->count;
     for (long i = 1; i < start->count; i++) good = good && s[i] >= s[i - 1];
     if (!good)
-        return fail(ERR_INPUT, "%s:%d: the offsets of the faceCompactList do not rise from 0 to its %ld points",
-                    l->source->path, line, points->count);
+        return source_fail(l->source, line, "the offsets of the faceCompactList do not rise from 0 to its %ld points",
+                           points->count);
     return OK;
 }
 
@@ -321,7 +321,7 @@ static status listed_faces(struct lexer *l, const struct foam_header *h, struct 
         if (n == o.count) return too_many(l, &o);
         TRY(labels(l, h, EQUAL, points));
         if (points->count > INT_MAX)
-            return fail(ERR_INPUT, "%s:%d: faces have more than %d points in all", l->source->path, l->line, INT_MAX);
+            return source_fail(l->source, l->line, "faces have more than %d points in all", INT_MAX);
         TRY(append(start, (int)points->count));
     }
 }
@@ -362,8 +362,8 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
         }
     }
     if (depth)
-        return fail(ERR_INPUT, "%s:%d: the list is not closed: the file was cut, or 'format' of its header is wrong",
-                    l->source->path, o.line);
+        return source_fail(l->source, o.line,
+                           "the list is not closed: the file was cut, or 'format' of its header is wrong");
     l->position = (size_t)(p - text);
     l->line = l->last_line = line;
     return OK;

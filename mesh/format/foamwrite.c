@@ -2,8 +2,9 @@
  * headers and lists (foamfile.h). */
 #include "mesh/format/foamfile.h"
 
+#include "mesh/format/files.h"
+
 #include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,11 +49,13 @@ status sink_open(const char *path, bool compress, struct sink **out) {
         sink_free(s);
         return fail(ERR_SYSTEM, "no memory to write %s", path);
     }
-    s->file = open(s->temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    if (s->file >= 0 && compress) s->zip = gzdopen(s->file, "wb");
-    if (s->file < 0 || (compress && !s->zip)) {
-        status e = fail(ERR_SYSTEM, "%s: cannot write: %s", s->path, strerror(s->file < 0 ? errno : ENOMEM));
-        if (s->file >= 0) close(s->file);
+    int why = file_create(s->temporary, &s->file);
+    if (!why && compress && !(s->zip = gzdopen(s->file, "wb"))) {
+        close(s->file);
+        why = ENOMEM;
+    }
+    if (why) {
+        status e = file_error(s->temporary, "cannot write", why);
         sink_free(s);
         return e;
     }
@@ -133,14 +136,9 @@ status sink_close_sum(struct sink *s, struct file_sum *sum) {
     flush(s);
     shut(s);
     if (sum) *sum = s->sum;
-    if (!s->error && rename(s->temporary, s->path)) s->error = errno;
-    status e = OK;
-    if (s->error) {
-        e = fail(ERR_SYSTEM, "%s: cannot write: %s", s->path, strerror(s->error));
-        unlink(s->temporary);
-    } else {
-        unlink(s->other);
-    }
+    if (!s->error) s->error = file_rename(s->temporary, s->path);
+    status e = s->error ? file_error(s->path, "cannot write", s->error) : OK;
+    (void)file_remove(s->error ? s->temporary : s->other);
     sink_free(s);
     return e;
 }
@@ -154,15 +152,17 @@ status file_sum_read(const char *path, struct file_sum *sum) {
     if (!zipped) return fail(ERR_SYSTEM, "no memory to read %s", path);
     *sum = (struct file_sum){0};
     const char *found = access(path, F_OK) ? zipped : path;
-    gzFile f = access(found, F_OK) ? NULL : gzopen(found, "rb"); /* reads plain files, too */
-    int got = -1, closed = Z_OK;
+    size_t bytes;
+    int file, got = -1, closed = Z_OK;
+    status e = file_open_read(found, &file, &bytes);
+    gzFile f = e ? NULL : gzdopen(file, "rb"); /* reads plain files, too */
+    if (!e && !f) close(file);
     if (f)
         while ((got = gzread(f, buffer, BUFFER)) > 0) add_up(sum, buffer, (size_t)got);
     if (f) closed = gzclose(f);
-    status e = OK;
-    if (!f)
-        e = fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    else if (got < 0 || closed == Z_BUF_ERROR)
+    if (!e && !f)
+        e = fail(ERR_SYSTEM, "no memory to read %s", found);
+    else if (!e && (got < 0 || closed == Z_BUF_ERROR))
         e = fail(ERR_INPUT, "%s: cannot be read to its end", found);
     free(zipped);
     return e;

@@ -36,6 +36,7 @@ enum { MAX_GROUPS = 10000, MAX_NAME = 255 };
 /* ---- a place in the file ----------------------------------------------------------------------------------------- */
 
 struct cursor {
+    const struct source *source;
     const char *path, *text;
     size_t size, at;
     bool binary;
@@ -49,10 +50,10 @@ static status cursor_fail(const struct cursor *c, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    if (c->binary) return fail(ERR_INPUT, "%s: byte %zu, in $%s: %s", c->path, c->at, c->section, text);
-    long line = 1;
+    int line = 1;
     for (size_t i = 0; i < c->at && i < c->size; i++) line += c->text[i] == '\n';
-    return fail(ERR_INPUT, "%s:%ld: in $%s: %s", c->path, line, c->section, text);
+    if (c->source->foreign || !c->binary) return source_fail(c->source, line, "in $%s: %s", c->section, text);
+    return fail(ERR_INPUT, "%s: byte %zu, in $%s: %s", c->path, c->at, c->section, text);
 }
 
 static status cursor_end(const struct cursor *c) {
@@ -594,8 +595,11 @@ status gmsh_file_read(const char *path, struct gmsh_file **out) {
     *out = NULL;
     struct source *source;
     TRY(source_open(path, &source));
-    struct reader r = {
-        .c = {.path = source->path, .text = source->text, .size = source->size, .section = "MeshFormat"}};
+    struct reader r = {.c = {.source = source,
+                             .path = source->path,
+                             .text = source->text,
+                             .size = source->size,
+                             .section = "MeshFormat"}};
     r.file = calloc(1, sizeof *r.file);
     status s = r.file ? OK : fail(ERR_SYSTEM, "no memory");
     if (!s && !(r.file->path = strdup(path))) s = fail(ERR_SYSTEM, "no memory");

@@ -2,13 +2,13 @@
  * index and the order of faces, and names file and line of the first entry that is wrong. */
 #include "mesh/format/polymesh.h"
 
+#include "mesh/format/files.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { PATH = 4096, PATCHES = 10000 }; /* PATCHES: as many as a field can name */
 
@@ -29,7 +29,7 @@ static status file_open(const char *dir, const char *name, const char *class_nam
     status s = foam_header_read(&f->lexer, &f->header);
     if (!s && f->header.present && strncmp(f->header.class_name, class_name, strlen(class_name)) != 0 &&
         !(strcmp(class_name, "faceList") == 0 && strcmp(f->header.class_name, "faceCompactList") == 0))
-        s = fail(ERR_INPUT, "%s: class %s; a mesh has %s here", f->source->path, f->header.class_name, class_name);
+        s = source_fail(f->source, 1, "class %s; a mesh has %s here", f->header.class_name, class_name);
     if (s) {
         source_free(f->source);
         f->source = NULL;
@@ -357,9 +357,8 @@ static status write_end(const char *dir, const char *name, const struct foam_for
     char path[PATH];
     TRY(sink_close(s));
     snprintf(path, sizeof path, "%s/%s%s", dir, name, f->compress ? "" : ".gz");
-    if (unlink(path) != 0 && errno != ENOENT)
-        return fail(ERR_SYSTEM, "cannot remove the old %s: %s", path, strerror(errno));
-    return OK;
+    int why = file_remove(path);
+    return why && why != ENOENT ? file_error(path, "the old file cannot be removed", why) : OK;
 }
 
 static status write_boundary(const struct polymesh *m, const char *dir, const struct foam_format *format) {
@@ -389,26 +388,13 @@ static status write_boundary(const struct polymesh *m, const char *dir, const st
     return write_end(dir, "boundary", &ascii, s);
 }
 
-static status make_folder(const char *dir) {
-    char path[PATH];
-    if (snprintf(path, sizeof path, "%s", dir) >= PATH) return fail(ERR_INPUT, "the path %.60s... is too long", dir);
-    for (char *p = path + 1;; p++) {
-        char end = *p;
-        if (end && end != '/') continue;
-        *p = 0;
-        if (mkdir(path, 0777) != 0 && errno != EEXIST)
-            return fail(ERR_SYSTEM, "cannot make the folder %s: %s", path, strerror(errno));
-        *p = end;
-        if (!end) return OK;
-    }
-}
-
 status polymesh_write(const struct polymesh *m, const char *dir, const struct foam_format *f) {
     char note[200];
     snprintf(note, sizeof note, "nPoints:%d  nCells:%d  nFaces:%d  nInternalFaces:%d", m->npoints, m->ncells, m->nfaces,
              m->ninternal);
     struct sink *s;
-    TRY(make_folder(dir));
+    int why = folder_make(dir);
+    if (why) return file_error(dir, "the folder cannot be made", why);
     TRY(write_start(dir, "points", "vectorField", f, NULL, &s));
     foam_list_write_doubles(s, f, 3, m->npoints, m->points);
     TRY(write_end(dir, "points", f, s));

@@ -62,6 +62,17 @@ static void set_name(struct setup *s) {
     snprintf(s->name, sizeof s->name, "%s", slash && slash[1] ? slash + 1 : "case");
 }
 
+/* Refuses links that a run would have to write through, when it begins and not hours later. */
+static status check_links(const struct setup *s) {
+    static const char *const names[] = {"postProcessing", "VTK"};
+    char path[TIME_PATH + 32];
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "%s/%s", s->dir, names[i]);
+        if (path_is_link(path)) return file_link_error(path);
+    }
+    return OK;
+}
+
 status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out) {
     struct setup *s = NULL;
     *out = NULL;
@@ -69,7 +80,9 @@ status case_read(const char *dir, const struct medium_type *type, const struct c
     s->comm = c;
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);
-    status e = comm_agree(c, read_setup(s, type));
+    status e = comm_agree(c, folder_mark(dir, &s->mark));
+    if (!e) e = comm_agree(c, comm_root(c) ? check_links(s) : OK);
+    if (!e) e = comm_agree(c, read_setup(s, type));
     if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, &s->start) : OK);
     if (!e) comm_broadcast(c, &s->start, sizeof s->start);
     if (!e) e = comm_agree(c, read_state(s));
@@ -91,6 +104,25 @@ void case_free(struct setup *s) {
     free(s->centre);
     free(s->volume);
     free(s);
+}
+
+status case_here(const struct setup *s) {
+    return folder_check(s->dir, &s->mark);
+}
+
+status case_make_folders(const struct setup *s, const char *path) {
+    TRY(case_here(s));
+    return make_folders(path);
+}
+
+status case_table(const struct setup *s, const char *folder, const char *file, FILE **out) {
+    char path[2 * TIME_PATH];
+    snprintf(path, sizeof path, "%s/postProcessing/%s", s->dir, folder);
+    TRY(case_make_folders(s, path));
+    size_t length = strlen(path);
+    snprintf(path + length, sizeof path - length, "/%s", file);
+    int why = file_create_stream(path, out);
+    return why ? file_error(path, "cannot be written", why) : OK;
 }
 
 double case_memory(const struct setup *s) {

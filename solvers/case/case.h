@@ -2,6 +2,7 @@
 #ifndef SOLVERS_CASE_H
 #define SOLVERS_CASE_H
 
+#include "mesh/format/files.h"
 #include "mesh/grid/grid.h"
 #include "solvers/case/medium.h"
 #include "solvers/case/times.h"
@@ -14,7 +15,8 @@ struct setup_file { /* one dictionary of the case */
 struct setup { /* the same on every rank, but for the grid */
     const struct comm *comm;
     char dir[TIME_PATH];
-    char name[256]; /* name of the folder, for file names */
+    struct folder_mark mark; /* of that folder */
+    char name[256];          /* name of the folder, for file names */
     struct control *control;
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
@@ -35,6 +37,11 @@ status case_read(const char *dir, const struct medium_type *type, const struct c
 void case_free(struct setup *s);
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);
+/* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */
+status case_here(const struct setup *s);
+status case_make_folders(const struct setup *s, const char *path); /* the same, then makes the folder and its parents */
+/* Opens CASE/postProcessing/FOLDER/FILE for writing, and makes its folders. On the root. */
+status case_table(const struct setup *s, const char *folder, const char *file, FILE **out);
 /* Returns about how many bytes a run needs on all ranks together. */
 double case_memory(const struct setup *s);
 

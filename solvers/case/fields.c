@@ -91,6 +91,10 @@ static status read_expression(struct dict *d, int components, bool cells, long n
     for (int c = 0; c < components; c++) {
         struct expr *e;
         status s = expr_compile(texts[c], &e);
+        if (s && dict_is_foreign(d, "expression")) {
+            status_free(s);
+            return dict_fail(d, "expression", "it cannot be read");
+        }
         if (s) return status_note(s, "%s:%d: expression \"%s\"", dict_path(d), dict_line(d, "expression"), texts[c]);
         for (long i = 0; i < npoints; i++) {
             const double *x = points + 3 * i;

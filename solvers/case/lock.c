@@ -1,6 +1,8 @@
 /* Locks a case by a POSIX record lock on CASE/.haff.lock (lock.h). */
 #include "solvers/case/lock.h"
 
+#include "mesh/format/files.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -46,18 +48,18 @@ static status unwritable(const char *case_dir, int reason) {
                        : "nothing was run");
 }
 
-static status leads_away(const char *path) {
-    return fail(ERR_INPUT, "%s: this is a link, and a run would write to the file it leads to: remove it", path);
+/* Does the path still name the file that is open? The last holder of a lock removes it, and a case may be moved. */
+static bool still_there(const struct lock *l) {
+    struct stat mine, named;
+    return !fstat(l->file, &mine) && !stat(l->path, &named) && named.st_ino == mine.st_ino &&
+           named.st_dev == mine.st_dev;
 }
 
-/* Locks the file; returns 0 or an errno. EINTR: the path names another file by now, because the last holder removed
- * this one meanwhile. */
+/* Locks the file; returns 0 or an errno. EINTR: the path names another file by now. */
 static int lock_file(const struct lock *l) {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    struct stat mine, named;
     if (fcntl(l->file, F_SETLK, &whole)) return errno;
-    if (fstat(l->file, &mine)) return errno;
-    return stat(l->path, &named) || named.st_ino != mine.st_ino || named.st_dev != mine.st_dev ? EINTR : 0;
+    return still_there(l) ? 0 : EINTR;
 }
 
 static status take(struct lock *l, const char *case_dir, const char *program) {
@@ -65,16 +67,16 @@ static status take(struct lock *l, const char *case_dir, const char *program) {
     int reason = EINTR;
     while (reason == EINTR) {
         if (l->file >= 0) close(l->file);
-        l->file = open(l->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-        if (l->file < 0 && errno == ELOOP) return leads_away(l->path);
-        if (l->file < 0) return unwritable(case_dir, errno);
+        reason = file_touch(l->path, &l->file);
+        if (reason == ELOOP || reason == EMLINK || reason == EINVAL) return file_error(l->path, "is no file", reason);
+        if (reason) return unwritable(case_dir, reason);
         reason = lock_file(l);
     }
     if (reason == EACCES || reason == EAGAIN) return held(case_dir, l->file);
     if (reason) {
         printf("warning: %s cannot be locked (%s): see to it that no other run works on this case\n", l->path,
                strerror(reason));
-        unlink(l->path);
+        (void)file_remove(l->path);
         close(l->file);
         l->file = -1;
         return OK;
@@ -105,7 +107,8 @@ status lock_take(const char *case_dir, const char *program, struct lock **out) {
 
 void lock_release(struct lock *l) {
     if (!l) return;
-    unlink(l->path); /* before the lock is dropped, or the file might belong to the next run */
+    if (still_there(l))
+        (void)file_remove(l->path); /* before the lock is dropped, or the file might belong to the next run */
     close(l->file);
     free(l);
 }

@@ -1,9 +1,10 @@
 /* Finds, names, writes, verifies and removes time folders (times.h). */
 #include "solvers/case/times.h"
 
+#include "mesh/format/files.h"
+
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -186,70 +187,21 @@ static void hidden(const char *case_dir, const char *name, const char *ending, c
 }
 
 status remove_folder(const char *path) {
-    struct stat info;
-    if (lstat(path, &info)) return OK;
-    if (!S_ISDIR(info.st_mode)) return unlink(path) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
-    DIR *folder = opendir(path);
-    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
-    status s = OK;
-    for (struct dirent *entry; !s && (entry = readdir(folder));) {
-        char inner[TIME_PATH];
-        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
-        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
-        s = remove_folder(inner);
-    }
-    closedir(folder);
-    if (!s && rmdir(path)) s = fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
-    return s;
+    int why = folder_remove(path);
+    return why ? file_error(path, "cannot be removed", why) : OK;
 }
 
 status make_folders(const char *path) {
-    char part[TIME_PATH];
-    snprintf(part, sizeof part, "%s", path);
-    for (char *slash = part + 1;; slash++) {
-        if (*slash && *slash != '/') continue;
-        char kept = *slash;
-        *slash = 0;
-        if (mkdir(part, 0777) && errno != EEXIST)
-            return fail(ERR_SYSTEM, "%s: cannot be made: %s", part, strerror(errno));
-        *slash = kept;
-        if (!kept) return OK;
-    }
+    int why = folder_make(path);
+    return why ? file_error(path, "cannot be made", why) : OK;
 }
 
 status time_begin(const char *case_dir, const char *name, char tmp[TIME_PATH]) {
     char inner[TIME_PATH + 16];
-    if (access(case_dir, F_OK) && errno == ENOENT)
-        return fail(ERR_SYSTEM, "%s: this folder is gone: it was removed or renamed while the run was at work in it",
-                    case_dir);
     hidden(case_dir, name, "tmp", tmp);
     TRY(remove_folder(tmp));
     snprintf(inner, sizeof inner, "%s/uniform", tmp);
     return make_folders(inner);
-}
-
-static status sync_one(const char *path) {
-    int file = open(path, O_RDONLY);
-    if (file >= 0 && !fsync(file)) return close(file) ? fail(ERR_SYSTEM, "%s: %s", path, strerror(errno)) : OK;
-    status s = fail(ERR_SYSTEM, "%s: cannot be brought to the disk: %s", path, strerror(errno));
-    if (file >= 0) close(file);
-    return s;
-}
-
-/* Brings the contents of a folder and of all folders below it to the disk. */
-static status sync_folder(const char *path) {
-    DIR *folder = opendir(path);
-    if (!folder) return fail(ERR_SYSTEM, "%s: %s", path, strerror(errno));
-    status s = OK;
-    for (struct dirent *entry; !s && (entry = readdir(folder));) {
-        char inner[TIME_PATH];
-        struct stat info;
-        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
-        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
-        s = !stat(inner, &info) && S_ISDIR(info.st_mode) ? sync_folder(inner) : sync_one(inner);
-    }
-    closedir(folder);
-    return s ? s : sync_one(path);
 }
 
 status time_commit(const char *case_dir, const char *name) {
@@ -257,16 +209,18 @@ status time_commit(const char *case_dir, const char *name) {
     hidden(case_dir, name, "tmp", tmp);
     hidden(case_dir, name, "old", old);
     snprintf(path, sizeof path, "%s/%s", case_dir, name);
-    TRY(sync_folder(tmp));
+    int why = folder_sync(tmp);
+    if (why) return file_error(tmp, "cannot be brought to the disk", why);
     TRY(remove_folder(old));
-    if (rename(path, old) && errno != ENOENT)
-        return fail(ERR_SYSTEM, "%s: cannot be replaced: %s", path, strerror(errno));
-    if (rename(tmp, path)) {
-        int reason = errno;
-        (void)rename(old, path);
-        return fail(ERR_SYSTEM, "%s: cannot be put in place: %s", path, strerror(reason));
+    why = file_rename(path, old);
+    if (why && why != ENOENT) return file_error(path, "cannot be replaced", why);
+    why = file_rename(tmp, path);
+    if (why) {
+        (void)file_rename(old, path);
+        return file_error(path, "cannot be put in place", why);
     }
-    TRY(sync_one(case_dir));
+    why = folder_sync_names(case_dir);
+    if (why) return file_error(case_dir, "cannot be brought to the disk", why);
     return remove_folder(old);
 }
 
@@ -275,8 +229,8 @@ status time_remove(const char *case_dir, const char *name) {
     hidden(case_dir, name, "tmp", tmp);
     snprintf(path, sizeof path, "%s/%s", case_dir, name);
     TRY(remove_folder(tmp));
-    if (rename(path, tmp) && errno != ENOENT)
-        return fail(ERR_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+    int why = file_rename(path, tmp);
+    if (why && why != ENOENT) return file_error(path, "cannot be removed", why);
     return remove_folder(tmp);
 }
 
@@ -317,7 +271,7 @@ status times_clean(const char *case_dir) {
         char place[TIME_PATH];
         snprintf(place, sizeof place, "%s/%s", case_dir, name);
         if (!strcmp(entry->d_name + length - 4, ".old") && access(place, F_OK))
-            (void)rename(path, place);
+            (void)file_rename(path, place);
         else
             s = remove_folder(path);
     }

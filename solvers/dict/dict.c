@@ -4,6 +4,7 @@
 #include "solvers/dict/dict_parts.h"
 
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -190,6 +191,11 @@ int dict_line(const struct dict *d, const char *key) {
     return e ? e->line : d->line;
 }
 
+bool dict_is_foreign(const struct dict *d, const char *key) {
+    const struct entry *e = dict_find(d, key);
+    return e && entry_is_foreign(e);
+}
+
 const struct foam_header *dict_header(const struct dict *d) {
     return &d->document->header;
 }
@@ -240,6 +246,7 @@ const char *nearest_name(const char *word, const char *const *names, int count) 
 
 static status unused(const struct dict *d, const struct entry *e) {
     const struct names *a = d->asked;
+    if (e->foreign) return entry_fail_hidden(e);
     const char *near = nearest_name(e->key, a->name, a->count);
     if (near)
         return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; did you mean '%s'?", e->path, e->line, e->key, near);
@@ -298,6 +305,17 @@ static void add_value(struct text *t, const struct entry *e) {
         if (v->kind == TOKEN_STRING) add(t, "\"");
         before = v->kind == TOKEN_PUNCTUATION ? v->text : "x";
     }
+}
+
+bool entry_is_foreign(const struct entry *e) {
+    bool foreign = e->foreign;
+    for (int i = 0; i < e->count; i++) foreign |= e->value[i].foreign;
+    return foreign;
+}
+
+status entry_fail_hidden(const struct entry *e) {
+    const struct source hidden = {.path = (char *)(uintptr_t)e->path, .foreign = true};
+    return source_fail(&hidden, e->line, "%s", "");
 }
 
 void entry_print(const struct entry *e, char *text, size_t room) {

@@ -21,6 +21,9 @@ status dict_sub_optional(struct dict *d, const char *key, struct dict **out);
 const struct foam_header *dict_header(const struct dict *d);
 const char *dict_path(const struct dict *d); /* the dictionary's file, for messages */
 int dict_line(const struct dict *d, const char *key);
+/* Does the value come, by a link, from a file outside of the case? Then messages do not show it; dict_fail heeds that.
+ */
+bool dict_is_foreign(const struct dict *d, const char *key);
 
 /* Returns an error for a value: "FILE:LINE: key 'x' is VALUE; <format...>". */
 status dict_fail(const struct dict *d, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));

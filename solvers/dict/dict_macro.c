@@ -74,8 +74,9 @@ status macro_push(struct reading *r, struct file *f, struct dict *d, struct entr
 /* Expands the macros in the text of #eval. Their values are put in brackets, so that $a^2 is the square also of a
  * negative a. */
 static status expand_text(const struct file *f, struct dict *d, const char *text, int length, int line,
-                          char out[EXPANSION]) {
+                          char out[EXPANSION], bool *foreign) {
     size_t n = 0;
+    *foreign = false;
     for (int i = 0; i < length; i++) {
         int end = i + 1;
         if (text[i] == '$' && end < length && text[end] == '{') {
@@ -89,6 +90,7 @@ static status expand_text(const struct file *f, struct dict *d, const char *text
             char value[512];
             TRY(macro_find(f, d, text + i, end - i, line, &e));
             entry_print(e, value, sizeof value);
+            *foreign |= entry_is_foreign(e);
             if (strlen(value) == sizeof value - 1) return reading_fail(f, line, "the text of %s is too long", "#eval");
             n += (size_t)snprintf(out + n, EXPANSION - n, "(%s)", value);
             i = end - 1;
@@ -120,11 +122,14 @@ status eval_push(struct reading *r, struct file *f, struct dict *d, struct entry
     } else if (t.kind != TOKEN_STRING && t.kind != TOKEN_VERBATIM) {
         return lexer_fail(&f->l, &t, "expected #eval{ ... } or #eval \"...\"");
     }
-    TRY(expand_text(f, d, t.text, t.length, t.line, text));
-    struct value v = {.kind = TOKEN_NUMBER};
+    struct value v = {.kind = TOKEN_NUMBER, .foreign = f->l.source->foreign};
+    bool foreign;
+    TRY(expand_text(f, d, t.text, t.length, t.line, text, &foreign));
+    v.foreign |= foreign;
     status bad = expr_constant(text, &v.number);
     if (bad) {
-        status e2 = fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, t.line, status_text(bad));
+        const struct source at = {.path = f->l.source->path, .foreign = v.foreign};
+        status e2 = source_fail(&at, t.line, "%s", status_text(bad));
         status_free(bad);
         return e2;
     }

@@ -3,6 +3,8 @@
  * are refused. */
 #include "solvers/dict/dict_reading.h"
 
+#include "mesh/format/files.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +14,7 @@ static status read_entries(struct reading *r, struct file *f, struct dict *d, co
 status reading_fail(const struct file *f, int line, const char *format, const char *what) {
     char text[512];
     snprintf(text, sizeof text, format, what);
-    return fail(ERR_INPUT, "%s:%d: %s", f->l.source->path, line, text);
+    return source_fail(f->l.source, line, "%s", text);
 }
 
 status reading_charge(struct reading *r, const struct file *f, int line, size_t copies) {
@@ -42,8 +44,8 @@ static status check_semicolon(const struct file *f, const struct entry *e, const
     struct token next;
     TRY(lexer_peek(&f->l, &next));
     if (token_is(&next, ";") || token_is(t, "#eval") || token_is(t, "#calc")) return OK;
-    return fail(ERR_INPUT, "%s:%d: missing ';' after the value of '%s'? Line %d goes on with '%.*s'", f->l.source->path,
-                e->line, e->key, t->line, t->length, t->text);
+    return source_fail(f->l.source, e->line, "missing ';' after the value of '%s'? Line %d goes on with '%.*s'", e->key,
+                       t->line, t->length, t->text);
 }
 
 static status push_punctuation(struct reading *r, const struct file *f, struct entry *e, const struct token *t,
@@ -53,22 +55,22 @@ static status push_punctuation(struct reading *r, const struct file *f, struct e
     const char *closing = strchr(closes, c);
     if (strchr(opens, c)) {
         if (c == '{' && !b->depth && (!e->count || e->value[e->count - 1].kind != TOKEN_NUMBER || t->first_on_line))
-            return fail(ERR_INPUT, "%s:%d: missing ';' after the value of '%s'? Line %d goes on with '{'",
-                        f->l.source->path, e->line, e->key, t->line);
+            return source_fail(f->l.source, e->line, "missing ';' after the value of '%s'? Line %d goes on with '{'",
+                               e->key, t->line);
         if (b->depth == DEPTH) return lexer_fail(&f->l, t, "brackets are nested deeper than %d", DEPTH);
         b->line[b->depth] = t->line;
         b->open[b->depth++] = c;
     } else if (closing) {
         if (!b->depth && c == '}')
-            return fail(ERR_INPUT, "%s:%d: missing ';' after the value of '%s'? Line %d goes on with '}'",
-                        f->l.source->path, e->line, e->key, t->line);
+            return source_fail(f->l.source, e->line, "missing ';' after the value of '%s'? Line %d goes on with '}'",
+                               e->key, t->line);
         if (!b->depth) return lexer_fail(&f->l, t, "no bracket is open");
         if (b->open[--b->depth] != opens[closing - closes])
             return lexer_fail(&f->l, t, "the bracket '%c' of line %d is open", b->open[b->depth], b->line[b->depth]);
     } else if (c == '\'') {
         return lexer_fail(&f->l, t, "strings stand in \"double quotes\"");
     }
-    struct value v = {.kind = t->kind};
+    struct value v = {.kind = t->kind, .foreign = f->l.source->foreign};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
     return reading_push(r, e, v);
 }
@@ -93,7 +95,7 @@ static status push_token(struct reading *r, struct file *f, struct dict *d, stru
     if (t->kind == TOKEN_VERBATIM) return lexer_fail(&f->l, t, "no code is run from a dictionary");
     if (!strcmp(e->key, "type") && t->length > 5 && !memcmp(t->text, "coded", 5))
         return lexer_fail(&f->l, t, "no code is run from a dictionary; choose a type that is built in");
-    struct value v = {.kind = t->kind, .number = t->number};
+    struct value v = {.kind = t->kind, .number = t->number, .foreign = f->l.source->foreign};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
     TRY(reading_push(r, e, v));
     int bytes = t->kind == TOKEN_WORD ? item_bytes(t, &f->header) : 0;
@@ -144,7 +146,7 @@ static status compile_pattern(struct reading *r, const struct file *f, struct en
     char why[128];
     TRY(document_pattern(r->document, e->key, &e->pattern, why, sizeof why));
     if (e->pattern) return OK;
-    return fail(ERR_INPUT, "%s:%d: \"%.80s\" is no regular expression: %s", f->l.source->path, e->line, e->key, why);
+    return source_fail(f->l.source, e->line, "\"%.80s\" is no regular expression: %s", e->key, why);
 }
 
 /* Finds the entry of a key, or adds it, and empties it; *out is NULL if the mode protects the old entry. */
@@ -153,8 +155,7 @@ static status place(struct reading *r, const struct file *f, struct dict *d, con
     struct entry *e = dict_find_exact(d, key);
     *out = NULL;
     if (e && r->mode == ERROR)
-        return fail(ERR_INPUT, "%s:%d: '%s' was set in line %d already, and #inputMode is error", f->l.source->path,
-                    line, key, e->line);
+        return source_fail(f->l.source, line, "'%s' was set in line %d already, and #inputMode is error", key, e->line);
     if (e && r->mode == PROTECT) return OK;
     bool fresh = !e;
     if (fresh) {
@@ -165,6 +166,7 @@ static status place(struct reading *r, const struct file *f, struct dict *d, con
         *e = (struct entry){.key = key};
     }
     e->path = f->l.source->path;
+    e->foreign = f->l.source->foreign;
     e->line = line;
     e->count = e->room = 0;
     e->value = NULL;
@@ -213,7 +215,7 @@ static status expect_end(struct file *f, const struct entry *e) {
     struct token t;
     TRY(lexer_next(&f->l, &t));
     if (token_is(&t, ";")) return OK;
-    return fail(ERR_INPUT, "%s:%d: missing ';' after '%s'?", f->l.source->path, e->line, e->key);
+    return source_fail(f->l.source, e->line, "missing ';' after '%s'?", e->key);
 }
 
 /* Reads `$base;`, which inserts a dictionary into this one. */
@@ -295,6 +297,7 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
     if (done) return OK;
     /* The old value stays in place while the new one is read: `a #eval{ 2*$a };` */
     struct entry fresh = {.key = name, .path = f->l.source->path, .line = key->line}, *e = NULL;
+    fresh.foreign = f->l.source->foreign;
     TRY(read_value(r, f, d, &fresh));
     TRY(place(r, f, d, name, pattern, key->line, false, &e));
     if (!e) return OK;
@@ -313,6 +316,7 @@ static status open_once(struct reading *r, const struct file *f, const char *pat
         if (!strcmp((*out)->path, path)) return reading_charge(r, f, line, 100 + (*out)->size / 100);
     }
     TRY(source_open(path, out));
+    (*out)->foreign = file_is_foreign(path, f->case_length);
     return document_keep(r->document, *out);
 }
 
@@ -452,8 +456,8 @@ static status read_condition(struct reading *r, struct file *f, struct dict *d, 
         *holds = !strcmp(left, yes[i]);
         if (*holds || !strcmp(left, no[i])) return OK;
     }
-    return fail(ERR_INPUT, "%s:%d: #if is '%s'; expected a number, or on, off, yes, no, true, false", f->l.source->path,
-                t->line, left);
+    if (entry_is_foreign(&a)) return entry_fail_hidden(&a);
+    return source_fail(f->l.source, t->line, "#if is '%s'; expected a number, or on, off, yes, no, true, false", left);
 }
 
 /* Reads #if, #ifeq, #else or #endif; *ifs counts the #if that are open among the entries being read. */
@@ -510,7 +514,7 @@ static status read_entries(struct reading *r, struct file *f, struct dict *d, co
 
 status dict_parse(struct document *d, struct source *s) {
     struct reading r = {.document = d};
-    struct file f = {.l = lexer_start(s), .case_length = include_root(s->path)};
+    struct file f = {.l = lexer_start(s), .case_length = path_case(s->path)};
     TRY(foam_header_read(&f.l, &f.header));
     d->header = f.header;
     return read_entries(&r, &f, d->top, NULL);

@@ -11,10 +11,12 @@ struct value { /* a token, macros expanded */
     enum token_kind kind;
     const char *text;
     double number;
+    bool foreign; /* does it come from a file outside of the case? Messages do not show it then */
 };
 struct entry {
     const char *key, *path; /* path: the file that the entry stands in */
     int line;
+    bool foreign;     /* does it stand in a file outside of the case? */
     bool used, open;  /* open: a sub-dictionary that is still being read */
     regex_t *pattern; /* compiled from a quoted key, or NULL */
     struct dict *sub; /* sub-dictionary, or NULL */
@@ -68,14 +70,14 @@ struct entry *dict_find_exact(const struct dict *d, const char *key); /* the key
 struct entry *dict_ask(const struct dict *d, const char *key);
 /* Prints the value as text, cut at `room`. */
 void entry_print(const struct entry *e, char *text, size_t room);
+bool entry_is_foreign(const struct entry *e); /* does it, or a value of it, come from a file outside of the case? */
+/* Returns the error of an entry whose text messages do not show. */
+status entry_fail_hidden(const struct entry *e);
 
 /* Files of #include (dict_include.c). */
 enum { INCLUDE_PATH = 4096 };
-/* Returns the length of the part of `path` that names the case: the folder above the last `system`, `constant` or time
- * folder, with its '/'; else the file's own folder. */
-int include_root(const char *path);
 /* Finds the path of the file that token t names, in the file l reads; path.gz where only that is there. Refuses a path
- * that is absolute or that, links followed, lies neither in the case nor in the folder of the file that includes it. */
+ * that is absolute or leaves the case; a link in the case may lead out of it. */
 status include_find(const struct lexer *l, const struct token *t, int root_length, char out[INCLUDE_PATH],
                     bool *present);
 

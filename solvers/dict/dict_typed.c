@@ -19,6 +19,7 @@ status dict_fail(const struct dict *d, const char *key, const char *format, ...)
     va_end(args);
     const struct entry *e = dict_find(d, key);
     if (!e) return fail(ERR_INPUT, "%s:%d: key '%s': %s", d->path, d->line, key, text);
+    if (entry_is_foreign(e)) return entry_fail_hidden(e);
     entry_print(e, value, sizeof value);
     return fail(ERR_INPUT, "%s:%d: key '%s' is %s; %s", e->path, e->line, key, *value ? value : "empty", text);
 }
@@ -28,7 +29,7 @@ static status missing(const struct dict *d, const char *key, const char *what) {
     const char *near = NULL;
     int n = 0;
     for (int i = 0; keys && i < d->count; i++)
-        if (!d->entry[i].used) keys[n++] = d->entry[i].key;
+        if (!d->entry[i].used && !d->entry[i].foreign) keys[n++] = d->entry[i].key;
     if (keys) near = nearest_name(key, keys, n);
     char hint[200] = "", where[200] = "";
     if (near) snprintf(hint, sizeof hint, "; this line has '%.100s': did you mean '%s'?", near, key);
@@ -83,6 +84,7 @@ status dict_raw(struct dict *d, const char *key, struct lexer *out) {
     status bad = source_from_text(e->path, text, &s);
     free(text);
     TRY(bad);
+    s->foreign = entry_is_foreign(e);
     TRY(document_keep(d->document, s));
     *out = lexer_start(s);
     out->line = e->line;

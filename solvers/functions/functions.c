@@ -1,7 +1,6 @@
 /* Reads the function objects of controlDict, executes those that are due, and opens their files. */
 #include "solvers/functions/functions_private.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,13 +167,9 @@ void function_block(const struct function *f, int block, int field, double *line
 }
 
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {
-    char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/postProcessing/%s/%s", f->setup->dir, f->name, folder);
-    TRY(make_folders(path));
-    size_t length = strlen(path);
-    snprintf(path + length, sizeof path - length, "/%s", file);
-    *out = fopen(path, "w");
-    return *out ? OK : fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+    char path[TIME_PATH];
+    snprintf(path, sizeof path, "%s/%s", f->name, folder);
+    return case_table(f->setup, path, file, out);
 }
 
 status function_end_row(const struct function *f, FILE *file) {

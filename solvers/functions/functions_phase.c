@@ -132,7 +132,7 @@ static status write_bin(const struct function *f, int bin) {
     char folder[2 * TIME_PATH], name[TIME_NAME];
     phase_name(p, bin, name);
     snprintf(folder, sizeof folder, "%s/postProcessing/%s/%s/%s", s->dir, f->name, s->start.name, name);
-    TRY(make_folders(folder));
+    TRY(case_make_folders(s, folder));
     const struct field_writer w = {s->mesh, &s->control->format, folder, folder + strlen(s->dir) + 1};
     for (int k = 0; k < f->nfields; k++) {
         mean_of(f, bin, k, p->values);

@@ -44,7 +44,7 @@ static status write_file(const struct function *f, const struct moment *now, con
     const struct vtk *v = f->own;
     char folder[TIME_PATH + 8], path[2 * TIME_PATH];
     snprintf(folder, sizeof folder, "%s/VTK", f->setup->dir);
-    TRY(make_folders(folder));
+    TRY(case_make_folders(f->setup, folder));
     snprintf(path, sizeof path, "%s/%s_%s.vtk", folder, f->setup->name, time);
     TRY(vtk_write(v->grid, path, v->ascii, now->t, now->step, f->nfields, fields));
     TRY(write_cloud(f, now, folder, time));

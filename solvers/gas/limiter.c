@@ -1,17 +1,10 @@
 /* Writes limiter.dat, with a row for each step whose state had to be kept admissible (limiter.h). */
 #include "solvers/gas/limiter.h"
 
-#include <errno.h>
-#include <string.h>
-
 static status open_table(struct limiter_table *l, const struct setup *s) {
-    char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/postProcessing/limiter/%s", s->dir, s->start.name);
-    TRY(make_folders(path));
-    size_t length = strlen(path);
-    snprintf(path + length, sizeof path - length, "/limiter.dat");
-    l->file = fopen(path, "w");
-    if (!l->file) return fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+    char folder[TIME_NAME + 16];
+    snprintf(folder, sizeof folder, "limiter/%s", s->start.name);
+    TRY(case_table(s, folder, "limiter.dat", &l->file));
     fprintf(l->file,
             "# Steps in which fluxes were limited, steps rejected and halved, or energies raised to the\n"
             "# round-off floor, by `energy`; (x y z) is a cell limited last.\n"

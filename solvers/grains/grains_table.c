@@ -1,9 +1,6 @@
 /* Computes totals over all grains and writes them as rows of a table (grains_table.h). */
 #include "solvers/grains/grains_table.h"
 
-#include <errno.h>
-#include <string.h>
-
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass) {
     struct grains_totals p = {.t = grains_time(g), .counts = *grains_counted(g)};
     const double all = mass * grains_number(g);
@@ -25,13 +22,9 @@ static void print_row(FILE *f, const struct grain_box *b, const struct grains_to
 }
 
 static status open_table(struct grains_table *p, const struct setup *s, const struct grain_box *b) {
-    char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/postProcessing/grains/%s", s->dir, s->start.name);
-    TRY(make_folders(path));
-    size_t length = strlen(path);
-    snprintf(path + length, sizeof path - length, "/grains.dat");
-    p->file = fopen(path, "w");
-    if (!p->file) return fail(ERR_SYSTEM, "%s: cannot be written: %s", path, strerror(errno));
+    char folder[TIME_NAME + 16];
+    snprintf(folder, sizeof folder, "grains/%s", s->start.name);
+    TRY(case_table(s, folder, "grains.dat", &p->file));
     fprintf(p->file, "# Counts, lost energy and the impulses given to walls (outwards) are sums since the run of the "
                      "grains began;\n# the rest is of the time, in the frame of the box.\n"
                      "# Time collisions wallCollisions elastic events T kinetic potential lost");

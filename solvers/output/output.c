@@ -279,6 +279,7 @@ static status finish(struct output *o, const char *folder, const struct instant 
     TRY(provenance_write(path, location, o->setup));
     TRY(write_grains(o, folder, at->name));
     TRY(time_stamp_write(folder, at, &o->sums));
+    TRY(case_here(o->setup));
     TRY(decompose_commit(o->parts, at)); /* parts first: a time of the case is then in all its parts */
     TRY(time_commit(o->setup->dir, at->name));
     return purge(o, at->name);
@@ -286,6 +287,7 @@ static status finish(struct output *o, const char *folder, const struct instant 
 
 static status begin(struct output *o, const char *name, char folder[TIME_PATH]) {
     o->sums.n = 0;
+    TRY(case_here(o->setup));
     TRY(time_begin(o->setup->dir, name, folder));
     return decompose_begin(o->parts, name);
 }
@@ -300,6 +302,15 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
+/* Removes what was written of a time, to make room on a full disk; the next run would do it, too. */
+static void remove_half(struct output *o, const char *folder) {
+    status gone = case_here(o->setup);
+    if (!gone) status_free(remove_folder(folder));
+    for (int k = 0; !gone && o->parts && k < o->parts->n; k++)
+        if (*o->parts->part[k].tmp) status_free(remove_folder(o->parts->part[k].tmp));
+    status_free(gone);
+}
+
 status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]) {
     const struct setup *s = o->setup;
     const struct control *c = s->control;
@@ -311,10 +322,8 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
         printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
     o->precision = digits;
     status e = write_all(o, &at, folder);
-    if (e) { /* makes room on a full disk; the next run would do it too */
-        if (*folder) status_free(remove_folder(folder));
-        for (int k = 0; o->parts && k < o->parts->n; k++)
-            if (*o->parts->part[k].tmp) status_free(remove_folder(o->parts->part[k].tmp));
+    if (e) {
+        if (*folder) remove_half(o, folder);
         return status_note(e, "while writing time %s; earlier times are intact", at.name);
     }
     o->last_time = t;

@@ -2,6 +2,8 @@
  * numbers, series (vtk.h). */
 #include "solvers/output/vtk.h"
 
+#include "mesh/format/files.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
@@ -9,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { PATH = 4096, TETRAHEDRON = 10, HEXAHEDRON = 12, WEDGE = 13, PYRAMID = 14, POLYHEDRON = 42 };
 
@@ -256,7 +259,11 @@ struct entry {
 static bool file_time(const char *folder, const char *name, double *t) {
     char path[PATH], line[256];
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *f = fopen(path, "rb");
+    int file;
+    size_t bytes;
+    status s = file_open_read(path, &file, &bytes);
+    status_free(s);
+    FILE *f = s ? NULL : fdopen(file, "rb");
     if (!f) return false;
     bool ok = fgets(line, sizeof line, f) && fgets(line, sizeof line, f) && !strncmp(line, title, sizeof title - 1);
     if (ok) *t = strtod(line + sizeof title - 1, NULL);

@@ -6,7 +6,6 @@
 #include "solvers/output/vtk.h"
 #include "solvers/programs/program.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -19,6 +18,7 @@
 enum { MOST = 64 };
 
 struct conversion {
+    char plain[PLAIN_PATH];   /* dir without links */
     const char *dir, *phases; /* phases: name of the phaseAverage to convert; NULL: the case's times */
     char root[TIME_PATH];     /* folder of the times */
     char name[256];
@@ -64,7 +64,11 @@ static status read_options(int argc, char **argv, struct conversion *c) {
         else
             c->dir = argv[i];
     }
-    return c->dir ? case_folder(c->dir) : fail(ERR_INPUT, "which case? usage: caseToVTK DIR (more with -help)");
+    if (!c->dir) return fail(ERR_INPUT, "which case? usage: caseToVTK DIR (more with -help)");
+    TRY(case_folder(c->dir));
+    TRY(folder_plain(c->dir, c->plain));
+    c->dir = c->plain;
+    return OK;
 }
 
 static bool same_time(const char *word, const struct instant *at) {

@@ -4,8 +4,6 @@
 #include "solvers/programs/meshrules.h"
 #include "solvers/programs/program.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +30,7 @@ enum { PATH = 4096 };
 
 struct request {
     const char *mesh, *dir;
+    char plain[PLAIN_PATH]; /* dir without links */
     struct foam_format format;
     bool help;
 };
@@ -61,6 +60,8 @@ static status parse(int argc, char **argv, struct request *o) {
     struct stat st;
     if (stat(o->dir, &st) != 0 || !S_ISDIR(st.st_mode))
         return fail(ERR_INPUT, "-case %s: no such folder; make it first", o->dir);
+    TRY(folder_plain(o->dir, o->plain));
+    o->dir = o->plain;
     return OK;
 }
 
@@ -107,15 +108,15 @@ static void remove_stale(const char *mesh_dir) {
     char path[PATH + 32];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         snprintf(path, sizeof path, "%s/%s", mesh_dir, names[i]);
-        if (unlink(path) == 0) printf("removed  %s of the mesh before\n", path);
+        if (!file_remove(path)) printf("removed  %s of the mesh before\n", path);
     }
 }
 
 static status touch_foam(const char *dir) {
     char path[PATH + 32];
     snprintf(path, sizeof path, "%s/case.foam", dir);
-    int fd = open(path, O_CREAT | O_WRONLY, 0666);
-    if (fd < 0) return fail(ERR_SYSTEM, "cannot make %s: %s", path, strerror(errno));
+    int fd, why = file_touch(path, &fd);
+    if (why) return file_error(path, "cannot be made", why);
     close(fd);
     return OK;
 }

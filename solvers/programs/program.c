@@ -51,7 +51,7 @@ status options_read(int argc, char **argv, struct options *out) {
             continue;
         }
         TRY(option_value(argc, argv, &i, &value));
-        if (k == 0) out->dir = value;
+        if (k == 0) TRY(folder_plain(value, out->dir));
         char *end = NULL;
         long n = k == 1 ? strtol(value, &end, 10) : 1;
         if (k == 1 && (*end || end == value || n < 1 || n > 1000000))

@@ -3,9 +3,10 @@
 #define SOLVERS_PROGRAM_H
 
 #include "mesh/base/comm.h"
+#include "mesh/format/files.h"
 
 struct options {
-    const char *dir; /* -case DIR; default "." */
+    char dir[PLAIN_PATH]; /* -case DIR; default "."; without links, so that what is written goes through none */
     bool dry_run, debug, help, list_models, list_boundaries;
     int ranks; /* -np N; 0: not given */
 };
@@ -13,7 +14,8 @@ struct options {
  * ones; option_value takes the word behind argv[*i]. */
 status option_unknown(const char *word, const char *const *names, int n);
 status option_value(int argc, char **argv, int *i, const char **out);
-status case_folder(const char *dir); /* fails if the folder is not there */
+/* Fails if the folder is not there. */
+status case_folder(const char *dir);
 
 /* Reads the options of a solver. */
 status options_read(int argc, char **argv, struct options *out);

@@ -253,7 +253,10 @@ static status step_once(struct run *r) {
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
         TRY(progress_print(&r->progress, s, &e));
     }
-    if (w.changed > 0) read_again(r);
+    if (w.changed > 0) {
+        TRY(comm_agree(s->comm, comm_root(s->comm) ? case_here(s) : OK)); /* or it is another folder's */
+        read_again(r);
+    }
     return after_step(r, &before, &w);
 }
 

@@ -43,12 +43,26 @@ static bool below(const char *path) {
     return folder && !strncmp(path, folder, strlen(folder));
 }
 
-static bool below_file(int file) {
-    char link[64], path[PATH_MAX];
+static void name_of(int file, char path[PATH_MAX]) {
+    char link[64];
     snprintf(link, sizeof link, "/proc/self/fd/%d", file);
-    ssize_t n = readlink(link, path, sizeof path - 1);
+    ssize_t n = readlink(link, path, PATH_MAX - 1);
     path[n > 0 ? n : 0] = 0;
+}
+
+static bool below_file(int file) {
+    char path[PATH_MAX];
+    name_of(file, path);
     return below(path);
+}
+
+/* The path of a name in a folder that is open. */
+static const char *join(int at, const char *name, char path[PATH_MAX]) {
+    if (at == AT_FDCWD || *name == '/') return name;
+    name_of(at, path);
+    size_t n = strlen(path);
+    snprintf(path + n, PATH_MAX - n, "/%s", name);
+    return path;
 }
 
 static void lose_power(void) {
@@ -112,14 +126,15 @@ static void forget(int file) {
         }                                                                                                              \
     } while (0)
 
-int open(const char *path, int flags, ...) {
-    REAL(open, int, const char *, int, ...);
+int openat(int at, const char *name, int flags, ...) {
+    char room[PATH_MAX];
+    REAL(openat, int, int, const char *, int, ...);
     va_list args;
     va_start(args, flags);
     mode_t mode = flags & O_CREAT ? va_arg(args, mode_t) : 0;
     va_end(args);
-    if (flags & O_CREAT && below(path)) FAIL_IF(true);
-    return real(path, flags, mode);
+    if (flags & O_CREAT && below(join(at, name, room))) FAIL_IF(true);
+    return real(at, name, flags, mode);
 }
 
 ssize_t write(int file, const void *data, size_t bytes) {
@@ -138,31 +153,29 @@ int fsync(int file) {
     return 0; /* the power cut is ours: the real disk need not be waited for */
 }
 
-int rename(const char *from, const char *to) {
-    REAL(rename, int, const char *, const char *);
-    if (!below(to)) return real(from, to);
+int renameat(int from_at, const char *from, int to_at, const char *to) {
+    char from_room[PATH_MAX], to_room[PATH_MAX];
+    const char *old = join(from_at, from, from_room), *new = join(to_at, to, to_room);
+    REAL(renameat, int, int, const char *, int, const char *);
+    if (!below(new)) return real(from_at, from, to_at, to);
     FAIL_IF(false);
-    int done = real(from, to);
-    if (!done) remember(-1, to, from, to);
+    int done = real(from_at, from, to_at, to);
+    if (!done) remember(-1, new, old, new);
     return done;
 }
 
-int mkdir(const char *path, mode_t mode) {
-    REAL(mkdir, int, const char *, mode_t);
-    if (below(path)) FAIL_IF(true);
-    return real(path, mode);
+int mkdirat(int at, const char *name, mode_t mode) {
+    char room[PATH_MAX];
+    REAL(mkdirat, int, int, const char *, mode_t);
+    if (below(join(at, name, room))) FAIL_IF(true);
+    return real(at, name, mode);
 }
 
-int unlink(const char *path) {
-    REAL(unlink, int, const char *);
-    if (below(path)) FAIL_IF(false);
-    return real(path);
-}
-
-int rmdir(const char *path) {
-    REAL(rmdir, int, const char *);
-    if (below(path)) FAIL_IF(false);
-    return real(path);
+int unlinkat(int at, const char *name, int flags) {
+    char room[PATH_MAX];
+    REAL(unlinkat, int, int, const char *, int);
+    if (below(join(at, name, room))) FAIL_IF(false);
+    return real(at, name, flags);
 }
 
 __attribute__((destructor)) static void tell(void) {

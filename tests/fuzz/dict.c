@@ -16,7 +16,7 @@ static void lay_traps(void) {
     static bool done;
     if (done) return;
     done = true;
-    scratch_write("secret", "qzvSecret qzvSecret;", 20);
+    scratch_write("secret", "qzvSecret qzvSecret;", 20); /* it may be read, but not shown in messages */
     scratch_write("case/system/plain", "plain 1;", 8);
     char link[256];
     snprintf(link, sizeof link, "%s/case/system/link", scratch());
@@ -31,11 +31,18 @@ static bool has_secret(const char *text, size_t size) {
     return false;
 }
 
+/* As accepted(), of an error that may not show what lies outside the case. */
+static bool told; /* the input holds the secret itself: libFuzzer sees what is compared, and tries it */
+static bool hidden(status s) {
+    PROMISE(!s || told || !strstr(status_text(s), SECRET), "messages do not show files from outside the case");
+    return accepted(s);
+}
+
 static void try_raw(struct dict *d, const char *key) {
     struct lexer l;
     struct token t = {.kind = TOKEN_WORD};
-    if (!accepted(dict_raw(d, key, &l))) return;
-    while (t.kind != TOKEN_END && !token_is(&t, ";") && accepted(lexer_next(&l, &t))) continue;
+    if (!hidden(dict_raw(d, key, &l))) return;
+    while (t.kind != TOKEN_END && !token_is(&t, ";") && hidden(lexer_next(&l, &t))) continue;
 }
 
 static void try_key(struct dict *d, const char *key) {
@@ -50,17 +57,17 @@ static void try_key(struct dict *d, const char *key) {
     const char *const *words;
     const double *numbers;
     (void)dict_line(d, key);
-    if (accepted(dict_number(d, key, unit, &v))) PROMISE(isfinite(v), "numbers are finite");
-    (void)accepted(dict_count_or(d, key, 3, &whole));
-    (void)accepted(dict_switch_or(d, key, true, &on));
-    (void)accepted(dict_word(d, key, &word));
-    (void)accepted(dict_vector(d, key, NULL, x));
-    (void)accepted(dict_choice(d, key, names, 3, &n));
-    (void)accepted(dict_words(d, key, &n, &words));
-    if (accepted(dict_numbers(d, key, &n, &numbers)))
+    if (hidden(dict_number(d, key, unit, &v))) PROMISE(isfinite(v), "numbers are finite");
+    (void)hidden(dict_count_or(d, key, 3, &whole));
+    (void)hidden(dict_switch_or(d, key, true, &on));
+    (void)hidden(dict_word(d, key, &word));
+    (void)hidden(dict_vector(d, key, NULL, x));
+    (void)hidden(dict_choice(d, key, names, 3, &n));
+    (void)hidden(dict_words(d, key, &n, &words));
+    if (hidden(dict_numbers(d, key, &n, &numbers)))
         for (int i = 0; i < n; i++) PROMISE(isfinite(numbers[i]), "numbers are finite");
-    (void)accepted(dict_vectors(d, key, &n, &numbers));
-    (void)accepted(dict_dimensions(d, key, dimensions));
+    (void)hidden(dict_vectors(d, key, &n, &numbers));
+    (void)hidden(dict_dimensions(d, key, dimensions));
     try_raw(d, key);
 }
 
@@ -68,7 +75,7 @@ static void try_dict(struct dict *d, int *left) {
     for (int i = 0; i < dict_count(d) && --*left > 0; i++) {
         struct dict *sub = NULL;
         const char *key = dict_key(d, i);
-        if (accepted(dict_sub_optional(d, key, &sub)) && sub)
+        if (hidden(dict_sub_optional(d, key, &sub)) && sub)
             try_dict(sub, left);
         else
             try_key(d, key);
@@ -95,9 +102,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     scratch_unpack("case", "system/d", data, size);
     snprintf(path, sizeof path, "%s/case/system/d", scratch());
     status s = dict_read(path, &d);
-    bool told = has_secret((const char *)data, size); /* libFuzzer sees what is compared, and tries it */
-    PROMISE(!s || told || !strstr(status_text(s), SECRET), "messages do not show files from outside the case");
-    bool good = accepted(s);
+    told = has_secret((const char *)data, size);
+    bool good = hidden(s);
     PROMISE(good == (d != NULL), "there is a dictionary if there is no error");
     if (good) {
         (void)accepted(dict_check_used(d));
@@ -106,7 +112,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         PROMISE(accepted(dict_check_used(d)), "what is marked as used is used");
         char *text = dict_print(d);
         try_print(text);
-        PROMISE(text && (told || !strstr(text, SECRET)), "nothing outside the case is read");
+        PROMISE(text, "a dictionary can be printed");
         for (const char *c = text; text && *c; c++)
             PROMISE((unsigned char)*c >= ' ' || strchr("\t\r\n", *c), "a dictionary is text");
         free(text);

@@ -51,11 +51,17 @@ LIBRARIES = {
     r"petsc": ["libcore/gas/implicit_petsc.c"],
     r"lapacke?\.h": ["libcore/segregation/segregation.c"],
     r"dlfcn\.h": ["solvers/gas/linear.c"],
+    r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/output/vtk.c"],
     r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c"],
 }
 
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.
 NOT_IN_LIBCORE = r"(stdio|unistd|fcntl|dirent|dlfcn|signal|sys/\w+)\.h"
+
+# What opens, makes, renames and removes files, and the one file that may call it: it walks past links.
+FILES = "mesh/format/files.c"
+FILE_CALLS = (r"(?<![\w>.])(f?open|openat|open64|creat|freopen|gzopen|rename|renameat|unlink|unlinkat|remove|rmdir|mkdir|mkdirat|"
+              r"mkfifo|mknod|link|symlink|truncate|mkstemp|mkdtemp|tmpfile|tmpnam|popen|system|chdir|chmod|chown)\(")
 
 # Variables of a whole file that may change, with the reason.
 MUTABLE = {"solvers/programs/run.c": ["asked_to_stop"]}  # the one thing that a signal handler may touch
@@ -132,6 +138,11 @@ def opens_files(files):
         wrong += [f"{path} calls {name}" for name in
                   re.findall(r"\b(v?f?printf|puts|fopen|open|getenv|readlink|dlopen|system)\(", bare(text))]
     return wrong
+
+
+def touches_files(files):
+    return [f"{path} calls {name}" for path, text in files.items() if path != FILES
+            for name in re.findall(FILE_CALLS, bare(text))]
 
 
 def ends_the_program(files):
@@ -270,6 +281,9 @@ class Rooms(unittest.TestCase):
     def test_libcore_opens_no_file(self):
         self.assertNone(opens_files(self.files))
 
+    def test_files_are_touched_in_one_place(self):
+        self.assertNone(touches_files(self.files))
+
     def test_nothing_ends_the_program(self):
         self.assertNone(ends_the_program(self.files))
 
@@ -359,6 +373,10 @@ class Rules(unittest.TestCase):
             self.assertEqual(1, len(opens_files({"libcore/a.c": line})), line)
             self.assertEqual([], opens_files({"solvers/a.c": line}), line)
         self.assertEqual(1, len(opens_files({"libcore/a.c": "#include <stdio.h>\n"})))
+        for line in ('fopen("f", "w");', "open(path, O_RDONLY);", "if (rename(a, b)) x();", "(void)unlink(path);"):
+            self.assertEqual(1, len(touches_files({"solvers/a.c": line})), line)
+            self.assertEqual([], touches_files({FILES: line}), line)
+        self.assertEqual([], touches_files({"solvers/a.c": "g->open(1); s.remove(2); sink_open(path); fdopen(file);"}))
         for line in ("abort();", "exit(1);", "assert(x);"):
             self.assertEqual(1, len(ends_the_program({"mesh/a.c": line})), line)
 

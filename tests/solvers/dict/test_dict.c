@@ -285,7 +285,7 @@ static void test_unused(void **state) {
 /* ---- files ---- */
 
 struct folder {
-    char path[64], *files[16];
+    char path[64], *files[32];
     int count;
 };
 static int set_up(void **state) {
@@ -327,6 +327,22 @@ static void refused_file(const char *path, const char *parts) {
     assert_null(d);
 }
 
+/* An error that shows none of what stands in a file outside of the case. */
+static void hidden(status s, const char *parts) {
+    assert_non_null(s);
+    assert_null(strstr(status_text(s), "password"));
+    assert_null(strstr(status_text(s), "hunter2"));
+    says(s, parts);
+}
+static void try_hidden(struct dict *d) {
+    const char *const names[] = {"one", "two"};
+    double v[3];
+    int i;
+    assert_true(dict_is_foreign(d, "password") && dict_is_foreign(d, "c"));
+    hidden(dict_vector(d, "c", NULL, v), "system/i:3:|outside of the case|put a copy");
+    hidden(dict_choice(d, "c", names, 2, &i), "system/i:3:");
+}
+
 static void test_include(void **state) {
     struct folder *f = *state;
     put(f, "shared", "FoamFile { version 2; format ascii; class dictionary; object shared; }\nb 2;\nc\n 3 4;\n");
@@ -358,7 +374,17 @@ static void test_include(void **state) {
     snprintf(link, sizeof link, "%s/case/system/link", f->path);
     assert_int_equal(symlink("../../secret", link), 0);
     f->files[f->count++] = strdup(link);
-    refused_file(put(f, "system/i", "\n#include \"link\""), "system/i:2:|'link'|leads out of the case");
+    path = put(f, "system/i", "\n#include \"link\"\nc $password;");
+    ok(dict_read(path, &d)); /* reading through links is allowed */
+    ok(dict_number(d, "password", NULL, &v));
+    assert_true(v == 1);
+    try_hidden(d);
+    dict_free(d);
+    put(f, "../secret", "password hunter2");
+    hidden(dict_read(path, &d), "system/link:1:");
+    put(f, "../secret", "password hunter2;");
+    hidden(dict_read(put(f, "system/j", "#include \"link\"\n#if $password\n#endif"), &d), "system/j:2:");
+    hidden(dict_read(put(f, "system/k", "#include \"link\"\na #eval{ $password };"), &d), "system/k:2:");
 }
 
 static void test_raw(void **state) {
