@@ -70,6 +70,14 @@ void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
     g->slow = -1;
 }
 
+void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited) {
+    g->before = *counts;
+    g->counts.energy = counts->energy;
+    memcpy(g->counts.fill, counts->fill, sizeof counts->fill);
+    memcpy(g->counts.place, counts->place, sizeof counts->place);
+    if (limited) g->engine->state.set_limited(g, limited);
+}
+
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
     long n = g->ncells_all;
     double *all, *U[MAX_VAR];

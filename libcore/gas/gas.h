@@ -35,7 +35,9 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     bool skip_uniform;
 };
 
-struct gas_counts {  /* what kept the state admissible (libcore/schemes/limit.h) since gas_make, on all ranks */
+/* what kept the state admissible (libcore/schemes/limit.h) since gas_make, on all ranks, and before that what
+ * gas_resume was told */
+struct gas_counts {
     long cells;      /* cells whose faces were limited, counted once a stage */
     long faces;      /* faces whose flux was moved towards the low-order flux, counted once a stage */
     long rejected;   /* steps that were rejected and done again with half of dt or less */
@@ -107,6 +109,9 @@ void gas_heed(struct gas *g, bool (*asked)(void));
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);
+/* Goes on with the counts of an earlier run (all but halves and stages), and with its field GAS_LIMITED in polyMesh
+ * order (NULL: there is none), which every rank holds. */
+void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited);
 /* Returns the share of the cell updates since gas_make that were computed, not left out as uniform. Collective. */
 double gas_computed_share(const struct gas *g);
 

@@ -36,12 +36,13 @@ struct gas {
     struct gas_speed speed;  /* wave speeds of U, if speed_known */
     bool speed_known;
 
-    int guarded;       /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
-    int slow;          /* number of consecutive tiny steps; -1 in a state that was set: unknown */
-    double slow_dt[2]; /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
-    struct gas_counts counts;
-    long computed, all;  /* cell updates on this rank: computed ones, and with those that were left out */
-    struct audit *audit; /* the budget; NULL: none is kept */
+    int guarded;              /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
+    int slow;                 /* number of consecutive tiny steps; -1 in a state that was set: unknown */
+    double slow_dt[2];        /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
+    struct gas_counts counts; /* of this run; sums of amounts and `place` go on from an earlier one */
+    struct gas_counts before; /* numbers of an earlier run */
+    long computed, all;       /* cell updates on this rank: computed ones, and with those that were left out */
+    struct audit *audit;      /* the budget; NULL: none is kept */
 
     long faces;     /* faces limited in the last redo, on this rank */
     long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */

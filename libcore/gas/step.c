@@ -313,6 +313,11 @@ struct gas_counts gas_counts(const struct gas *g) {
     struct gas_counts c = g->counts;
     long *const cells[] = {&c.cells, &c.faces, &c.floored, &c.filled, &c.plain};
     for (int i = 0; i < 5; i++) *cells[i] *= g->images;
+    const struct gas_counts *b = &g->before;
+    const long before[] = {b->cells, b->faces, b->floored, b->filled, b->plain};
+    for (int i = 0; i < 5; i++) *cells[i] += before[i];
+    c.rejected += b->rejected;
+    c.repeated += b->repeated;
     return c;
 }
 

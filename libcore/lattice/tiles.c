@@ -107,6 +107,10 @@ static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
     activity_reset(g, &g->U);
 }
 
+static void tiles_set_limited(struct gas *g, const double *values) {
+    forest_scatter(g->forest, values, 0, g->tiles->limited);
+}
+
 static status tiles_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
     for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
     for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, v, U[v]));
@@ -364,6 +368,7 @@ const struct engine engine_lattice = {
               .free = tiles_free,
               .set_conserved = tiles_set_conserved,
               .get_conserved = tiles_get_conserved,
+              .set_limited = tiles_set_limited,
               .rows = tiles_rows,
               .keep_as = tiles_keep_as,
               .join = tiles_join,

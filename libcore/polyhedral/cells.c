@@ -117,6 +117,11 @@ static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
         for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
 }
 
+static void cells_set_limited(struct gas *g, const double *values) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int i = 0; i < m->nown; i++) g->cells->limited[i] = values[m->cell[i]];
+}
+
 /* Gathers a value per cell of this rank into the root's array of all cells, in polyMesh order. */
 static status gather(const struct gas *g, const double *value, double *all) {
     const struct cells *c = g->cells;
@@ -293,6 +298,7 @@ const struct engine engine_polyhedral = {
               .free = cells_free,
               .set_conserved = cells_set_conserved,
               .get_conserved = cells_get_conserved,
+              .set_limited = cells_set_limited,
               .rows = cells_rows,
               .place = cells_place,
               .block_field = cells_block_field,

@@ -38,7 +38,7 @@ static const struct quantity quantities[] = {
     [GAS_P] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
     [GAS_C] = {"c", 1, {0, 1, -1, 0, 0, 0, 0}, false},
     [GAS_MACH] = {"Ma", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [GAS_LIMITED] = {"limited", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [GAS_LIMITED] = {"limited", 1, {0, 0, 0, 0, 0, 0, 0}, true},
     [MOMENTUM] = {"rhoU", 3, {1, -2, -1, 0, 0, 0, 0}, true},
     [ENERGY] = {"rhoE", 1, {1, -1, -2, 0, 0, 0, 0}, true},
 };
@@ -133,6 +133,8 @@ static status gas_start(struct medium *m) {
         gas_set_conserved(g->gas, (const double *const *)i->conserved);
     else
         TRY(gas_set(g->gas, i->rho, (const double *const *)i->u, i->T));
+    TRY(comm_agree(s->comm, limiter_resume(&g->limiter, s, g->gas)));
+    g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));
     initial_drop_cells(g->initial);
     return gas_totals(g->gas, g->totals);
@@ -332,6 +334,10 @@ static bool gas_present(const struct medium *m, int quantity) {
     return quantity != GAS_LIMITED || gas_counts(of(m)->gas).cells > 0;
 }
 
+static status gas_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
+    return limiter_save(of(m)->gas, folder, location, sums);
+}
+
 static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
     static const enum field_id id[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
     if (quantity > GAS_P) return NULL;
@@ -418,4 +424,5 @@ const struct medium_type gas_medium = {
     .present = gas_present,
     .patch = gas_patch,
     .budget = gas_medium_budget,
+    .save = gas_save,
 };

@@ -1,5 +1,8 @@
-/* Writes limiter.dat, with a row for each step whose state had to be kept admissible (limiter.h). */
+/* Writes limiter.dat, with a row for each step whose state had to be kept admissible, and takes its counts over
+ * restarts (limiter.h). */
 #include "solvers/gas/limiter.h"
+
+#include <stdlib.h>
 
 static status open_table(struct limiter_table *l, const struct setup *s) {
     char folder[TIME_NAME + 16];
@@ -35,6 +38,65 @@ status limiter_record(struct limiter_table *l, const struct setup *s, const stru
     status e = comm_root(s->comm) ? write_row(l, s, &n, now) : OK;
     l->counts = n;
     return comm_agree(s->comm, e);
+}
+
+status limiter_save(const struct gas *g, const char *folder, const char *location, struct checksums *sums) {
+    const struct gas_counts n = gas_counts(g);
+    const struct foam_format ascii = {.precision = 17};
+    char path[2 * TIME_PATH], where[TIME_NAME + 16];
+    struct file_sum sum;
+    struct sink *o;
+    if (!n.cells && !n.rejected && !n.floored && !n.filled && !n.repeated) return OK;
+    snprintf(path, sizeof path, "%s/uniform/limiter", folder);
+    snprintf(where, sizeof where, "%s/uniform", location);
+    TRY(sink_open(path, false, &o));
+    foam_header_write(o, &ascii, "dictionary", where, "limiter", "counts so far, for restarts");
+    sink_printf(o, "cells           %ld;\nfaces           %ld;\nrejected        %ld;\n", n.cells, n.faces, n.rejected);
+    sink_printf(o, "floored         %ld;\nenergy          %.17g;\n", n.floored, n.energy);
+    sink_printf(o, "filled          %ld;\nfillMass        %.17g;\nfillEnergy      %.17g;\n", n.filled, n.fill[0],
+                n.fill[1]);
+    sink_printf(o, "repeated        %ld;\nplain           %ld;\n", n.repeated, n.plain);
+    sink_printf(o, "place           (%.17g %.17g %.17g);\n", n.place[0], n.place[1], n.place[2]);
+    TRY(sink_close_sum(o, &sum));
+    return checksums_add(sums, "uniform/limiter", sum);
+}
+
+static status read_counts(struct dict *d, struct gas_counts *n) {
+    const struct {
+        const char *key;
+        long *out;
+    } counts[] = {{"cells", &n->cells},     {"faces", &n->faces},   {"rejected", &n->rejected},
+                  {"floored", &n->floored}, {"filled", &n->filled}, {"repeated", &n->repeated},
+                  {"plain", &n->plain}};
+    for (int i = 0; i < 7; i++) {
+        TRY(dict_count_or(d, counts[i].key, 0, counts[i].out));
+        if (*counts[i].out < 0) return dict_fail(d, counts[i].key, "a count is not negative");
+    }
+    TRY(dict_number(d, "energy", NULL, &n->energy));
+    TRY(dict_number(d, "fillMass", NULL, &n->fill[0]));
+    TRY(dict_number(d, "fillEnergy", NULL, &n->fill[1]));
+    TRY(dict_vector(d, "place", NULL, n->place));
+    return dict_check_used(d);
+}
+
+status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas *g) {
+    char path[2 * TIME_PATH];
+    struct dict *d = NULL;
+    struct gas_counts counts = {.cells = 0};
+    double *limited = NULL;
+    int components = 1;
+    snprintf(path, sizeof path, "%s/%s/uniform/limiter", s->dir, s->start.name);
+    if (!field_exists(path)) return OK;
+    TRY(dict_read(path, &d));
+    status e = read_counts(d, &counts);
+    dict_free(d);
+    TRY(e);
+    snprintf(path, sizeof path, "%s/%s/limited", s->dir, s->start.name);
+    if (field_exists(path)) TRY(field_read_values(path, s->mesh->ncells, &components, &limited));
+    if (components == 1) gas_resume(g, &counts, limited);
+    l->counts = gas_counts(g);
+    free(limited);
+    return components == 1 ? OK : fail(ERR_INPUT, "%s: it is a field of vectors; remove it", path);
 }
 
 void limiter_close(struct limiter_table *l) {

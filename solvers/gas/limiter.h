@@ -5,6 +5,7 @@
 
 #include "libcore/gas/gas.h"
 #include "solvers/case/case.h"
+#include "solvers/case/checksums.h"
 
 struct limiter_table {        /* zeroed: there is no row yet */
     struct gas_counts counts; /* counts at the last row */
@@ -14,6 +15,11 @@ struct limiter_table {        /* zeroed: there is no row yet */
 /* Writes a row for the step that ended at `now`, if there is anything to say. Collective. Fails (ERR_SYSTEM) if the
  * file cannot be written. */
 status limiter_record(struct limiter_table *l, const struct setup *s, const struct gas *g, const struct moment *now);
+/* Saves the counts into a time folder, as uniform/limiter, if there are any: rows of a restarted run are those of a run
+ * that went through. On the root. */
+status limiter_save(const struct gas *g, const char *folder, const char *location, struct checksums *sums);
+/* Lets the gas, and the table, go on from the counts and the field `limited` of the time that the run starts from. */
+status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas *g);
 void limiter_close(struct limiter_table *l);
 
 #endif
