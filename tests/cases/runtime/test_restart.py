@@ -120,18 +120,45 @@ class Restart(harness.Folder, unittest.TestCase):
         runs.same(self, runs.contents(case + "/0.3"), runs.contents(part + "/0.3"))
 
     def test_signal_to_ranks(self):
-        """SIGTERM to mpirun reaches the ranks, which write before they go."""
-        case = runs.make(os.path.join(self.folder, "ranks"), (100, 80, 1), 100.0)
-        run = subprocess.Popen([os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS, "-case", case], stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, text=True)
+        """A wish to stop, sent to mpirun once or often, to it alone or by Ctrl-C to its whole group, reaches the ranks, which
+        write before they go: exit code 0, and nothing is left behind."""
+        mpirun = os.path.join(harness.BIN, "mpirun")
+        for k, (number, how, command) in enumerate((
+                (signal.SIGTERM, os.kill, (mpirun, "-np", "2", GAS)), (signal.SIGINT, os.killpg, (mpirun, "-np", "2", GAS)),
+                (signal.SIGHUP, os.kill, (GAS, "-np", "2")), (signal.SIGTERM, self.often, (mpirun, "-np", "3", GAS)))):
+            with self.subTest(number=number, how=how.__name__):
+                case = runs.make(os.path.join(self.folder, f"ranks{k}"), (100, 80, 1), 100.0)
+                run = subprocess.Popen([*command, "-case", case], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                       start_new_session=True)
+                for line in run.stdout:
+                    if line.startswith("Time ="):
+                        break
+                how(run.pid, number)
+                text = run.communicate(timeout=60)[0]
+                self.assertEqual(run.returncode, 0, text)
+                (_, last) = runs.times(case)
+                runs.complete(self, case, last)
+                self.assertRegex(text, rf"written: {last}\nstopped as asked .*\nend at time")
+                self.assertEqual(runs.hidden(case), [])
+
+    @staticmethod
+    def often(pid, number):
+        for _ in range(10):
+            os.kill(pid, number)
+            time.sleep(0.01)
+
+    def test_mpirun_passes_on(self):
+        """The exit code of a run that fails, and of programs that are not haff's; the death of the script ends the ranks."""
+        mpirun = os.path.join(harness.BIN, "mpirun")
+        self.assertEqual(subprocess.run([mpirun, "-np", "2", GAS, "-case", "/nowhere"], capture_output=True).returncode, 1)
+        self.assertEqual(subprocess.run([mpirun, "-np", "1", "sh", "-c", "exit 7"], capture_output=True).returncode, 7)
+        case = runs.make(os.path.join(self.folder, "orphans"), (100, 80, 1), 100.0)
+        run = subprocess.Popen([mpirun, "-np", "2", GAS, "-case", case], stdout=subprocess.PIPE, text=True)
         for line in run.stdout:
             if line.startswith("Time ="):
                 break
-        run.send_signal(signal.SIGTERM)
-        text = run.communicate(timeout=60)[0]
-        (_, last) = runs.times(case)
-        runs.complete(self, case, last)
-        self.assertIn(f"written: {last}", text)
+        run.kill()
+        run.communicate(timeout=60)  # the pipe is closed when the ranks have gone
 
     def test_signal_within_a_step(self):
         """SIGTERM in a step of a hundred thousand stages of diffusion (grains far larger than cells): the step is dropped, on all
