@@ -232,6 +232,7 @@ class Swapped(Outside, unittest.TestCase):
             case = self.endless(tables=True)
             command = (os.path.join(harness.BIN, "mpirun"), "-np", "2", faults.GAS) if ranks == 2 else (faults.GAS,)
             going, text = faults.start(case, word="Time =", command=command)
+            self.addCleanup(going.kill)
             os.rename(case, case + "_elsewhere")
             shutil.copytree(foreign, case)
             if ranks == 1:
@@ -247,7 +248,8 @@ class Swapped(Outside, unittest.TestCase):
         case = self.endless()
         runs.add(case, CONTROL, "functions { line { type sets; fields (rho); writeControl timeStep; writeInterval 2000;\n"
                  "    sets { a { type uniform; axis x; start (0.1 0.3 0.05); end (0.5 0.3 0.05); nPoints 5; } } } }\n")
-        going, text = faults.start(case, word="Time =")
+        going, _ = faults.start(case, word="Time =")
+        self.addCleanup(going.kill)
         os.rename(case, case + "_elsewhere")
         os.mkdir(case)
         error = going.communicate(timeout=60)[1]
