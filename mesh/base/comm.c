@@ -103,9 +103,13 @@ static status gather(const struct comm *c, const void *mine, long n, void *all, 
     }
     int my_count = (int)n;
     int *start = count ? count + c->size : NULL;
-    MPI_Gather(&my_count, 1, MPI_INT, count, 1, MPI_INT, 0, c->world);
-    for (int r = 1; count && r < c->size; r++) start[r] = start[r - 1] + count[r - 1];
-    MPI_Gatherv(mine, my_count, type, array, count, start, type, 0, c->world);
+    if (c->size == 1) {
+        if (n) memcpy(array, mine, (size_t)n * (size_t)bytes);
+    } else {
+        MPI_Gather(&my_count, 1, MPI_INT, count, 1, MPI_INT, 0, c->world);
+        for (int r = 1; count && r < c->size; r++) start[r] = start[r - 1] + count[r - 1];
+        MPI_Gatherv(mine, my_count, type, array, count, start, type, 0, c->world);
+    }
     free(count);
     memcpy(all, &array, sizeof array);
     if (total) *total = c->rank == 0 ? sum : 0;

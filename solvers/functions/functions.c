@@ -81,7 +81,7 @@ static status make_one(struct function *f, struct dict *d) {
 
 status function_name(struct dict *d, const char *name) {
     enum { LONGEST = sizeof((struct function *)0)->name - 1 };
-    if (strchr(name, '/') || *name == '.')
+    if (!*name || strchr(name, '/') || *name == '.')
         return dict_fail(d, name, "the name of a file or a folder below postProcessing/: no '/' and no '.' in front");
     if (strlen(name) > LONGEST) return dict_fail(d, name, "longer than %d letters", (int)LONGEST);
     return OK;

@@ -29,7 +29,7 @@ static status set_make(struct function *f, struct sets *sets, const char *name, 
     TRY(dict_vector(d, "start", NULL, start));
     TRY(dict_vector(d, "end", NULL, end));
     TRY(dict_count_or(d, "nPoints", 0, &n));
-    if (n < 2 || n > 10000000) return dict_fail(d, "nPoints", "give a number from 2 to 10000000");
+    if (n < 2 || n > MOST_SPOTS) return dict_fail(d, "nPoints", "give a number from 2 to %d", (int)MOST_SPOTS);
     snprintf(l->name, sizeof l->name, "%s", name);
     l->first = sets->spots.n;
     l->n = (int)n;

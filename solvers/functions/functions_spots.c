@@ -21,6 +21,8 @@ static void bounding_box(const struct polymesh *m, double low[3], double high[3]
 
 status spots_add(struct spots *s, const struct function *f, struct dict *d, const char *key, int n,
                  const double *points, bool allow_outside) {
+    if (n > MOST_SPOTS - s->n)
+        return dict_fail(d, key, "more than %d points in one function object; give several", (int)MOST_SPOTS);
     struct spot *more = realloc(s->at, (size_t)(s->n + n + 1) * sizeof *more);
     if (!more) return fail(ERR_SYSTEM, "out of memory");
     s->at = more;
