@@ -57,8 +57,11 @@ static status choice_or(struct dict *d, const char *key, const char *const *name
 static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
     const char *text;
     TRY(dict_word(d, key, &text));
-    return status_note(mixture ? expr_compile_mixture(text, out) : expr_compile(text, out), "%s:%d: %s \"%s\"",
-                       dict_path(d), dict_line(d, key), key, text);
+    status s = mixture ? expr_compile_mixture(text, out) : expr_compile(text, out);
+    if (!s || !dict_is_foreign(d, key))
+        return status_note(s, "%s:%d: %s \"%s\"", dict_path(d), dict_line(d, key), key, text);
+    status_free(s);
+    return dict_fail(d, key, "it is no expression");
 }
 
 static status read_direction(struct dict *d, struct segregation_models *m) {

@@ -359,6 +359,22 @@ def folder_gone(folder):
     return outcome
 
 
+def folder_swapped(folder):
+    outcome = Outcome("the case folder is moved away during the run, and another case put in its place")
+    case = make(folder, "swapped", steps=10**7, control="none")
+    other = make(folder, "other")
+    before = runs.contents(other, ignore=())
+    going, text = start(case, word="Time =")
+    os.rename(case, case + "_elsewhere")
+    os.rename(other, case)
+    going.send_signal(signal.SIGTERM)
+    rest, error = going.communicate(timeout=60)
+    outcome.take(case, text + rest, error)
+    if going.returncode != 3 or runs.contents(case, ignore=()) != before:
+        outcome.after.append(f"exit code {going.returncode}")
+    return outcome
+
+
 def log_lost(folder):
     """The log cannot be written: the run goes on."""
     straight = straight_run(folder, "log_straight")
@@ -509,6 +525,7 @@ def every_fault(folder, every, count):
     yield file_size_limit(folder)
     yield from closed_folder(folder)
     yield folder_gone(folder)
+    yield folder_swapped(folder)
     yield from log_lost(folder)
     yield second_run(folder)
     yield from damaged(folder)

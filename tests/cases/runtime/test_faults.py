@@ -99,7 +99,8 @@ class Faults(harness.Folder, unittest.TestCase):
     """Every row of the fault table, in short: set HAFF_KILLS=1000 for the long form (an hour)."""
     SAYS = {"the disk is full": "No space left on device", "an input/output error": "Input/output error", "a disk of 2 MB": "No space left",
             "files may not grow": "earlier times are intact", "the case folder is not writable": "chmod u\\+w",
-            "becomes unwritable": "earlier times are intact", "moved away": "this folder is gone",
+            "becomes unwritable": "earlier times are intact", "moved away during the run$": "this folder is gone",
+            "put in its place": "another folder stands here",
             "the disk of the log": "the log is incomplete", "a second solver": "another run works on this case: granularGas, pid",
             "cut in half$": r"rhoE: the file has \d+ bytes, the run wrote \d+", "previous": r"goes on from time 0\.0004",
             "one bit": "not as it was written", "is removed": "the file is missing", "restitution": r"restitution 0\.9 -> 0\.8",
