@@ -322,14 +322,15 @@ status folder_mark(const char *dir, struct folder_mark *out) {
 status folder_check(const char *dir, const struct folder_mark *m) {
     struct stat info;
     if (stat(dir, &info))
-        return fail(ERR_SYSTEM,
-                    "%s: this folder is gone (%s): it was removed or renamed while the run was at work in it; the run "
-                    "ends, as it has nowhere to write. If the folder was moved, a run there goes on from its last time",
-                    dir, strerror(errno));
+        return fail(
+            ERR_SYSTEM,
+            "%s: this folder is gone (%s): it was removed or renamed while the run was at work in it; if it was "
+            "moved, a run there goes on from its last time",
+            dir, strerror(errno));
     if (info.st_dev == m->device && info.st_ino == m->inode) return OK;
     return fail(ERR_SYSTEM,
-                "%s: another folder stands here than the one in which the run began: that was moved or removed while "
-                "the run was at work in it; nothing is written into the new one, and the run ends. If the old folder "
-                "was moved, a run there goes on from its last time",
+                "%s: another folder stands here than the one in which the run began, which was moved or removed while "
+                "the run was at work in it; nothing is written into the new one; if the old one was moved, a run there "
+                "goes on from its last time",
                 dir);
 }

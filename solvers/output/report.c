@@ -153,6 +153,14 @@ static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) 
     fprintf(f, "\n");
 }
 
+/* Says it once when the folder of the case is gone or replaced: the next write will fail, unless it is put back. */
+static void tell_lost(struct progress *p, const struct setup *s) {
+    status e = case_here(s);
+    if (e && !p->lost) printf("WARNING: %s; the next write fails unless the folder is put back\n", status_text(e));
+    p->lost = e != OK;
+    status_free(e);
+}
+
 status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e) {
     const bool root = comm_root(s->comm);
     p->last_log = clock_now();
@@ -164,6 +172,7 @@ status progress_print(struct progress *p, const struct setup *s, const struct st
     TRY(s->medium->type->log(s->medium, stdout));
     if (!root) return OK;
     print_pace(stdout, p, e);
+    tell_lost(p, s);
     fflush(stdout);
     return OK;
 }

@@ -15,6 +15,7 @@ struct progress {                 /* pace of a run, for its log */
     double mark_clock, mark_time; /* s: clock and time from which the present pace is measured */
     double pace;                  /* seconds of the clock per second of the run, lately */
     long first_step;
+    bool lost; /* was the folder of the case gone at the last entry? */
 };
 double clock_now(void); /* s, wall clock */
 double cpu_now(void);   /* s, CPU time of this process */

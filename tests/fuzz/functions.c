@@ -97,7 +97,8 @@ static void make_gas(void) {
     write_text("gas/system/controlDict", "application granularGas; endTime 1; writeControl none;");
     write_text("gas/system/fvSchemes", "meshEngine polyhedral;");
     write_text("gas/system/fvSolution", "");
-    write_text("gas/constant/granularProperties", "grain { diameter 0.1; restitution 0.9; } equationOfState TorquatoSpheres; cooling Haff;");
+    write_text("gas/constant/granularProperties",
+               "grain { diameter 0.1; restitution 0.9; } equationOfState TorquatoSpheres; cooling Haff;");
     write_text("gas/constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 -1 0);");
     write_text("gas/constant/shaking", "type sinusoidal; frequency 4; amplitude 0;");
     write_field("rho", "[1 -3 0 0 0 0 0]", "Scalar", "100");

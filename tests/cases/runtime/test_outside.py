@@ -204,22 +204,29 @@ class Swapped(Outside, unittest.TestCase):
         runs.add(case, CONTROL, "runTimeModifiable yes;\nlogInterval 10;\n")
         return case
 
-    def moved(self, case, foreign, **options):
-        """What is said, and the exit code, of a run whose folder was moved and that then is asked to write."""
-        going, text = faults.start(case, word="Time =", **options)
-        os.rename(case, case + "_elsewhere")
-        if foreign:
-            shutil.copytree(foreign, case)
-        going.send_signal(signal.SIGTERM)
-        rest, error = going.communicate(timeout=60)
-        return text + rest, error, going.returncode
-
     def test_gone(self):
-        case = self.endless(tables=True)
-        text, error, code = self.moved(case, None)
-        self.assertEqual(code, 3)
-        self.assertRegex(error, rf"{case}: this folder is gone .*it was removed or renamed while the run was at work in it")
-        self.assertFalse(os.path.exists(case))
+        """Said once in the log while it is gone, and as an error at the next write; put back, all is well."""
+        for back in (False, True):
+            case = self.endless(tables=True)
+            runs.add(case, CONTROL, "runTimeModifiable no;\n")
+            going, _ = faults.start(case, word="Time =")
+            self.addCleanup(going.kill)
+            os.rename(case, case + "_elsewhere")
+            for line in going.stdout:
+                if line.startswith("WARNING"):
+                    break
+            self.assertRegex(line, rf"{case}: this folder is gone .*; the next write fails unless the folder is put back")
+            if back:
+                os.rename(case + "_elsewhere", case)
+            going.send_signal(signal.SIGTERM)
+            text, error = going.communicate(timeout=60)
+            self.assertNotIn("WARNING", text)
+            self.assertEqual(going.returncode, 0 if back else 3)
+            if back:
+                runs.complete(self, case, runs.times(case)[-1])
+                continue
+            self.assertRegex(error, rf"{case}: this folder is gone .*it was removed or renamed while the run was at work in it")
+            self.assertFalse(os.path.exists(case))
 
     def test_another_stands_there(self):
         """With a lock, a half-written time, tables and processor folders of its own; not one byte of it changes."""
