@@ -66,13 +66,14 @@ def gray_thornton_layers(y, t, L, f=-1.0):
     return np.where(y < -shock, 1.0, np.where(y > shock, 0.0, fan))
 
 
-def chute_height(phi0):
-    """Bagnold's flow 1 - (1 - s)^1.5, 0 <= s <= 1, carries in a mixture phi0; where all small grains run below the large
-    ones, they reach up to the s below which a share phi0 of the flow runs."""
-    low, high = 0.0, 1.0
+def chute_height(phi0, percolation):
+    """Bagnold's flow 1 - (1 - s)^1.5, 0 <= s <= 1, carries in a mixture phi0, in which small grains percolate along the flow,
+    too, at a speed in units of the flow's at the surface; where all small grains run below the large ones, they reach up to
+    the s below which as much runs as small grains come in."""
+    low, high, enter = 0.0, 1.0, 0.6 * phi0 + percolation * phi0 * (1 - phi0)
     while high - low > 1e-15:
         s = (low + high) / 2
-        low, high = (s, high) if s - 0.4 * (1 - (1 - s) ** 2.5) < phi0 * 0.6 else (low, s)
+        low, high = (s, high) if s - 0.4 * (1 - (1 - s) ** 2.5) < enter else (low, s)
     return low
 
 

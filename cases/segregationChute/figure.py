@@ -21,7 +21,7 @@ for ax, t in zip(axes.flat, (0.5, 1.5, 6)):
     picture = ax.pcolormesh(x, 1e3 * y, phi, vmin=0, vmax=1, cmap="RdYlBu_r", rasterized=True)
     figures.label(ax, "$x$ (m)", "$y$ (mm)", f"{t:g} s")
 fig.colorbar(picture, ax=axes[1][0], label=r"$\phi$")
-height = H * segregation.chute_height(0.5)
+height = H * segregation.chute_height(0.5, 0.02 * 0.43837 / 0.3)
 last = axes[1][1]
 last.plot(phi[:, -1], 1e3 * y, label="outlet, 6 s")
 last.axhline(1e3 * height, color="0.5", linewidth=0.7, label="sorted, same flux")

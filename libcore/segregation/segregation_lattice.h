@@ -4,8 +4,9 @@
  *
  * with u, f (along the direction of percolation) and D given on the faces. A gas of steady flow has its density as
  * capacity, and u, f and D times its density. A face where all three are 0 is a wall; cells whose faces are all walls
- * are holes. Where u has no divergence on the lattice, sum of u area = 0 over each cell, a uniform phi without
- * percolation stays to round-off, and 0 <= phi <= 1 is kept.
+ * are holes. Through the other faces of the boundary goes what goes inside: all three fluxes where phi is given on
+ * them, the first two where phi is that of the cell. Where u has no divergence on the lattice, sum of u area = 0 over
+ * each cell, a uniform phi without percolation stays to round-off, and 0 <= phi <= 1 is kept.
  *
  * The scheme is Crank-Nicolson, linearised at the old time and factored by axes (Beam & Warming 1976): a tridiagonal
  * system for each line of cells, second order in space and time; on one axis it is Newton's first iterate of
@@ -22,9 +23,12 @@
 struct segregation_lattice { /* borrowed, with its arrays; cells: axis 0 fastest */
     int dim, n[MAX_DIM];     /* cells along each axis, at least 2; 1 beyond dim */
     double width[MAX_DIM];   /* m */
-    /* Velocity m/s, percolation velocity m/s, diffusivity m^2/s on the faces of axis k, n[k] + 1 along it. On the
-     * boundary percolation and diffusivity must be 0; where u leads in there, phi is `inflow` (NULL: 0). */
-    const double *u[MAX_DIM], *f[MAX_DIM], *D[MAX_DIM], *inflow[MAX_DIM];
+    /* Velocity m/s, percolation velocity m/s, diffusivity m^2/s on the faces of axis k, n[k] + 1 along it. */
+    const double *u[MAX_DIM], *f[MAX_DIM], *D[MAX_DIM];
+    /* On which faces of the boundary is phi given, and as what? `fixed` NULL: on none. On the others phi is that of the
+     * cell. Inside and on seams `fixed` is false. */
+    const bool *fixed[MAX_DIM];
+    const double *value[MAX_DIM];
     const double *capacity; /* [cells], greater than 0; NULL: 1 */
     bool cyclic[MAX_DIM];   /* the first and the last faces of the axis are the same: u, f and D are, too */
     /* Computes D on the faces of axis k from phi there, 0 on walls. NULL: the arrays D above hold. */

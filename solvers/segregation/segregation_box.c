@@ -46,21 +46,27 @@ static double mean_of(const double *cells, int one, int other, double standard) 
     return cells ? 0.5 * (cells[one] + cells[other]) : standard;
 }
 
-/* Sets a face between two cells; x is its place. */
-static status inner_face(const struct builder *a, int one, int other, const double x[3], int k, long at) {
+/* Sets percolation and diffusion on a face between two cells; x is its place. */
+static status set_laws(const struct builder *a, int one, int other, const double x[3], int k, long at) {
     const struct segregation_models *m = a->m;
     const struct segregation_flow *flow = a->flow;
-    const int axis = a->s->axis[k];
     const double weight = mean_of(flow->density, one, other, 1), shear = mean_of(flow->shear_rate, one, other, 0);
     double f = m->velocity_law ? expr_value(m->velocity_law, x[0], x[1], x[2], 0) : m->velocity;
     f = mean_of(flow->percolation, one, other, f);
     if (!isfinite(f))
         return fail(ERR_INPUT, "%s: percolation: f is %g at (%g %g %g)", dict_path(m->properties), f, x[0], x[1], x[2]);
     TRY(segregation_diffusivity_check(m, x, shear));
-    a->b->f[k][at] = weight * f * m->direction[axis];
+    a->b->f[k][at] = weight * f * m->direction[a->s->axis[k]];
     a->b->D[k][at] = weight * segregation_diffusivity(m, x, 0, shear);
-    a->b->open[k][at] = true;
     if (a->b->around[k]) memcpy(a->b->around[k] + 5 * at, (double[]){x[0], x[1], x[2], shear, weight}, 5 * sizeof *x);
+    return OK;
+}
+
+static status inner_face(const struct builder *a, int one, int other, const double x[3], int k, long at) {
+    const struct segregation_flow *flow = a->flow;
+    const int axis = a->s->axis[k];
+    TRY(set_laws(a, one, other, x, k, at));
+    a->b->open[k][at] = true;
     if (!flow->U) return OK;
     const double below = flow->U[3L * one + axis], above = flow->U[3L * other + axis];
     a->b->u[k][at] =
@@ -73,35 +79,52 @@ static void diffusivity_law(const void *context, int k, const double *phi, doubl
     const long faces = b->cells / b->lattice.n[k] * (b->lattice.n[k] + 1);
     for (long i = 0; i < faces; i++) {
         const double *around = b->around[k] + 5 * i;
-        D[i] = b->open[k][i] ? around[4] * larger(0, segregation_diffusivity(b->models, around, phi[i], around[3])) : 0;
+        const bool passes = b->open[k][i] || b->fixed[k][i];
+        D[i] = passes ? around[4] * larger(0, segregation_diffusivity(b->models, around, phi[i], around[3])) : 0;
     }
+}
+
+/* Fails if the patch lets phi through but is a wall of U, or of the mesh where U has no patches. */
+static status check_open(const struct builder *a, int p) {
+    const struct patch_field *phi = &a->phi->patch[p], *U = a->flow->given ? &a->flow->given->patch[p] : NULL;
+    const struct patch *patch = &a->s->mesh->patch[p];
+    if (U ? !boundary_is_wall(boundary_find(U->type)) : !strcmp(patch->type, "patch")) return OK;
+    return fail(ERR_INPUT, "%s:%d: patch %s: %s is '%s' there, a wall: phi must be noFlux", dict_path(a->phi->dict),
+                phi->line, patch->name, U ? "U" : "the mesh", U ? U->type : patch->type);
+}
+
+/* Returns the velocity along axis k on face i of patch p. */
+static double patch_velocity(const struct builder *a, int p, long i, int k) {
+    const struct segregation_flow *flow = a->flow;
+    const struct patch_field *U = flow->given ? &flow->given->patch[p] : NULL;
+    const int cell = a->s->mesh->owner[a->s->mesh->patch[p].start + i], axis = a->s->axis[k];
+    if (U && !strcmp(U->type, "fixedValue")) return (U->values ? U->values + 3 * i : U->uniform)[axis];
+    return flow->U ? flow->U[3L * cell + axis] : 0;
 }
 
 /* Sets a face on the boundary; sign is +1 where the axis leads out. */
 static status outer_face(const struct builder *a, int face, int k, long at, double sign) {
     const struct polymesh *mesh = a->s->mesh;
-    const int axis = a->s->axis[k];
+    struct segregation_box *b = a->b;
     int p = 0;
     while (face >= mesh->patch[p].start + mesh->patch[p].nfaces) p++;
-    const struct segregation_flow *flow = a->flow;
-    const struct patch_field *phi = &a->phi->patch[p], *U = flow->given ? &flow->given->patch[p] : NULL;
+    const struct patch_field *phi = &a->phi->patch[p];
     const long i = face - mesh->patch[p].start;
-    if (!flow->U || !strcmp(phi->type, "noFlux")) return OK;
-    const char *name = U ? U->type : mesh->patch[p].type;
-    const struct boundary_type *type = boundary_find(name);
-    if (U ? boundary_is_wall(type) : strcmp(name, "patch") != 0)
-        return fail(ERR_INPUT, "%s:%d: patch %s: U is '%s' there, a wall: phi must be noFlux", dict_path(a->phi->dict),
-                    phi->line, mesh->patch[p].name, name);
-    const bool fixed = U && !strcmp(name, "fixedValue");
-    const double u =
-        fixed ? (U->values ? U->values + 3 * i : U->uniform)[axis] : flow->U[3L * mesh->owner[face] + axis];
-    a->b->u[k][at] = flow->density ? flow->density[mesh->owner[face]] * u : u;
-    if (u * sign >= 0) return OK;
-    if (strcmp(phi->type, "fixedValue"))
-        return fail(ERR_INPUT, "%s:%d: patch %s: U leads in there; phi must be fixedValue", dict_path(a->phi->dict),
-                    phi->line, mesh->patch[p].name);
-    a->b->inflow[k][at] = phi->values ? phi->values[i] : phi->uniform[0];
-    return OK;
+    const int cell = mesh->owner[face];
+    if (!strcmp(phi->type, "noFlux")) return OK;
+    TRY(check_open(a, p));
+    const double u = patch_velocity(a, p, i, k);
+    double x[3];
+    memcpy(x, a->s->centre + 3L * cell, sizeof x);
+    x[a->s->axis[k]] += 0.5 * sign * a->s->lattice->width[k];
+    TRY(set_laws(a, cell, cell, x, k, at));
+    b->u[k][at] = a->flow->density ? a->flow->density[cell] * u : u;
+    b->fixed[k][at] = !strcmp(phi->type, "fixedValue");
+    b->through = true;
+    if (b->fixed[k][at]) b->value[k][at] = phi->values ? phi->values[i] : phi->uniform[0];
+    if (b->fixed[k][at] || u * sign >= 0) return OK;
+    return fail(ERR_INPUT, "%s:%d: patch %s: U leads in there; phi must be fixedValue", dict_path(a->phi->dict),
+                phi->line, mesh->patch[p].name);
 }
 
 /* Sets the two ends of a cyclic axis, which are one face: the values at the lower end hold at both. */
@@ -188,14 +211,16 @@ static status make_arrays(const struct builder *a) {
         TRY(allocate(&b->u[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->f[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->D[k], faces, sizeof(double), "faces"));
-        TRY(allocate(&b->inflow[k], faces, sizeof(double), "faces"));
+        TRY(allocate(&b->value[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->open[k], faces, sizeof(bool), "faces"));
+        TRY(allocate(&b->fixed[k], faces, sizeof(bool), "faces"));
         if (law) TRY(allocate(&b->around[k], 5 * faces, sizeof(double), "faces"));
         b->lattice.cyclic[k] = l->periodic[k] && l->n[k] > 1; /* on an axis of one cell the flux out is the flux in */
         b->lattice.u[k] = b->u[k];
         b->lattice.f[k] = b->f[k];
         b->lattice.D[k] = b->D[k];
-        b->lattice.inflow[k] = b->inflow[k];
+        b->lattice.fixed[k] = b->fixed[k];
+        b->lattice.value[k] = b->value[k];
     }
     return OK;
 }
@@ -231,8 +256,9 @@ void segregation_box_free(struct segregation_box *b) {
         free(b->u[k]);
         free(b->f[k]);
         free(b->D[k]);
-        free(b->inflow[k]);
+        free(b->value[k]);
         free(b->open[k]);
+        free(b->fixed[k]);
         free(b->around[k]);
     }
 }

@@ -13,11 +13,12 @@ struct segregation_box {
     long cells; /* number of places in the box, holes included */
     int *place; /* [ncells] index in the box of each polyMesh cell */
     /* [faces] of each axis; weight: [cells] capacity, kg/m^3; NULL: 1 */
-    double *u[3], *f[3], *D[3], *inflow[3], *weight;
+    double *u[3], *f[3], *D[3], *value[3], *weight;
     /* [faces][5] of each axis, NULL without D(phi): the other variables of D: x, shear rate, weight */
     double *around[3];
-    /* [faces] of each axis: is the face inside the mesh? */
-    bool *open[3];
+    /* [faces] of each axis: is the face inside the mesh? on a patch with a given phi? */
+    bool *open[3], *fixed[3];
+    bool through; /* does a patch let something through? */
     const struct segregation_models *models;
     bool flows;                     /* is U not 0 somewhere? */
     struct face_flow_change change; /* how U was made free of divergence, if it flows */

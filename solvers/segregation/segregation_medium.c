@@ -216,7 +216,8 @@ static status mixture_log(struct medium *m, FILE *f) {
     x->counts = n;
     if (!comm_root(m->setup->comm)) return OK;
     fprintf(f, "    phi %.6g .. %.6g  small grains %.10g (%s %+.2e)  iterations %ld in %ld solves\n", low, high, mass,
-            x->box.flows ? "change" : "drift", mass / x->mass - 1, n.iterations - was.iterations, n.steps - was.steps);
+            x->box.through ? "change" : "drift", mass / x->mass - 1, n.iterations - was.iterations,
+            n.steps - was.steps);
     if (n.corrected > was.corrected)
         fprintf(f, "    bounded: %ld faces of %ld solves (in all %ld)\n", n.corrected - was.corrected,
                 n.bounded - was.bounded, n.corrected);
@@ -273,7 +274,7 @@ static const struct patch_field *mixture_patch(const struct medium *m, int quant
 static const char help[] =
     "granularSegregation -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
-    "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through the walls,\n\n"
+    "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
     "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
     "them, and\n"
     "carried by a flow U: of the start folder, or of a time of a granularGas case (velocity { case ..; time ..; }), "

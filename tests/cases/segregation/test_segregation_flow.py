@@ -207,5 +207,48 @@ class Flow(mixtures.Mixture, unittest.TestCase):
         for other in results[1:]:
             np.testing.assert_allclose(other, results[0], atol=2e-4)  # Newton's one iteration
 
+    def test_inlet(self):
+        """phi on a patch with fixedValue is the value, whatever percolates and spreads there: the mixture that comes in at 0.5
+        stays 0.5. The flow, at rest or not, is along the axis; D = 0 is as far from resolved as can be."""
+        for u, f, D, outlet in ((0.3, 0.1, 0, "zeroGradient"), (0.3, 0.1, 0.01, "zeroGradient"), (0, 0.1, 0.05, "zeroGradient"),
+                                (0.3, -0.1, 0.05, "fixedValue; value uniform 0.5"), (0, 0, 0.05, "noFlux")):
+            n, size = (8, 4, 1), (0.4, 0.2, 0.1)
+            patches = f"xLow fixedValue; value uniform 0.5\nxHigh {outlet}"
+            U = np.tile((u, 0, 0), (32, 1)) if u else None
+            case = self.box(n, size, np.full(32, 0.1), laws(f, D, "1 0 0"), patches, 40, 0.05, U=U)
+            self.run_case(case)
+            np.testing.assert_allclose(self.phi(case), 0.5, atol=2e-9, err_msg=f"u {u}, f {f}, D {D}")
+
+    def kink_error(self, N, c, law):
+        """Mean error of a kink that stands oblique in a box of N by N cells, with its own values on all four patches; where it
+        would run at c, the flow carries it back."""
+        d, D, f, U = np.array((0.6, 0.8)), 0.05, -1.0, None
+
+        def exact(at):
+            return (c - f) / (2 * f) * (np.tanh((c - f) * (np.asarray(at) @ d - 0.7) / (2 * D)) - 1)
+
+        h = (np.arange(N) + 0.5) / N
+        ends = {"xLow": (0 * h, h), "xHigh": (1 + 0 * h, h), "yLow": (h, 0 * h), "yHigh": (h, 1 + 0 * h)}
+        patches = "\n".join(f"{name} fixedValue; value nonuniform List<scalar> {N} ("
+                            + " ".join("%.17g" % v for v in exact(np.transpose(at))) + ")" for name, at in ends.items())
+        at = harness.boxes.centres((N, N, 1), (1, 1, 0.1))[:, :2]
+        if c:
+            U = np.tile((-c * d[0], -c * d[1], 0), (N * N, 1))
+        text = laws(f, D, "0.6 0.8 0").replace("constant; value 0.05", law)
+        case = self.box((N, N, 1), (1, 1, 0.1), np.full(N * N, 0.3), text, patches, 40, 0.1, U=U)
+        log = self.run_case(case)
+        self.assertIn("(change ", log)
+        return np.mean(np.abs(self.phi(case) - exact(at)))
+
+    def test_oblique_kink(self):
+        """Order 2 with open patches all around, carried and at rest, wherever it starts from and with long steps; a law of phi
+        that says what a number says."""
+        for c, finest, law in ((-0.25, 4.6e-5, "constant; value 0.05"), (0, 9.1e-5, "constant; value 0.05"),
+                               (-0.25, 4.6e-5, 'expression; value "0.05 + 0*phi"')):
+            errors = [self.kink_error(N, c, law) for N in (16, 32, 64)]
+            self.assertLess(errors[2], finest)
+            for coarse, fine in zip(errors, errors[1:]):
+                self.assertAlmostEqual(np.log2(coarse / fine), 2, delta=0.1)
+
 if __name__ == "__main__":
     unittest.main()

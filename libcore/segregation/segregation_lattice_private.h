@@ -1,0 +1,63 @@
+/* Shared by the files of segregation on a lattice (segregation_lattice.h). */
+#ifndef LIBCORE_SEGREGATION_LATTICE_PRIVATE_H
+#define LIBCORE_SEGREGATION_LATTICE_PRIVATE_H
+
+#include "libcore/segregation/segregation_lattice.h"
+
+#include <stdlib.h>
+
+enum { LINES = BATCH }; /* lines of cells that are solved at a time */
+
+struct segregation_field {
+    struct segregation_lattice lattice;
+    struct segregation_lattice_counts counts;
+    long cells, faces[MAX_DIM], stride[MAX_DIM];
+    double rate, advance_rate; /* 1/s: largest rate of the flow; of the flow and diffusion */
+    bool coarse;               /* is the central flux on any face not monotone? */
+    double *room;
+    /* [faces] fluxes, means over the step; share of `flux` let through */
+    double *flux[MAX_DIM], *low_flux[MAX_DIM], *part[MAX_DIM];
+    /* [cells] change of phi; phi' of Crank-Nicolson, of the monotone steps; bounds of phi' */
+    double *change, *next, *low, *least, *most;
+    /* [cells] 1 / capacity; room of struct segregation_steps */
+    double *ease, *before, *whole, *halves;
+    double *D[MAX_DIM]; /* [faces] D from the law; NULL without one */
+    /* [cells] does the cell limit its faces; is it beside a coarse face? */
+    bool *watched, *sharp;
+    double *line_phi, *line_right, *line_up, *line_down, *line_above, *line_ease; /* [longest + 1][LINES] */
+    double *line_seam;
+};
+
+static inline long outer_count(const struct segregation_field *s, int k) {
+    return s->cells / (s->lattice.n[k] * s->stride[k]);
+}
+
+struct sides { /* faces of a cell along an axis */
+    long low, high;
+};
+static inline struct sides sides_of(const struct segregation_field *s, int k, long c) {
+    const long block = s->lattice.n[k] * s->stride[k], low = c + c / block * s->stride[k];
+    return (struct sides){low, low + s->stride[k]};
+}
+
+/* Sets the flux on all faces at phi: central, or monotone (Engquist & Osher). */
+void segregation_take_flux(const struct segregation_field *s, bool monotone, const double *phi,
+                           double *const flux[MAX_DIM]);
+/* Subtracts dt/capacity div flux from out. */
+void segregation_subtract(const struct segregation_field *s, double dt, double *const flux[MAX_DIM], double *out);
+
+struct edge { /* the flux along the axis on a face of the boundary, and its derivative to phi of the cell beside it */
+    double flux, slope;
+};
+struct edge segregation_edge(const struct segregation_field *s, int k, bool high, long face, double phi);
+/* Is phi given on the face? */
+static inline bool fixed_on(const struct segregation_lattice *l, int k, long face) {
+    return l->fixed[k] && l->fixed[k][face];
+}
+
+/* Is the flux through an inner face of the cell not monotone? */
+bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct sides sides);
+/* Brings s->next within its bounds; s->flux becomes its excess over the low flux. */
+void segregation_bound_lattice(struct segregation_field *s, double dt, const double *phi);
+
+#endif
