@@ -1,10 +1,10 @@
 """Compares a finished case with its expected.json.
 
-    expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance
+    expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time, value, tolerance (absolute), source; optional
-cells (the grid it holds for: per side in 2D, per radius or length of a body), paper (what the paper prints). `full` lists what Allrun gives,
-`short` what the coarser runs of the tests give.
+cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
+prints). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is the processor time of Allrun.
 """
 import json
 import os
@@ -162,18 +162,26 @@ def measure(case, entry):
 
 
 def describe(entry):
-    return f"{entry['quantity']} {entry.get('field', '')} at t = {entry['time']:g}".replace("  ", " ")
+    where = f" of {entry['folder']}" if entry.get("folder", ".") != "." else ""
+    return f"{entry['quantity']} {entry.get('field', '')}{where} at t = {entry['time']:g}".replace("  ", " ")
+
+
+def judge(path, entry):
+    """The value that the case in that folder has, whether it is as expected, and why there is none."""
+    try:
+        value = float(measure(haff.Case(os.path.join(path, entry.get("folder", ""))), entry))
+    except (KeyError, OSError, ValueError) as why:
+        return float("nan"), False, f"none ({why})"
+    return value, abs(value - entry["value"]) <= entry["tolerance"], ""
 
 
 def main(path):
     bad = 0
     for entry in load(path, "full"):
-        case = haff.Case(os.path.join(path, entry.get("folder", "")))
-        value = measure(case, entry)
-        good = abs(value - entry["value"]) <= entry["tolerance"]
+        value, good, why = judge(path, entry)
         bad += not good
         paper = f"  paper {entry['paper']}" if "paper" in entry else ""
-        print(f"{'ok ' if good else 'BAD'} {describe(entry)}: {value:.9g}, expected {entry['value']:.9g} "
+        print(f"{'ok ' if good else 'BAD'} {describe(entry)}: {why or '%.9g' % value}, expected {entry['value']:.9g} "
               f"+- {entry['tolerance']:g}{paper}")
     return bad > 0
 

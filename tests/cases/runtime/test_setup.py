@@ -119,8 +119,12 @@ class Setup(unittest.TestCase):
             for file in ("Allrun", "Allclean"):
                 self.assertTrue(os.stat(os.path.join(folder, file)).st_mode & stat.S_IXUSR)
             with open(os.path.join(folder, "expected.json")) as f:
-                for part in json.load(f).values():
-                    for entry in part:
+                expected = json.load(f)
+            self.assertGreater(expected["seconds"], 0)
+            self.assertTrue(expected["full"], name)
+            for part in ("full", "short"):
+                for entry in expected.get(part, []):
+                    with self.subTest(f"{name}: {entry['quantity']}"):
                         self.assertGreater(entry["tolerance"], 0)
                         self.assertTrue(entry["source"])
 

@@ -1,0 +1,73 @@
+"""Allcheck: cases in full in copies, beside their expected values; what is run again, and what fails."""
+import json
+import os
+import shutil
+import subprocess
+import unittest
+
+from tests.cases import harness
+
+
+class CheckCases(harness.Folder, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        """A repository with one case, `sod`, whose figure costs nothing."""
+        super().setUpClass()
+        cls.top = os.path.join(cls.folder, "a folder")
+        cls.case = os.path.join(cls.top, "cases", "sod")
+        shutil.copytree(os.path.join(harness.SOURCE, "cases", "sod"), cls.case, ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.png", "polyMesh"))
+        with open(os.path.join(cls.case, "figure.py"), "w") as f:
+            f.write("print('sod.png')\n")
+        shutil.copytree(os.path.join(harness.SOURCE, ".ci"), os.path.join(cls.top, ".ci"))
+        os.symlink(os.path.join(harness.SOURCE, "postprocessing"), os.path.join(cls.top, "postprocessing"))
+        os.makedirs(os.path.join(cls.top, "build"))
+        os.symlink(harness.BIN, os.path.join(cls.top, "build", "bin"))
+
+    def check(self, *arguments, code=0):
+        done = subprocess.run(["/usr/bin/python3", os.path.join(self.top, "postprocessing", "checkCases.py"), *arguments],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def expect(self, **entry):
+        path = os.path.join(self.case, "expected.json")
+        with open(path) as f:
+            known = json.load(f)
+        known["full"][0].update(entry)
+        with open(path, "w") as f:
+            json.dump(known, f)
+
+    def spent(self):
+        with open(os.path.join(self.top, "build", "check", "sod.json")) as f:
+            return json.load(f)["seconds"]
+
+    def test_runs(self):
+        self.assertIn("not run: sod", self.check("-within", "0"))
+        self.assertFalse(os.path.exists(os.path.join(self.top, "build", "check", "cases")))
+        out = self.check()
+        self.assertEqual((out.count("  ok\n"), out.count("FAILED")), (2, 0), out)
+        self.assertIn("1 of 1 cases", out)
+        self.assertEqual(sorted(os.listdir(self.case)), sorted(set(os.listdir(self.case)) - {"0.2", "postProcessing"}))
+        first = self.spent()
+        self.check("sod")
+        self.assertEqual(self.spent(), first)  # nothing has changed
+        self.expect(value=1.2)
+        self.assertRegex(self.check(code=1), r"maximum T at t = 0.2 +1\.14\d+ +1\.2 +\S+  FAILED")
+        self.expect(value=1.1414, time=0.17)
+        self.assertIn("time 0.17 was not written", self.check(code=1))
+        self.assertEqual(self.spent(), first)  # other values need no other run
+        self.expect(time=0.2)
+        harness.edit(self.case, "system/controlDict", endTime=0.1)
+        self.assertIn("time 0.2 was not written", self.check(code=1))
+        harness.edit(self.case, "system/controlDict", endTime="soon")
+        self.assertRegex(self.check(code=1), r"sod +Allrun ended with 1; see .*sod\.log +FAILED")
+        harness.edit(self.case, "system/controlDict", endTime=0.2)
+        self.check()
+
+    def test_command_line(self):
+        self.assertIn("no case sodd; there are: sod", self.check("sodd", code=2))
+        self.assertRegex(self.check("-list"), r"sod +[\d.]+ s +2 values")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,29 @@
+"""Numbers that README quotes from reports."""
+import os
+import re
+import unittest
+
+from tests.cases import harness
+
+
+def text(*path):
+    with open(os.path.join(harness.SOURCE, *path), encoding="utf-8") as f:
+        return f.read()
+
+
+class Numbers(unittest.TestCase):
+    def test_stress(self):
+        """README says how many of the random problems ran to their end, how many were stopped and how many collapsed, as the
+        report's row of all problems with the default schemes does."""
+        report = text("postprocessing", "reports", "stress.md")
+        head = re.search(r"^\| problem \|.*$", report, re.M).group().split("|")
+        row = re.search(r"^\| \*\*all\*\* \|.*$", report, re.M).group().split("|")
+        found = {name.strip(): value.strip() for name, value in zip(head, row)}
+        sentence = re.search(r"random problems,.*?stress\.md", text("README.md"), re.S).group()
+        for name in ("finished", "capped", "collapsed"):
+            self.assertIn(found[name], sentence, f"README.md quotes another share of problems {name} than stress.md has")
+        self.assertEqual(found["failed"], "0")
+
+
+if __name__ == "__main__":
+    unittest.main()
