@@ -2,10 +2,11 @@
 
     expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
 
-An entry of expected.json: quantity (a key of QUANTITIES), field, time, value, tolerance (absolute), source; optional
+An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
 prints). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is the processor time of Allrun.
 """
+import csv
 import json
 import os
 import re
@@ -17,6 +18,7 @@ import cellmap
 import columns
 import faraday
 import haff
+import obliqueShock
 import shocks
 from eos import GoldshteinShapiro, PerfectGas
 from riemann import BLAST, Riemann
@@ -105,6 +107,23 @@ def stand_off(case, _, time):
     return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
 
 
+def nose_pressure(case, _, time):
+    """Largest p over that of the stream at rest behind a normal shock."""
+    stream = shocks.upstream(case, gas(case), time)
+    behind = stream.behind(np.pi / 2)
+    return float(case.field("p", time).max() / obliqueShock.stagnation(gas(case), behind.rho, behind.T, behind.speed)[1])
+
+
+def swept(column):
+    """From rows of table/faradayDiagram.csv that cases/faradaySweep makes: a function of the list of that column."""
+    def take(function):
+        def value(case, _, time):
+            with open(os.path.join(case.path, "table", "faradayDiagram.csv"), newline="") as f:
+                return float(function([row[column] for row in csv.DictReader(f)]))
+        return value
+    return take
+
+
 def wavelength(case, _, time):
     """Of the pattern on a shaken layer over the last 50 cycles; nan where none stands."""
     layer = faraday.Layer(case)
@@ -144,6 +163,9 @@ QUANTITIES = {
     "error behind the shock": behind_shock,
     "L1 error of a wedge": wedge_error,
     "stand-off distance": stand_off,
+    "pressure at the nose": nose_pressure,
+    "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
+    "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
     "wavelength": wavelength,
 }
 
@@ -155,6 +177,8 @@ def load(path, part):
 
 def measure(case, entry):
     """The case's value of an entry; KeyError where the time was not written."""
+    if "time" not in entry:
+        return QUANTITIES[entry["quantity"]](case, entry.get("field"), None)
     time = case.time(entry["time"])
     if abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
         raise KeyError(f"{case.path}: time {entry['time']} was not written; the nearest is {time}")
@@ -163,7 +187,8 @@ def measure(case, entry):
 
 def describe(entry):
     where = f" of {entry['folder']}" if entry.get("folder", ".") != "." else ""
-    return f"{entry['quantity']} {entry.get('field', '')}{where} at t = {entry['time']:g}".replace("  ", " ")
+    moment = f" at t = {entry['time']:g}" if "time" in entry else ""
+    return f"{entry['quantity']} {entry.get('field', '')}{where}{moment}".replace("  ", " ").strip()
 
 
 def judge(path, entry):

@@ -271,15 +271,17 @@ void segregation_models_list(FILE *f) {
 }
 
 void segregation_boundaries_list(FILE *f) {
-    fprintf(f,
-            "  noFlux         a wall: nothing goes through; the only choice on a line of cells\n"
-            "  fixedValue     phi on the patch is the value: U phi, percolation and diffusion go through; needs value; "
-            "where U leads\n"
-            "                 in. Where waves run out and (|U| + |f|) h > 2 D, they carry phi of the cell\n"
-            "  zeroGradient   phi on the patch is that of the cell: U phi and percolation go through, no diffusion; "
-            "where U does\n"
-            "                 not lead in\n"
-            "  empty          the axis is not solved; on patches of type empty\n");
+    fprintf(
+        f, "  noFlux         a wall: nothing goes through; all that a line of cells takes\n"
+           "  fixedValue     phi on the patch is the value (needs value): U phi, percolation and diffusion go through. "
+           "Wanted where\n"
+           "                 U leads in. Where cells are too wide for D, (|U| + |f|) h > 2 D, waves that run out carry "
+           "phi of the\n"
+           "                 cell out\n"
+           "  zeroGradient   phi on the patch is that of the cell: U phi and percolation go through, diffusion does "
+           "not. Not where\n"
+           "                 U leads in\n"
+           "  empty          the axis is not solved; on patches of type empty\n");
 }
 
 static const char *text_of(const struct dict *d, const char *sub, const char *key) {
