@@ -33,6 +33,9 @@ static void widen(double *least, double *most, double a, double b) {
     *least = smaller(*least, smaller(a, b));
     *most = larger(*most, larger(a, b));
 }
+static void widen_by_given(const struct segregation_lattice *l, int k, long face, double *least, double *most) {
+    if (fixed_on(l, k, face)) widen(least, most, l->value[k][face], l->value[k][face]);
+}
 static void find_bounds(struct segregation_field *s, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
     long i[MAX_DIM] = {0};
@@ -40,16 +43,14 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
         double least = 1, most = 0;
         widen(&least, &most, phi[c], s->low[c]);
         for (int k = 0; k < l->dim && s->sharp[c]; k++) {
-            const struct sides f = sides_of(s, k, c);
             /* 0: the cell itself stands for its neighbour */
             const long around = l->cyclic[k] ? (l->n[k] - 1) * s->stride[k] : 0;
             const long below = i[k] > 0 ? c - s->stride[k] : c + around;
             const long above = i[k] < l->n[k] - 1 ? c + s->stride[k] : c - around;
             widen(&least, &most, phi[below], s->low[below]);
             widen(&least, &most, phi[above], s->low[above]);
-            if (i[k] == 0 && fixed_on(l, k, f.low)) widen(&least, &most, l->value[k][f.low], l->value[k][f.low]);
-            if (i[k] == l->n[k] - 1 && fixed_on(l, k, f.high))
-                widen(&least, &most, l->value[k][f.high], l->value[k][f.high]);
+            if (i[k] == 0) widen_by_given(l, k, sides_of(s, k, c).low, &least, &most);
+            if (i[k] == l->n[k] - 1) widen_by_given(l, k, sides_of(s, k, c).high, &least, &most);
         }
         s->least[c] = s->sharp[c] ? larger(least, 0) : 0;
         s->most[c] = s->sharp[c] ? smaller(most, 1) : 1;
