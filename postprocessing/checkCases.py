@@ -17,7 +17,6 @@ import time
 import expected
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAMS = ("granularGas", "granularMD", "granularSegregation", "gmshToCase")
 RESULTS = shutil.ignore_patterns("[1-9]*", "0.[0-9]*", "polyMesh", "postProcessing", "VTK", "*.msh", "log.*", ".haff.lock", "__pycache__")
 UNREAD = re.compile(r"README\.md|expected\.json|figure\.py|.*\.png")  # what a run does not depend on
 
@@ -59,14 +58,16 @@ class Copy:
 
     def stamp(self):
         """Of the programs and of all files that the run may read."""
-        files = [os.path.join(TOP, "build", "bin", p) for p in PROGRAMS]
+        files, programs = [], {"gmshToCase"}
         for name in sources(self.name):
             folder = os.path.join(TOP, "cases", name)
             for base, folders, found in os.walk(folder):
                 folders[:] = sorted(set(folders) - RESULTS(base, folders))
                 files += [os.path.join(base, n) for n in sorted(set(found) - RESULTS(base, found)) if not UNREAD.fullmatch(n)]
+            with open(os.path.join(folder, "system", "controlDict")) as f:
+                programs.update(re.findall(r"^\s*application\s+(\w+)\s*;", f.read(), re.M))
         digest = hashlib.sha256()
-        for file in files:
+        for file in files + [os.path.join(TOP, "build", "bin", p) for p in sorted(programs)]:
             with open(file, "rb") as f:
                 digest.update(os.path.relpath(file, TOP).encode() + b"\0" + f.read() + b"\0")
         return digest.hexdigest()
