@@ -128,6 +128,9 @@ class Flow(mixtures.Mixture, unittest.TestCase):
                 ("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearate"', "did you mean 'shearRate'?"),
                 ("constant/segregationProperties", "direction (0 1 0);", "", "constant/g"))
         self.refused(still, rows, ("checkCase", still))
+        still = self.box((4, 4, 1), (1, 1, 0.1), np.full(16, 0.5), laws(-1, 0.1), "xLow zeroGradient", 1, 0.1)
+        rows = (("constant/polyMesh/boundary", "type patch", "type wall", "the mesh is 'wall' there, a wall: phi must be noFlux"),)
+        self.refused(still, rows, ("checkCase", still))
 
     def test_gravity(self):
         """Without a direction f is counted against gravity."""
