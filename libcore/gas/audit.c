@@ -11,9 +11,14 @@ struct account {
     double gained[GAS_CAUSES];   /* J: energy by cause */
     double sourced[SOURCE_MOST]; /* J: energy by source */
 };
+struct warm { /* context of warm_row */
+    const struct gas *g;
+    const struct state *from;
+};
 struct audit {
     bool known[GAS_CAUSES];          /* may the cause change the gas? Else its changes are unaccounted */
     struct account now, start, mark; /* of this attempt; at the start of the step; noted by audit_mark */
+    double weight;                   /* J: energy since the last look from gravity in the stages */
     double work;                     /* J: energy since the last look from sources that have a formula */
     int measured;                    /* row of the source since then that has none; -1: there is none */
     double first[2], floors[2]; /* mass (kg) and energy (J) at the start; those that the floors had added by then */
@@ -60,7 +65,9 @@ void audit_free(struct audit *a) {
 }
 
 void audit_begin(struct gas *g) {
-    if (g->audit) g->audit->now = g->audit->start;
+    if (!g->audit) return;
+    g->audit->now = g->audit->start;
+    g->audit->weight = 0;
 }
 
 void audit_mark(struct gas *g, bool back) {
@@ -69,20 +76,62 @@ void audit_mark(struct gas *g, bool back) {
     if (a) a->mark = a->now;
 }
 
-/* Takes the totals of a state; returns the change of energy since the last look. */
-static double look(struct gas *g, const struct state *now) {
-    struct audit *a = g->audit;
-    const double before = a->now.totals[g->dim + 1];
-    status e = g->engine->state.totals(g, now, a->now.totals);
+/* Keeps the first error. */
+static void note_status(struct audit *a, status e) {
     if (a->failed)
         status_free(e);
     else
         a->failed = e;
+}
+
+/* Takes the totals of a state; returns the change of energy since the last look. */
+static double look(struct gas *g, const struct state *now) {
+    struct audit *a = g->audit;
+    const double before = a->now.totals[g->dim + 1];
+    note_status(a, g->engine->state.totals(g, now, a->now.totals));
     return a->now.totals[g->dim + 1] - before;
 }
 
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
-    if (g->audit) g->audit->now.gained[cause] += look(g, now);
+    struct audit *a = g->audit;
+    if (!a) return;
+    a->now.gained[cause] += look(g, now) - a->weight;
+    a->weight = 0;
+}
+
+/* Writes the warm cells' part of a row to the scratch W, zero for cold ones. */
+static void warm_row(void *gas, const struct row *row) {
+    const struct warm *w = gas;
+    const struct gas *g = w->g;
+    const double *falls = g->falls[row->block] + row->at;
+    for (int v = 0; v < g->nvar; v++) {
+        const long at = v * g->size + row->at;
+        const double *from = w->from->block[row->block] + at;
+        double *to = g->W.block[row->block] + at;
+        for (int i = 0; i < row->n; i++) to[i] = falls[i] > 0 ? 0 : from[i];
+    }
+}
+
+static void book_weight(struct gas *g, double work) {
+    g->audit->weight += work;
+    g->audit->now.sourced[source_gravity_row()] += work;
+}
+
+void audit_weight(struct gas *g, const struct state *from, double part) {
+    double totals[MAX_VAR], work = 0;
+    if (!g->audit || !g->falls) return;
+    g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
+    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
+    note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
+    for (int k = 0; k < g->dim; k++) work += part * g->gravity[k] * totals[k + 1];
+    book_weight(g, work);
+}
+
+void audit_dropped(struct gas *g, double part) {
+    double sum = 0;
+    if (!g->audit || !g->falls) return;
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+    book_weight(g, part * sum);
 }
 
 /* A formula sees the mass and the momentum of the last look. So totals are looked at before a source whose formula asks

@@ -25,6 +25,10 @@ void audit_part(struct gas *g, enum gas_cause cause, const struct state *now);
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
                    const struct state *scratch);
 void audit_sourced(struct gas *g, const struct state *now);
+/* Book the work of gravity in a stage from `from`, of which the share `part` of dt reaches the end of the step; and
+ * what drop_row added to it. The next audit_part books the rest of the stages. */
+void audit_weight(struct gas *g, const struct state *from, double part);
+void audit_dropped(struct gas *g, double part);
 /* Notes the account before a part that may be done again; back: returns to the last note first, as it is done again. */
 void audit_mark(struct gas *g, bool back);
 /* The attempt stands. Returns the first error of its sums. */

@@ -53,6 +53,14 @@ struct gas {
     double *fill[2]; /* [nraised] mass and energy per m^3 that the density floor added to the result; NULL without it */
     double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
 
+    /* Gravity is a part of div F in the stages, where the fluxes know the pressure that carries gas at rest. Only in
+     * cold cells, which fall freely, half of it acts before the stages and half behind them, and leaves their T alone:
+     * in a stage it would take the square of the velocity gained from an energy that is smaller. */
+    double **falls;          /* [blocks][size] 1 in cold cells, else 0; NULL without gravity */
+    bool *falling;           /* [blocks] has the block a cold cell? */
+    double gravity[MAX_DIM]; /* m/s^2: at the time of the stage in hand */
+    double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
+
     double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
     bool late;                 /* is diffusion in the second half of the step, before cooling? */
     bool ahead;                /* are the coefficients of diffusion those at the end of the half step (diffusion.c)? */
@@ -125,6 +133,16 @@ void root_row(int n, double *restrict c);
 /* Computes to = W + a (U0 - W), W = from + dt residual. */
 void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
                 const double *restrict residual, double *restrict to);
+/* Adds to the residuals of rho u and E what gravity gives n <= BATCH cells, rho g and rho u.g; not where falls is 1
+ * (NULL: it is 0 everywhere) or flag is above 0. */
+void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
+               double *const residual[MAX_VAR]);
+/* Lets n <= BATCH states `to` = W + a (U0 - W), W = from + dt residual, fall where weigh_row left them out for their
+ * flags: there W falls over dt at its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more
+ * than by weigh_row. */
+void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,
+              const double *const from[MAX_VAR], double *const residual[MAX_VAR], double *const to[MAX_VAR],
+              double *dropped);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
 /* Takes from the energy E of n <= BATCH states of a block what the law's term of dilation takes over dt where div u is

@@ -49,6 +49,38 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
     update_line(n, a, dt, U0, from, residual, to);
 }
 
+KERNEL static void weigh_line(int n, double gravity, const double *restrict share, const double *restrict q,
+                              double *restrict residual) {
+    for (int i = 0; i < n; i++) residual[i] += q[i] * (share[i] * gravity);
+}
+
+void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
+               double *const residual[MAX_VAR]) {
+    double share[BATCH];
+    for (int i = 0; i < n; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
+    for (int k = 0; k < g->dim; k++) {
+        if (g->models.source.gravity[k] == 0) continue;
+        weigh_line(n, g->gravity[k], share, U[0], residual[k + 1]);
+        weigh_line(n, g->gravity[k], share, U[k + 1], residual[g->dim + 1]);
+    }
+}
+
+void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,
+              const double *const from[MAX_VAR], double *const residual[MAX_VAR], double *const to[MAX_VAR],
+              double *dropped) {
+    const int last = g->dim + 1;
+    for (int i = 0; i < n; i++) {
+        if ((falls && falls[i] > 0) || !(flag[i] > 0)) continue;
+        const double rho = from[0][i] + dt * residual[0][i];
+        for (int k = 0; k < g->dim; k++) {
+            const double kick = dt * g->gravity[k], moved = dt * residual[k + 1][i];
+            to[k + 1][i] += (1 - a) * (rho * kick);
+            to[last][i] += (1 - a) * (kick * (from[k + 1][i] + moved + 0.5 * rho * kick));
+            dropped[i * g->raised_step] += kick * (moved + 0.5 * rho * kick);
+        }
+    }
+}
+
 /* The heat q = dt dilation div u is that of the beginning or of the end of a half step, whose errors cancel in a whole
  * step. Of the internal energy I before the stress it takes or adds I z/sqrt(1 + z^2), z = q/I: q, but for terms of
  * third order, and never more than there is, as q would in packed gas, where zeta_U is large. */
@@ -108,6 +140,19 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
     }
 }
 
+static double *falls_of(const struct gas *g, const struct row *row) {
+    return g->falls ? g->falls[row->block] + row->at : NULL;
+}
+
+/* Notes whether a cell of the row falls. A background stands for all cells of its tile until their own rows come. */
+static void note_falling(const struct gas *g, const struct row *row) {
+    double *falls = g->falls[row->block];
+    bool any = false;
+    for (int i = 0; i < row->n; i++) any |= falls[row->at + i] > 0;
+    g->falling[row->block] |= any;
+    for (long i = 1; g->forest && row->at == 0 && i < g->size; i++) falls[i] = falls[0];
+}
+
 void source_row(void *half_step, const struct row *row) {
     struct half_step *h = half_step;
     const struct gas *g = h->g;
@@ -117,7 +162,8 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
-    source_apply(h->plan, row->n, U);
+    source_apply(h->plan, row->n, U, falls_of(g, row));
+    if (g->falls && h->plan->warm >= 0) note_falling(g, row);
     h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
 }
 

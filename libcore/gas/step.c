@@ -18,6 +18,39 @@ static const double LEAST_SHARE = 1. / 16;
 /* A step that is no longer than so many last digits of t is the end: t would be off by a hundredth of it. */
 static const double DIGITS = 64;
 
+/* Cells are cold below so many squares of the velocity that gravity gives in a step: an Euler step of a warm cell takes
+ * half of that square from its eps, so that at most 1/8 of eps is lost. */
+static const double WARM = 4;
+
+/* Returns the fraction of dt at which a stage begins: the sum of the stages before it, for dU/dt = 1. */
+static double part_of(const struct stepper *s, int stage) {
+    double start = 0, state = 0, next = 0;
+    for (int i = 0; i < stage; i++) {
+        state += s->b[i];
+        state += s->a[i] * (start - state);
+        if (i + 1 != s->exchange) continue;
+        stepper_exchange(start, &next, &state);
+        start = next;
+    }
+    return state;
+}
+
+/* Sets the gravity of a stage. */
+static void set_gravity(struct gas *g, double t, double dt, int stage) {
+    if (g->falls) source_gravity(&g->models.source, t, dt, part_of(g->models.stepper, stage), g->gravity);
+}
+
+/* Returns the eps above which cells are warm. */
+static double warm_of(const struct gas *g, double t, double dt) {
+    double gravity[2][MAX_DIM], square = 0;
+    for (int end = 0; end < 2; end++) source_gravity(&g->models.source, t, dt, end, gravity[end]);
+    for (int k = 0; k < g->dim; k++) {
+        const double most = dt * larger(fabs(gravity[0][k]), fabs(gravity[1][k]));
+        square += most * most;
+    }
+    return WARM * square;
+}
+
 /* Plans the sources over the first half of a step of dt from t on, or over the second half, in which they act
  * backwards. */
 static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
@@ -31,6 +64,10 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
                          const struct state *to) {
     struct source_plan plan;
     plan_sources(g, t, dt, second, &plan);
+    if (g->falls && !second) {
+        plan.warm = warm_of(g, t, dt);
+        memset(g->falling, 0, (size_t)(g->forest ? g->forest->ntiles : 1) * sizeof *g->falling);
+    }
     audit_sources(g, &plan, from, &g->W);
     const long bad = sources_apply(g, &plan, from, to);
     audit_sourced(g, to);
@@ -65,6 +102,7 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     long cells, before = 0;
     for (; (cells = g->engine->stage.share_flags(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
+    audit_dropped(g, (1 - a) * g->share);
     long count[2] = {g->faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
     g->counts.cells += cells;
@@ -201,6 +239,8 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     for (int stage = 0; stage < s->stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         const double a = s->a[stage], b = s->b[stage] * dt;
+        set_gravity(g, t, dt, stage);
+        audit_weight(g, from, (1 - a) * share_of(s, stage) * b);
         const long found = at_once && stage + 1 == s->stages
                                ? g->engine->stage.last_stage(g, U0, from, &g->W, a, b, &ending)
                                : g->engine->stage.stage(g, U0, from, &g->W, a, b);

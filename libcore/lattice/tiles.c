@@ -30,7 +30,18 @@ static status make_work(struct gas *g) {
         TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
         TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
     }
-    return OK;
+    long stride = 0;
+    for (int k = 1; k < g->dim; k++)
+        if (balance_acts(g, k)) stride = g->forest->stride[k];
+    return allocate(&w->normal, (2 * REACH + 2) * stride + BATCH, sizeof(double), "scratch");
+}
+
+/* Gravity needs to know which cells it acts on in the stages. */
+static status make_falls(struct gas *g) {
+    if (!source_falls(&g->models.source, g->dim)) return OK;
+    TRY(blocks_make(g->forest, 1, &g->falls));
+    TRY(allocate(&g->dropped, g->nraised, sizeof(double), "tiles"));
+    return allocate(&g->falling, g->forest->ntiles, sizeof(bool), "tiles");
 }
 
 static status make_activity(struct gas *g) {
@@ -79,6 +90,7 @@ static status tiles_make(struct gas *g) {
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
+    TRY(make_falls(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
@@ -87,12 +99,16 @@ static void tiles_free(struct gas *g) {
     struct tiles *x = g->tiles;
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
     floors_free(g);
+    blocks_free(g->forest, g->falls);
+    free(g->falling);
+    free(g->dropped);
     if (!x) return;
     tiles_diffuser_free(g);
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
-    void *single[] = {x->flagged,        x->sums,     x->activity.differ, x->activity.active, x->activity.needed,
-                      x->activity.quiet, x->work.eps, x->work.p,          x->work.c,          x->work.gruneisen};
+    void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
+                      x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
+                      x->work.c,          x->work.gruneisen, x->work.normal};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

@@ -9,7 +9,8 @@
 struct work { /* scratch of the tile in hand, [size] each: it stays in L2 through a stage */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
-    double *residual[MAX_VAR]; /* -div F */
+    double *residual[MAX_VAR]; /* -div F, with gravity */
+    double *normal;            /* momentum along the normal of the stencils of a row of faces (tiles_balance.c) */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -120,6 +121,29 @@ void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
 
 /* Fills the ghost layers of a tile's sides that are patches, by the patches' rules. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);
+
+/* A line of faces along an axis, whose left cells start at `offset`. */
+struct strip {
+    int tile, axis, n;
+    long offset;
+    int from; /* place of the first left cell along the axis: -1 below the tile */
+};
+
+enum { REACH = 2, LIFTS = 2 * REACH + 1 }; /* faces of a stencil besides its own on each side; all */
+/* The hydrostatic rise of p from the left cell to the face, and from the face to the right cell, in rows of faces. */
+struct lifts {
+    double left[BATCH + 8], right[BATCH + 8]; /* the faces of a row of cells and of their stencils, in whole vectors */
+};
+struct stencil_lifts { /* those at the faces m - REACH further than the faces of a strip, m = 0 .. LIFTS - 1 */
+    const double *left[LIFTS], *right[LIFTS];
+};
+/* Are there lifts for faces along an axis? */
+bool balance_acts(const struct gas *g, int axis);
+/* Computes the lifts at the faces of a strip: left[n], right[n]. */
+void balance_lifts(const struct gas *g, const double *U, const struct strip *s, double *left, double *right);
+/* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
+void balance_through(const struct gas *g, const struct strip *s, const struct stencil_lifts *lifts,
+                     const struct faces *f, const struct reconstruct *r);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */

@@ -94,13 +94,6 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
     return f;
 }
 
-/* A line of faces along an axis, whose left cells start at `offset`. */
-struct strip {
-    int tile, axis, n;
-    long offset;
-    int from; /* place of the first left cell along the axis: -1 below the tile */
-};
-
 /* A limited face between two tiles is counted by the tile that holds its left cell. */
 static bool is_counted(const struct gas *g, const struct strip *s, int i) {
     return s->from + (s->axis == 0 ? i : 0) >= 0 || g->forest->tile[s->tile].side[2 * s->axis].patch >= 0;
@@ -124,27 +117,37 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     }
 }
 
+/* Computes the fluxes through the faces f of a strip; lifts: NULL where gravity has no part along the axis. */
+static void through(const struct gas *g, const struct strip *s, const struct stencil_lifts *lifts,
+                    const struct faces *f, const struct reconstruct *r) {
+    if (lifts)
+        balance_through(g, s, lifts, f, r);
+    else
+        g->models.flux->through(f, g->models.eos, &g->models.material, r);
+}
+
 /* Takes the flux of first order at the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a
  * millionth of u^2, so that an undershoot of E by as little would leave the cell without pressure, and its neighbours
  * would press it to packing: the collapse that the threshold keeps away. */
-static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
-                           int column) {
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s,
+                           const struct stencil_lifts *lifts, double (*out)[BATCH], int column) {
     double lower[MAX_VAR][BATCH];
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, lower, 0);
     const double *rho = f.state[0];
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
     if (!any) return;
-    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    through(g, s, lifts, &f, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
             if (packed[i]) out[v][column + i] = lower[v][i];
 }
 
-static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
+static void face_fluxes(struct gas *g, const double *U, const struct strip *s, const struct stencil_lifts *lifts,
+                        double (*out)[BATCH], int column) {
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
-    g->models.flux->through(&f, g->models.eos, &g->models.material, g->models.reconstruct);
-    if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
+    through(g, s, lifts, &f, g->models.reconstruct);
+    if (g->models.material.threshold > 0) flatten_packed(g, U, s, lifts, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
 
@@ -160,7 +163,9 @@ struct update {
     struct gas *g;
     const double *U0, *from;
     double *to, *flag;
+    const double *falls; /* NULL: no cell of the tile falls */
     double a, dt;
+    double *dropped; /* NULL: no cell of the tile, nor beside it, is flagged */
     int bad;
 };
 
@@ -168,18 +173,34 @@ static void update_visit(void *context, long offset, int n) {
     struct update *u = context;
     const struct gas *g = u->g;
     long size = g->forest->size;
+    double *residual[MAX_VAR], *to[MAX_VAR];
+    const double *from[MAX_VAR], *falls = u->falls ? u->falls + offset : NULL;
+    for (int v = 0; v < g->nvar; v++) {
+        residual[v] = g->tiles->work.residual[v] + offset;
+        from[v] = u->from + v * size + offset;
+        to[v] = u->to + v * size + offset;
+    }
+    if (g->falls) weigh_row(g, n, from, falls, u->dropped ? u->flag + offset : NULL, residual);
     for (int v = 0; v < g->nvar; v++)
-        update_row(n, u->a, u->dt, u->U0 + v * size + offset, u->from + v * size + offset,
-                   g->tiles->work.residual[v] + offset, u->to + v * size + offset);
+        update_row(n, u->a, u->dt, u->U0 + v * size + offset, from[v], residual[v], to[v]);
+    if (g->falls && u->dropped) drop_row(g, n, u->a, u->dt, falls, u->flag + offset, from, residual, to, u->dropped);
     u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
     u->g->computed += n;
 }
 
-/* Advances the background, a cell whose residual is exactly zero, with the bits of update_row. */
+/* Advances the background, a cell whose residual is that of gravity alone, with the bits of update_visit. */
 static void settle_background(const struct update *u) {
-    for (int v = 0; v < u->g->nvar; v++) {
-        long at = v * u->g->forest->size;
-        u->to[at] = u->from[at] + u->a * (u->U0[at] - u->from[at]);
+    const struct gas *g = u->g;
+    double value[MAX_VAR] = {0}, *residual[MAX_VAR];
+    const double *from[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) {
+        residual[v] = &value[v];
+        from[v] = u->from + v * g->forest->size;
+    }
+    if (g->falls) weigh_row(g, 1, from, u->falls, NULL, residual);
+    for (int v = 0; v < g->nvar; v++) {
+        const long at = v * g->forest->size;
+        update_row(1, u->a, u->dt, u->U0 + at, from[v], residual[v], u->to + at);
     }
 }
 
@@ -187,11 +208,22 @@ static void settle_background(const struct update *u) {
 static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
     const struct forest *f = g->forest;
     double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
+    struct lifts lifts;
     struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.active, j, k);
     if (span_empty(s)) return;
     long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
     const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
-    face_fluxes(g, U, &strip, faces, 0);
+    struct stencil_lifts at;
+    if (balance_acts(g, 0)) {
+        const struct strip all = {
+            .tile = tile, .n = strip.n + 2 * REACH, .offset = strip.offset - REACH, .from = strip.from - REACH};
+        balance_lifts(g, U, &all, lifts.left, lifts.right);
+        for (int m = 0; m < LIFTS; m++) {
+            at.left[m] = lifts.left + m;
+            at.right[m] = lifts.right + m;
+        }
+    }
+    face_fluxes(g, U, &strip, balance_acts(g, 0) ? &at : NULL, faces, 0);
     for (int v = 0; v < g->nvar; v++)
         difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
 }
@@ -199,12 +231,38 @@ static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
 struct column { /* rows one above the other along `axis`, at place `outer` of the third axis */
     int axis, outer;
     double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
+    struct lifts lifts[LIFTS];       /* at the faces above row j in place (j + LIFTS) % LIFTS, where gravity acts */
 };
 
 static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
     const struct activity *a = &g->tiles->activity;
     if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
     return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
+}
+
+/* Computes the lifts at the faces above row j of a column, wherever the fluxes of active cells need them. */
+static void lift_row(struct gas *g, int tile, const double *U, struct column *c, int j) {
+    const struct forest *f = g->forest;
+    const struct activity *a = &g->tiles->activity;
+    const struct span *s =
+        activity_row(a, a->needed, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
+    const int low = s->low > 0 ? s->low : 0, width = f->tile[tile].n[0], high = s->high < width ? s->high : width;
+    const long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
+    const struct strip strip = {.tile = tile, .axis = c->axis, .n = high - low, .offset = row + low, .from = j};
+    struct lifts *to = &c->lifts[(j + LIFTS) % LIFTS];
+    if (low < high) balance_lifts(g, U, &strip, to->left + low, to->right + low);
+}
+
+/* Computes the lifts that the faces above row j of a column need and those above row j - 1 did not. */
+static struct stencil_lifts column_lifts(struct gas *g, int tile, const double *U, struct column *c, int j, int low) {
+    struct stencil_lifts at;
+    for (int m = j == -1 ? -REACH : REACH; m <= REACH; m++) lift_row(g, tile, U, c, j + m);
+    for (int m = -REACH; m <= REACH; m++) {
+        const struct lifts *row = &c->lifts[(j + m + LIFTS) % LIFTS];
+        at.left[REACH + m] = row->left + low;
+        at.right[REACH + m] = row->right + low;
+    }
+    return at;
 }
 
 /* Adds to the residual of row j of a column, j from -1 on, what its faces along the column's axis give. The faces
@@ -216,7 +274,10 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
     double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
     long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
     const struct strip strip = {.tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j};
-    if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
+    const bool balanced = balance_acts(g, c->axis);
+    struct stencil_lifts lifts;
+    if (balanced) lifts = column_lifts(g, tile, U, c, j, span_empty(s) ? 0 : s.low);
+    if (!span_empty(s)) face_fluxes(g, U, &strip, balanced ? &lifts : NULL, high, s.low);
     for (int v = 0; v < g->nvar && !span_empty(mine); v++)
         difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
                        g->tiles->work.residual[v] + row + mine.low);
@@ -269,6 +330,8 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .from = from->block[tile],
                             .to = to->block[tile],
                             .flag = g->tiles->flag[tile],
+                            .falls = g->falls && g->falling[tile] ? g->falls[tile] : NULL,
+                            .dropped = g->dropped && g->tiles->flagged[tile] ? &g->dropped[tile] : NULL,
                             .a = a,
                             .dt = dt};
     struct activity *active = &g->tiles->activity;

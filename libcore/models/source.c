@@ -69,6 +69,20 @@ void source_kick(const struct sources *s, double t, double dt, double kick[MAX_D
     for (int k = 0; k < MAX_DIM; k++) kick[k] = s->gravity[k] * time;
 }
 
+void source_gravity(const struct sources *s, double t, double dt, double part, double gravity[MAX_DIM]) {
+    double first[MAX_DIM], second[MAX_DIM];
+    source_kick(s, t, 0.5 * dt, first);
+    source_kick(s, t + 0.5 * dt, 0.5 * dt, second);
+    for (int k = 0; k < MAX_DIM; k++)
+        gravity[k] = (first[k] + second[k] + 4 * (part - 0.5) * (second[k] - first[k])) / dt;
+}
+
+bool source_falls(const struct sources *s, int dim) {
+    bool falls = false;
+    for (int k = 0; k < dim; k++) falls |= s->gravity[k] != 0;
+    return falls;
+}
+
 static void gravity_plan(struct source_step *s) {
     source_kick(s->all, s->t, s->dt, s->kick);
 }
@@ -77,18 +91,21 @@ KERNEL static void kick_momentum(int n, double kick, const double *restrict rho,
     for (int i = 0; i < n; i++) mom[i] += rho[i] * kick;
 }
 
+KERNEL static void kick_falling(int n, double kick, const double *restrict falls, const double *restrict rho,
+                                double *restrict mom) {
+    for (int i = 0; i < n; i++) mom[i] += rho[i] * (falls[i] * kick);
+}
+
 static void gravity_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
                          double *restrict eps) {
     (void)eps;
-    for (int k = 0; k < s->dim; k++)
-        if (s->kick[k] != 0) kick_momentum(n, s->kick[k], rho, mom[k]);
-}
-
-/* Returns kick . momentum + kick^2 mass/2. */
-static double gravity_gained(const struct source_step *s, const double totals[MAX_VAR]) {
-    double work = 0;
-    for (int k = 0; k < s->dim; k++) work += s->kick[k] * (totals[1 + k] + 0.5 * s->kick[k] * totals[0]);
-    return work;
+    for (int k = 0; k < s->dim; k++) {
+        if (s->kick[k] == 0) continue;
+        if (s->falls)
+            kick_falling(n, s->kick[k], s->falls, rho, mom[k]);
+        else
+            kick_momentum(n, s->kick[k], rho, mom[k]);
+    }
 }
 
 /* Linear drag by a gas between the grains, of velocity u_g: du/dt = -rate (u - u_g). It acts on each grain, so that
@@ -188,8 +205,7 @@ const struct source_type source_table[] = {
      .pushes = true,
      .active = gravity_active,
      .plan = gravity_plan,
-     .step = gravity_step,
-     .gained = gravity_gained},
+     .step = gravity_step},
     {.model = MODEL_WITH("linearDrag",
                          "a gas between the grains drags each of them: du/dt = -rate (u - velocity), dT/dt = -2 rate T",
                          linear_drag_param),
@@ -208,6 +224,12 @@ const struct source_type source_table[] = {
 };
 const int source_count = sizeof source_table / sizeof *source_table;
 _Static_assert(sizeof source_table / sizeof *source_table <= SOURCE_MOST, "struct sources has room for every row");
+
+int source_gravity_row(void) {
+    int row = 0;
+    while (source_table[row].step != gravity_step) row++;
+    return row;
+}
 
 bool source_row_active(const struct sources *s, const struct material *m, int row) {
     const struct source_type *r = &source_table[row];
@@ -239,12 +261,13 @@ bool source_thermal(const struct sources *s) {
 void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  bool backwards, struct source_plan *out) {
     out->n = 0;
+    out->warm = -1;
     for (int i = 0; i < source_count; i++) {
         const int row = backwards ? source_count - 1 - i : i;
         const struct source_type *r = &source_table[row];
         if (!source_row_active(s, m, row)) continue;
         struct source_step *step = &out->step[out->n++];
-        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, {0}, {0}};
+        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}};
         if (r->plan) r->plan(step);
     }
 }
@@ -284,11 +307,35 @@ KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const 
     for (int i = 0; i < n; i++) E[i] = rho[i] * eps[i] + 0.5 * E[i] / rho[i];
 }
 
-void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR]) {
+KERNEL static void find_falling(int n, double warm, const double *restrict eps, double *restrict falls) {
+    for (int i = 0; i < n; i++) falls[i] = eps[i] < warm ? 1 : 0;
+}
+
+static bool any_of(int n, const double *falls) {
+    bool any = false;
+    for (int i = 0; i < n; i++) any |= falls[i] != 0;
+    return any;
+}
+
+/* Has the plan a step that acts on one of the cells? */
+static bool acts(const struct source_plan *plan, int n, const double *falls) {
+    for (int i = 0; i < plan->n; i++)
+        if (plan->step[i].row->step != gravity_step || !falls || any_of(n, falls)) return true;
+    return false;
+}
+
+void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls) {
     double eps[BATCH];
-    if (plan->n == 0) return;
+    const bool find = falls && plan->warm >= 0;
+    if (plan->n == 0 || (!find && !acts(plan, n, falls))) return;
     const int dim = plan->step[0].dim;
     internal_energy(n, dim, U, eps);
-    for (int i = 0; i < plan->n; i++) plan->step[i].row->step(&plan->step[i], n, U[0], U + 1, eps);
+    if (find) find_falling(n, plan->warm, eps, falls);
+    if (find && !acts(plan, n, falls)) return;
+    for (int i = 0; i < plan->n; i++) {
+        struct source_step step = plan->step[i];
+        step.falls = falls;
+        step.row->step(&step, n, U[0], U + 1, eps);
+    }
     total_energy(n, dim, U, eps);
 }

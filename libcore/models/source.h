@@ -1,5 +1,6 @@
 /* Source terms: a table of terms that change velocity and temperature of a cell without its neighbours, integrated
- * exactly at frozen density.
+ * exactly at frozen density. Gravity is a source of cold cells alone; elsewhere it acts within the stages of the flow,
+ * so that it balances the pressure of gas at rest there (libcore/gas/gas_private.h, `falls`).
  *
  * A source is one row of source_table with the functions it names, all in source.c: reading, listing, both mesh
  * engines, diffusion, and the budget of energy work by the row. A step applies the sources over half of its time
@@ -33,7 +34,8 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     const struct eos *eos;
     const struct material *material;
     int dim;
-    double t, dt; /* s, from t to t + dt */
+    double t, dt;        /* s, from t to t + dt */
+    const double *falls; /* [n] 1 in cells that gravity acts on here, else 0; NULL: it does so in all cells */
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */
     double number[4];     /* further numbers that the row's step needs */
@@ -73,10 +75,16 @@ bool source_heats(const struct sources *s);
 
 /* Computes the velocity (m/s) that gravity gives from t to t + dt, the exact integral of g(t). */
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]);
+/* Computes the acceleration (m/s^2) at t + part dt by the line in time that has the kicks of both halves of a step. */
+void source_gravity(const struct sources *s, double t, double dt, double part, double gravity[MAX_DIM]);
+int source_gravity_row(void); /* its place in source_table */
+/* Has gravity a component along one of the first `dim` axes? */
+bool source_falls(const struct sources *s, int dim);
 
 struct source_plan { /* the active sources over one sub-step, in the order in which they act */
     int n;
     struct source_step step[SOURCE_MOST];
+    double warm; /* J/kg: source_apply finds which cells gravity acts on, those of eps below `warm`; < 0: it is told */
 };
 /* Plans the active sources from t to t + dt, in the order of the table, or `backwards`. */
 void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
@@ -85,7 +93,8 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
 void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  double pull[MAX_DIM]);
 
-/* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. */
-void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR]);
+/* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] of
+ * struct source_step, in or out as plan->warm says, or NULL. Cells on which nothing acts keep their bits. */
+void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
 
 #endif

@@ -26,6 +26,12 @@ static status make_lines(struct gas *g) {
     double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
+    if (source_falls(&g->models.source, g->dim)) {
+        TRY(allocate(&g->falls, 1, sizeof(double *), "cells"));
+        TRY(allocate(&g->falls[0], m->nown, sizeof(double), "cells"));
+        TRY(allocate(&g->dropped, m->nown, sizeof(double), "cells"));
+        TRY(allocate(&g->falling, 1, sizeof(bool), "cells"));
+    }
     TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
     TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
     TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
@@ -89,11 +95,13 @@ static void cells_free(struct gas *g) {
         free(states[i]->block);
     }
     floors_free(g);
-    double **by_diffusion[] = {g->friction, g->cooled};
-    for (int i = 0; i < 2; i++) {
-        if (by_diffusion[i]) free(by_diffusion[i][0]);
-        free(by_diffusion[i]);
+    double **lines[] = {g->friction, g->cooled, g->falls};
+    for (int i = 0; i < 3; i++) {
+        if (lines[i]) free(lines[i][0]);
+        free(lines[i]);
     }
+    free(g->falling);
+    free(g->dropped);
     if (!c) return;
     fit_free(c->fit);
     cells_diffuser_free(c->diffuser);

@@ -254,17 +254,25 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
                          double a, double dt) {
     struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
-    double residual[BATCH], bad[BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
+    double residuals[MAX_VAR][BATCH], bad[BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
     long count = 0;
     cells_lines(g, U0, start);
     cells_lines(g, from, in);
     cells_lines(g, to, out);
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        const double *from_at[MAX_VAR], *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL;
+        double *residual[MAX_VAR], *to_at[MAX_VAR];
         for (int v = 0; v < g->nvar; v++) {
-            cells_residuals(c, at, n, c->flux[v], residual);
-            update_row(n, a, dt, start[v] + at, in[v] + at, residual, out[v] + at);
+            residual[v] = residuals[v];
+            from_at[v] = in[v] + at;
+            to_at[v] = out[v] + at;
+            cells_residuals(c, at, n, c->flux[v], residual[v]);
         }
+        if (g->falls) weigh_row(g, n, from_at, falls, c->flagged ? c->flag + at : NULL, residual);
+        for (int v = 0; v < g->nvar; v++) update_row(n, a, dt, start[v] + at, from_at[v], residual[v], to_at[v]);
+        if (g->falls && c->flagged)
+            drop_row(g, n, a, dt, falls, c->flag + at, from_at, residual, to_at, g->dropped + at);
         if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
         for (int i = 0; i < n; i++) {
             c->flag[at + i] += bad[i];
@@ -301,6 +309,7 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     double *line[MAX_VAR];
     cells_lines(g, from, line);
     g->faces = 0;
+    if (g->dropped) memset(g->dropped, 0, (size_t)g->nraised * sizeof *g->dropped);
     face_fluxes(g, 0, g->cells->polyhedra->face.ninternal, (const double *const *)line);
     face_fluxes(g, g->cells->polyhedra->face.ninternal, g->cells->polyhedra->face.n, (const double *const *)line);
     (void)update_cells(g, U0, from, to, a, dt);

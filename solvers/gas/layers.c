@@ -110,8 +110,13 @@ struct bed { /* what the functions below share; lengths in m */
     bool down;                 /* does gravity point to the low side of the axis? */
     /* [n] volume of a cell; its lower and upper height above the floor; factor of the waves there */
     double *volume, (*reach)[2], *factor;
-    struct column *column;  /* NULL: the layer is uniform */
-    double per, area, laid; /* alpha / rho; m^2: of the floor; packing of a uniform layer */
+    struct column *column;   /* the isothermal column; NULL: the layer is uniform, or at rest in layers */
+    struct resting *resting; /* NULL: the cells do not lie in layers */
+    int layers, columns;     /* of it */
+    int *layer, *of_column;  /* [n] of each cell */
+    double *factors;         /* [columns] of the waves, in rising order */
+    double *rho;             /* [columns][layers] */
+    double per, area, laid;  /* alpha / rho; m^2: of the floor; packing of a uniform layer */
 };
 
 /* Returns the error "FILE:LINE: settledLayer: <format..>". */
@@ -243,35 +248,116 @@ static status make_waves(struct bed *b) {
                     : cannot(b->l, "perturbation", "the waves together leave no density in places; lower amplitude");
 }
 
+/* Compares numbers for qsort and bsearch. */
+static int in_order(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorts n numbers and drops those that exceed the one before by no more than `same`; returns how many are left. */
+static int unique(int n, double same, double *x) {
+    int left = 0;
+    qsort(x, (size_t)n, sizeof *x, in_order);
+    for (int i = 0; i < n; i++)
+        if (!left || x[i] - x[left - 1] > same) x[left++] = x[i];
+    return left;
+}
+
+/* Returns the place of the number of a rising list that is nearest to x. */
+static int nearest(int n, const double *list, double x) {
+    int low = 0, high = n - 1;
+    while (high - low > 1) *(list[(low + high) / 2] <= x ? &low : &high) = (low + high) / 2;
+    return x - list[low] <= list[high] - x ? low : high;
+}
+
+/* Finds the layers in which all cells lie, by their floors: bottom[layers]. None if a cell is higher than its layer. */
+static void find_layers(struct bed *b, double *bottom) {
+    const double height = b->high[b->up] - b->low[b->up], same = 1e-9 * height;
+    for (int i = 0; i < b->n; i++) bottom[i] = b->reach[i][0];
+    b->layers = unique(b->n, same, bottom);
+    for (int i = 0; i < b->n && b->layers; i++) {
+        b->layer[i] = nearest(b->layers, bottom, b->reach[i][0]);
+        const double top = b->layer[i] + 1 < b->layers ? bottom[b->layer[i] + 1] : height;
+        if (fabs(b->reach[i][1] - top) > same) b->layers = 0;
+    }
+}
+
+/* Makes the column at rest if all cells lie in layers, each of one T. */
+static status make_resting(struct bed *b, const struct field *T) {
+    double *bottom = NULL, *thick, *of_layer;
+    TRY(allocate(&b->layer, 2L * b->n, sizeof(int), "a layer"));
+    TRY(allocate(&b->factors, b->n, sizeof(double), "a layer"));
+    TRY(allocate(&bottom, 3L * b->n, sizeof(double), "a layer"));
+    thick = bottom + b->n;
+    of_layer = thick + b->n;
+    b->of_column = b->layer + b->n;
+    find_layers(b, bottom);
+    for (int j = 0; j < b->layers; j++)
+        thick[j] = (j + 1 < b->layers ? bottom[j + 1] : b->high[b->up] - b->low[b->up]) - bottom[j];
+    for (int i = b->n - 1; i >= 0 && b->layers; i--) of_layer[b->layer[i]] = T->values[i];
+    status s = OK;
+    for (int i = 0; i < b->n && b->layers && !s; i++)
+        if (!(T->values[i] > 0))
+            s = field_fail(T, b->place, i, "it must be greater than 0");
+        else if (T->values[i] != of_layer[b->layer[i]])
+            s = field_fail(T, b->place, i,
+                           "a hydrostatic settledLayer needs one T at each height, and another cell of this height has "
+                           "%g; or say in it  hydrostatic no;",
+                           of_layer[b->layer[i]]);
+    if (!s && b->layers) s = resting_make(b->models, b->g, b->layers, thick, of_layer, &b->resting);
+    free(bottom);
+    if (s || !b->layers) return s;
+    for (int i = 0; i < b->n; i++) b->factors[i] = b->l->of_depth ? b->factor[i] : 1;
+    b->columns = unique(b->n, 0, b->factors);
+    for (int i = 0; i < b->n; i++) b->of_column[i] = nearest(b->columns, b->factors, b->l->of_depth ? b->factor[i] : 1);
+    return allocate(&b->rho, (long)b->columns * b->layers, sizeof(double), "a layer");
+}
+
+/* Computes the columns at rest of the mass per area `mass`, times the waves' factors. */
+static status rest_columns(const struct bed *b, double mass) {
+    double *masses;
+    TRY(allocate(&masses, b->columns, sizeof(double), "a layer"));
+    for (int c = 0; c < b->columns; c++) masses[c] = mass * b->factors[c];
+    resting_columns(b->resting, b->columns, masses, b->rho);
+    free(masses);
+    return OK;
+}
+
 /* Returns alpha of a cell, without background, in a column of `mass` per area (kg/m^2). */
 static double packing_of(const struct bed *b, int i, double mass) {
     const double low = b->reach[i][0], high = b->reach[i][1];
+    if (b->resting) return b->per * b->rho[(long)b->of_column[i] * b->layers + b->layer[i]];
     if (!b->column) return b->laid * fmin(fmax(mass * b->per / b->laid - low, 0) / (high - low), 1);
     const double bottom = column_bottom(b->column, mass);
     return b->per * (column_above(b->column, bottom, low) - column_above(b->column, bottom, high)) / (high - low);
 }
 
-/* Sets alpha of a layer of the nominal `mass` per area; returns the mass that the box then holds per area of its
+/* Sets alpha of a layer of the nominal `mass` per area; *held is the mass that the box then holds per area of its
  * floor. */
-static double fill(const struct bed *b, double mass, double *alpha) {
+static status fill(const struct bed *b, double mass, double *alpha, double *held) {
     double sum = 0;
+    if (b->resting) TRY(rest_columns(b, mass));
     for (int i = 0; i < b->n; i++) {
         const double flat = b->l->of_depth ? 1 : b->factor[i], column = b->l->of_depth ? mass * b->factor[i] : mass;
         alpha[i] = fmax(flat * packing_of(b, i, column), b->l->background);
         sum += alpha[i] * b->volume[i];
     }
-    return sum / b->area / b->per;
+    *held = sum / b->area / b->per;
+    return OK;
 }
 
 /* Sets alpha so that the box holds `mass`. The background, waves that do not sum to zero over uneven cells, and cells
  * that are no boxes change the mass a little, so the nominal mass is moved until the box holds what was asked for. */
 static status settle(const struct bed *b, double mass, double *alpha) {
     enum { TRIALS = 100 };
-    double nominal = mass, missing = mass - fill(b, nominal, alpha);
+    double nominal = mass, held, missing;
+    TRY(fill(b, nominal, alpha, &held));
+    missing = mass - held;
     for (int k = 0; k < TRIALS && fabs(missing) > 1e-15 * mass; k++) {
         nominal += missing;
         if (!(nominal > 0)) break;
-        missing = mass - fill(b, nominal, alpha);
+        TRY(fill(b, nominal, alpha, &held));
+        missing = mass - held;
     }
     if (fabs(missing) < 1e-12 * mass) return OK;
     return cannot(b->l, "settledLayer",
@@ -282,11 +368,13 @@ static status settle(const struct bed *b, double mass, double *alpha) {
 static status make_column(struct bed *b, double mass, const struct field *T) {
     double most = 1;
     if (!T) return cannot(b->l, "settledLayer", "a hydrostatic layer needs T, not p; or say  hydrostatic no;");
+    TRY(make_resting(b, T));
+    if (b->resting) return OK;
     for (int i = 1; i < b->n; i++)
         if (T->values[i] != T->values[0])
             return field_fail(T, b->place, i,
-                              "a hydrostatic settledLayer needs one T everywhere, and cell 0 has %g; or say in it  "
-                              "hydrostatic no;",
+                              "a hydrostatic settledLayer needs one T everywhere where cells do not lie in layers, and "
+                              "cell 0 has %g; or say in it  hydrostatic no;",
                               T->values[0]);
     if (!(T->values[0] > 0)) return field_fail(T, b->place, 0, "it must be greater than 0");
     for (int i = 0; i < b->n; i++) most = fmax(most, b->factor[i]);
@@ -330,6 +418,10 @@ status layers_apply(const struct layers *l, struct field *f, const struct field_
     free(b.volume);
     free(b.reach);
     free(b.factor);
+    free(b.layer);
+    free(b.factors);
+    free(b.rho);
     column_free(b.column);
+    resting_free(b.resting);
     return e;
 }

@@ -5,11 +5,12 @@
  *   perturbation { modes 20; amplitude 1e-3; seed 1; of density; axis x; }
  *
  * The layer lies on the side of the box that gravity points to and holds depth * diameter * packing of grains per area,
- * to round-off. If it is `hydrostatic`, alpha falls with height so that dp/dh = -rho g at the case's (uniform) T, by
- * the model's own equation of state; otherwise alpha is `laidAt` up to the depth that the mass asks. Cells hold means
- * over their height. The waves, 1 + amplitude sum_k sin(2 pi (k x/L + phase_k)), multiply the density, or the mass of
- * each column (`of depth`: then the perturbed layer is in equilibrium, too). Layers are computed on the cells of the
- * polyMesh, for every engine alike. */
+ * to round-off. If it is `hydrostatic`, alpha falls with height so that dp/dh = -rho g at the case's T, by the model's
+ * own equation of state; otherwise alpha is `laidAt` up to the depth that the mass asks. Where all cells lie in layers,
+ * as on every lattice, a hydrostatic layer is at rest by the scheme itself, and T may differ from layer to layer; on
+ * other meshes T is uniform and cells hold means over their height. The waves, 1 + amplitude sum_k sin(2 pi (k x/L +
+ * phase_k)), multiply the density, or the mass of each column (`of depth`: then the perturbed layer is in equilibrium,
+ * too). Layers are computed on the cells of the polyMesh, for every engine alike. */
 #ifndef SOLVERS_LAYERS_H
 #define SOLVERS_LAYERS_H
 
@@ -41,5 +42,14 @@ double column_above(const struct column *c, double bottom, double h);
 /* Returns the mass per area above the floor, with what lies above the lid, of a column with `mass` between floor and
  * lid. */
 double column_bottom(const struct column *c, double mass);
+
+/* Columns of gas at rest by the scheme itself, on a mesh whose cells lie in layers. */
+struct resting;
+/* thick, T: [layers] m, m^2/s^2, from the floor up; g > 0: m/s^2. */
+status resting_make(const struct gas_models *models, double g, int layers, const double *thick, const double *T,
+                    struct resting **out);
+void resting_free(struct resting *r);
+/* Computes rho of n columns that hold mass[n] per area (kg/m^2): column i at out[i layers ..]. */
+void resting_columns(const struct resting *r, int n, const double *mass, double *out);
 
 #endif

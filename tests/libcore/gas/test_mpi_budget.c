@@ -48,10 +48,12 @@ static void open_scene(struct scene *s, int which, bool polyhedral, bool viscous
     start(s, at);
 }
 
-/* What each source gives to one cell in a step without flow; rho: of the cell. */
+/* What each source gives to one cell in a step without flow, in the middle of which gravity acts; rho: of the cell. */
 static void alone(const struct gas_models *m, double rho, double dt, double given[SOURCE_MOST]) {
     double x[3] = {0}, u[3] = {0}, T, before = 0, U[4], *at[MAX_VAR] = {U, U + 1, U + 2, U + 3};
+    double kick[MAX_DIM], warm = 0;
     struct source_plan plan;
+    source_kick(&m->source, 0, dt, kick);
     even(x, &rho, u, &T);
     U[0] = rho;
     U[1] = rho * u[0];
@@ -61,11 +63,17 @@ static void alone(const struct gas_models *m, double rho, double dt, double give
     for (int half = 0; half < 2; half++) {
         source_plan(&m->source, m->eos, &m->material, 2, 0.5 * dt * half, 0.5 * dt, half, &plan);
         for (int i = 0; i < plan.n; i++) {
-            struct source_plan one = {1, {plan.step[i]}};
-            source_apply(&one, 1, at);
+            struct source_plan one = {.n = 1, .step = {plan.step[i]}, .warm = -1};
+            source_apply(&one, 1, at, &warm);
             given[plan.step[i].row - source_table] += U[3] - before;
             before = U[3];
         }
+        for (int k = 0; k < 2 && !half; k++) {
+            U[3] += kick[k] * (U[k + 1] + 0.5 * rho * kick[k]);
+            U[k + 1] += rho * kick[k];
+        }
+        given[source_gravity_row()] += U[3] - before;
+        before = U[3];
     }
 }
 
