@@ -19,17 +19,17 @@ bool balance_acts(const struct gas *g, int axis) {
     return g->models.source.gravity[axis] != 0;
 }
 
-ALWAYS_INLINE double minmod(double a, double b) {
-    const double least = fabs(a) < fabs(b) ? a : b;
-    return a * b > 0 ? least : 0;
+ALWAYS_INLINE double clip(double x, double most) {
+    return smaller(larger(x, -most), most);
 }
 
 KERNEL static void lift_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
                              double *restrict left, double *restrict right) {
     for (int i = 0; i < n; i++) {
-        const double rise = p[i + stride] - p[i];
-        left[i] = minmod(half * rho[i], rise);
-        right[i] = minmod(half * rho[i + stride], rise);
+        const double a = half * rho[i], b = half * rho[i + stride];
+        const double rise = clip(a + b, larger(p[i], p[i + stride])), skew = clip(a - b, fabs(rise));
+        left[i] = 0.5 * (rise + skew);
+        right[i] = 0.5 * (rise - skew);
     }
 }
 
@@ -43,13 +43,15 @@ static void plain_lifts(const struct gas *g, const double *U, const struct strip
                   right + first);
 }
 
-/* Computes the lifts at n faces on a wall; inner: lifts to the opposite faces of the cells, p: their pressure. The wall
- * pulls no gas: P >= 0. */
-static void wall_lifts(int n, bool high, const double *inner, const double *p, double *left, double *right) {
+/* As plain_lifts, on a wall at the low or the high side. */
+static void wall_lifts(const struct gas *g, const double *U, const struct strip *s, int first, int n, bool high,
+                       double *left, double *right) {
+    const double half = 0.5 * g->forest->width[s->axis] * g->gravity[s->axis];
+    const long at = s->offset + first + (high ? 0 : g->forest->stride[s->axis]);
     for (int i = 0; i < n; i++) {
-        const double lift = high ? larger(inner[i], -p[i]) : smaller(inner[i], p[i]);
-        left[i] = high ? lift : -lift;
-        right[i] = -left[i];
+        const double lift = clip(half * U[at + i], g->tiles->work.p[at + i]);
+        left[first + i] = high ? lift : -lift;
+        right[first + i] = -left[first + i];
     }
 }
 
@@ -62,36 +64,25 @@ static bool wall_beyond(const struct gas *g, const struct strip *s, int high) {
 static void lifts_across(const struct gas *g, const double *U, const struct strip *s, double *left, double *right) {
     const int last = g->forest->tile[s->tile].n[s->axis] - 1;
     const bool low = wall_beyond(g, s, 0), high = wall_beyond(g, s, 1);
-    const long stride = g->forest->stride[s->axis];
-    const double *p = g->tiles->work.p + s->offset;
-    struct strip inner = *s;
-    if (low && s->from == -1) {
-        inner.offset += stride;
-        plain_lifts(g, U, &inner, 0, s->n, false, left, right);
-        wall_lifts(s->n, false, left, p + stride, left, right);
-    } else if (high && s->from == last) {
-        inner.offset -= stride;
-        plain_lifts(g, U, &inner, 0, s->n, false, left, right);
-        wall_lifts(s->n, true, right, p, left, right);
-    } else {
+    if (low && s->from == -1)
+        wall_lifts(g, U, s, 0, s->n, false, left, right);
+    else if (high && s->from == last)
+        wall_lifts(g, U, s, 0, s->n, true, left, right);
+    else
         plain_lifts(g, U, s, 0, s->n, (low && s->from < -1) || (high && s->from > last), left, right);
-    }
 }
 
 /* The lifts of faces one behind the other along axis 0. */
 static void lifts_along(const struct gas *g, const double *U, const struct strip *s, double *left, double *right) {
     const bool low = wall_beyond(g, s, 0), high = wall_beyond(g, s, 1);
-    const double *p = g->tiles->work.p + s->offset;
     /* the faces at the tile's sides, by their places in the strip */
     const int first = -1 - s->from, last = first + g->forest->tile[s->tile].n[0];
-    const int from = low ? first + 1 : 0, to = high && last < s->n ? last : s->n;
-    const int start = from > 0 ? from : 0;
-    plain_lifts(g, U, s, start, to - start, false, left, right);
+    const int from = low && first >= 0 ? first + 1 : 0, to = high && last < s->n ? last : s->n;
+    plain_lifts(g, U, s, from, to - from, false, left, right);
     if (low) plain_lifts(g, U, s, 0, first, true, left, right);
     if (high) plain_lifts(g, U, s, last + 1, s->n - last - 1, true, left, right);
-    if (low && first >= 0 && first + 1 < s->n)
-        wall_lifts(1, false, left + first + 1, p + first + 1, left + first, right + first);
-    if (high && last > 0 && last < s->n) wall_lifts(1, true, right + last - 1, p + last, left + last, right + last);
+    if (low && first >= 0 && first < s->n) wall_lifts(g, U, s, first, 1, false, left, right);
+    if (high && last >= 0 && last < s->n) wall_lifts(g, U, s, last, 1, true, left, right);
 }
 
 void balance_lifts(const struct gas *g, const double *U, const struct strip *s, double *left, double *right) {
