@@ -10,7 +10,7 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *normal;            /* momentum along the normal of the stencils of a row of faces (tiles_balance.c) */
+    double *rise; /* of the pressure of gas at rest, to the next cell along the axis; NULL without gravity */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -129,21 +129,13 @@ struct strip {
     int from; /* place of the first left cell along the axis: -1 below the tile */
 };
 
-enum { REACH = 2, LIFTS = 2 * REACH + 1 }; /* faces of a stencil besides its own on each side; all */
-/* The hydrostatic rise of p from the left cell to the face, and from the face to the right cell, in rows of faces. */
-struct lifts {
-    double left[BATCH + 8], right[BATCH + 8]; /* the faces of a row of cells and of their stencils, in whole vectors */
-};
-struct stencil_lifts { /* those at the faces m - REACH further than the faces of a strip, m = 0 .. LIFTS - 1 */
-    const double *left[LIFTS], *right[LIFTS];
-};
-/* Are there lifts for faces along an axis? */
+/* Does gravity act along an axis? */
 bool balance_acts(const struct gas *g, int axis);
-/* Computes the lifts at the faces of a strip: left[n], right[n]. */
-void balance_lifts(const struct gas *g, const double *U, const struct strip *s, double *left, double *right);
+/* Computes work.rise of n cells from place j along the axis on; along axis 0 they lie one behind the other there. */
+void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
-void balance_through(const struct gas *g, const struct strip *s, const struct stencil_lifts *lifts,
-                     const struct faces *f, const struct reconstruct *r);
+void balance_through(const struct gas *g, const double *U, const struct strip *s, const struct faces *f,
+                     const struct reconstruct *r);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */

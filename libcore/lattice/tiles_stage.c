@@ -117,11 +117,11 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     }
 }
 
-/* Computes the fluxes through the faces f of a strip; lifts: NULL where gravity has no part along the axis. */
-static void through(const struct gas *g, const struct strip *s, const struct stencil_lifts *lifts,
-                    const struct faces *f, const struct reconstruct *r) {
-    if (lifts)
-        balance_through(g, s, lifts, f, r);
+/* Computes the fluxes through the faces f of a strip. */
+static void through(const struct gas *g, const double *U, const struct strip *s, const struct faces *f,
+                    const struct reconstruct *r) {
+    if (balance_acts(g, s->axis))
+        balance_through(g, U, s, f, r);
     else
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
@@ -129,25 +129,24 @@ static void through(const struct gas *g, const struct strip *s, const struct ste
 /* Takes the flux of first order at the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a
  * millionth of u^2, so that an undershoot of E by as little would leave the cell without pressure, and its neighbours
  * would press it to packing: the collapse that the threshold keeps away. */
-static void flatten_packed(const struct gas *g, const double *U, const struct strip *s,
-                           const struct stencil_lifts *lifts, double (*out)[BATCH], int column) {
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
+                           int column) {
     double lower[MAX_VAR][BATCH];
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, lower, 0);
     const double *rho = f.state[0];
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
     if (!any) return;
-    through(g, s, lifts, &f, g->first_order);
+    through(g, U, s, &f, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
             if (packed[i]) out[v][column + i] = lower[v][i];
 }
 
-static void face_fluxes(struct gas *g, const double *U, const struct strip *s, const struct stencil_lifts *lifts,
-                        double (*out)[BATCH], int column) {
+static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
-    through(g, s, lifts, &f, g->models.reconstruct);
-    if (g->models.material.threshold > 0) flatten_packed(g, U, s, lifts, out, column);
+    through(g, U, s, &f, g->models.reconstruct);
+    if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
 
@@ -208,22 +207,11 @@ static void settle_background(const struct update *u) {
 static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
     const struct forest *f = g->forest;
     double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
-    struct lifts lifts;
     struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.active, j, k);
     if (span_empty(s)) return;
     long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
     const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
-    struct stencil_lifts at;
-    if (balance_acts(g, 0)) {
-        const struct strip all = {
-            .tile = tile, .n = strip.n + 2 * REACH, .offset = strip.offset - REACH, .from = strip.from - REACH};
-        balance_lifts(g, U, &all, lifts.left, lifts.right);
-        for (int m = 0; m < LIFTS; m++) {
-            at.left[m] = lifts.left + m;
-            at.right[m] = lifts.right + m;
-        }
-    }
-    face_fluxes(g, U, &strip, balance_acts(g, 0) ? &at : NULL, faces, 0);
+    face_fluxes(g, U, &strip, faces, 0);
     for (int v = 0; v < g->nvar; v++)
         difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
 }
@@ -231,38 +219,12 @@ static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
 struct column { /* rows one above the other along `axis`, at place `outer` of the third axis */
     int axis, outer;
     double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
-    struct lifts lifts[LIFTS];       /* at the faces above row j in place (j + LIFTS) % LIFTS, where gravity acts */
 };
 
 static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
     const struct activity *a = &g->tiles->activity;
     if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
     return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
-}
-
-/* Computes the lifts at the faces above row j of a column, wherever the fluxes of active cells need them. */
-static void lift_row(struct gas *g, int tile, const double *U, struct column *c, int j) {
-    const struct forest *f = g->forest;
-    const struct activity *a = &g->tiles->activity;
-    const struct span *s =
-        activity_row(a, a->needed, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
-    const int low = s->low > 0 ? s->low : 0, width = f->tile[tile].n[0], high = s->high < width ? s->high : width;
-    const long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
-    const struct strip strip = {.tile = tile, .axis = c->axis, .n = high - low, .offset = row + low, .from = j};
-    struct lifts *to = &c->lifts[(j + LIFTS) % LIFTS];
-    if (low < high) balance_lifts(g, U, &strip, to->left + low, to->right + low);
-}
-
-/* Computes the lifts that the faces above row j of a column need and those above row j - 1 did not. */
-static struct stencil_lifts column_lifts(struct gas *g, int tile, const double *U, struct column *c, int j, int low) {
-    struct stencil_lifts at;
-    for (int m = j == -1 ? -REACH : REACH; m <= REACH; m++) lift_row(g, tile, U, c, j + m);
-    for (int m = -REACH; m <= REACH; m++) {
-        const struct lifts *row = &c->lifts[(j + m + LIFTS) % LIFTS];
-        at.left[REACH + m] = row->left + low;
-        at.right[REACH + m] = row->right + low;
-    }
-    return at;
 }
 
 /* Adds to the residual of row j of a column, j from -1 on, what its faces along the column's axis give. The faces
@@ -274,13 +236,23 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
     double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
     long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
     const struct strip strip = {.tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j};
-    const bool balanced = balance_acts(g, c->axis);
-    struct stencil_lifts lifts;
-    if (balanced) lifts = column_lifts(g, tile, U, c, j, span_empty(s) ? 0 : s.low);
-    if (!span_empty(s)) face_fluxes(g, U, &strip, balanced ? &lifts : NULL, high, s.low);
+    if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
     for (int v = 0; v < g->nvar && !span_empty(mine); v++)
         difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
                        g->tiles->work.residual[v] + row + mine.low);
+}
+
+/* Computes work.rise of row (j, k), wherever fluxes need it. */
+static void rise_row(struct gas *g, int tile, const double *U, int axis, int j, int k) {
+    const struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.needed, j, k);
+    const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];
+    if (!span_empty(s)) balance_rises(g, tile, U, axis, axis == 0 ? s.low : axis == 1 ? j : k, offset, s.high - s.low);
+}
+
+static void rise_axis(struct gas *g, int tile, const double *U, int axis) {
+    const int *n = g->forest->tile[tile].n, reach[3] = {0, axis == 1 ? GHOSTS : 0, axis == 2 ? GHOSTS : 0};
+    for (int k = -reach[2]; k < n[2] + (reach[2] ? GHOSTS - 1 : 0); k++)
+        for (int j = -reach[1]; j < n[1] + (reach[1] ? GHOSTS - 1 : 0); j++) rise_row(g, tile, U, axis, j, k);
 }
 
 /* All rows of a tile, axis by axis. */
@@ -289,6 +261,7 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
     spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
     for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
         spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
+        if (balance_acts(g, pass->axis)) rise_axis(g, tile, pass->U, pass->axis);
         int outer = pass->axis == 2 ? 1 : 2, along = 3 - outer;
         struct column column = {.axis = along};
         for (column.outer = 0; column.outer < n[outer]; column.outer++)
@@ -313,10 +286,12 @@ static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update
         if (top >= 0 && top < n) {
             pass->axis = 0;
             span_visit(g, a->needed, top, 0, nodal_visit, pass);
+            if (balance_acts(g, 0)) rise_row(g, tile, pass->U, 0, top, 0);
             sweep_row(g, tile, pass->U, top, 0);
         }
         pass->axis = 1;
         span_visit(g, a->needed, top, 0, nodal_visit, pass);
+        if (balance_acts(g, 1) && top > -GHOSTS) rise_row(g, tile, pass->U, 1, top - 1, 0);
         if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
         if (j >= 0) span_visit(g, a->active, j, 0, update_visit, update);
     }

@@ -35,11 +35,12 @@ ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b,
     return l;
 }
 
-/* Projects cell i of q on the left eigenvectors. With s = (b2 q0 - b1 (u.q - q_E))/2 and d = (q_n - u_n q0)/(2c), the
- * rows of L (physics 1.1) are
- *   l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+ q = s + d. */
-ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i) {
-    double q0 = q[0][i], qn = q[1][i], work = fma(l.u[0], qn, -q[dim + 1][i]);
+/* Projects cell i of q, less the pressure P in q_n, on the left eigenvectors. With s = (b2 q0 - b1 (u.q - q_E))/2 and d
+ * = (q_n - u_n q0)/(2c), the rows of L (physics 1.1) are l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+
+ * q = s + d. */
+ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i,
+                                    double P) {
+    double q0 = q[0][i], qn = q[1][i] - P, work = fma(l.u[0], qn, -q[dim + 1][i]);
     struct fields w = {0};
     if (dim == 2) work += l.u[1] * q[2][i];
     if (dim == 3) work += l.u[1] * q[2][i] + l.u[2] * q[3][i];
@@ -52,13 +53,35 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
     return w;
 }
 
+struct rest { /* the pressure of gas at rest in the six cells of a stencil, 0 where none is taken */
+    double P[6];
+};
+ALWAYS_INLINE struct rest rest_at(const bool balanced, const struct faces *f, int i, long stride) {
+    struct rest r = {{0}};
+    if (!balanced) return r;
+    r.P[2] = f->base[i];
+    r.P[1] = r.P[2] - f->rise[i - stride];
+    r.P[0] = r.P[1] - f->rise[i - 2 * stride];
+    r.P[3] = r.P[2] + f->rise[i];
+    r.P[4] = r.P[3] + f->rise[i + stride];
+    r.P[5] = r.P[4] + f->rise[i + 2 * stride];
+    return r;
+}
+/* The same from one side: beyond the face the stencil is read backwards. */
+ALWAYS_INLINE struct rest rest_from(const bool balanced, const struct faces *f, int i, double side) {
+    struct rest r = rest_at(balanced, f, i, f->stride), back = r;
+    for (int m = 0; m < 6; m++) back.P[m] = r.P[5 - m];
+    return side > 0 ? r : back;
+}
+
 /* The fields of the six cells of a stencil; the compiler drops the cells that a reconstruction does not use. */
-#define PROJECT_STENCIL(dim, l, q, i, stride)                                                                          \
+#define PROJECT_STENCIL(dim, l, q, i, stride, r)                                                                       \
     {                                                                                                                  \
-        project(dim, l, q, (i)-2 * (stride)), project(dim, l, q, (i) - (stride)), project(dim, l, q, i),               \
-            project(dim, l, q, (i) + (stride)), project(dim, l, q, (i) + 2 * (stride)),                                \
-            project(dim, l, q, (i) + 3 * (stride))                                                                     \
+        project(dim, l, q, (i)-2 * (stride), (r).P[0]), project(dim, l, q, (i) - (stride), (r).P[1]),                  \
+            project(dim, l, q, i, (r).P[2]), project(dim, l, q, (i) + (stride), (r).P[3]),                             \
+            project(dim, l, q, (i) + 2 * (stride), (r).P[4]), project(dim, l, q, (i) + 3 * (stride), (r).P[5])         \
     }
+#define NO_REST            ((struct rest){{0}})
 #define LEFT_OF(w, field)  w[0].field, w[1].field, w[2].field, w[3].field, w[4].field
 #define RIGHT_OF(w, field) w[5].field, w[4].field, w[3].field, w[2].field, w[1].field
 #define ALL_OF(w, field)   LEFT_OF(w, field), w[5].field
@@ -85,14 +108,15 @@ ALWAYS_INLINE double upwind_value(face_value *value, double speed, double drop, 
 }
 
 /* Computes the amplitudes a[field] at faces that split no field. */
-ALWAYS_INLINE void upwind(const int dim, face_value *value, int from, int to, const struct faces *f,
-                          const struct bases *restrict b, const struct winds *restrict w, double drop,
-                          double (*restrict a)[BATCH]) {
+ALWAYS_INLINE void upwind(const int dim, const bool balanced, face_value *value, int from, int to,
+                          const struct faces *f, const struct bases *restrict b, const struct winds *restrict w,
+                          double drop, double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
     const long stride = f->stride;
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
-        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
+        const struct rest rest = rest_at(balanced, f, i, stride);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride, rest);
         double entropy = w->speed[ENTROPY][i];
         a[0][i] = upwind_value(value, w->speed[MINUS][i], drop, ALL_OF(phi, minus));
         a[1][i] = upwind_value(value, entropy, drop, ALL_OF(phi, entropy));
@@ -114,7 +138,7 @@ ALWAYS_INLINE double side_value(face_value *value, double speed, double side, do
 }
 
 /* Computes the amplitudes at faces that split fields on one basis: the parts of both sides. */
-ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, const struct faces *f,
+ALWAYS_INLINE void split(const int dim, const bool balanced, face_value *value, int from, int to, const struct faces *f,
                          const struct bases *restrict b, const struct winds *restrict w, double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
     const long stride = f->stride;
@@ -123,8 +147,9 @@ ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, con
      side_value(value, speed, -1, RIGHT_OF(phi, field), RIGHT_OF(state, field)))
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
-        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
-        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride);
+        const struct rest rest = rest_at(balanced, f, i, stride);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride, rest);
+        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride, NO_REST);
         double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
         a[0][i] = BOTH(minus, minus);
         a[1][i] = BOTH(entropy, entropy);
@@ -136,7 +161,7 @@ ALWAYS_INLINE void split(const int dim, face_value *value, int from, int to, con
 }
 
 /* Computes the part of the amplitudes that comes from one side (+1: from the left, -1: from the right). */
-ALWAYS_INLINE void sided(const int dim, face_value *value, int from, int to, const struct faces *f,
+ALWAYS_INLINE void sided(const int dim, const bool balanced, face_value *value, int from, int to, const struct faces *f,
                          const struct bases *restrict b, const struct winds *restrict w, double side,
                          double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, side > 0 ? 0 : f->stride);
@@ -144,8 +169,9 @@ ALWAYS_INLINE void sided(const int dim, face_value *value, int from, int to, con
 #define ONE(speed, field) side_value(value, speed, side, LEFT_OF(phi, field), LEFT_OF(state, field))
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
-        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride);
-        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride);
+        const struct rest rest = rest_from(balanced, f, i, side);
+        const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride, rest);
+        const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride, NO_REST);
         double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
         a[0][i] = ONE(minus, minus);
         a[1][i] = ONE(entropy, entropy);

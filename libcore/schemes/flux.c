@@ -327,7 +327,7 @@ struct change {
     double p, normal, tangent[2], entropy;
 };
 ALWAYS_INLINE struct change change_of(const int dim, const struct rows l, const double *const q[MAX_VAR], int i) {
-    const struct fields w = project(dim, l, q, i);
+    const struct fields w = project(dim, l, q, i, 0);
     return (struct change){w.plus + w.minus, w.plus - w.minus, {w.shear[0], w.shear[1]}, w.entropy};
 }
 /* Returns the product of two changes that the second derivative of the entropy makes, times -rho T: the entropy's
@@ -401,6 +401,11 @@ KERNEL static void rusanov_line(int n, const double *restrict s, const double *r
     for (int i = 0; i < n; i++) out[i] = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);
 }
 
+/* The momentum of gas at rest that is taken from both sides. */
+KERNEL static void rusanov_rest(int n, const double *restrict base, const double *restrict rise, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] -= base[i] + 0.5 * rise[i];
+}
+
 KERNEL static void rusanov_speed(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
                                  const double *restrict cr, double *restrict s) {
     for (int i = 0; i < n; i++) s[i] = larger(fabs(ul[i]) + cl[i], fabs(ur[i]) + cr[i]);
@@ -412,6 +417,7 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
     rusanov_speed(f->n, f->velocity[0], f->c, f->velocity[0] + f->stride, f->c + f->stride, s);
     for (int v = 0; v < f->dim + 2; v++)
         rusanov_line(f->n, s, f->flux[v], f->flux[v] + f->stride, f->state[v], f->state[v] + f->stride, f->out[v]);
+    if (f->rise) rusanov_rest(f->n, f->base, f->rise, f->out[1]);
 }
 
 const struct flux flux_table[] = {
@@ -446,7 +452,7 @@ void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][
             q[k] = &unit[k];
             out[k] = &column[k];
         }
-        struct fields w = project(dim, rows_at(dim, &b, 0), q, 0);
+        struct fields w = project(dim, rows_at(dim, &b, 0), q, 0, 0);
         project_back(dim, 0, 1, &b, a, false, out);
         left[0][v] = w.minus;
         left[1][v] = w.entropy;

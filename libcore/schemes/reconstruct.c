@@ -121,27 +121,31 @@ ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], doub
     for (int i = 0; i < n; i++) out[i] = value(a[i], b[i], c[i], d[i], e[i]);
 }
 
+#define EACH_KIND(loop, axes, ...)                                                                                     \
+    if (f->dim == axes && !f->rise) loop(axes, false, __VA_ARGS__);                                                    \
+    if (f->dim == axes && f->rise) loop(axes, true, __VA_ARGS__);
 #define LOOPS(value)                                                                                                   \
     KERNEL static void value##_line(int n, const double *const q[5], double *restrict out) {                           \
         line(value, n, q, out);                                                                                        \
     }                                                                                                                  \
     KERNEL static void value##_upwind(int from, int to, const struct faces *f, const struct bases *restrict b,         \
-                                      const struct winds *restrict w, double drop, double(*restrict a)[BATCH]) {       \
-        if (f->dim == 1) upwind(1, value, from, to, f, b, w, drop, a);                                                 \
-        if (f->dim == 2) upwind(2, value, from, to, f, b, w, drop, a);                                                 \
-        if (f->dim == 3) upwind(3, value, from, to, f, b, w, drop, a);                                                 \
-    }                                                                                                                  \
-    KERNEL static void value##_split(int from, int to, const struct faces *f, const struct bases *restrict b,          \
-                                     const struct winds *restrict w, double(*restrict a)[BATCH]) {                     \
-        if (f->dim == 1) split(1, value, from, to, f, b, w, a);                                                        \
-        if (f->dim == 2) split(2, value, from, to, f, b, w, a);                                                        \
-        if (f->dim == 3) split(3, value, from, to, f, b, w, a);                                                        \
-    }                                                                                                                  \
-    KERNEL static void value##_sided(int from, int to, const struct faces *f, const struct bases *restrict b,          \
-                                     const struct winds *restrict w, double side, double(*restrict a)[BATCH]) {        \
-        if (f->dim == 1) sided(1, value, from, to, f, b, w, side, a);                                                  \
-        if (f->dim == 2) sided(2, value, from, to, f, b, w, side, a);                                                  \
-        if (f->dim == 3) sided(3, value, from, to, f, b, w, side, a);                                                  \
+                                      const struct winds *restrict w, double drop, double(*restrict a)[BATCH]){        \
+        EACH_KIND(upwind, 1, value, from, to, f, b, w, drop, a)                                                        \
+            EACH_KIND(upwind, 2, value, from, to, f, b, w, drop, a)                                                    \
+                EACH_KIND(upwind, 3, value, from, to, f, b, w, drop,                                                   \
+                          a)} KERNEL static void value##_split(int from, int to, const struct faces *f,                \
+                                                               const struct bases *restrict b,                         \
+                                                               const struct winds *restrict w,                         \
+                                                               double(*restrict a)[BATCH]){                            \
+        EACH_KIND(split, 1, value, from, to, f, b, w, a) EACH_KIND(split, 2, value, from, to, f, b, w, a)              \
+            EACH_KIND(split, 3, value, from, to, f, b, w,                                                              \
+                      a)} KERNEL static void value##_sided(int from, int to, const struct faces *f,                    \
+                                                           const struct bases *restrict b,                             \
+                                                           const struct winds *restrict w, double side,                \
+                                                           double(*restrict a)[BATCH]) {                               \
+        EACH_KIND(sided, 1, value, from, to, f, b, w, side, a)                                                         \
+        EACH_KIND(sided, 2, value, from, to, f, b, w, side, a)                                                         \
+        EACH_KIND(sided, 3, value, from, to, f, b, w, side, a)                                                         \
     }
 LOOPS(phm)
 LOOPS(wpeno5)

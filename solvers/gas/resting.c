@@ -83,7 +83,7 @@ static void fill_columns(const struct resting *r, int n, const double *floor, do
 
 /* The pressure on the floor is g times the mass, and that on the lid more: the root of mass(P) = mass by secants. */
 void resting_columns(const struct resting *r, int n, const double *mass, double *out) {
-    enum { TRIALS = 60 };
+    enum { TRIALS = 20 };
     for (int from = 0; from < n; from += BATCH) {
         const int m = n - from < BATCH ? n - from : BATCH;
         double P[BATCH], held[BATCH], before[BATCH], held_before[BATCH];
@@ -97,7 +97,7 @@ void resting_columns(const struct resting *r, int n, const double *mass, double 
             for (int i = 0; i < m; i++) {
                 const double missing = mass[from + i] - held[i],
                              slope = (P[i] - before[i]) / (held[i] - held_before[i]);
-                if (fabs(missing) < 1e-15 * mass[from + i] || !isfinite(slope)) continue;
+                if (fabs(missing) < 1e-14 * mass[from + i] || !isfinite(slope)) continue;
                 done = false;
                 before[i] = P[i];
                 held_before[i] = held[i];
