@@ -49,20 +49,32 @@ void update_row(int n, double a, double dt, const double *restrict U0, const dou
     update_line(n, a, dt, U0, from, residual, to);
 }
 
-KERNEL static void weigh_line(int n, double gravity, const double *restrict share, const double *restrict q,
-                              double *restrict residual) {
-    for (int i = 0; i < n; i++) residual[i] += q[i] * (share[i] * gravity);
+KERNEL static void weigh_all(int n, double gravity, const double *restrict rho, const double *restrict mom,
+                             double *restrict force, double *restrict power) {
+    for (int i = 0; i < n; i++) {
+        force[i] += rho[i] * gravity;
+        power[i] += mom[i] * gravity;
+    }
+}
+
+KERNEL static void weigh_some(int n, double gravity, const double *restrict share, const double *restrict rho,
+                              const double *restrict mom, double *restrict force, double *restrict power) {
+    for (int i = 0; i < n; i++) {
+        force[i] += rho[i] * (share[i] * gravity);
+        power[i] += mom[i] * (share[i] * gravity);
+    }
 }
 
 void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
                double *const residual[MAX_VAR]) {
-    double share[BATCH];
-    for (int i = 0; i < n; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
-    for (int k = 0; k < g->dim; k++) {
-        if (g->models.source.gravity[k] == 0) continue;
-        weigh_line(n, g->gravity[k], share, U[0], residual[k + 1]);
-        weigh_line(n, g->gravity[k], share, U[k + 1], residual[g->dim + 1]);
-    }
+    double share[BATCH], *power = residual[g->dim + 1];
+    const bool some = falls || flag;
+    for (int i = 0; i < n && some; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
+    for (int k = 0; k < g->dim; k++)
+        if (some)
+            weigh_some(n, g->gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
+        else if (g->models.source.gravity[k] != 0)
+            weigh_all(n, g->gravity[k], U[0], U[k + 1], residual[k + 1], power);
 }
 
 void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,

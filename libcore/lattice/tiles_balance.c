@@ -76,10 +76,12 @@ void balance_rises(const struct gas *g, int tile, const double *U, int axis, int
         rises(g, U, axis, kind_of(g, tile, axis, j), offset, n);
         return;
     }
-    for (int from = 0, to; from < n; from = to) { /* runs of one kind */
-        const int kind = kind_of(g, tile, 0, j + from);
-        for (to = from + 1; to < n && kind_of(g, tile, 0, j + to) == kind;) to++;
-        rises(g, U, 0, kind, offset + from, to - from);
+    const int sides[] = {-1 - j, -j, g->forest->tile[tile].n[0] - 1 - j, g->forest->tile[tile].n[0] - j, n};
+    for (int i = 0, from = 0; i < 5 && from < n; i++) { /* ghosts, face, cells, face, ghosts */
+        const int to = sides[i] < n ? sides[i] : n;
+        if (to <= from) continue;
+        rises(g, U, 0, kind_of(g, tile, 0, j + from), offset + from, to - from);
+        from = to;
     }
 }
 

@@ -255,6 +255,13 @@ static void rise_axis(struct gas *g, int tile, const double *U, int axis) {
         for (int j = -reach[1]; j < n[1] + (reach[1] ? GHOSTS - 1 : 0); j++) rise_row(g, tile, U, axis, j, k);
 }
 
+static void sweep_columns(struct gas *g, int tile, const double *U, int axis) {
+    const int *n = g->forest->tile[tile].n, outer = 3 - axis;
+    struct column column = {.axis = axis};
+    for (column.outer = 0; column.outer < n[outer]; column.outer++)
+        for (int j = -1; j < n[axis]; j++) sweep_column(g, tile, U, &column, j);
+}
+
 /* All rows of a tile, axis by axis. */
 static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
     const int *n = g->forest->tile[tile].n;
@@ -262,14 +269,9 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
     for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
         spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
         if (balance_acts(g, pass->axis)) rise_axis(g, tile, pass->U, pass->axis);
-        int outer = pass->axis == 2 ? 1 : 2, along = 3 - outer;
-        struct column column = {.axis = along};
-        for (column.outer = 0; column.outer < n[outer]; column.outer++)
-            for (int j = pass->axis > 0 ? -1 : 0; j < n[along]; j++)
-                if (pass->axis == 0)
-                    sweep_row(g, tile, pass->U, j, column.outer);
-                else
-                    sweep_column(g, tile, pass->U, &column, j);
+        for (int k = 0; k < n[2] && pass->axis == 0; k++)
+            for (int j = 0; j < n[1]; j++) sweep_row(g, tile, pass->U, j, k);
+        if (pass->axis > 0) sweep_columns(g, tile, pass->U, pass->axis);
     }
     spans_visit(g, tile, g->tiles->activity.active, 0, update_visit, update);
 }

@@ -91,6 +91,12 @@ KERNEL static void kick_momentum(int n, double kick, const double *restrict rho,
     for (int i = 0; i < n; i++) mom[i] += rho[i] * kick;
 }
 
+KERNEL static bool any_of(int n, const double *restrict falls) {
+    double most = 0;
+    for (int i = 0; i < n; i++) most = larger(most, falls[i]);
+    return most > 0;
+}
+
 KERNEL static void kick_falling(int n, double kick, const double *restrict falls, const double *restrict rho,
                                 double *restrict mom) {
     for (int i = 0; i < n; i++) mom[i] += rho[i] * (falls[i] * kick);
@@ -99,13 +105,15 @@ KERNEL static void kick_falling(int n, double kick, const double *restrict falls
 static void gravity_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
                          double *restrict eps) {
     (void)eps;
-    for (int k = 0; k < s->dim; k++) {
-        if (s->kick[k] == 0) continue;
-        if (s->falls)
-            kick_falling(n, s->kick[k], s->falls, rho, mom[k]);
-        else
-            kick_momentum(n, s->kick[k], rho, mom[k]);
-    }
+    for (int k = 0; k < s->dim; k++)
+        if (s->kick[k] != 0) kick_momentum(n, s->kick[k], rho, mom[k]);
+}
+
+/* As gravity_step, on the cells in which falls is 1; in the others it is 0. */
+static void fall(const struct source_step *s, int n, const double *falls, const double *rho,
+                 double *const mom[MAX_DIM]) {
+    for (int k = 0; k < s->dim; k++)
+        if (s->kick[k] != 0 && any_of(n, falls)) kick_falling(n, s->kick[k], falls, rho, mom[k]);
 }
 
 /* Linear drag by a gas between the grains, of velocity u_g: du/dt = -rate (u - u_g). It acts on each grain, so that
@@ -267,7 +275,7 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
         const struct source_type *r = &source_table[row];
         if (!source_row_active(s, m, row)) continue;
         struct source_step *step = &out->step[out->n++];
-        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}};
+        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, {0}, {0}};
         if (r->plan) r->plan(step);
     }
 }
@@ -311,12 +319,6 @@ KERNEL static void find_falling(int n, double warm, const double *restrict eps, 
     for (int i = 0; i < n; i++) falls[i] = eps[i] < warm ? 1 : 0;
 }
 
-static bool any_of(int n, const double *falls) {
-    bool any = false;
-    for (int i = 0; i < n; i++) any |= falls[i] != 0;
-    return any;
-}
-
 /* Has the plan a step that acts on one of the cells? */
 static bool acts(const struct source_plan *plan, int n, const double *falls) {
     for (int i = 0; i < plan->n; i++)
@@ -333,9 +335,11 @@ void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR
     if (find) find_falling(n, plan->warm, eps, falls);
     if (find && !acts(plan, n, falls)) return;
     for (int i = 0; i < plan->n; i++) {
-        struct source_step step = plan->step[i];
-        step.falls = falls;
-        step.row->step(&step, n, U[0], U + 1, eps);
+        const struct source_step *step = &plan->step[i];
+        if (falls && step->row->step == gravity_step)
+            fall(step, n, falls, U[0], U + 1);
+        else
+            step->row->step(step, n, U[0], U + 1, eps);
     }
     total_energy(n, dim, U, eps);
 }

@@ -34,8 +34,7 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     const struct eos *eos;
     const struct material *material;
     int dim;
-    double t, dt;        /* s, from t to t + dt */
-    const double *falls; /* [n] 1 in cells that gravity acts on here, else 0; NULL: it does so in all cells */
+    double t, dt; /* s, from t to t + dt */
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */
     double number[4];     /* further numbers that the row's step needs */
@@ -93,8 +92,9 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
 void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  double pull[MAX_DIM]);
 
-/* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] of
- * struct source_step, in or out as plan->warm says, or NULL. Cells on which nothing acts keep their bits. */
+/* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] 1
+ * where gravity acts, else 0, in or out as plan->warm says; NULL: it acts on all cells. Cells on which nothing acts
+ * keep their bits. */
 void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
 
 #endif
