@@ -152,6 +152,7 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
     }
 }
 
+/* Where the marks of a row's cells are, or go; NULL without gravity. */
 static double *falls_of(const struct gas *g, const struct row *row) {
     return g->falls ? g->falls[row->block] + row->at : NULL;
 }
@@ -174,8 +175,9 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
-    source_apply(h->plan, row->n, U, falls_of(g, row));
-    if (g->falls && h->plan->warm >= 0) note_falling(g, row);
+    const bool find = g->falls && h->plan->warm >= 0;
+    if (find || !h->plan->gravity_alone || g->falling[row->block]) source_apply(h->plan, row->n, U, falls_of(g, row));
+    if (find) note_falling(g, row);
     h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
 }
 

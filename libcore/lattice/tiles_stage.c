@@ -199,7 +199,8 @@ static void settle_background(const struct update *u) {
     if (g->falls) weigh_row(g, 1, from, u->falls, NULL, residual);
     for (int v = 0; v < g->nvar; v++) {
         const long at = v * g->forest->size;
-        update_row(1, u->a, u->dt, u->U0 + at, from[v], residual[v], u->to + at);
+        const double moved = *from[v] + u->dt * value[v];
+        u->to[at] = moved + u->a * (u->U0[at] - moved);
     }
 }
 

@@ -278,6 +278,7 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
         *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, {0}, {0}};
         if (r->plan) r->plan(step);
     }
+    out->gravity_alone = out->n == 1 && out->step[0].row->step == gravity_step;
 }
 
 void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,

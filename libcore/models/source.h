@@ -83,6 +83,7 @@ bool source_falls(const struct sources *s, int dim);
 struct source_plan { /* the active sources over one sub-step, in the order in which they act */
     int n;
     struct source_step step[SOURCE_MOST];
+    bool gravity_alone; /* is gravity the only source? */
     double warm; /* J/kg: source_apply finds which cells gravity acts on, those of eps below `warm`; < 0: it is told */
 };
 /* Plans the active sources from t to t + dt, in the order of the table, or `backwards`. */
