@@ -163,7 +163,7 @@ static void note_falling(const struct gas *g, const struct row *row) {
     bool any = false;
     for (int i = 0; i < row->n; i++) any |= falls[row->at + i] > 0;
     g->falling[row->block] |= any;
-    for (long i = 1; g->forest && row->at == 0 && i < g->size; i++) falls[i] = falls[0];
+    for (long i = 1; g->forest && row->at == 0 && any && i < g->size; i++) falls[i] = 1;
 }
 
 void source_row(void *half_step, const struct row *row) {

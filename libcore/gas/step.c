@@ -58,6 +58,17 @@ static void plan_sources(const struct gas *g, double t, double dt, bool second, 
     source_plan(&m->source, m->eos, &m->material, g->dim, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
 }
 
+/* No cell falls any more. */
+static void forget_falling(struct gas *g) {
+    const int blocks = g->forest ? g->forest->ntiles : 1;
+    const long cells = g->forest ? g->size : g->raised_step * (long)g->nraised;
+    for (int b = 0; b < blocks; b++)
+        if (g->falling[b]) {
+            memset(g->falls[b], 0, (size_t)cells * sizeof *g->falls[b]);
+            g->falling[b] = false;
+        }
+}
+
 /* Applies half the sources of a step to `from`, into `to`; returns this rank's number of inadmissible cells. W is
  * scratch. */
 static long half_sources(struct gas *g, double t, double dt, bool second, const struct state *from,
@@ -66,7 +77,7 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
     plan_sources(g, t, dt, second, &plan);
     if (g->falls && !second) {
         plan.warm = warm_of(g, t, dt);
-        memset(g->falling, 0, (size_t)(g->forest ? g->forest->ntiles : 1) * sizeof *g->falling);
+        forget_falling(g);
     }
     audit_sources(g, &plan, from, &g->W);
     const long bad = sources_apply(g, &plan, from, to);

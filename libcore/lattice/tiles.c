@@ -31,7 +31,8 @@ static status make_work(struct gas *g) {
         TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
     }
     if (!source_falls(&g->models.source, g->dim)) return OK;
-    return allocate(&w->rise, g->forest->size + SLACK, sizeof(double), "scratch");
+    TRY(allocate(&w->rise, g->forest->size + SLACK, sizeof(double), "scratch"));
+    return allocate(&w->lift, g->forest->size + SLACK, sizeof(double), "scratch");
 }
 
 /* Gravity needs to know which cells it acts on in the stages. */
@@ -106,7 +107,7 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->limited);
     void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
                       x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
-                      x->work.c,          x->work.gruneisen, x->work.rise};
+                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.lift};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

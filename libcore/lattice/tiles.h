@@ -10,7 +10,7 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *rise; /* of the pressure of gas at rest, to the next cell along the axis; NULL without gravity */
+    double *rise, *lift;       /* k and a of tiles_balance.c along that axis, at the left cells; NULL without gravity */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -131,11 +131,11 @@ struct strip {
 
 /* Does gravity act along an axis? */
 bool balance_acts(const struct gas *g, int axis);
-/* Computes work.rise of n cells from place j along the axis on; along axis 0 they lie one behind the other there. */
+/* Computes work.rise and work.lift of n cells from place j along the axis on; along axis 0 they lie one behind the
+ * other there. */
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
-void balance_through(const struct gas *g, const double *U, const struct strip *s, const struct faces *f,
-                     const struct reconstruct *r);
+void balance_through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */

@@ -8,9 +8,14 @@
  *     k_m = h/2 (rho_m g + rho_(m+1) g),  P_(m+1) = P_m + k_m,  P_0 = P - a,
  *     P = (p_0 + a + p_1 - (k_0 - a))/2,  a = h/2 rho_0 g,
  * what remains is reconstructed and upwinded, and P is added to the result. At rest nothing remains, and no face moves
- * mass (Kaeppeli & Mishra, Astron. Astrophys. 587, A94, 2016, do so with states). A rise k_m exceeds neither pressure
- * of its two cells, since cold gas, which cannot carry weight, would else be pulled by dense gas beside it. Beyond a
- * wall lies a mirror image, of gravity, too: on the wall P = p_0 - a, and k is 0. */
+ * mass (Kaeppeli & Mishra, Astron. Astrophys. 587, A94, 2016, do so with states). Beyond a wall lies a mirror image, of
+ * gravity, too: on the wall P = p_0 - a, and k is 0. Any k and a are consistent, so they are less where gas is not at
+ * rest:
+ * - they exceed neither pressure of the two cells, since cold gas, which carries no weight, would else be pulled by
+ * dense gas beside it;
+ * - they fade where gas crosses the face at more than half of the speed of sound, and are 0 from that speed on, so that
+ *   fluxes take nothing from downwind there;
+ * - they are 0 between equal cells, so that uniform gas, which falls freely, keeps its bits. */
 #include "libcore/lattice/tiles.h"
 
 bool balance_acts(const struct gas *g, int axis) {
@@ -21,32 +26,33 @@ ALWAYS_INLINE double clip(double x, double most) {
     return smaller(larger(x, -most), most);
 }
 
+/* The share of the weight that two cells carry: 1 to 0 as the speed across the face goes from c/2 to c. */
+ALWAYS_INLINE double share_at(double u0, double u1, double c0, double c1) {
+    return smaller(larger(2 - 2 * (fabs(u0) + fabs(u1)) / (c0 + c1), 0), 1);
+}
+
+/* k and a of n faces that are no walls. */
 KERNEL static void rise_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
-                             double *restrict rise) {
-    for (int i = 0; i < n; i++) rise[i] = clip(half * rho[i] + half * rho[i + stride], larger(p[i], p[i + stride]));
-}
-
-/* P and P_0 of faces that are no walls. */
-KERNEL static void base_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
-                             const double *restrict rise, double *restrict P, double *restrict base) {
+                             const double *restrict u, const double *restrict c, double *restrict rise,
+                             double *restrict lift) {
     for (int i = 0; i < n; i++) {
-        const double skew = clip(half * rho[i] - half * rho[i + stride], fabs(rise[i]));
-        P[i] = 0.5 * ((p[i] + p[i + stride]) + skew);
-        base[i] = P[i] - 0.5 * (rise[i] + skew);
+        const double rho0 = rho[i], rho1 = rho[i + stride], p0 = p[i], p1 = p[i + stride];
+        const double full = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
+        const double share = (rho0 == rho1) & (p0 == p1) ? 0 : full;
+        const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
+        rise[i] = k;
+        lift[i] = 0.5 * (k + clip(share * rho0 - share * rho1, fabs(k)));
     }
 }
 
-/* P and P_0 of n faces on a wall, whose cells inside begin at rho and p. */
-static void wall_line(int n, double half, bool high, const double *rho, const double *p, double *P, double *base) {
+/* a of n faces on a wall; all lines begin at the cells inside. */
+static void wall_line(int n, double half, bool high, const double *rho, const double *p, const double *u,
+                      const double *c, double *rise, double *lift) {
     for (int i = 0; i < n; i++) {
-        const double lift = clip(half * rho[i], p[i]);
-        P[i] = high ? p[i] + lift : p[i] - lift;
-        base[i] = p[i];
+        const double a = clip(half * share_at(u[i], u[i], c[i], c[i]) * rho[i], p[i]);
+        rise[i] = 0;
+        lift[i] = high ? a : -a;
     }
-}
-
-static double half_weight(const struct gas *g, int axis) {
-    return 0.5 * g->forest->width[axis] * g->gravity[axis];
 }
 
 /* Returns what kind of face lies above place j of a tile along an axis: 0 on a wall, -1 between ghosts behind a wall,
@@ -62,60 +68,54 @@ static int kind_of(const struct gas *g, int tile, int axis, int j) {
     return 1;
 }
 
-/* The rises above n cells of one kind. */
-static void rises(const struct gas *g, const double *U, int axis, int kind, long offset, int n) {
+/* k and a of the faces above n cells, all of one kind. */
+static void rises(const struct gas *g, const double *U, int axis, int kind, bool high, long offset, int n) {
     const struct work *w = &g->tiles->work;
+    const double half = 0.5 * g->forest->width[axis] * g->gravity[axis];
+    const long stride = g->forest->stride[axis], cell = offset + (kind == 0 && !high ? stride : 0);
+    const double *rho = U + cell, *p = w->p + cell, *u = w->velocity[axis] + cell, *c = w->c + cell;
     if (kind == 0)
-        for (int i = 0; i < n; i++) w->rise[offset + i] = 0;
+        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->lift + offset);
     else
-        rise_line(n, kind * half_weight(g, axis), g->forest->stride[axis], U + offset, w->p + offset, w->rise + offset);
+        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->lift + offset);
 }
 
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n) {
     if (axis > 0) {
-        rises(g, U, axis, kind_of(g, tile, axis, j), offset, n);
+        rises(g, U, axis, kind_of(g, tile, axis, j), j >= 0, offset, n);
         return;
     }
     const int sides[] = {-1 - j, -j, g->forest->tile[tile].n[0] - 1 - j, g->forest->tile[tile].n[0] - j, n};
     for (int i = 0, from = 0; i < 5 && from < n; i++) { /* ghosts, face, cells, face, ghosts */
         const int to = sides[i] < n ? sides[i] : n;
         if (to <= from) continue;
-        rises(g, U, 0, kind_of(g, tile, 0, j + from), offset + from, to - from);
+        rises(g, U, 0, kind_of(g, tile, 0, j + from), j + from >= 0, offset + from, to - from);
         from = to;
     }
 }
 
-/* P and P_0 of the faces of a strip. */
-static void find_base(const struct gas *g, const double *U, const struct strip *s, double *P, double *base) {
-    const struct work *w = &g->tiles->work;
-    const int n = g->forest->tile[s->tile].n[s->axis];
-    const double half = half_weight(g, s->axis), *rho = U + s->offset, *p = w->p + s->offset;
-    const long stride = g->forest->stride[s->axis];
-    const bool low = kind_of(g, s->tile, s->axis, -1) == 0, high = kind_of(g, s->tile, s->axis, n - 1) == 0;
-    if (s->axis > 0 && ((low && s->from == -1) || (high && s->from == n - 1))) {
-        const long inside = s->from == -1 ? stride : 0;
-        wall_line(s->n, half, s->from != -1, rho + inside, p + inside, P, base);
-        return;
+/* P and P_0 of n faces; P is 0 where nothing rises, so that the flux has the bits of one without gravity. */
+KERNEL static void base_line(int n, long stride, const double *restrict p, const double *restrict rise,
+                             const double *restrict lift, double *restrict P, double *restrict base) {
+    for (int i = 0; i < n; i++) {
+        const double mean = 0.5 * ((p[i] + lift[i]) + (p[i + stride] - (rise[i] - lift[i])));
+        P[i] = rise[i] == 0 && lift[i] == 0 ? 0 : mean;
+        base[i] = P[i] - lift[i];
     }
-    base_line(s->n, half, stride, rho, p, w->rise + s->offset, P, base);
-    if (s->axis == 0 && low && s->from == -1) wall_line(1, half, false, rho + 1, p + 1, P, base);
-    if (s->axis == 0 && high && s->from + s->n == n)
-        wall_line(1, half, true, rho + s->n - 1, p + s->n - 1, P + s->n - 1, base + s->n - 1);
 }
 
 KERNEL static void add_line(int n, const double *restrict P, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] += P[i];
 }
 
-void balance_through(const struct gas *g, const double *U, const struct strip *s, const struct faces *given,
+void balance_through(const struct gas *g, const struct strip *s, const struct faces *given,
                      const struct reconstruct *r) {
+    const struct work *w = &g->tiles->work;
     struct faces f = *given;
     double P[BATCH], base[BATCH];
-    const int n = s->n;
-    find_base(g, U, s, P, base);
-    for (int i = n; i < f.n; i++) base[i] = 0;
+    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->lift + s->offset, P, base);
     f.base = base;
-    f.rise = g->tiles->work.rise + s->offset;
+    f.rise = w->rise + s->offset;
     g->models.flux->through(&f, g->models.eos, &g->models.material, r);
-    add_line(n, P, f.out[1]);
+    add_line(f.n, P, f.out[1]);
 }

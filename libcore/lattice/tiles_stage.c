@@ -118,10 +118,9 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
 }
 
 /* Computes the fluxes through the faces f of a strip. */
-static void through(const struct gas *g, const double *U, const struct strip *s, const struct faces *f,
-                    const struct reconstruct *r) {
+static void through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r) {
     if (balance_acts(g, s->axis))
-        balance_through(g, U, s, f, r);
+        balance_through(g, s, f, r);
     else
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
@@ -137,7 +136,7 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
     if (!any) return;
-    through(g, U, s, &f, g->first_order);
+    through(g, s, &f, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
             if (packed[i]) out[v][column + i] = lower[v][i];
@@ -145,7 +144,7 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
-    through(g, U, s, &f, g->models.reconstruct);
+    through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
 }
@@ -243,7 +242,7 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
                        g->tiles->work.residual[v] + row + mine.low);
 }
 
-/* Computes work.rise of row (j, k), wherever fluxes need it. */
+/* Computes work.rise and work.lift of row (j, k), wherever fluxes need it. */
 static void rise_row(struct gas *g, int tile, const double *U, int axis, int j, int k) {
     const struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.needed, j, k);
     const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];

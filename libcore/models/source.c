@@ -112,8 +112,8 @@ static void gravity_step(const struct source_step *s, int n, const double *restr
 /* As gravity_step, on the cells in which falls is 1; in the others it is 0. */
 static void fall(const struct source_step *s, int n, const double *falls, const double *rho,
                  double *const mom[MAX_DIM]) {
-    for (int k = 0; k < s->dim; k++)
-        if (s->kick[k] != 0 && any_of(n, falls)) kick_falling(n, s->kick[k], falls, rho, mom[k]);
+    for (int k = 0; k < s->dim && any_of(n, falls); k++)
+        if (s->kick[k] != 0) kick_falling(n, s->kick[k], falls, rho, mom[k]);
 }
 
 /* Linear drag by a gas between the grains, of velocity u_g: du/dt = -rate (u - u_g). It acts on each grain, so that
