@@ -93,6 +93,8 @@ struct stage_hooks {
     status (*sum_raised)(const struct gas *g, double *raised, double *sum);
     /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
     void (*note_limited)(struct gas *g, double place[3]);
+    /* Keeps a copy of the field `limited`; back: gives the field the values of the copy. */
+    void (*hold_limited)(struct gas *g, bool back);
     void (*clear_flags)(struct gas *g);
 };
 

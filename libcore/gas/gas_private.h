@@ -70,6 +70,7 @@ struct gas {
 
     bool (*asked)(void); /* of gas_heed; NULL: nobody asks */
     bool left;           /* is this step left as asked? The same on all ranks */
+    bool held;           /* is a copy of the field `limited` kept, from before this step? */
     int unasked;         /* stages of diffusion since the ranks last asked each other */
     struct stiff {       /* the diffusion that this attempt at a step refused; the same on all ranks */
         bool found, second;

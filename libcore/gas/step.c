@@ -118,6 +118,8 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     comm_sum_long(g->comm, count, 2);
     g->counts.cells += cells;
     g->counts.faces += count[0];
+    if (g->asked && !g->held) g->engine->stage.hold_limited(g, false);
+    g->held = g->asked;
     g->engine->stage.note_limited(g, g->counts.place);
     g->engine->stage.clear_flags(g);
     return count[1] == 0 && !g->left;
@@ -304,8 +306,10 @@ static void attempt_begin(struct gas *g) {
     audit_begin(g);
 }
 
-/* Ends a step that is left: the state is still that at its start. */
-static status leave(struct gas *g, double *dt) {
+/* Ends a step that is left: the state is still that at its start, and so become the counts. */
+static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
+    if (g->held) g->engine->stage.hold_limited(g, true);
+    g->counts = *start;
     g->engine->stage.clear_flags(g);
     *dt = 0;
     return OK;
@@ -322,12 +326,13 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     const bool sources = source_active(&g->models.source, &g->models.material);
     if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
+    const struct gas_counts start = g->counts;
     const double calm = gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
     if (allowed < least || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
     if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
         return stop_of_collapse(g, t, g->slow_dt[1], speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
-    g->speed_known = false;
+    g->speed_known = g->held = false;
     for (;;) {
         const bool guarded = g->guarded > 0;
         long bad;
@@ -336,7 +341,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         const bool hot = U0 && overheated(g, *dt, maxCo, speed);
         if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
-        if (asked_to_leave(g)) return leave(g, dt);
+        if (asked_to_leave(g)) return leave(g, &start, dt);
         if (hopeless(g)) return stop_of_diffusion(g, t);
         if (!guarded && !hot) {
             g->guarded = GUARDED;

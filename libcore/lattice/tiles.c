@@ -84,6 +84,7 @@ static status tiles_make(struct gas *g) {
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
     TRY(blocks_make(g->forest, 1, &g->tiles->flag));
     TRY(blocks_make(g->forest, 1, &g->tiles->limited));
+    TRY(blocks_make(g->forest, 1, &g->tiles->held));
     g->nraised = g->forest->ntiles;
     TRY(floors_make(g));
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
@@ -105,6 +106,7 @@ static void tiles_free(struct gas *g) {
     tiles_diffuser_free(g);
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
+    blocks_free(g->forest, x->held);
     void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
                       x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
                       x->work.c,          x->work.gruneisen, x->work.rise,       x->work.lift};
@@ -400,6 +402,7 @@ const struct engine engine_lattice = {
               .unfold_bad = tiles_unfold_bad,
               .sum_raised = tiles_sum_raised,
               .note_limited = tiles_note_limited,
+              .hold_limited = tiles_hold_limited,
               .clear_flags = tiles_clear_flags},
     .diffusion = {.rates = tiles_diffusion_rates,
                   .stiffest_place = tiles_stiffest_place,

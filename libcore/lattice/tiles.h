@@ -34,6 +34,7 @@ struct activity { /* spans of the tile in hand: cells that differ from its backg
 struct tiles {
     double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
     double **limited; /* [ntiles] of [size]: how often that was so */
+    double **held;    /* as limited, before the step in hand */
     bool *flagged;    /* [ntiles] does the tile, or its ghost layer, hold a flag? */
     double *sums;     /* [nvar][nblocks] */
     struct work work;
@@ -50,6 +51,7 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
                 double dt);
 status tiles_sum_raised(const struct gas *g, double *raised, double *sum);
 void tiles_note_limited(struct gas *g, double place[3]);
+void tiles_hold_limited(struct gas *g, bool back);
 void tiles_clear_flags(struct gas *g);
 void tiles_unfold_bad(struct gas *g, const struct state *s);
 

@@ -53,6 +53,12 @@ void tiles_note_limited(struct gas *g, double place[3]) {
     first_place_share(g, &c.first, place);
 }
 
+void tiles_hold_limited(struct gas *g, bool back) {
+    double **limited = g->tiles->limited, **held = g->tiles->held;
+    for (int t = 0; t < g->forest->ntiles; t++)
+        memcpy((back ? limited : held)[t], (back ? held : limited)[t], (size_t)g->forest->size * sizeof(double));
+}
+
 void tiles_clear_flags(struct gas *g) {
     for (int t = 0; t < g->forest->ntiles; t++) {
         memset(g->tiles->flag[t], 0, (size_t)g->forest->size * sizeof(double));

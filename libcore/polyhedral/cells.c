@@ -23,8 +23,8 @@ static status make_lines(struct gas *g) {
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
     g->nraised = m->nown;
     g->raised_step = 1;
-    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited};
-    for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &c->held};
+    for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
     if (source_falls(&g->models.source, g->dim)) {
         TRY(allocate(&g->falls, 1, sizeof(double *), "cells"));
@@ -112,6 +112,7 @@ static void cells_free(struct gas *g) {
     free(c->line);
     free(c->flag);
     free(c->limited);
+    free(c->held);
     free(c->sums);
     free(c->by_block);
     free(c);
@@ -288,6 +289,11 @@ static status cells_sum_raised(const struct gas *g, double *raised, double *sum)
     return integrate(g, raised, sum);
 }
 
+static void cells_hold_limited(struct gas *g, bool back) {
+    struct cells *c = g->cells;
+    memcpy(back ? c->limited : c->held, back ? c->held : c->limited, (size_t)c->polyhedra->nown * sizeof(double));
+}
+
 static void cells_note_limited(struct gas *g, double place[3]) {
     const struct cells *c = g->cells;
     struct first_place first = {.order = HUGE_VAL};
@@ -319,6 +325,7 @@ const struct engine engine_polyhedral = {
               .redo = cells_redo,
               .sum_raised = cells_sum_raised,
               .note_limited = cells_note_limited,
+              .hold_limited = cells_hold_limited,
               .clear_flags = cells_clear_flags},
     .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
                   .cooled_first = true,

@@ -27,6 +27,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *flux[MAX_VAR];  /* [faces] through the whole face, from left to right, in the axes of the polyhedra */
     double *flag;           /* [size] > 0 where faces are to be limited */
     double *limited;        /* [nown] how often the cell was flagged */
+    double *held;           /* [nown] as limited, before the step in hand */
     bool flagged;           /* is any flag up on any rank? */
     double *sums;           /* [nblocks] scratch of sums over blocks */
     double *line;           /* [nown] scratch: values block by block */
