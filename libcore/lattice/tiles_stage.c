@@ -136,7 +136,7 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
     if (!any) return;
-    through(g, s, &f, g->first_order);
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
             if (packed[i]) out[v][column + i] = lower[v][i];
