@@ -52,6 +52,8 @@ struct state_hooks {
     void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
     status (*get_conserved)(const struct gas *g, double *const U[MAX_VAR]);
     void (*set_limited)(struct gas *g, const double *values); /* the field GAS_LIMITED, as set_conserved */
+    /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
+    status (*rest)(struct gas *g, const bool *rests);
     /* Calls visit(context, row) for the rows of s, in the same order on every call. */
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
     /* Gives `to` the spans of `from`, whose rows were written to it. NULL: there are no spans. */

@@ -97,6 +97,10 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
     return OK;
 }
 
+status gas_rest(struct gas *g, const bool *rests) {
+    return g->engine->state.rest && g->falls ? g->engine->state.rest(g, rests) : OK;
+}
+
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
     return g->engine->state.get_conserved(g, U);
 }

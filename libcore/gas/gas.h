@@ -77,6 +77,11 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
 
+/* Makes it known that the state now set, with its velocity taken as 0, is at rest under gravity in the cells with
+ * rests[ncells_all]: on polyhedra it, and states near it, are then balanced to round-off
+ * (libcore/polyhedral/cells_rest.c). The state itself is lost: it must be set again. Collective. */
+status gas_rest(struct gas *g, const bool *rests);
+
 enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_LIMITED, GAS_FIELDS };
 /* gas_block_field writes the values of one field in the cells of one of this rank's blocks (struct grid; on a
  * lattice axis 0 is fastest), out[component][cells], with dim components for GAS_U, else 1. gas_field gathers a whole

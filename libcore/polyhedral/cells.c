@@ -105,6 +105,7 @@ static void cells_free(struct gas *g) {
     if (!c) return;
     fit_free(c->fit);
     cells_diffuser_free(c->diffuser);
+    cells_rest_free(c->rest);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);
@@ -311,6 +312,7 @@ const struct engine engine_polyhedral = {
     .state = {.make = cells_make,
               .free = cells_free,
               .set_conserved = cells_set_conserved,
+              .rest = cells_rest,
               .get_conserved = cells_get_conserved,
               .set_limited = cells_set_limited,
               .rows = cells_rows,

@@ -33,6 +33,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *line;           /* [nown] scratch: values block by block */
     double **by_block;      /* [nblocks] into `line` */
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
+    struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
 };
 
 /* line[v] <- the line of variable v of a state */
@@ -66,6 +67,23 @@ void cells_slide(const struct gas *g, double weight, const double *stays, double
 
 /* -(sum of the fluxes out of the cell)/V of n cells, in the order of their faces. */
 void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual);
+
+/* ---- gas at rest (libcore/polyhedral/cells_rest.c) ---- */
+
+/* Does what gas_rest promises. Collective. */
+status cells_rest(struct gas *g, const bool *rests);
+void cells_rest_free(struct cells_rest *r);
+/* Finds how near the cells from <= i < to (<= nnear) of U are to the state at rest, for the calls below. */
+void cells_rest_find(const struct gas *g, int from, int to, const double *const *U);
+/* Adds to n states of polynomials at points from <= i < from + n, in cells cell[n], what fit_rest leaves out. */
+void cells_rest_add(const struct gas *g, int from, int n, const int *cell, double (*at)[BATCH]);
+/* Notes the states on one side of these points, while the state at rest is being found: the left (0) side comes first.
+ */
+void cells_rest_note(const struct gas *g, int side, int from, int n, const int *face, double (*at)[BATCH]);
+/* Adds to the residuals of the momentum of n <= BATCH cells what they miss at rest; not where weigh_row adds no
+ * gravity. */
+void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
+                      double *const residual[MAX_VAR]);
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);

@@ -114,8 +114,10 @@ static void side_states(const struct gas *g, int side, int from, const double *c
         gather_line(p->n, cell, U[v], average[v]);
     }
     fit_points(c->fit, side, from, p->n, U, out);
-    limit_towards(p->n, g->dim, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
+    if (c->rest) cells_rest_add(g, from, p->n, cell, at);
+    limit_towards(p->n, g->dim, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
+    if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
@@ -262,6 +264,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         const double *from_at[MAX_VAR], *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL;
+        const double *flag = c->flagged ? c->flag + at : NULL;
         double *residual[MAX_VAR], *to_at[MAX_VAR];
         for (int v = 0; v < g->nvar; v++) {
             residual[v] = residuals[v];
@@ -269,10 +272,10 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
             to_at[v] = out[v] + at;
             cells_residuals(c, at, n, c->flux[v], residual[v]);
         }
-        if (g->falls) weigh_row(g, n, from_at, falls, c->flagged ? c->flag + at : NULL, residual);
+        if (g->falls) weigh_row(g, n, from_at, falls, flag, residual);
+        if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
         for (int v = 0; v < g->nvar; v++) update_row(n, a, dt, start[v] + at, from_at[v], residual[v], to_at[v]);
-        if (g->falls && c->flagged)
-            drop_row(g, n, a, dt, falls, c->flag + at, from_at, residual, to_at, g->dropped + at);
+        if (g->falls && flag) drop_row(g, n, a, dt, falls, flag, from_at, residual, to_at, g->dropped + at);
         if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
         for (int i = 0; i < n; i++) {
             c->flag[at + i] += bad[i];
@@ -294,10 +297,12 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     const double *const *U = (const double *const *)line;
     polyhedra_fill_start(m, g->nvar, line);
     cells_mirrors(g, 0, own_mirrors, line);
+    if (c->rest) cells_rest_find(g, 0, m->nown, U);
     fit_cells(c->fit, 0, m->ninner, U);
     face_fluxes(g, 0, m->face.nlocal, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
+    if (c->rest) cells_rest_find(g, m->nown, m->nnear, U);
     fit_cells(c->fit, m->ninner, m->nnear, U);
     face_fluxes(g, m->face.nlocal, m->face.ninternal, U);
     face_fluxes(g, m->face.ninternal, m->face.n, U);

@@ -19,6 +19,22 @@ ALWAYS_INLINE void differences(const int *restrict cell, const double *restrict 
     EACH_LANE d[l] = q[cell[l]] - own[l];
 }
 
+/* The state that is taken from the values of a variable (fit_rest). */
+struct calm {
+    const double *rest; /* NULL: nothing is taken */
+    double own[LANES], near[LANES];
+};
+ALWAYS_INLINE void find_calm(const struct fit *f, int batch, int v, struct calm *restrict c) {
+    c->rest = f->rest[v];
+    if (!c->rest) return;
+    own_values(f, batch, c->rest, c->own);
+    own_values(f, batch, f->near, c->near);
+}
+ALWAYS_INLINE void take_calm(const int *restrict cell, const struct calm *restrict c, double *restrict d) {
+    if (!c->rest) return;
+    EACH_LANE d[l] -= c->near[l] * (c->rest[cell[l]] - c->own[l]);
+}
+
 /* Limiters and weights act in the frame that moves with the cell: m' = m - u rho, E' = E - u.m + |u|^2/2 rho with the
  * cell's own u. This map is linear, so it takes polynomials to polynomials of the same degree, and cell averages to
  * averages; what is done in this frame cannot depend on the observer's speed, and at high Mach numbers it sees the
@@ -104,14 +120,19 @@ struct batch {
 ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batch, const double *const *U,
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     double d[MAX_VAR][LANES], *line[MAX_VAR];
+    struct calm calm[MAX_VAR];
     for (int v = 0; v < dim + 2; v++) {
         own_values(f, batch, U[v], c->own[v]);
+        find_calm(f, batch, v, &calm[v]);
         line[v] = d[v];
     }
     find_frame(dim, c->own, &c->frame);
     for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
         const double *w = f->member.data + (long)j * ncoef * LANES;
-        for (int v = 0; v < dim + 2; v++) differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
+        for (int v = 0; v < dim + 2; v++) {
+            differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
+            take_calm(f->member.cell + (long)j * LANES, &calm[v], d[v]);
+        }
         boost(dim, -1, &c->frame, line);
         for (int v = 0; v < dim + 2; v++) {
             extend(&c->bounds[v], d[v]);
@@ -180,12 +201,15 @@ ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int
     double d[LANES], *line[MAX_VAR];
     for (int v = 0; v < dim + 2; v++) {
         int j = f->sector.start[batch];
+        struct calm calm;
+        find_calm(f, batch, v, &calm);
         for (int s = 0; s < sectors; s++) {
             double(*restrict at)[LANES] = g + v * each + s * dim;
             for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
             for (int m = 0; m < f->sector_members[batch]; m++, j++) {
                 const double *w = f->sector.data + (long)j * dim * LANES;
                 differences(f->sector.cell + (long)j * LANES, U[v], own[v], d);
+                take_calm(f->sector.cell + (long)j * LANES, &calm, d);
                 for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = fma(w[k * LANES + l], d[l], at[k][l]);
             }
         }
@@ -328,6 +352,12 @@ const int polynomial_count = sizeof polynomial_table / sizeof *polynomial_table;
 
 const struct polynomial *polynomial_find(const char *name) {
     return model_find(polynomial_table, sizeof *polynomial_table, polynomial_count, name);
+}
+
+void fit_rest(struct fit *f, const double *rho, const double *E, const double *near) {
+    f->rest[0] = rho;
+    f->rest[f->nvar - 1] = E;
+    f->near = near;
 }
 
 void fit_cells(struct fit *f, int from, int to, const double *const *U) {

@@ -32,6 +32,10 @@ const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 status fit_make(const struct polyhedra *m, const struct polynomial *p, const bool *unknown, struct fit **out);
 void fit_free(struct fit *f);
 
+/* From now on fits are of U less what `near` [nnear] (0 .. 1) of each cell takes of a state without velocity, whose rho
+ * and E [size] are given; all are borrowed. fit_points then leaves that state's change within the cell out. */
+void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
+
 /* Fits cells from <= i < to (< nnear) to dim + 2 lines U[v][size]. Cells are fitted batch by batch: cells that share a
  * batch with the first or the last one are fitted, too, from whatever U holds, and again when their own turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);

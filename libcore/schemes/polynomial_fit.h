@@ -31,7 +31,8 @@ struct fit {
     double *weight;      /* CWENO3: nonlinear weights of the sectors of one batch, [sectors][LANES] */
     double *value;       /* [nvar][nvalues] at the rows of `point` */
     long nvalues;        /* values of one variable */
-    int *place[2];       /* [points] where a face point's value in the left and in the right cell stands */
+    const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
+    int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */
 };
 
 /* Finds members and weights (1/m) of the unlimited gradients of linear fits in cells < nnear: to the neighbours across

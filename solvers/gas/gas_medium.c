@@ -2,6 +2,7 @@
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
+#include "solvers/gas/rest.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
 
@@ -24,6 +25,7 @@ struct gas_state {
     double totals[MAX_VAR];   /* mass, momentum, energy at the start */
     struct gas_counts counts; /* counts at the last log entry */
     bool audited;             /* is a budget kept? */
+    bool unknown;             /* is the start gone that would say what is at rest? */
 };
 static struct gas_state *of(const struct medium *m) {
     return (struct gas_state *)(uintptr_t)m;
@@ -129,6 +131,7 @@ static status gas_start(struct medium *m) {
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
     gas_heed(g->gas, m->asked);
+    TRY(rest_lay(s, models, g->gas, &g->unknown));
     if (i->conserved[0])
         gas_set_conserved(g->gas, (const double *const *)i->conserved);
     else
@@ -151,6 +154,10 @@ static void gas_medium_free(struct medium *m) {
 
 static void gas_describe(const struct medium *m, FILE *f) {
     models_print(f, of(m)->models, m->setup->grid->polyhedra != NULL);
+    if (of(m)->unknown)
+        fprintf(f,
+                "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
+                "time folder)\n");
 }
 
 static void gas_provenance(const struct medium *m, struct sink *o) {

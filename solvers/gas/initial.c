@@ -9,6 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+struct calm {          /* of layers without waves */
+    bool rests;        /* are they at rest? */
+    double background; /* least alpha */
+};
+
 struct reader { /* what the functions below share */
     const char *case_dir;
     const struct instant *at;
@@ -16,6 +21,7 @@ struct reader { /* what the functions below share */
     int dim;
     const int *axis;
     const struct gas_models *models;
+    struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
 };
 
 static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
@@ -36,6 +42,7 @@ static status read_fields(const struct reader *r, struct initial *s) {
         if (field_exists(path)) e = layers_read_field(path, (enum field_id)i, r->place, &layers[i], &s->field[i]);
     }
     const enum field_id density = s->field[FIELD_RHO] ? FIELD_RHO : FIELD_ALPHA;
+    if (!e && r->calm) r->calm->rests = layers_calm(layers[density], &r->calm->background);
     if (!e)
         e = layers_apply(layers[density], s->field[density], r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
     for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
@@ -354,7 +361,7 @@ static status read_all(const struct reader *r, struct initial *s) {
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const struct gas_models *models, struct initial **out) {
-    const struct reader r = {case_dir, at, place, dim, axis, models};
+    const struct reader r = {case_dir, at, place, dim, axis, models, NULL};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
@@ -366,6 +373,33 @@ status initial_read(const char *case_dir, const struct instant *at, const struct
     }
     *out = s;
     return OK;
+}
+
+static status read_rest(const struct reader *r, struct initial *s) {
+    const int n = r->place->mesh->ncells;
+    TRY(read_files(r, s));
+    if (!r->calm->rests) return OK;
+    TRY(check_values(r, s));
+    TRY(take_state(r, s));
+    TRY(allocate(&s->rests, n, sizeof *s->rests, "state at rest"));
+    const double per = packing_per_density(&r->models->material), least = r->calm->background * (1 + 1e-12);
+    for (int i = 0; i < n; i++) s->rests[i] = per * s->rho[i] > least;
+    return r->models->polynomial->degree > 1 ? initial_average(s, r->place, r->dim, r->axis, r->models) : OK;
+}
+
+status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, struct initial **out) {
+    struct calm calm = {0};
+    const struct reader r = {case_dir, at, place, dim, axis, models, &calm};
+    struct initial *s = NULL;
+    *out = NULL;
+    TRY(allocate(&s, 1, sizeof *s, "state at rest"));
+    const status e = read_rest(&r, s);
+    if (!e && calm.rests)
+        *out = s;
+    else
+        initial_free(s);
+    return e;
 }
 
 void initial_drop_cells(struct initial *s) {
@@ -387,6 +421,7 @@ void initial_free(struct initial *s) {
     for (int i = 0; i < FIELD_COUNT; i++) field_free(s->field[i]);
     for (int i = 0; s->values && i < 3 * s->npatches; i++) free(s->values[i]);
     free(s->values);
+    free(s->rests);
     free(s->rules);
     free(s->from);
     free(s);

@@ -14,6 +14,7 @@ struct initial {                      /* the same on every rank */
     enum field_id (*from)[3];         /* [npatches] the fields that give a patch's rules: rho or alpha, U, T or p */
     double *rho, *T, *u[3];           /* [ncells] kg/m^3, m^2/s^2, m/s along computational axes */
     double *conserved[MAX_VAR];       /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
+    bool *rests;                      /* [ncells] of initial_rest: is the cell at rest? else NULL */
     int npatches;
     struct patch_rules *rules; /* [npatches] */
     double **values;           /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
@@ -21,6 +22,11 @@ struct initial {                      /* the same on every rank */
 /* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
  * them to at->digits. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
+                    const int axis[3], const struct gas_models *models, struct initial **out);
+/* Reads the state of a folder that no run has written as it would be at rest: its hydrostatic settledLayer without
+ * waves, averaged as initial_average does, without patches. It is not at rest in the layer's background, which falls.
+ * *out is NULL if there is no such layer. */
+status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const struct gas_models *models, struct initial **out);
 void initial_free(struct initial *s);
 /* For engines whose cells hold averages: if fields are given by expressions, sets s->conserved to the averages of the

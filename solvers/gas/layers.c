@@ -92,6 +92,13 @@ void layers_free(struct layers *l) {
     free(l);
 }
 
+bool layers_calm(struct layers *l, double *background) {
+    if (!l) return false;
+    l->perturbed = false;
+    *background = l->background;
+    return l->settled && l->hydrostatic;
+}
+
 void layers_list(FILE *f) {
     fprintf(f, "\n0/alpha or 0/rho: settledLayer { }, at rest on the side of the box that gravity points to\n");
     params_print(f, settled_param, COUNT(settled_param));

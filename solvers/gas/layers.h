@@ -25,6 +25,9 @@ struct layers;
 status layers_read_field(const char *path, enum field_id id, const struct field_place *place, struct layers **layers,
                          struct field **field);
 void layers_free(struct layers *l);
+/* Takes the waves away; returns whether what remains is at rest: a hydrostatic settledLayer, where alpha is above its
+ * *background. l may be NULL. */
+bool layers_calm(struct layers *l, double *background);
 void layers_list(FILE *f); /* prints keys, defaults, ranges */
 
 /* Sets the cells' values of f (rho or alpha, whose file said l). T: the field of T, NULL if the case gives p. */
