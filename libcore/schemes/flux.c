@@ -277,7 +277,9 @@ struct excess {
     double jump[MAX_VAR][BATCH], D[MAX_VAR][BATCH];
 };
 
-ALWAYS_INLINE void means_dim(const int dim, int n, const struct face_states s[2], struct excess *restrict e) {
+/* rest: the pressure of gas at rest on both sides, which the flux is without. */
+ALWAYS_INLINE void means_dim(const int dim, int n, const struct face_states s[2], const double (*rest)[BATCH],
+                             struct excess *restrict e) {
     for (int i = 0; i < n; i++) {
         double U[2][MAX_VAR], F[2][MAX_VAR];
         for (int k = 0; k < 2; k++) {
@@ -290,7 +292,7 @@ ALWAYS_INLINE void means_dim(const int dim, int n, const struct face_states s[2]
             if (dim > 2) U[k][3] = rho * u2;
             U[k][dim + 1] = rho * (s[k].eps[i] + 0.5 * (u0 * u0 + t));
             for (int v = 0; v < dim + 2; v++) F[k][v] = U[k][v] * u0;
-            F[k][1] += p;
+            F[k][1] += p - rest[k][i];
             F[k][dim + 1] += p * u0;
         }
         for (int v = 0; v < dim + 2; v++) {
@@ -301,10 +303,11 @@ ALWAYS_INLINE void means_dim(const int dim, int n, const struct face_states s[2]
     }
 }
 
-KERNEL static void means(int dim, int n, const struct face_states s[2], struct excess *restrict e) {
-    if (dim == 1) means_dim(1, n, s, e);
-    if (dim == 2) means_dim(2, n, s, e);
-    if (dim == 3) means_dim(3, n, s, e);
+KERNEL static void means(int dim, int n, const struct face_states s[2], const double (*rest)[BATCH],
+                         struct excess *restrict e) {
+    if (dim == 1) means_dim(1, n, s, rest, e);
+    if (dim == 2) means_dim(2, n, s, rest, e);
+    if (dim == 3) means_dim(3, n, s, rest, e);
 }
 
 /* Computes (Q_l + Q_r) f*: first-order upwinding of the means on the two bases. tame_dim subtracts f* to get D. */
@@ -387,9 +390,14 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     struct two_bases t;
     struct excess e;
     struct bases mean;
+    double rest[2][BATCH] = {{0}};
     two_bases_flux(f, eos, m, r, &t);
     if (all_one_way(f->n, &t.w)) return;
-    means(f->dim, f->n, t.s, &e);
+    for (int i = 0; i < f->n && f->rise; i++) {
+        rest[0][i] = f->base[i];
+        rest[1][i] = f->base[i] + f->rise[i];
+    }
+    means(f->dim, f->n, t.s, (const double(*)[BATCH])rest, &e);
     excess_of(f, &t, &e);
     common_bases(f, &t.w, &mean);
     tame(f->dim, f->n, &t, &mean, &e, f->out);
