@@ -10,7 +10,8 @@
  * as on every lattice, a hydrostatic layer is at rest by the scheme itself, and T may differ from layer to layer; on
  * other meshes T is uniform and cells hold means over their height. The waves, 1 + amplitude sum_k sin(2 pi (k x/L +
  * phase_k)), multiply the density, or the mass of each column (`of depth`: then the perturbed layer is in equilibrium,
- * too). Layers are computed on the cells of the polyMesh, for every engine alike. */
+ * too). Layers are computed on the cells of the polyMesh, for every engine alike; polyhedra keep them at rest (rest.h).
+ */
 #ifndef SOLVERS_LAYERS_H
 #define SOLVERS_LAYERS_H
 
