@@ -6,25 +6,39 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visit, void *context) {
+/* Calls visit for each cell of this rank: its number here, and its place in a line of a block. */
+typedef void place_visitor(void *context, long cell, int block, long at);
+static void watch_places(const struct gas *g, place_visitor *visit, void *context) {
     const struct forest *f = g->forest;
-    double U[MAX_VAR];
     long cell = 0;
     for (int t = 0; f && t < f->ntiles; t++) {
         const int *n = f->tile[t].n;
-        activity_store_all(g, t, s);
         for (int k = 0; k < n[2]; k++)
             for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++) {
-                    long at = f->first + i + j * f->stride[1] + k * f->stride[2];
-                    for (int v = 0; v < g->nvar; v++) U[v] = s->block[t][v * f->size + at];
-                    visit(context, cell++, f->volume, U);
-                }
+                for (int i = 0; i < n[0]; i++)
+                    visit(context, cell++, t, f->first + i + j * f->stride[1] + k * f->stride[2]);
     }
-    for (int i = 0; !f && i < g->cells->polyhedra->nown; i++) {
-        for (int v = 0; v < g->nvar; v++) U[v] = s->block[0][v * g->cells->polyhedra->size + i];
-        visit(context, cell++, g->cells->polyhedra->volume[i], U);
-    }
+    for (int i = 0; !f && i < g->cells->polyhedra->nown; i++) visit(context, cell++, 0, i);
+}
+
+struct reading { /* of a state */
+    const struct gas *g;
+    const struct state *s;
+    watch_visitor *visit;
+    void *context;
+};
+
+static void read_place(void *context, long cell, int block, long at) {
+    const struct reading *r = context;
+    const struct gas *g = r->g;
+    double U[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) U[v] = r->s->block[block][v * g->size + at];
+    r->visit(r->context, cell, g->forest ? g->forest->volume : g->cells->polyhedra->volume[at], U);
+}
+
+void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visit, void *context) {
+    for (int t = 0; g->forest && t < g->forest->ntiles; t++) activity_store_all(g, t, s);
+    watch_places(g, read_place, &(struct reading){g, s, visit, context});
 }
 
 static long double kinetic(int dim, const double U[MAX_VAR]) {
@@ -107,6 +121,7 @@ struct sourced {
     struct watch *w;
     const struct gas *g;
     const struct source_plan *plan;
+    bool first; /* half of the step */
     long double *gained;
 };
 
@@ -190,7 +205,7 @@ static long double kinetic_of(const struct exact *x, int dim) {
 }
 
 /* One source, by its row of source_table and the parameters that it was given. */
-static void exact_source(const struct gas *g, const struct source_step *step, struct exact *x) {
+static void exact_source(const struct gas *g, const struct source_step *step, bool falls, struct exact *x) {
     const char *name = step->row->model.name;
     const double *own = step->params->room, dt = step->dt;
     if (!strcmp(name, "cooling")) {
@@ -201,6 +216,7 @@ static void exact_source(const struct gas *g, const struct source_step *step, st
         x->low = spared ? 0 : x->high;
         x->room[g->dim + 1] += condition * x->rho * old * (slow - 1) / (slow * slow);
     } else if (!strcmp(name, "gravity")) {
+        if (!falls) return;
         for (int k = 0; k < g->dim; k++) x->mom[k] += x->rho * step->kick[k];
     } else if (!strcmp(name, "linearDrag")) {
         const long double decay = expl(-(long double)own[0] * dt > -300 ? -(long double)own[0] * dt : -300);
@@ -217,18 +233,44 @@ static void exact_source(const struct gas *g, const struct source_step *step, st
     x->room[g->dim + 1] += x->rho * x->high + kinetic_of(x, g->dim);
 }
 
-/* The exact step cell by cell; what the step gave is summed up for the budget. */
-static void after_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
-    struct sourced *s = context;
+/* What a half step of the plan makes of a cell, which falls or does not. */
+static struct exact exact_step(const struct sourced *s, const long double old[MAX_VAR], bool falls) {
     const int dim = s->g->dim, last = dim + 1;
-    const long double *old = s->w->before + MAX_VAR * cell, unit = 16 * 0x1p-52L;
     double start[MAX_VAR];
     struct exact x = {.rho = old[0]};
     for (int v = 0; v <= last; v++) start[v] = (double)old[v];
     for (int v = 1; v <= last; v++) x.room[v] = fabsl(old[v]);
     for (int k = 0; k < dim; k++) x.mom[k] = old[1 + k];
     x.low = x.high = (old[last] - kinetic(dim, start)) / old[0];
-    for (int i = 0; i < s->plan->n; i++) exact_source(s->g, &s->plan->step[i], &x);
+    for (int i = 0; i < s->plan->n; i++) exact_source(s->g, &s->plan->step[i], falls, &x);
+    return x;
+}
+
+static long double momentum_off(const struct exact *x, int dim, const double U[MAX_VAR]) {
+    long double sum = 0;
+    for (int k = 0; k < dim; k++) sum += fabsl(x->mom[k] - U[1 + k]);
+    return sum;
+}
+
+/* Does a cell fall, by its state before the step? Where eps is that of the threshold but for rounding, either will do:
+ * then what the cell did says which it was. */
+static bool does_fall(const struct sourced *s, const long double old[MAX_VAR], const double U[MAX_VAR]) {
+    const int dim = s->g->dim;
+    struct exact start = {.rho = old[0]};
+    for (int k = 0; k < dim; k++) start.mom[k] = old[1 + k];
+    const long double moving = kinetic_of(&start, dim), off = (old[dim + 1] - moving) / old[0] - s->plan->warm;
+    if (fabsl(off) > 8 * 0x1p-52L * (old[dim + 1] + moving) / old[0]) return off < 0;
+    const struct exact x[2] = {exact_step(s, old, false), exact_step(s, old, true)};
+    return momentum_off(&x[1], dim, U) < momentum_off(&x[0], dim, U);
+}
+
+/* The exact step cell by cell; what the step gave is summed up for the budget. */
+static void after_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
+    struct sourced *s = context;
+    const int dim = s->g->dim, last = dim + 1;
+    const long double *old = s->w->before + MAX_VAR * cell, unit = 16 * 0x1p-52L;
+    if (s->first) s->w->falls[cell] = does_fall(s, old, U);
+    const struct exact x = exact_step(s, old, s->w->falls[cell]);
     s->gained[0] += volume * ((long double)U[0] - old[0]);
     for (int k = 1; k <= dim; k++) {
         const long double off = fabsl(x.mom[k - 1] - U[k]);
@@ -241,6 +283,19 @@ static void after_visit(void *context, long cell, double volume, const double U[
     s->gained[last] += volume * ((long double)U[last] - old[last]);
 }
 
+/* Notes the kick of gravity in a half step. After the second one the kicks of all stages must have been those of both,
+ * in a scheme of second order at least. */
+static void compare_kicks(struct watch *w, const struct gas *g, const struct source_step *step, bool first) {
+    const long double unit = 16 * 0x1p-52L;
+    for (int k = 0; k < g->dim; k++) {
+        w->kick[!first][k] = step->kick[k];
+        if (first || g->models.stepper->stages == 1) continue;
+        const long double room = fabsl(w->kick[0][k]) + fabsl(w->kick[1][k]);
+        const long double off = fabsl(w->kick[0][k] + w->kick[1][k] - w->impulse[k]);
+        if (off > 0) w->trial = fmax(w->trial, (double)(off / (unit * room)));
+    }
+}
+
 /* The sources go through all rows by source_row: before and after that every cell is looked at. */
 static void watched_rows(const struct gas *g, enum extent extent, const struct state *from, row_visitor *visit,
                          void *context) {
@@ -250,22 +305,115 @@ static void watched_rows(const struct gas *g, enum extent extent, const struct s
         w->inner->state.rows(g, extent, from, visit, context);
         return;
     }
-    struct sourced s = {.w = w, .g = g, .plan = h->plan, .gained = w->budget.gained[from != &g->U]};
+    const bool first = from == &g->U;
+    struct sourced s = {.w = w, .g = g, .plan = h->plan, .first = first, .gained = w->budget.gained[!first]};
     for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
-    if (from == &g->U) w->trial = 0;
-    if (from != &g->U) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */
+    if (first) w->trial = 0;
+    if (!first) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */
     watch_cells(g, from, before_visit, &s);
     w->inner->state.rows(g, extent, from, visit, context);
     if (w->inner->state.keep_as) w->inner->state.keep_as(g, from, h->to);
     watch_cells(g, h->to, after_visit, &s);
+    for (int i = 0; i < h->plan->n; i++)
+        if (!strcmp(h->plan->step[i].row->model.name, "gravity")) compare_kicks(w, g, &h->plan->step[i], first);
+}
+
+/* The fraction of what a stage adds that the result of the step holds. */
+static long double carried(const struct stepper *s, int stage) {
+    long double start = 0, state = 1 - (long double)s->a[stage];
+    for (int i = stage; i < s->stages; i++) {
+        if (i > stage) state += s->a[i] * (start - state);
+        if (i + 1 != s->exchange) continue;
+        const long double old = start;
+        start = (old + 9 * state) / 10;
+        state = (6 * old + 4 * state) / 10;
+    }
+    return state;
+}
+
+struct weighing { /* what gravity gives the cells in a stage */
+    struct watch *w;
+    const struct gas *g;
+    double a, dt;
+    long double part; /* carried */
+    long double *gained;
+};
+
+/* All cells but those that fall, by the state that the stage starts from: rho g dt and rho u.g dt. */
+static void weigh_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
+    const struct weighing *s = context;
+    if (s->w->falls[cell] || s->w->flagged[cell]) return;
+    for (int k = 0; k < s->g->dim; k++) {
+        const long double kick = s->part * volume * s->dt * s->g->gravity[k];
+        s->gained[1 + k] += kick * U[0];
+        s->gained[s->g->dim + 1] += kick * U[1 + k];
+    }
+}
+
+static void start_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
+    const struct weighing *s = context;
+    (void)volume;
+    for (int v = 0; v < s->g->nvar; v++) s->w->before[MAX_VAR * cell + v] = U[v];
+}
+
+/* Flagged cells fall in W = (to - a U0)/(1 - a): of the momentum m there they had m - rho dt g before. */
+static void drop_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
+    const struct weighing *s = context;
+    const long double *start = s->w->before + MAX_VAR * cell, rest = 1 - (long double)s->a;
+    if (s->w->falls[cell] || !s->w->flagged[cell]) return;
+    const long double rho = (U[0] - s->a * start[0]) / rest;
+    for (int k = 0; k < s->g->dim; k++) {
+        const long double kick = (long double)s->dt * s->g->gravity[k], mom = (U[1 + k] - s->a * start[1 + k]) / rest;
+        s->gained[1 + k] += s->part * volume * rho * kick;
+        s->gained[s->g->dim + 1] += s->part * volume * kick * (mom - rho * kick / 2);
+    }
+}
+
+/* Books what gravity gave in the stage in hand, which may be done again. */
+static void book_stage(struct watch *w, const struct gas *g, const struct state *U0, const struct state *from,
+                       const struct state *to, double a, double dt) {
+    struct weighing s = {w, g, a, dt, carried(g->models.stepper, w->stage), w->budget.weighed[w->stage]};
+    for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
+    if (!source_falls(&g->models.source, g->dim)) return;
+    watch_cells(g, from, weigh_visit, &s);
+    if (!to) return;
+    watch_cells(g, U0, start_visit, &s);
+    watch_cells(g, to, drop_visit, &s);
 }
 
 static long watched_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                           double a, double dt) {
     struct watch *w = (struct watch *)(uintptr_t)g->engine;
-    if (U0 == from) w->bad = 0;
+    if (U0 == from) {
+        w->bad = w->stage = 0;
+        for (int k = 0; k < MAX_DIM; k++) w->impulse[k] = 0;
+    } else {
+        w->stage++;
+    }
     look_on(w, g, from);
+    for (int k = 0; k < g->dim; k++) w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->gravity[k];
+    memset(w->flagged, 0, (size_t)g->ncells_all * sizeof *w->flagged);
+    book_stage(w, g, U0, from, NULL, a, dt);
     return w->inner->stage.stage(g, U0, from, to, a, dt);
+}
+
+struct flags {
+    struct watch *w;
+    const struct gas *g;
+};
+static void flag_visit(void *context, long cell, int block, long at) {
+    const struct flags *f = context;
+    const double *flag = f->g->forest ? f->g->tiles->flag[block] : f->g->cells->flag;
+    f->w->flagged[cell] = flag[at] > 0;
+}
+
+/* The flags that it raises are for the next time. */
+static void watched_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
+                         double a, double dt) {
+    struct watch *w = (struct watch *)(uintptr_t)g->engine;
+    watch_places(g, flag_visit, &(struct flags){w, g});
+    w->inner->stage.redo(g, U0, from, to, a, dt);
+    book_stage(w, g, U0, from, to, a, dt);
 }
 
 static long watched_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
@@ -278,7 +426,10 @@ static long watched_end(struct gas *g, enum diffusing what, const struct state *
 status watch_start(struct watch *w, struct gas *g) {
     *w = (struct watch){.engine = *g->engine, .inner = g->engine};
     TRY(allocate(&w->before, (long)MAX_VAR * g->ncells_all, sizeof *w->before, "the watch"));
+    TRY(allocate(&w->falls, 2L * g->ncells_all, sizeof *w->falls, "the watch"));
+    w->flagged = w->falls + g->ncells_all;
     w->engine.stage.stage = watched_stage;
+    w->engine.stage.redo = watched_redo;
     w->engine.stage.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
     w->engine.state.rows = watched_rows;
     w->engine.diffusion.end = watched_end;
@@ -294,6 +445,7 @@ bool watch_step_finish(struct watch *w, struct gas *g) {
     w->source = fmax(w->source, w->trial);
     for (int v = 0; v < g->nvar; v++) {
         w->budget.gain[v] += w->budget.gained[0][v] + w->budget.gained[1][v];
+        for (int i = 0; i < g->models.stepper->stages; i++) w->budget.gain[v] += w->budget.weighed[i][v];
         w->budget.gained[0][v] = w->budget.gained[1][v] = 0;
     }
     tally(w, g);
@@ -303,4 +455,5 @@ bool watch_step_finish(struct watch *w, struct gas *g) {
 
 void watch_free(struct watch *w) {
     free(w->before);
+    free(w->falls);
 }

@@ -7,10 +7,11 @@
 
 struct budget { /* sums over the domain of mass, momentum, energy */
     long double now[MAX_VAR], start[MAX_VAR];
-    long double gained[2][MAX_VAR]; /* by the two halves of the sources of the step in hand */
-    long double gain[MAX_VAR];      /* by those of all steps that were accepted */
-    long double rounding[3];        /* what a step may lose: magnitudes of mass, momentum, energy, summed over stages */
-    long double magnitude[3];       /* of the start */
+    long double gained[2][MAX_VAR];   /* by the two halves of the sources of the step in hand */
+    long double weighed[10][MAX_VAR]; /* by gravity in its stages */
+    long double gain[MAX_VAR];        /* by both in all steps that were accepted */
+    long double rounding[3];  /* what a step may lose: magnitudes of mass, momentum, energy, summed over stages */
+    long double magnitude[3]; /* of the start */
 };
 struct watch {
     struct engine engine; /* first: struct gas points at it */
@@ -19,7 +20,11 @@ struct watch {
     double trial, source; /* struct outcome */
     long ends;            /* super steps of diffusion in the step in hand, of all its attempts */
     struct budget budget;
-    long double *before; /* [cells][MAX_VAR] what a source step starts from */
+    long double *before; /* [cells][MAX_VAR] what a source step, or a step of Runge-Kutta, starts from */
+    bool *falls;         /* [cells] does gravity act in the half steps, and not in the stages? */
+    bool *flagged;       /* [cells] are its faces limited in the stage in hand? */
+    int stage;           /* the one in hand */
+    long double kick[2][MAX_DIM], impulse[MAX_DIM]; /* m/s: what gravity gives in both half steps; in all stages */
     char why[200];
 };
 
