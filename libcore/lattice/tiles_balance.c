@@ -38,7 +38,7 @@ KERNEL static void rise_line(int n, double half, long stride, const double *rest
     for (int i = 0; i < n; i++) {
         const double rho0 = rho[i], rho1 = rho[i + stride], p0 = p[i], p1 = p[i + stride];
         const double full = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
-        const double share = (rho0 == rho1) & (p0 == p1) ? 0 : full;
+        const double share = ((rho0 == rho1) & (p0 == p1)) ? 0 : full;
         const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
         rise[i] = k;
         lift[i] = 0.5 * (k + clip(share * rho0 - share * rho1, fabs(k)));
