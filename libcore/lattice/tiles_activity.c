@@ -42,14 +42,21 @@ bool activity_has_background(const struct gas *g, int tile, const struct state *
     return has_background(g, &g->forest->tile[tile], s->varied[tile]);
 }
 
-static bool same_cell(const struct gas *g, const double *U, long a, long b) {
+/* The marks of a tile's cold cells, in which gravity acts in another way: cells that are equal but for these soon are
+ * not. NULL: there are none. */
+static const double *marks_of(const struct gas *g, int tile) {
+    return g->falls && g->falling[tile] ? g->falls[tile] : NULL;
+}
+
+static bool same_cell(const struct gas *g, const double *U, const double *falls, long a, long b) {
+    if (falls && falls[a] != falls[b]) return false;
     for (int v = 0; v < g->nvar; v++)
         if (bits_of(U[v * g->forest->size + a]) != bits_of(U[v * g->forest->size + b])) return false;
     return true;
 }
 
 /* A corner cell that equals its neighbour inwards along every axis, or -1. */
-static long find_reference(const struct gas *g, const struct tile *t, const double *U) {
+static long find_reference(const struct gas *g, const struct tile *t, const double *U, const double *falls) {
     const struct forest *f = g->forest;
     for (int corner = 0; corner < 1 << g->dim; corner++) {
         long at = f->first;
@@ -57,7 +64,7 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
         for (int k = 0; k < g->dim; k++)
             if (corner >> k & 1) at += (t->n[k] - 1) * f->stride[k];
         for (int k = 0; k < g->dim && calm; k++)
-            calm = t->n[k] > 1 && same_cell(g, U, at, at + (corner >> k & 1 ? -1 : 1) * f->stride[k]);
+            calm = t->n[k] > 1 && same_cell(g, U, falls, at, at + (corner >> k & 1 ? -1 : 1) * f->stride[k]);
         if (calm) return at;
     }
     return -1;
@@ -73,24 +80,26 @@ KERNEL static bool block_differs(int nvar, long size, const double *restrict U, 
     return any != 0;
 }
 
-static bool cells_differ(const struct gas *g, const double *U, long offset, int n) {
+static bool cells_differ(const struct gas *g, const double *U, const double *falls, long offset, int n) {
+    for (int i = 0; falls && i < n; i++)
+        if (falls[offset + i] != falls[0]) return true;
     if (n == BLOCK) return block_differs(g->nvar, g->forest->size, U, offset);
     for (int i = 0; i < n; i++)
-        if (!same_cell(g, U, offset + i, 0)) return true;
+        if (!same_cell(g, U, falls, offset + i, 0)) return true;
     return false;
 }
 
 /* Takes from both ends of a row's span the blocks that equal the background. */
-static struct span differing(const struct gas *g, const double *U, long row, struct span s) {
+static struct span differing(const struct gas *g, const double *U, const double *falls, long row, struct span s) {
     while (!span_empty(s)) {
         int n = s.high - s.low < BLOCK ? s.high - s.low : BLOCK;
-        if (cells_differ(g, U, row + s.low, n)) break;
+        if (cells_differ(g, U, falls, row + s.low, n)) break;
         s.low += n;
     }
     while (!span_empty(s)) {
         int n = s.high % BLOCK ? s.high % BLOCK : BLOCK;
         if (n > s.high - s.low) n = s.high - s.low;
-        if (cells_differ(g, U, row + s.high - n, n)) break;
+        if (cells_differ(g, U, falls, row + s.high - n, n)) break;
         s.high -= n;
     }
     return span_empty(s) ? SPAN_EMPTY : s;
@@ -99,16 +108,18 @@ static struct span differing(const struct gas *g, const double *U, long row, str
 bool activity_find(const struct gas *g, int tile, const struct state *s) {
     const struct tile *t = &g->forest->tile[tile];
     double *U = s->block[tile];
+    const double *falls = marks_of(g, tile);
     if (!g->models.skip_uniform) return false;
     if (!has_background(g, t, s->varied[tile])) {
-        long reference = find_reference(g, t, U);
+        long reference = find_reference(g, t, U, falls);
         if (reference < 0) return false;
         for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
+        if (falls) g->falls[tile][0] = falls[reference];
     }
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
             struct span *row = activity_row(&g->tiles->activity, s->varied[tile], j, k);
-            *row = differing(g, U, row_offset(g->forest, j, k), *row);
+            *row = differing(g, U, falls, row_offset(g->forest, j, k), *row);
         }
     return has_background(g, t, s->varied[tile]);
 }
@@ -204,12 +215,12 @@ static struct span differ_with_ghosts(const struct gas *g, int tile, const struc
     long row = row_offset(g->forest, j, k);
     if (out_j && out_k) return SPAN_EMPTY;
     if (out_j || out_k)
-        return quiet[side_of_row(t, j, k)] ? SPAN_EMPTY : differing(g, U, row, (struct span){0, t->n[0]});
+        return quiet[side_of_row(t, j, k)] ? SPAN_EMPTY : differing(g, U, NULL, row, (struct span){0, t->n[0]});
     struct span differ = *activity_row(&g->tiles->activity, s->varied[tile], j, k);
     for (int m = 0; m < GHOSTS; m++)
         for (int high = 0; high < 2; high++) {
             int i = high ? t->n[0] + m : -1 - m;
-            if (!quiet[high] && !same_cell(g, U, row + i, 0)) differ = span_join(differ, (struct span){i, i + 1});
+            if (!quiet[high] && !same_cell(g, U, NULL, row + i, 0)) differ = span_join(differ, (struct span){i, i + 1});
         }
     return differ;
 }
