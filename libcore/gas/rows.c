@@ -57,6 +57,10 @@ KERNEL static void weigh_all(int n, double gravity, const double *restrict rho, 
     }
 }
 
+KERNEL static void add_power(int n, const double *restrict power, double *restrict residual) {
+    for (int i = 0; i < n; i++) residual[i] += power[i];
+}
+
 KERNEL static void weigh_some(int n, double gravity, const double *restrict share, const double *restrict rho,
                               const double *restrict mom, double *restrict force, double *restrict power) {
     for (int i = 0; i < n; i++) {
@@ -67,14 +71,15 @@ KERNEL static void weigh_some(int n, double gravity, const double *restrict shar
 
 void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
                double *const residual[MAX_VAR]) {
-    double share[BATCH], *power = residual[g->dim + 1];
+    double share[BATCH], power[BATCH] = {0}; /* summed from the last axis, so that two axes of three commute */
     const bool some = falls || flag;
     for (int i = 0; i < n && some; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
-    for (int k = 0; k < g->dim; k++)
+    for (int k = g->dim - 1; k >= 0; k--)
         if (some)
             weigh_some(n, g->gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
         else if (g->models.source.gravity[k] != 0)
             weigh_all(n, g->gravity[k], U[0], U[k + 1], residual[k + 1], power);
+    add_power(n, power, residual[g->dim + 1]);
 }
 
 void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,
@@ -84,12 +89,15 @@ void drop_row(const struct gas *g, int n, double a, double dt, const double *fal
     for (int i = 0; i < n; i++) {
         if ((falls && falls[i] > 0) || !(flag[i] > 0)) continue;
         const double rho = from[0][i] + dt * residual[0][i];
-        for (int k = 0; k < g->dim; k++) {
+        double work = 0, more = 0;
+        for (int k = g->dim - 1; k >= 0; k--) {
             const double kick = dt * g->gravity[k], moved = dt * residual[k + 1][i];
             to[k + 1][i] += (1 - a) * (rho * kick);
-            to[last][i] += (1 - a) * (kick * (from[k + 1][i] + moved + 0.5 * rho * kick));
-            dropped[i * g->raised_step] += kick * (moved + 0.5 * rho * kick);
+            work += kick * (from[k + 1][i] + moved + 0.5 * rho * kick);
+            more += kick * (moved + 0.5 * rho * kick);
         }
+        to[last][i] += (1 - a) * work;
+        dropped[i * g->raised_step] += more;
     }
 }
 

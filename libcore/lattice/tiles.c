@@ -32,7 +32,7 @@ static status make_work(struct gas *g) {
     }
     if (!source_falls(&g->models.source, g->dim)) return OK;
     TRY(allocate(&w->rise, g->forest->size + SLACK, sizeof(double), "scratch"));
-    return allocate(&w->lift, g->forest->size + SLACK, sizeof(double), "scratch");
+    return allocate(&w->skew, g->forest->size + SLACK, sizeof(double), "scratch");
 }
 
 /* Gravity needs to know which cells it acts on in the stages. */
@@ -109,7 +109,7 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->held);
     void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
                       x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
-                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.lift};
+                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.skew};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

@@ -5,8 +5,8 @@
  * is at rest if each face has the pressure that both its cells have there, P = p_0 + h/2 rho_0 g = p_1 - h/2 rho_1 g:
  * then the pressures on a cell's two faces differ by its weight, which weigh_row adds. So the pressure P_m of gas at
  * rest is taken from the fluxes of momentum of a stencil's cells m,
- *     k_m = h/2 (rho_m g + rho_(m+1) g),  P_(m+1) = P_m + k_m,  P_0 = P - a,
- *     P = (p_0 + a + p_1 - (k_0 - a))/2,  a = h/2 rho_0 g,
+ *     k_m = h/2 (rho_m g + rho_(m+1) g),  P_(m+1) = P_m + k_m, but P_0 = P - a, P_1 = P + b,
+ *     P = (p_0 + a + p_1 - b)/2,  a = h/2 rho_0 g,  b = h/2 rho_1 g,  k_0 = a + b,
  * what remains is reconstructed and upwinded, and P is added to the result. At rest nothing remains, and no face moves
  * mass (Kaeppeli & Mishra, Astron. Astrophys. 587, A94, 2016, do so with states). Beyond a wall lies a mirror image, of
  * gravity, too: on the wall P = p_0 - a, and k is 0. Any k and a are consistent, so they are less where gas is not at
@@ -31,27 +31,27 @@ ALWAYS_INLINE double share_at(double u0, double u1, double c0, double c1) {
     return smaller(larger(2 - 2 * (fabs(u0) + fabs(u1)) / (c0 + c1), 0), 1);
 }
 
-/* k and a of n faces that are no walls. */
+/* k and a - b of n faces that are no walls. */
 KERNEL static void rise_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
                              const double *restrict u, const double *restrict c, double *restrict rise,
-                             double *restrict lift) {
+                             double *restrict skew) {
     for (int i = 0; i < n; i++) {
         const double rho0 = rho[i], rho1 = rho[i + stride], p0 = p[i], p1 = p[i + stride];
         const double full = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
         const double share = ((rho0 == rho1) & (p0 == p1)) ? 0 : full;
         const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
         rise[i] = k;
-        lift[i] = 0.5 * (k + clip(share * rho0 - share * rho1, fabs(k)));
+        skew[i] = clip(share * rho0 - share * rho1, fabs(k));
     }
 }
 
-/* a of n faces on a wall; all lines begin at the cells inside. */
+/* The same of n faces on a wall, where b = -a; all lines begin at the cells inside. */
 static void wall_line(int n, double half, bool high, const double *rho, const double *p, const double *u,
-                      const double *c, double *rise, double *lift) {
+                      const double *c, double *rise, double *skew) {
     for (int i = 0; i < n; i++) {
         const double a = clip(half * share_at(u[i], u[i], c[i], c[i]) * rho[i], p[i]);
         rise[i] = 0;
-        lift[i] = high ? a : -a;
+        skew[i] = high ? 2 * a : -2 * a;
     }
 }
 
@@ -68,16 +68,16 @@ static int kind_of(const struct gas *g, int tile, int axis, int j) {
     return 1;
 }
 
-/* k and a of the faces above n cells, all of one kind. */
+/* k and a - b of the faces above n cells, all of one kind. */
 static void rises(const struct gas *g, const double *U, int axis, int kind, bool high, long offset, int n) {
     const struct work *w = &g->tiles->work;
     const double half = 0.5 * g->forest->width[axis] * g->gravity[axis];
     const long stride = g->forest->stride[axis], cell = offset + (kind == 0 && !high ? stride : 0);
     const double *rho = U + cell, *p = w->p + cell, *u = w->velocity[axis] + cell, *c = w->c + cell;
     if (kind == 0)
-        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->lift + offset);
+        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->skew + offset);
     else
-        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->lift + offset);
+        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->skew + offset);
 }
 
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n) {
@@ -94,13 +94,16 @@ void balance_rises(const struct gas *g, int tile, const double *U, int axis, int
     }
 }
 
-/* P and P_0 of n faces; P is 0 where nothing rises, so that the flux has the bits of one without gravity. */
+/* P, P_0 and P_1 of n faces; P is 0 where nothing rises, so that the flux has the bits of one without gravity. */
 KERNEL static void base_line(int n, long stride, const double *restrict p, const double *restrict rise,
-                             const double *restrict lift, double *restrict P, double *restrict base) {
+                             const double *restrict skew, double *restrict P, double *restrict left,
+                             double *restrict right) {
     for (int i = 0; i < n; i++) {
-        const double mean = 0.5 * ((p[i] + lift[i]) + (p[i + stride] - (rise[i] - lift[i])));
-        P[i] = rise[i] == 0 && lift[i] == 0 ? 0 : mean;
-        base[i] = P[i] - lift[i];
+        const double a = 0.5 * (rise[i] + skew[i]), b = 0.5 * (rise[i] - skew[i]);
+        const double mean = 0.5 * ((p[i] + a) + (p[i + stride] - b));
+        P[i] = rise[i] == 0 && skew[i] == 0 ? 0 : mean;
+        left[i] = P[i] - a;
+        right[i] = P[i] + b;
     }
 }
 
@@ -112,9 +115,10 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
                      const struct reconstruct *r) {
     const struct work *w = &g->tiles->work;
     struct faces f = *given;
-    double P[BATCH], base[BATCH];
-    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->lift + s->offset, P, base);
-    f.base = base;
+    double P[BATCH], left[BATCH], right[BATCH];
+    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->skew + s->offset, P, left, right);
+    f.base[0] = left;
+    f.base[1] = right;
     f.rise = w->rise + s->offset;
     g->models.flux->through(&f, g->models.eos, &g->models.material, r);
     add_line(f.n, P, f.out[1]);

@@ -242,7 +242,7 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
                        g->tiles->work.residual[v] + row + mine.low);
 }
 
-/* Computes work.rise and work.lift of row (j, k), wherever fluxes need it. */
+/* Computes work.rise and work.skew of row (j, k), wherever fluxes need it. */
 static void rise_row(struct gas *g, int tile, const double *U, int axis, int j, int k) {
     const struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.needed, j, k);
     const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];

@@ -59,10 +59,10 @@ struct rest { /* the pressure of gas at rest in the six cells of a stencil, 0 wh
 ALWAYS_INLINE struct rest rest_at(const bool balanced, const struct faces *f, int i, long stride) {
     struct rest r = {{0}};
     if (!balanced) return r;
-    r.P[2] = f->base[i];
+    r.P[2] = f->base[0][i];
     r.P[1] = r.P[2] - f->rise[i - stride];
     r.P[0] = r.P[1] - f->rise[i - 2 * stride];
-    r.P[3] = r.P[2] + f->rise[i];
+    r.P[3] = f->base[1][i];
     r.P[4] = r.P[3] + f->rise[i + stride];
     r.P[5] = r.P[4] + f->rise[i + 2 * stride];
     return r;

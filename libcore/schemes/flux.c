@@ -410,8 +410,9 @@ KERNEL static void rusanov_line(int n, const double *restrict s, const double *r
 }
 
 /* The momentum of gas at rest that is taken from both sides. */
-KERNEL static void rusanov_rest(int n, const double *restrict base, const double *restrict rise, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] -= base[i] + 0.5 * rise[i];
+KERNEL static void rusanov_rest(int n, const double *restrict left, const double *restrict right,
+                                double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] -= 0.5 * (left[i] + right[i]);
 }
 
 KERNEL static void rusanov_speed(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
@@ -425,7 +426,7 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
     rusanov_speed(f->n, f->velocity[0], f->c, f->velocity[0] + f->stride, f->c + f->stride, s);
     for (int v = 0; v < f->dim + 2; v++)
         rusanov_line(f->n, s, f->flux[v], f->flux[v] + f->stride, f->state[v], f->state[v] + f->stride, f->out[v]);
-    if (f->rise) rusanov_rest(f->n, f->base, f->rise, f->out[1]);
+    if (f->rise) rusanov_rest(f->n, f->base[0], f->base[1], f->out[1]);
 }
 
 const struct flux flux_table[] = {

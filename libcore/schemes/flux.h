@@ -16,9 +16,10 @@ struct faces {
     const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */
     const double *velocity[MAX_DIM];
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
-    /* The pressure of gas at rest, which is taken from the flux of momentum: `base` [n] in the left cells, and its
-     * rises from the cells of a stencil to the next ones, as the other lines. NULL: nothing is taken. */
-    const double *base, *rise;
+    /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the
+     * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. NULL: nothing
+     * is taken. */
+    const double *base[2], *rise;
     double fastest;       /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
     double *out[MAX_VAR]; /* [n] face fluxes */
 };
