@@ -393,10 +393,7 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     double rest[2][BATCH] = {{0}};
     two_bases_flux(f, eos, m, r, &t);
     if (all_one_way(f->n, &t.w)) return;
-    for (int i = 0; i < f->n && f->rise; i++) {
-        rest[0][i] = f->base[i];
-        rest[1][i] = f->base[i] + f->rise[i];
-    }
+    for (int side = 0; side < 2 && f->rise; side++) memcpy(rest[side], f->base[side], (size_t)f->n * sizeof(double));
     means(f->dim, f->n, t.s, (const double(*)[BATCH])rest, &e);
     excess_of(f, &t, &e);
     common_bases(f, &t.w, &mean);
