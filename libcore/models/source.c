@@ -320,6 +320,11 @@ KERNEL static void find_falling(int n, double warm, const double *restrict eps, 
     for (int i = 0; i < n; i++) falls[i] = eps[i] < warm ? 1 : 0;
 }
 
+/* E = before in the cells that do not fall: no bit of a cell may depend on those that share its row. */
+KERNEL static void keep_energy(int n, const double *restrict falls, const double *restrict before, double *restrict E) {
+    for (int i = 0; i < n; i++) E[i] = falls[i] > 0 ? E[i] : before[i];
+}
+
 /* Has the plan a step that acts on one of the cells? */
 static bool acts(const struct source_plan *plan, int n, const double *falls) {
     for (int i = 0; i < plan->n; i++)
@@ -328,13 +333,14 @@ static bool acts(const struct source_plan *plan, int n, const double *falls) {
 }
 
 void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls) {
-    double eps[BATCH];
+    double eps[BATCH], before[BATCH];
     const bool find = falls && plan->warm >= 0;
     if (plan->n == 0 || (!find && !acts(plan, n, falls))) return;
     const int dim = plan->step[0].dim;
     internal_energy(n, dim, U, eps);
     if (find) find_falling(n, plan->warm, eps, falls);
     if (find && !acts(plan, n, falls)) return;
+    memcpy(before, U[dim + 1], (size_t)n * sizeof *before);
     for (int i = 0; i < plan->n; i++) {
         const struct source_step *step = &plan->step[i];
         if (falls && step->row->step == gravity_step)
@@ -343,4 +349,5 @@ void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR
             step->row->step(step, n, U[0], U + 1, eps);
     }
     total_energy(n, dim, U, eps);
+    if (falls && plan->gravity_alone) keep_energy(n, falls, before, U[dim + 1]);
 }

@@ -49,7 +49,7 @@ static void set_linear(struct gas_models *m) {
     status_free(missing);
 }
 
-static void set_models(struct scene *s, const struct scheme *scheme) {
+static void set_models(struct scene *s, const struct scheme *scheme, bool full) {
     const struct problem *p = s->problem;
     s->models = (struct gas_models){.material = p->material,
                                     .eos = p->eos,
@@ -62,7 +62,7 @@ static void set_models(struct scene *s, const struct scheme *scheme) {
                                     .transport_params = p->transport_params,
                                     .diffusion = p->diffusion,
                                     .alpha_floor = p->alpha_floor,
-                                    .skip_uniform = true};
+                                    .skip_uniform = !full};
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
@@ -383,7 +383,7 @@ status stress_run(const struct problem *p, const struct scheme *scheme, const st
                   const struct comm *c, struct outcome *out) {
     struct scene s = {.problem = p, .comm = c};
     *out = (struct outcome){.verdict = FAILED, .drift = {-1, -1, -1}, .relative = {-1, -1, -1}};
-    set_models(&s, scheme);
+    set_models(&s, scheme, o->full);
     if (!s.models.flux || !s.models.reconstruct || !s.models.stepper || !s.models.polynomial)
         return fail(ERR_INPUT, "no scheme %s/%s/%s/%s", scheme->flux, scheme->reconstruct, scheme->polynomial,
                     scheme->stepper);

@@ -12,6 +12,7 @@ struct run_options {
     int cap;         /* steps at most */
     double fraction; /* minDeltaTFraction */
     bool bare;       /* the engine as it is: nothing is checked but the last state */
+    bool full;       /* uniform regions are computed, too */
     bool verbose;    /* a line per step */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };

@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare]\n"
+    "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
+    "[-full]\n"
     "       [-cap STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
@@ -43,6 +44,8 @@ static bool parse(int argc, char **argv, struct request *r) {
         bool used = true;
         if (!strcmp(a, "-bare"))
             r->run.bare = true, used = false;
+        else if (!strcmp(a, "-full"))
+            r->run.full = true, used = false;
         else if (!strcmp(a, "-verbose"))
             r->run.verbose = true, used = false;
         else if (!strcmp(a, "-checksums"))
