@@ -32,6 +32,7 @@ static status make_work(struct gas *g) {
     }
     if (!source_falls(&g->models.source, g->dim)) return OK;
     TRY(allocate(&w->rise, g->forest->size + SLACK, sizeof(double), "scratch"));
+    TRY(allocate(&w->on, g->forest->size + SLACK, sizeof(double), "scratch"));
     return allocate(&w->skew, g->forest->size + SLACK, sizeof(double), "scratch");
 }
 
@@ -107,9 +108,9 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
-    void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
-                      x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
-                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.skew};
+    void *single[] = {x->flagged,        x->sums,      x->activity.differ, x->activity.active, x->activity.needed,
+                      x->activity.quiet, x->work.eps,  x->work.p,          x->work.c,          x->work.gruneisen,
+                      x->work.rise,      x->work.skew, x->work.on};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

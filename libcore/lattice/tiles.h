@@ -10,7 +10,8 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *rise, *skew; /* k and a - b of tiles_balance.c along that axis, at the left cells; NULL without gravity */
+    double *rise, *skew,
+        *on; /* k, a - b and on of tiles_balance.c along that axis, at the left cells; NULL without gravity */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;

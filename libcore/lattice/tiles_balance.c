@@ -15,7 +15,8 @@
  * dense gas beside it;
  * - they fade where gas crosses the face at more than half of the speed of sound, and are 0 from that speed on, so that
  *   fluxes take nothing from downwind there;
- * - they are 0 between equal cells, so that uniform gas, which falls freely, keeps its bits. */
+ * - nothing is taken at the face between two equal cells (on = 0), so that uniform gas, which falls freely, keeps its
+ *   bits. Beyond an open patch the ghosts, which carry no weight, count like cells: gas that leaves falls freely. */
 #include "libcore/lattice/tiles.h"
 
 bool balance_acts(const struct gas *g, int axis) {
@@ -34,24 +35,25 @@ ALWAYS_INLINE double share_at(double u0, double u1, double c0, double c1) {
 /* k and a - b of n faces that are no walls. */
 KERNEL static void rise_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
                              const double *restrict u, const double *restrict c, double *restrict rise,
-                             double *restrict skew) {
+                             double *restrict skew, double *restrict on) {
     for (int i = 0; i < n; i++) {
         const double rho0 = rho[i], rho1 = rho[i + stride], p0 = p[i], p1 = p[i + stride];
-        const double full = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
-        const double share = ((rho0 == rho1) & (p0 == p1)) ? 0 : full;
+        const double share = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
         const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
         rise[i] = k;
         skew[i] = clip(share * rho0 - share * rho1, fabs(k));
+        on[i] = ((share == 0) | ((rho0 == rho1) & (p0 == p1))) ? 0 : 1;
     }
 }
 
 /* The same of n faces on a wall, where b = -a; all lines begin at the cells inside. */
 static void wall_line(int n, double half, bool high, const double *rho, const double *p, const double *u,
-                      const double *c, double *rise, double *skew) {
+                      const double *c, double *rise, double *skew, double *on) {
     for (int i = 0; i < n; i++) {
         const double a = clip(half * share_at(u[i], u[i], c[i], c[i]) * rho[i], p[i]);
         rise[i] = 0;
         skew[i] = high ? 2 * a : -2 * a;
+        on[i] = 1;
     }
 }
 
@@ -75,9 +77,9 @@ static void rises(const struct gas *g, const double *U, int axis, int kind, bool
     const long stride = g->forest->stride[axis], cell = offset + (kind == 0 && !high ? stride : 0);
     const double *rho = U + cell, *p = w->p + cell, *u = w->velocity[axis] + cell, *c = w->c + cell;
     if (kind == 0)
-        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->skew + offset);
+        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->skew + offset, w->on + offset);
     else
-        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->skew + offset);
+        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->skew + offset, w->on + offset);
 }
 
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n) {
@@ -94,16 +96,15 @@ void balance_rises(const struct gas *g, int tile, const double *U, int axis, int
     }
 }
 
-/* P, P_0 and P_1 of n faces; P is 0 where nothing rises, so that the flux has the bits of one without gravity. */
+/* P, P_0 and P_1 of n faces; all 0 where `on` is, so that the flux has the bits of one without gravity. */
 KERNEL static void base_line(int n, long stride, const double *restrict p, const double *restrict rise,
-                             const double *restrict skew, double *restrict P, double *restrict left,
-                             double *restrict right) {
+                             const double *restrict skew, const double *restrict on, double *restrict P,
+                             double *restrict left, double *restrict right) {
     for (int i = 0; i < n; i++) {
         const double a = 0.5 * (rise[i] + skew[i]), b = 0.5 * (rise[i] - skew[i]);
-        const double mean = 0.5 * ((p[i] + a) + (p[i + stride] - b));
-        P[i] = rise[i] == 0 && skew[i] == 0 ? 0 : mean;
-        left[i] = P[i] - a;
-        right[i] = P[i] + b;
+        P[i] = on[i] * (0.5 * ((p[i] + a) + (p[i + stride] - b)));
+        left[i] = P[i] - on[i] * a;
+        right[i] = P[i] + on[i] * b;
     }
 }
 
@@ -116,7 +117,9 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
     const struct work *w = &g->tiles->work;
     struct faces f = *given;
     double P[BATCH], left[BATCH], right[BATCH];
-    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->skew + s->offset, P, left, right);
+    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->skew + s->offset, w->on + s->offset, P, left,
+              right);
+    f.on = w->on + s->offset;
     f.base[0] = left;
     f.base[1] = right;
     f.rise = w->rise + s->offset;

@@ -60,11 +60,11 @@ ALWAYS_INLINE struct rest rest_at(const bool balanced, const struct faces *f, in
     struct rest r = {{0}};
     if (!balanced) return r;
     r.P[2] = f->base[0][i];
-    r.P[1] = r.P[2] - f->rise[i - stride];
-    r.P[0] = r.P[1] - f->rise[i - 2 * stride];
+    r.P[1] = r.P[2] - f->on[i] * f->rise[i - stride];
+    r.P[0] = r.P[1] - f->on[i] * f->rise[i - 2 * stride];
     r.P[3] = f->base[1][i];
-    r.P[4] = r.P[3] + f->rise[i + stride];
-    r.P[5] = r.P[4] + f->rise[i + 2 * stride];
+    r.P[4] = r.P[3] + f->on[i] * f->rise[i + stride];
+    r.P[5] = r.P[4] + f->on[i] * f->rise[i + 2 * stride];
     return r;
 }
 /* The same from one side: beyond the face the stencil is read backwards. */

@@ -17,9 +17,9 @@ struct faces {
     const double *velocity[MAX_DIM];
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the
-     * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. NULL: nothing
-     * is taken. */
-    const double *base[2], *rise;
+     * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. on [n]: 1,
+     * or 0 where nothing is taken, and both base are 0. NULL: nothing is taken. */
+    const double *base[2], *rise, *on;
     double fastest;       /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
     double *out[MAX_VAR]; /* [n] face fluxes */
 };
