@@ -10,8 +10,7 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *rise, *skew,
-        *on; /* k, a - b and on of tiles_balance.c along that axis, at the left cells; NULL without gravity */
+    double *rise, *skew, *on;  /* k, a - b and `on` of tiles_balance.c along that axis; NULL without gravity */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -134,7 +133,7 @@ struct strip {
 
 /* Does gravity act along an axis? */
 bool balance_acts(const struct gas *g, int axis);
-/* Computes work.rise and work.skew of n cells from place j along the axis on; along axis 0 they lie one behind the
+/* Computes work.rise, skew and on of n cells from place j along the axis on; along axis 0 they lie one behind the
  * other there. */
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
