@@ -4,9 +4,9 @@
  * Totals are taken behind every part of a step, and the change belongs to the part's cause. The change by each source
  * follows from its own formula (`gained` in libcore/models/source.h) or, if it has none, from the change that the
  * formulas of the sources acting with it leave; conduction counts as heat of walls, stress as work of walls, the stages
- * less the work of gravity in them as flow through open patches. Where such a cause is missing (no wall that exchanges heat, none that moves, no
- * cooling, no open patch) the scheme promises that nothing changes, and a change is booked as unaccounted. A step that
- * is done again counts once. */
+ * less the work of gravity in them as flow through open patches. Where such a cause is missing (no wall that exchanges
+ * heat, none that moves, no cooling, no open patch) the scheme promises that nothing changes, and a change is booked as
+ * unaccounted. A step that is done again counts once. */
 #ifndef LIBCORE_AUDIT_H
 #define LIBCORE_AUDIT_H
 
