@@ -126,6 +126,34 @@ status comm_gather_int(const struct comm *c, const int *mine, long n, int **all,
     return gather(c, mine, n, all, total, MPI_INT, sizeof **all);
 }
 
+status comm_share_count(const struct comm *c, long n, int *count, int *first) {
+    long sum = n;
+    comm_sum_long(c, &sum, 1);
+    if (sum > INT_MAX) return fail(ERR_SYSTEM, "%ld values on one rank; at most %d can be shared", sum, INT_MAX);
+    int mine = (int)n;
+    count[0] = mine;
+    if (c->size > 1) MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, c->world);
+    first[0] = 0;
+    for (int r = 0; r < c->size; r++) first[r + 1] = first[r] + count[r];
+    return OK;
+}
+
+static void share(const struct comm *c, const void *mine, const int *count, const int *first, void *all,
+                  MPI_Datatype type, size_t bytes) {
+    if (c->size > 1)
+        MPI_Allgatherv(mine, count[c->rank], type, all, count, first, type, c->world);
+    else if (count[0])
+        memcpy(all, mine, (size_t)count[0] * bytes);
+}
+
+void comm_share(const struct comm *c, const double *mine, const int *count, const int *first, double *all) {
+    share(c, mine, count, first, all, MPI_DOUBLE, sizeof *all);
+}
+
+void comm_share_int(const struct comm *c, const int *mine, const int *count, const int *first, int *all) {
+    share(c, mine, count, first, all, MPI_INT, sizeof *all);
+}
+
 void comm_broadcast(const struct comm *c, void *data, long bytes) {
     char *next = data;
     while (c->size > 1 && bytes > 0) {

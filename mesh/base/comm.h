@@ -31,6 +31,12 @@ void comm_sum_long(const struct comm *c, long *value, int n);
  * comm_gather_int does the same for ints. */
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total);
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total);
+/* Every rank gets all ranks' numbers, in the order of the ranks. comm_share_count tells how many each rank has, in
+ * count[size], and where they begin, in first[size + 1]; it fails on every rank if there are more than an int can
+ * count. comm_share and comm_share_int then copy mine[count[rank]] of every rank to all[first[size]]. */
+status comm_share_count(const struct comm *c, long n, int *count, int *first);
+void comm_share(const struct comm *c, const double *mine, const int *count, const int *first, double *all);
+void comm_share_int(const struct comm *c, const int *mine, const int *count, const int *first, int *all);
 void comm_broadcast(const struct comm *c, void *data, long bytes); /* copies the root's data to all ranks */
 
 /* Messages of the same lengths between the same ranks, again and again. Links are mutual: a rank linked to another is

@@ -22,6 +22,7 @@ ROOMS = {
     "mesh/polyhedral": ["mesh/base", "mesh/format"],
     "mesh/grid": ["mesh/base", "mesh/format", "mesh/lattice", "mesh/polyhedral"],
     "libcore/models": ["mesh/base"],
+    "libcore/acoustics": ["libcore/models", "mesh/base"],
     "libcore/schemes": ["libcore/models", "mesh/base", "mesh/polyhedral"],
     "libcore/gas": ["libcore/models", "libcore/schemes", "mesh/base", "mesh/grid"],
     "libcore/lattice": ["libcore/models", "libcore/schemes", "libcore/gas", "mesh/base", "mesh/lattice"],

@@ -55,6 +55,32 @@ static void gathers(void **state) {
     free(all_int);
 }
 
+/* Rank r shares r values, which tell whose they are, with all ranks. */
+static void shares(void **state) {
+    (void)state;
+    int rank = comm_rank(world), size = comm_size(world), count[64], first[65], mine_int[64], all_int[64];
+    double mine[64], all[64];
+    assert_true(size <= 8);
+    for (int i = 0; i < rank; i++) {
+        mine[i] = 100 * rank + i + 0.25;
+        mine_int[i] = 100 * rank + i;
+    }
+    assert_null(comm_share_count(world, rank, count, first));
+    assert_int_equal(first[size], size * (size - 1) / 2);
+    comm_share(world, mine, count, first, all);
+    comm_share_int(world, mine_int, count, first, all_int);
+    for (int r = 0; r < size; r++) {
+        assert_int_equal(count[r], r);
+        for (int i = 0; i < r; i++) {
+            assert_true(all[first[r] + i] == 100 * r + i + 0.25);
+            assert_int_equal(all_int[first[r] + i], 100 * r + i);
+        }
+    }
+    status s = comm_share_count(world, 1L << 31, count, first);
+    assert_non_null(s);
+    status_free(s);
+}
+
 static void broadcasts(void **state) {
     (void)state;
     char text[16] = "";
@@ -87,6 +113,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reductions),
         cmocka_unit_test(gathers),
+        cmocka_unit_test(shares),
         cmocka_unit_test(broadcasts),
         cmocka_unit_test(all_ranks_learn_of_a_failure),
     };

@@ -1,0 +1,142 @@
+/* Joins rows along strong links into aggregates: pairs, pairs of pairs and so on, all inside blocks. */
+#include "libcore/acoustics/multigrid_private.h"
+
+/* Groups of rows: group[i] is the lowest row of i's group; next[i] the next of its rows, or -1; last: of a lowest row
+ * the last one of its group. */
+struct groups {
+    const struct level *l;
+    int *group, *next, *last, *size;
+    int *done, *met;  /* of a lowest row: the pass that has paired it; the group whose neighbour it was found to be */
+    int *found;       /* neighbours of a group */
+    double *coupling; /* of a lowest row: its links to the group that found it */
+    int stamp;
+};
+
+/* A row whose excess is four times its links is solved by smoothing alone, as one without links is. */
+static bool smooth_alone(const struct level *l, int i) {
+    double sum = 0;
+    for (int k = l->first[3 * i]; k < l->first[3 * i + 3]; k++) sum += l->weight[k];
+    return !(l->excess[i] < 4 * sum);
+}
+
+/* Finds the neighbours of group g in its block; returns their number. */
+static int neighbours(struct groups *s, int g) {
+    const struct level *l = s->l;
+    int n = 0;
+    s->stamp++;
+    for (int i = g; i >= 0; i = s->next[i])
+        for (int k = l->first[3 * i]; k < l->first[3 * i + 2]; k++) {
+            const int h = s->group[l->link[k]];
+            if (h < 0 || h == g) continue;
+            if (s->met[h] != s->stamp) {
+                s->met[h] = s->stamp;
+                s->coupling[h] = 0;
+                s->found[n++] = h;
+            }
+            s->coupling[h] += l->weight[k];
+        }
+    return n;
+}
+
+/* The group that g is linked to most, among those that this pass has not paired yet; -1 if others are linked to it four
+ * times as much. */
+static int strongest(const struct groups *s, int n, int pass) {
+    double most = 0, best = 0;
+    int found = -1;
+    for (int f = 0; f < n; f++) {
+        const int h = s->found[f];
+        const double w = s->coupling[h];
+        most = larger(w, most);
+        if (s->done[h] != pass && w > best) {
+            best = w;
+            found = h;
+        }
+    }
+    return best >= 0.25 * most ? found : -1;
+}
+
+static void join(struct groups *s, int g, int h) {
+    for (int i = h; i >= 0; i = s->next[i]) s->group[i] = g;
+    s->next[s->last[g]] = h;
+    s->last[g] = s->last[h];
+    s->size[g] += s->size[h];
+}
+
+/* The lower row of two is to be the lowest of their group. */
+static int join_lower(struct groups *s, int g, int h) {
+    if (h < g) {
+        join(s, h, g);
+        return h;
+    }
+    join(s, g, h);
+    return g;
+}
+
+static void pair_all(struct groups *s, int pass) {
+    for (int i = 0; i < s->l->rows; i++) {
+        if (s->group[i] != i || s->done[i] == pass) continue;
+        const int h = strongest(s, neighbours(s, i), pass);
+        if (h >= 0) s->done[join_lower(s, i, h)] = pass;
+    }
+}
+
+/* What has stayed small joins the neighbour that it is linked to most. */
+static void join_small(struct groups *s, int small) {
+    for (int i = 0; i < s->l->rows; i++) {
+        if (s->group[i] != i || s->size[i] > small) continue;
+        const int h = strongest(s, neighbours(s, i), -1);
+        if (h >= 0) join_lower(s, i, h);
+    }
+}
+
+/* Numbers the groups in the order of their lowest rows, block by block. */
+static int number(const struct groups *s, struct level *l, struct level *to) {
+    int rows = 0;
+    for (int b = 0; b < l->blocks; b++) {
+        to->block[b] = rows;
+        for (int i = l->block[b]; i < l->block[b + 1]; i++)
+            l->part[i] = s->group[i] < 0 ? DROPPED : s->group[i] == i ? rows++ : l->part[s->group[i]];
+    }
+    to->block[l->blocks] = rows;
+    return rows;
+}
+
+static void list_members(struct level *l, int parts) {
+    for (int i = 0; i <= parts; i++) l->member_first[i] = 0;
+    for (int i = 0; i < l->rows; i++)
+        if (l->part[i] >= 0) l->member_first[l->part[i] + 1]++;
+    for (int i = 0; i < parts; i++) l->member_first[i + 1] += l->member_first[i];
+    for (int i = 0; i < l->rows; i++)
+        if (l->part[i] >= 0) l->member[l->member_first[l->part[i]]++] = i;
+    for (int i = parts; i > 0; i--) l->member_first[i] = l->member_first[i - 1];
+    l->member_first[0] = 0;
+}
+
+status multigrid_aggregate(struct level *l, int passes, struct level *to) {
+    const long n = l->rows;
+    struct groups s = {.l = l};
+    TRY(multigrid_grow(&l->room[9], n + l->ghosts, sizeof(int), &l->part));
+    TRY(multigrid_grow(&l->room[10], 2 * n + 1, sizeof(int), &l->member_first));
+    TRY(multigrid_grow(&l->room[11], 7 * n, sizeof(int), &s.group));
+    TRY(multigrid_grow(&l->room[12], n, sizeof(double), &s.coupling));
+    TRY(multigrid_grow(&to->room[13], l->blocks + 1L, sizeof(int), &to->block));
+    s.next = s.group + n;
+    s.last = s.next + n;
+    s.size = s.last + n;
+    s.done = s.size + n;
+    s.met = s.done + n;
+    s.found = s.met + n;
+    for (int i = 0; i < l->rows; i++) {
+        s.group[i] = smooth_alone(l, i) ? DROPPED : i;
+        s.next[i] = s.done[i] = s.met[i] = -1;
+        s.last[i] = i;
+        s.size[i] = 1;
+    }
+    for (int pass = 0; pass < passes; pass++) pair_all(&s, pass);
+    join_small(&s, passes > 2 ? 2 : 1);
+    to->blocks = l->blocks;
+    to->rows = number(&s, l, to);
+    l->member = l->member_first + to->rows + 1;
+    list_members(l, to->rows);
+    return OK;
+}

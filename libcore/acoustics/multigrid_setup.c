@@ -1,0 +1,166 @@
+/* Prepares a multigrid for a matrix: its levels from the finest to the coarsest, and the factors of that. */
+#include "libcore/acoustics/multigrid_private.h"
+
+#include <stdlib.h>
+
+enum {
+    DIRECT = 200,  /* rows of a system that is solved directly */
+    COARSEST = 64, /* rows of the coarsest level, or fewer */
+    SHARED = 4000, /* a level of so many rows is on every rank, though it is the second */
+    SPREAD_PASSES = 3,
+    PASSES = 2
+};
+
+status multigrid_make(const struct comm *c, struct multigrid **out) {
+    TRY(allocate(out, 1, sizeof **out, "a multigrid"));
+    (*out)->comm = c;
+    (*out)->ranks = comm_size(c);
+    return OK;
+}
+
+void multigrid_free(struct multigrid *m) {
+    if (!m) return;
+    for (int l = 0; l < MOST_LEVELS; l++) multigrid_forget(m->level[l].room, ROOMS);
+    multigrid_forget(m->local.room, ROOMS);
+    multigrid_forget(m->direct.room, 4);
+    multigrid_forget(m->world.room, ROOMS);
+    multigrid_forget(m->room, 4);
+    free(m);
+}
+
+static struct matrix callers_matrix(struct multigrid *m, const struct multigrid_rows *rows) {
+    for (int i = 0; i < rows->rows; i++) {
+        double sum = 0;
+        for (int k = rows->link_first[i]; k < rows->link_first[i + 1]; k++) sum += rows->weight[k];
+        m->excess[i] = larger(rows->diagonal[i] - sum, 0);
+    }
+    return (struct matrix){.rows = rows->rows,
+                           .ghosts = rows->ghosts,
+                           .blocks = rows->blocks,
+                           .stride = 1,
+                           .block = rows->first,
+                           .first = rows->link_first,
+                           .link = rows->link,
+                           .weight = rows->weight,
+                           .excess = m->excess};
+}
+
+/* Lays out a level that has the rows of `a`. */
+static status copy_lay(const struct matrix *a, struct level *to) {
+    to->rows = a->rows;
+    to->ghosts = a->ghosts;
+    to->blocks = a->blocks;
+    TRY(multigrid_grow(&to->room[13], a->blocks + 1L, sizeof(int), &to->block));
+    memcpy(to->block, a->block, (size_t)(a->blocks + 1) * sizeof *to->block);
+    TRY(multigrid_lay(a, NULL, to));
+    return multigrid_vectors(to);
+}
+
+/* Makes the level behind `l`, whose rows lie on their ranks. */
+static status coarsen_spread(struct multigrid *m, struct level *l, struct level *to) {
+    const struct matrix a = multigrid_matrix(l);
+    to->own = NULL;
+    TRY(comm_agree(m->comm, multigrid_aggregate(l, SPREAD_PASSES, to)));
+    TRY(multigrid_count(m, to));
+    TRY(multigrid_name_ghosts(m, l, to));
+    status s = multigrid_lay(&a, l, to);
+    if (!s) s = multigrid_vectors(to);
+    TRY(comm_agree(m->comm, s));
+    multigrid_sum(&a, l->part, to);
+    multigrid_smoother(to, NULL);
+    return OK;
+}
+
+static status coarsen(struct level *l, struct level *to) {
+    const struct matrix a = multigrid_matrix(l);
+    TRY(multigrid_aggregate(l, PASSES, to));
+    to->ghosts = 0;
+    TRY(multigrid_lay(&a, l, to));
+    TRY(multigrid_vectors(to));
+    multigrid_sum(&a, l->part, to);
+    multigrid_smoother(to, NULL);
+    return OK;
+}
+
+/* Makes the levels that are on every rank, from `local` on. */
+static status lay_shared(struct multigrid *m) {
+    int block[2];
+    TRY(multigrid_gather_lay(m));
+    struct matrix a = multigrid_gather(m, block);
+    struct level *l = &m->level[m->spread];
+    l->own = NULL;
+    TRY(copy_lay(&a, l));
+    multigrid_sum(&a, NULL, l);
+    multigrid_smoother(l, NULL);
+    m->levels = m->spread + 1;
+    while (m->spread > 0 && l->rows > COARSEST && m->levels < MOST_LEVELS) {
+        TRY(coarsen(l, l + 1));
+        l++;
+        m->levels++;
+    }
+    TRY(multigrid_direct_lay(l, &m->direct));
+    multigrid_factor(l, &m->direct);
+    return OK;
+}
+
+static status lay(struct multigrid *m, const struct multigrid_rows *rows, const struct matrix *a) {
+    struct level *fine = &m->level[0];
+    const bool direct = m->total <= DIRECT;
+    if (direct) fine = &m->local;
+    m->spread = direct ? 0 : 1;
+    fine->own = rows;
+    status s = copy_lay(a, fine);
+    if (!s) s = multigrid_grow(&m->room[1], 3 * ((long)a->rows + a->ghosts), sizeof(double), &m->p);
+    TRY(comm_agree(m->comm, s));
+    m->q = m->p + a->rows + a->ghosts;
+    m->rest = m->q + a->rows + a->ghosts;
+    multigrid_sum(a, NULL, fine);
+    multigrid_smoother(fine, rows->diagonal);
+    if (direct) {
+        TRY(multigrid_name_ghosts(m, NULL, fine));
+        return comm_agree(m->comm, lay_shared(m));
+    }
+    TRY(coarsen_spread(m, fine, &m->local));
+    return comm_agree(m->comm, lay_shared(m));
+}
+
+/* Computes the numbers of all levels anew. */
+static void refill(struct multigrid *m, const struct multigrid_rows *rows, const struct matrix *first) {
+    int block[2];
+    struct matrix a = *first;
+    for (int l = 0; l <= m->spread; l++) {
+        struct level *to = l == m->spread ? &m->local : &m->level[l];
+        multigrid_sum(&a, l ? m->level[l - 1].part : NULL, to);
+        multigrid_smoother(to, l ? NULL : rows->diagonal);
+        a = multigrid_matrix(to);
+    }
+    a = multigrid_gather(m, block);
+    for (int l = m->spread; l < m->levels; l++) {
+        multigrid_sum(&a, l > m->spread ? m->level[l - 1].part : NULL, &m->level[l]);
+        multigrid_smoother(&m->level[l], NULL);
+        a = multigrid_matrix(&m->level[l]);
+    }
+    multigrid_factor(&m->level[m->levels - 1], &m->direct);
+}
+
+status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, bool same_links) {
+    const bool known = same_links && m->prepared;
+    m->prepared = false;
+    TRY(comm_agree(m->comm, multigrid_grow(&m->room[0], rows->rows, sizeof(double), &m->excess)));
+    const struct matrix a = callers_matrix(m, rows);
+    if (known) {
+        (m->spread ? &m->level[0] : &m->local)->own = rows;
+        refill(m, rows, &a);
+    } else {
+        const struct level finest = {.rows = rows->rows, .blocks = rows->blocks};
+        struct level counted = finest;
+        TRY(multigrid_meet(m, rows));
+        status s = multigrid_grow(&m->room[2], rows->blocks + 1L, sizeof(int), &counted.block);
+        TRY(comm_agree(m->comm, s));
+        memcpy(counted.block, rows->first, ((size_t)rows->blocks + 1) * sizeof *counted.block);
+        TRY(multigrid_count(m, &counted));
+        TRY(lay(m, rows, &a));
+    }
+    m->prepared = true;
+    return OK;
+}
