@@ -27,7 +27,7 @@ struct audit {
 
 static void floors_of(const struct gas *g, double floors[2]) {
     floors[0] = g->counts.fill[0];
-    floors[1] = g->counts.fill[1] + g->counts.energy;
+    floors[1] = g->counts.fill[1] + g->counts.energy + g->counts.lift;
 }
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
@@ -104,11 +104,12 @@ static void warm_row(void *gas, const struct row *row) {
     const struct warm *w = gas;
     const struct gas *g = w->g;
     const double *falls = g->falls[row->block] + row->at;
+    const double *part = g->hybrid ? g->dense->part[row->block] + row->at : NULL;
     for (int v = 0; v < g->nvar; v++) {
         const long at = v * g->size + row->at;
         const double *from = w->from->block[row->block] + at;
         double *to = g->W.block[row->block] + at;
-        for (int i = 0; i < row->n; i++) to[i] = falls[i] > 0 ? 0 : from[i];
+        for (int i = 0; i < row->n; i++) to[i] = falls[i] > 0 || (part && part[i] > 0) ? 0 : from[i];
     }
 }
 
@@ -132,6 +133,14 @@ void audit_dropped(struct gas *g, double part) {
     if (!g->audit || !g->falls) return;
     note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
     book_weight(g, part * sum);
+}
+
+void audit_bed(struct gas *g) {
+    double sum = 0;
+    if (!g->audit || !g->falls) return;
+    g->engine->bed.spread(g, g->dense->bed.work, g->dropped);
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+    book_weight(g, sum);
 }
 
 /* A formula sees the mass and the momentum of the last look. So totals are looked at before a source whose formula asks

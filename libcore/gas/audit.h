@@ -29,6 +29,8 @@ void audit_sourced(struct gas *g, const struct state *now);
  * what drop_row added to it. The next audit_part books the rest of the stages. */
 void audit_weight(struct gas *g, const struct state *from, double part);
 void audit_dropped(struct gas *g, double part);
+/* Books the work of gravity in the bed of a step with implicit acoustics. */
+void audit_bed(struct gas *g);
 /* Notes the account before a part that may be done again; back: returns to the last note first, as it is done again. */
 void audit_mark(struct gas *g, bool back);
 /* The attempt stands. Returns the first error of its sums. */

@@ -148,11 +148,44 @@ struct implicit_hooks {
     void (*move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
 };
 
+/* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells and three rings of
+ * neighbours. The Runge-Kutta stages leave the two innermost parts as they are, so that they see no fast sound; they do
+ * advance the two outer rings, for the sake of the fluxes between the bed and the rest alone. */
+enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE };
+struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
+    double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
+    double flow;    /* sum_k |u_k|/width_k */
+    double cooling; /* of T in dense cells */
+};
+/* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
+ * has it. */
+struct bed_hooks {
+    /* make allocates g->dense->part and what the engine needs. */
+    status (*make)(struct gas *g);
+    void (*free)(struct gas *g);
+    /* Finds the cells denser than `dense` (kg/m^3) in U; returns their number on this rank. */
+    long (*find)(struct gas *g, double dense);
+    /* Marks the parts around the cells found; then finds the rates, those of cooling over dt. Collective. */
+    void (*parts)(struct gas *g, double dt, struct bed_rates *mine);
+    /* Lists the bed's cells and faces. Collective. */
+    status (*list)(struct gas *g);
+    /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V
+     * and W. Collective. */
+    void (*take)(struct gas *g, const struct state *from);
+    /* Adds `weight` times the fluxes of the last stage to those that are kept. */
+    void (*keep)(struct gas *g, double weight);
+    /* Copies the bed's result to `to`; returns the number of cells that are not admissible. */
+    long (*put)(struct gas *g, const struct state *to);
+    /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->raised. */
+    void (*spread)(struct gas *g, const double *per_block, double *raised);
+};
+
 struct engine {
     struct state_hooks state;
     struct stage_hooks stage;
     struct diffusion_hooks diffusion;
     struct implicit_hooks implicit;
+    struct bed_hooks bed;
 };
 extern const struct engine engine_lattice, engine_polyhedral;
 

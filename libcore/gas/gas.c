@@ -16,6 +16,7 @@ static status make(const struct gas *like, struct gas **out) {
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->implicit);
+    if (!s) s = dense_make(g);
     if (s)
         gas_free(g);
     else
@@ -54,6 +55,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
 void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->implicit);
+    dense_free(g);
     g->engine->state.free(g);
     audit_free(g->audit);
     free(g);

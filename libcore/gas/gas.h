@@ -6,6 +6,7 @@
 #ifndef LIBCORE_GAS_H
 #define LIBCORE_GAS_H
 
+#include "libcore/acoustics/acoustics.h"
 #include "libcore/gas/diffusion.h"
 #include "libcore/models/boundary.h"
 #include "libcore/models/eos.h"
@@ -29,6 +30,8 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct own_params transport_params;  /* parameters of the transport law */
     const struct diffusion *diffusion;   /* time scheme of viscous stress and heat conduction; with transport */
     const struct linear_module *linear;  /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
+    const struct acoustics *acoustics;   /* NULL: explicit */
+    struct own_params acoustics_params;  /* parameters of the row */
     double alpha_floor;                  /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport: are cells in exactly uniform surroundings left out (libcore/lattice/tiles_activity.c)? The
      * bits stay the same */
@@ -50,6 +53,11 @@ struct gas_counts {
     long stages[2];  /* stages of viscous stress and of heat conduction, over all attempts */
     long repeated;   /* attempts at diffusion that were done again because cells were not admissible */
     long plain;      /* cells on whose faces the stress went without tangential derivatives then */
+    long beds;       /* steps with implicit acoustics, and those of their cells in the last one */
+    long bed_cells;
+    long newton, linear; /* iterations of Newton's method in these steps, and of the linear solver in those */
+    long lifted;         /* cells that took eps of bed.h's (*), as the conservative one was much less */
+    double lift;         /* J: energy that this added */
 };
 
 struct gas_speed {  /* of the whole domain */
@@ -97,6 +105,10 @@ status gas_check(const struct gas *g);
 void gas_speed(struct gas *g, struct gas_speed *speed);
 /* Finds the centre (m; physical x, y, z; the same on all ranks) of a cell that reaches the rate of gas_speed. */
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]);
+/* Finds how long a step with implicit acoustics of dense cells may be (s), and what limits it: the thin gas, the flow,
+ * the cooling of the bed, or the fall. Returns 0 if the next step should be explicit. speed: of the present state; fall
+ * (s): the longest step that gravity allows the explicit scheme. Collective. */
+double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
 struct gas_cell {
     double place[3], alpha, T, c; /* centre, m; state, m^2/s^2, m/s */
 };

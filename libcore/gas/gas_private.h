@@ -2,6 +2,7 @@
 #ifndef LIBCORE_GAS_PRIVATE_H
 #define LIBCORE_GAS_PRIVATE_H
 
+#include "libcore/acoustics/bed.h"
 #include "libcore/gas/audit.h"
 #include "libcore/gas/engine.h"
 #include "libcore/gas/implicit.h"
@@ -12,6 +13,14 @@
 #define MOST_RATIO 1e16
 /* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */
 enum { MOST_STAGES = 100000 };
+
+struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
+    struct bed bed;
+    double above;   /* kg/m^3: denser cells are dense */
+    double **part;  /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    double longest; /* s: the step that was planned; 0: the next step is explicit */
+    status failed;  /* why an attempt could not be made, other than that dt was too long */
+};
 
 struct gas {
     const struct engine *engine;
@@ -68,6 +77,9 @@ struct gas {
     double **cooled;           /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
     struct implicit *implicit; /* NULL: diffusion is explicit */
 
+    struct dense *dense; /* implicit acoustics; NULL: there are none */
+    bool hybrid;         /* has the step in hand a bed? */
+
     bool (*asked)(void); /* of gas_heed; NULL: nobody asks */
     bool left;           /* is this step left as asked? The same on all ranks */
     bool held;           /* is a copy of the field `limited` kept, from before this step? */
@@ -108,6 +120,18 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 
 /* Sets *first to the number, over all ranks, of this rank's first cell, for the patterns of implicit diffusion. */
 status implicit_first(const struct gas *g, int cells, long *first);
+
+/* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
+
+status dense_make(struct gas *g);
+void dense_free(struct gas *g);
+/* Lists and takes the bed from the state in which a step starts. Collective. */
+status dense_begin(struct gas *g, const struct state *from);
+/* Advances the bed and puts it into `to`, behind the stages of the rest. Returns false, on all ranks, if the step must
+ * be done again with a shorter dt. */
+bool dense_advance(struct gas *g, double t, double dt, const struct state *to);
+/* Counts a bed whose step stands. */
+status dense_count(struct gas *g);
 
 /* ---- why a gas cannot go on (libcore/gas/stop.c); all are collective ---- */
 
@@ -164,6 +188,9 @@ struct half_step { /* context of source_row, the visitor of rows that applies so
 void source_row(void *half_step, const struct row *row);
 /* Writes to `to` the sources of the plan applied to `from`; returns this rank's number of inadmissible cells. */
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to);
+
+/* Finds the cells of a step with a bed that fall freely, those with eps below `warm` outside of its frozen parts. */
+void find_falling(struct gas *g, double warm, const struct state *s);
 
 /* Returns the number of inadmissible cells among the n <= BATCH at `offset` of a block U, and raises marks[offset + i]
  * by 1 at each of them, unless marks is NULL. */

@@ -174,6 +174,29 @@ static void note_falling(const struct gas *g, const struct row *row) {
     for (long i = 1; g->forest && row->at == 0 && any && i < g->size; i++) falls[i] = 1;
 }
 
+struct falling { /* context of find_falling_row */
+    const struct gas *g;
+    const struct state *s;
+    double warm;
+};
+
+static void find_falling_row(void *falling, const struct row *row) {
+    const struct falling *f = falling;
+    const struct gas *g = f->g;
+    const double *U = f->s->block[row->block] + row->at, *part = g->dense->part[row->block] + row->at;
+    double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    double *falls = g->falls[row->block] + row->at;
+    velocity_row(row->n, g->dim, g->size, U, u, eps);
+    for (int i = 0; i < row->n; i++) {
+        falls[i] = eps[i] < f->warm && part[i] < BED_FROZEN ? 1 : 0;
+        g->falling[row->block] |= falls[i] > 0;
+    }
+}
+
+void find_falling(struct gas *g, double warm, const struct state *s) {
+    g->engine->state.rows(g, EVERY_CELL, s, find_falling_row, &(struct falling){g, s, warm});
+}
+
 void source_row(void *half_step, const struct row *row) {
     struct half_step *h = half_step;
     const struct gas *g = h->g;

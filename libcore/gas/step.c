@@ -53,9 +53,15 @@ static double warm_of(const struct gas *g, double t, double dt) {
 
 /* Plans the sources over the first half of a step of dt from t on, or over the second half, in which they act
  * backwards. */
-static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
+static void plan_all(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
     const struct gas_models *m = &g->models;
     source_plan(&m->source, m->eos, &m->material, g->dim, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
+}
+
+/* In a step with a bed gravity is not among the sources. */
+static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
+    plan_all(g, t, dt, second, out);
+    if (g->hybrid) source_plan_part(out, false);
 }
 
 /* No cell falls any more. */
@@ -75,7 +81,7 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
                          const struct state *to) {
     struct source_plan plan;
     plan_sources(g, t, dt, second, &plan);
-    if (g->falls && !second) {
+    if (g->falls && !second && !g->hybrid) {
         plan.warm = warm_of(g, t, dt);
         forget_falling(g);
     }
@@ -237,6 +243,59 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
     return mend_stage(g, U0, from, &g->W, a, dt);
 }
 
+/* With a bed all sources and all diffusion come before the stages: does their second halves, from `from` on. Returns
+ * the state after them, or NULL, on all ranks, if diffusion failed. */
+static const struct state *second_halves_ahead(struct gas *g, const struct state *from, double t, double dt,
+                                               bool sources, long *bad) {
+    if (g->models.transport) {
+        if (!diffuse_half(g, from, &g->V, t + 0.5 * dt, dt, true, *bad)) return NULL;
+        swap(&g->U0, &g->V);
+        from = &g->U0;
+        *bad = 0;
+    }
+    if (sources) *bad += half_sources(g, t, dt, true, from, &g->U0);
+    return sources ? &g->U0 : from;
+}
+
+/* Gravity's half step on cells that fall freely, beside a bed: in the first half these are found. */
+static void kick_falling(struct gas *g, double t, double dt, bool second, const struct state *s) {
+    struct source_plan plan;
+    if (!g->falls) return;
+    plan_all(g, t, dt, second, &plan);
+    source_plan_part(&plan, true);
+    if (!second) {
+        forget_falling(g);
+        find_falling(g, warm_of(g, t, dt), s);
+    }
+    if (g->audit && second) audit_part(g, GAS_FLOW, s);
+    audit_sources(g, &plan, s, &g->W);
+    (void)sources_apply(g, &plan, s, s);
+    audit_sourced(g, s);
+}
+
+/* Prepares the stages of a step with a bed from the state U0 after its first halves; as these, returns NULL if that
+ * failed. */
+static const struct state *start_bed(struct gas *g, const struct state *U0, double t, double dt, bool sources,
+                                     long *bad) {
+    if (U0) U0 = second_halves_ahead(g, U0, t, dt, sources, bad);
+    if (!U0 || any_rank(g, *bad)) return NULL;
+    g->dense->failed = dense_begin(g, U0);
+    if (g->dense->failed) return NULL;
+    kick_falling(g, t, dt, false, U0);
+    return U0;
+}
+
+/* Ends a step with a bed, whose stages left V. */
+static bool end_bed(struct gas *g, double t, double dt, long bad) {
+    const bool fine = !any_rank(g, bad);
+    if (!fine) g->engine->stage.clear_flags(g);
+    if (fine) kick_falling(g, t, dt, true, &g->V);
+    if (!fine || !dense_advance(g, t, dt, &g->V)) return false;
+    audit_bed(g);
+    audit_part(g, GAS_FLOW, &g->V);
+    return true;
+}
+
 /* Does the Runge-Kutta stages from U0 to V, and the second halves of diffusion and sources. bad: cells of this rank
  * that the first halves left inadmissible. In a guarded step every stage is looked at, and its inadmissible cells are
  * mended at once; where there are none, the bits are those of a step that is not guarded. Returns false if V is of no
@@ -246,7 +305,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     const struct stepper *s = g->models.stepper;
     struct source_plan plan;
     struct ending ending = {.sources = sources ? &plan : NULL};
-    const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit;
+    const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
     if (guarded && sources && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
     for (int stage = 0; stage < s->stages; stage++) {
@@ -261,9 +320,11 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
             bad += found;
         else if (any_rank(g, found) && !guard_stage(g, stage, U0, from, a, b))
             return false;
+        if (g->hybrid) g->engine->bed.keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
         U0 = after_stage(g, U0, stage);
     }
     if (guarded) bad = 0;
+    if (g->hybrid) return end_bed(g, t, dt, bad);
     audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, t, dt, bad)) {
         if (guarded) return false;
@@ -321,14 +382,21 @@ static bool hopeless(const struct gas *g) {
     return g->stiff.found && !g->stiff.second && !source_heats(&g->models.source);
 }
 
+static status take_status(status *from) {
+    const status s = *from;
+    *from = OK;
+    return s;
+}
+
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     const bool sources = source_active(&g->models.source, &g->models.material);
     if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
     const struct gas_counts start = g->counts;
-    const double calm = gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    if (allowed < least || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
+    const bool creeps = !g->dense || g->dense->longest == 0;
+    const double calm = creeps && gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
+    if ((creeps && allowed < least) || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
     if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
         return stop_of_collapse(g, t, g->slow_dt[1], speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
@@ -338,20 +406,25 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         long bad;
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         attempt_begin(g);
+        g->hybrid = g->dense && g->dense->longest > 0 && *dt > allowed;
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
-        const bool hot = U0 && overheated(g, *dt, maxCo, speed);
+        const bool hot = U0 && !g->hybrid && overheated(g, *dt, maxCo, speed);
+        if (g->hybrid) U0 = start_bed(g, U0, t, *dt, sources, &bad);
+        if (g->dense && g->dense->failed) return take_status(&g->dense->failed);
         if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
+        if (g->dense && g->dense->failed) return take_status(&g->dense->failed);
         if (asked_to_leave(g)) return leave(g, &start, dt);
-        if (hopeless(g)) return stop_of_diffusion(g, t);
+        if (hopeless(g) && !g->hybrid) return stop_of_diffusion(g, t);
         if (!guarded && !hot) {
             g->guarded = GUARDED;
             continue;
         }
         g->counts.rejected++;
-        *dt = shorter(g, U0, *dt, maxCo);
+        *dt = g->hybrid ? 0.5 * *dt : shorter(g, U0, *dt, maxCo);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
+    if (g->hybrid) TRY(dense_count(g));
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
     if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
@@ -362,6 +435,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         g->guarded--;
     }
     swap(&g->U, &g->V);
+    g->hybrid = false;
     return audit_keep(g);
 }
 

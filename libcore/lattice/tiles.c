@@ -414,4 +414,13 @@ const struct engine engine_lattice = {
                   .cross = tiles_diffusion_cross,
                   .dilate = tiles_diffusion_dilate,
                   .flags = tiles_diffusion_flags},
-    .implicit = {.pattern = tiles_implicit_pattern, .matrix = tiles_implicit_matrix, .move = tiles_implicit_move}};
+    .implicit = {.pattern = tiles_implicit_pattern, .matrix = tiles_implicit_matrix, .move = tiles_implicit_move},
+    .bed = {.make = tiles_bed_make,
+            .free = tiles_bed_free,
+            .find = tiles_bed_find,
+            .parts = tiles_bed_parts,
+            .list = tiles_bed_list,
+            .take = tiles_bed_take,
+            .keep = tiles_bed_keep,
+            .put = tiles_bed_put,
+            .spread = tiles_bed_spread}};

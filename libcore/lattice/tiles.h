@@ -39,6 +39,7 @@ struct tiles {
     double *sums;     /* [nvar][nblocks] */
     struct work work;
     struct activity activity;
+    struct tiles_bed *bed;     /* libcore/lattice/tiles_bed.c; NULL without implicit acoustics */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
 };
 
@@ -138,6 +139,26 @@ bool balance_acts(const struct gas *g, int axis);
 void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r);
+
+/* The bed of implicit acoustics (libcore/lattice/tiles_bed.c). */
+status tiles_bed_make(struct gas *g);
+void tiles_bed_free(struct gas *g);
+long tiles_bed_find(struct gas *g, double above);
+void tiles_bed_parts(struct gas *g, double dt, struct bed_rates *mine);
+status tiles_bed_list(struct gas *g);
+void tiles_bed_take(struct gas *g, const struct state *from);
+void tiles_bed_keep(struct gas *g, double weight);
+long tiles_bed_put(struct gas *g, const struct state *to);
+void tiles_bed_spread(struct gas *g, const double *per_block, double *raised);
+/* Has the step in hand a bed with cells in the tile? */
+bool tiles_hold_bed(const struct gas *g, int tile);
+/* The span of a row of such a tile, `row` being the offset of its first cell, outside of which its n cells are
+ * frozen. */
+struct span tiles_moving_span(const struct gas *g, int tile, long row, int n);
+/* Gives the frozen ones of n cells of such a tile the state U0. */
+void tiles_freeze_row(const struct gas *g, int tile, const double *U0, double *to, long offset, int n);
+/* Notes the fluxes through a strip of such a tile. */
+void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */

@@ -109,7 +109,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     const struct tile *t = &g->forest->tile[tile];
     double *U = s->block[tile];
     const double *falls = marks_of(g, tile);
-    if (!g->models.skip_uniform) return false;
+    if (!g->models.skip_uniform || g->hybrid) return false;
     if (!has_background(g, t, s->varied[tile])) {
         long reference = find_reference(g, t, U, falls);
         if (reference < 0) return false;
@@ -251,25 +251,34 @@ static struct span gather(const struct gas *g, const struct tile *t, struct span
     return s;
 }
 
+/* Widens a span of a row of n cells to whole vectors. */
+static struct span whole_blocks(struct span s, int n) {
+    if (span_empty(s)) return s;
+    s = (struct span){s.low / BLOCK * BLOCK, (s.high + BLOCK - 1) / BLOCK * BLOCK};
+    return overlap(s, (struct span){0, n});
+}
+
 /* The active span of a row: cells with a differing cell in their stencil, or which the step's start stores; in whole
  * vectors. */
 static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
     const struct activity *a = &g->tiles->activity;
     struct span s = span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));
     s = overlap(span_join(s, *activity_row(a, start, j, k)), (struct span){0, t->n[0]});
-    if (span_empty(s)) return s;
-    s = (struct span){s.low / BLOCK * BLOCK, (s.high + BLOCK - 1) / BLOCK * BLOCK};
-    return overlap(s, (struct span){0, t->n[0]});
+    return whole_blocks(s, t->n[0]);
 }
 
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from) {
     const struct tile *t = &g->forest->tile[tile];
     struct activity *a = &g->tiles->activity;
-    bool any = false, all = g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
+    const bool bed = tiles_hold_bed(g, tile);
+    bool any = false, all = bed || g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
     if (!all) find_differ(g, tile, from);
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
-            struct span s = all ? (struct span){0, t->n[0]} : spread_row(g, t, U0->varied[tile], j, k);
+            struct span s =
+                bed   ? whole_blocks(tiles_moving_span(g, tile, row_offset(g->forest, j, k), t->n[0]), t->n[0])
+                : all ? (struct span){0, t->n[0]}
+                      : spread_row(g, t, U0->varied[tile], j, k);
             any |= !span_empty(s);
             *activity_row(a, a->active, j, k) = s;
         }

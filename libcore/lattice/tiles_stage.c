@@ -147,6 +147,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
+    if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
 }
 
 KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
@@ -163,6 +164,7 @@ struct update {
     double *to, *flag;
     const double *falls; /* NULL: no cell of the tile falls */
     double a, dt;
+    int tile;
     double *dropped; /* NULL: no cell of the tile, nor beside it, is flagged */
     int bad;
 };
@@ -182,6 +184,7 @@ static void update_visit(void *context, long offset, int n) {
     for (int v = 0; v < g->nvar; v++)
         update_row(n, u->a, u->dt, u->U0 + v * size + offset, from[v], residual[v], to[v]);
     if (g->falls && u->dropped) drop_row(g, n, u->a, u->dt, falls, u->flag + offset, from, residual, to, u->dropped);
+    if (tiles_hold_bed(g, u->tile)) tiles_freeze_row(g, u->tile, u->U0, u->to, offset, n);
     u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
     u->g->computed += n;
 }
@@ -310,7 +313,8 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .falls = g->falls && g->falling[tile] ? g->falls[tile] : NULL,
                             .dropped = g->dropped && g->tiles->flagged[tile] ? &g->dropped[tile] : NULL,
                             .a = a,
-                            .dt = dt};
+                            .dt = dt,
+                            .tile = tile};
     struct activity *active = &g->tiles->activity;
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
@@ -319,6 +323,8 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     }
     settle_background(&update);
     memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));
+    for (int i = 0; i < active->nspans && tiles_hold_bed(g, tile); i++)
+        to->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
     const int *n = g->forest->tile[tile].n;
     g->all += (long)n[0] * n[1] * n[2];
     return update.bad;

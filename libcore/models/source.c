@@ -281,6 +281,14 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
     out->gravity_alone = out->n == 1 && out->step[0].row->step == gravity_step;
 }
 
+void source_plan_part(struct source_plan *plan, bool gravity) {
+    int kept = 0;
+    for (int i = 0; i < plan->n; i++)
+        if ((plan->step[i].row->step == gravity_step) == gravity) plan->step[kept++] = plan->step[i];
+    plan->n = kept;
+    plan->gravity_alone = gravity && kept > 0;
+}
+
 void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  double pull[MAX_DIM]) {
     struct source_plan plan;

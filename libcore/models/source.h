@@ -89,6 +89,8 @@ struct source_plan { /* the active sources over one sub-step, in the order in wh
 /* Plans the active sources from t to t + dt, in the order of the table, or `backwards`. */
 void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  bool backwards, struct source_plan *out);
+/* Leaves of a plan gravity alone, or all but gravity. */
+void source_plan_part(struct source_plan *plan, bool gravity);
 /* Computes the mean acceleration (m/s^2) of gas at rest from t to t + dt, which pulls gas onto walls. */
 void source_pull(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,
                  double pull[MAX_DIM]);

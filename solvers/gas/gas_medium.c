@@ -201,9 +201,15 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
     struct gas_state *g = of(m);
     gas_speed(g->gas, &g->speed);
     *out = (struct pace){.stable = c->max_co / g->speed.rate, .rate = g->speed.rate};
-    if (!(g->fall < out->stable)) return;
-    out->stable = g->fall;
-    out->limit = "free fall";
+    if (g->fall < out->stable) {
+        out->stable = g->fall;
+        out->limit = "free fall";
+    }
+    const char *limit;
+    const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
+    if (!(bed > 0)) return;
+    out->stable = bed;
+    out->limit = limit;
 }
 
 static void gas_place(struct medium *m, double place[3]) {
@@ -277,6 +283,17 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
                 n->fill[1]);
 }
 
+static void print_beds(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
+    const long beds = n->beds - was->beds, newton = n->newton - was->newton;
+    if (beds == 0) return;
+    fprintf(f, "    implicit acoustics: %ld step%s, %ld cells; %.3g Newton iterations a step, %.3g linear ones each\n",
+            beds, plural(beds), n->bed_cells, (double)newton / (double)beds,
+            newton > 0 ? (double)(n->linear - was->linear) / (double)newton : 0);
+    if (n->lifted > was->lifted)
+        fprintf(f, "    lifted: %ld cells, energy +%.3g (in all %ld, +%.3g)\n", n->lifted - was->lifted,
+                n->lift - was->lift, n->lifted, n->lift);
+}
+
 static void print_diffusion(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
     const double halves = (double)(n->halves - was->halves);
     const long repeated = n->repeated - was->repeated, plain = n->plain - was->plain;
@@ -305,6 +322,7 @@ static status gas_log(struct medium *m, FILE *f) {
     print_totals(f, g, totals);
     print_limited(f, &was, &n);
     print_diffusion(f, &was, &n);
+    print_beds(f, &was, &n);
     return OK;
 }
 

@@ -96,7 +96,20 @@ static status diffusion_suits(struct dict *d, void *base) {
 #define MEMBER(m)  offsetof(struct case_models, m)
 /* Families of a file are read and listed in this order. The defaults of fvSchemes take the least time to a given error
  * among those that also hold at shocks, walls and near vacuum, by postprocessing/reports/workPrecision.md. */
-enum { EOS, COOLING, TRANSPORT, SOURCES, FLUX, RECONSTRUCT, STEPPER, ENGINE, POLYNOMIAL, DIFFUSION, FAMILIES };
+enum {
+    EOS,
+    COOLING,
+    TRANSPORT,
+    SOURCES,
+    FLUX,
+    RECONSTRUCT,
+    STEPPER,
+    ENGINE,
+    POLYNOMIAL,
+    DIFFUSION,
+    ACOUSTICS,
+    FAMILIES
+};
 static const struct family families[FAMILIES] = {
     [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
              .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits, .holds = eos_holds},
@@ -119,6 +132,9 @@ static const struct family families[FAMILIES] = {
                     .standard = "CWENO3", .chosen = MEMBER(gas.polynomial)},
     [DIFFUSION] = {SOLUTION, "system/fvSolution: diffusion { type .. }", FAMILY_ROWS(diffusion), .sub = "diffusion",
                    .key = "type", .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
+    [ACOUSTICS] = {SOLUTION, "system/fvSolution: acoustics { type .. }", FAMILY_ROWS(acoustics), .sub = "acoustics",
+                   .key = "type", .standard = "explicit", .chosen = MEMBER(gas.acoustics),
+                   .params = MEMBER(gas.acoustics_params)},
 };
 
 static bool stands_in(const struct family *k, const char *file) {
@@ -371,6 +387,7 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     fprintf(f, "    %-22s %s\n", families[ENGINE].key, engine_table[polyhedral].model.name);
     family_print(f, &families[polyhedral ? POLYNOMIAL : RECONSTRUCT], m);
     family_print(f, &families[STEPPER], m);
+    family_print(f, &families[ACOUSTICS], m);
     params_print_values(f, solution_param, COUNT(solution_param), m);
     params_print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
     forces_print(f, &m->forces);

@@ -1,0 +1,37 @@
+/* The rows of the family `acoustics` and their parameters. */
+#include "libcore/acoustics/acoustics.h"
+
+#include <string.h>
+
+#define PARAM_STRUCT struct acoustics_params
+static const struct param implicit_param[] = {
+    NUMBER("dense", dense, 0.777, BETWEEN(0, 1), NO_UNIT,
+           "alpha/alphaMax above which cells, and those beside them, are implicit"),
+    NUMBER("gain", gain, 4, FROM_TO(1, 1e6), NO_UNIT,
+           "a step is implicit if it is so many times as long as the explicit scheme's"),
+    NUMBER("governor", governor, 1, BETWEEN(0, 1e6), NO_UNIT,
+           "most of dt times the cooling rate of dense cells: less resolves impacts of a bed better"),
+    NUMBER("soft", soft, 0.2, BETWEEN(0, 1), NO_UNIT,
+           "friction between neighbouring cells, in h/dt: less keeps slow flow longer"),
+    NUMBER("keep", keep, 0.05, FROM_TO(0, 1), NO_UNIT, "part of its energy that a cell may lose in a step beyond p dV"),
+};
+#undef PARAM_STRUCT
+OWN_PARAMS_FIT(struct acoustics_params);
+
+const struct acoustics acoustics_table[] = {
+    {MODEL("explicit", "sound limits the time step everywhere"), false},
+    {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows; lattices",
+                implicit_param),
+     true},
+};
+const int acoustics_count = sizeof acoustics_table / sizeof *acoustics_table;
+
+const struct acoustics *acoustics_find(const char *name) {
+    return model_find(acoustics_table, sizeof *acoustics_table, acoustics_count, name);
+}
+
+struct acoustics_params acoustics_params(const struct own_params *own) {
+    struct acoustics_params p;
+    memcpy(&p, own, sizeof p);
+    return p;
+}

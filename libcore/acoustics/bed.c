@@ -1,0 +1,159 @@
+/* The memory of a bed, its primitive variables, and the order of the parts of a step. */
+#include "libcore/acoustics/bed_private.h"
+
+#include <stdlib.h>
+
+void bed_fill(const struct bed *b, int n, double *const *line) {
+    if (b->fill) b->fill(b->context, n, line);
+}
+
+status bed_make(struct bed *b) {
+    TRY(allocate(&b->lines, 1, sizeof *b->lines, "the bed"));
+    return multigrid_make(b->comm, &b->multigrid);
+}
+
+static void free_lines(struct bed *b) {
+    struct bed_lines *x = b->lines;
+    free(x->memory_cells);
+    free(x->memory_faces);
+    free(x->whole_cells);
+    free(x->whole_faces);
+    free(x->whole_links);
+    free(b->first);
+    free(b->kind);
+    free(b->lift);
+    x->memory_cells = x->memory_faces = NULL;
+    x->whole_cells = x->whole_faces = x->whole_links = b->first = NULL;
+    b->kind = NULL;
+    b->lift = NULL;
+}
+
+void bed_free(struct bed *b) {
+    if (b->lines) free_lines(b);
+    free(b->lines);
+    multigrid_free(b->multigrid);
+}
+
+/* Deals the lines of cells, each of n numbers, from one memory; returns how many there are. */
+static int deal_cells(struct bed *b, double *memory, long n) {
+    struct bed_lines *x = b->lines;
+    int used = 0;
+    double **single[] = {&x->rho, &x->eps, &x->p, &x->c, &x->root, &x->slack, &x->residual, &x->diagonal, &x->change};
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
+    for (int v = 0; v < b->dim + 2; v++) {
+        b->U[v] = memory + used++ * n;
+        x->after[v] = memory + used++ * n;
+        for (int k = 0; k < b->dim; k++) x->slope[k][v] = memory + used++ * n;
+    }
+    for (int k = 0; k < b->dim; k++) {
+        x->u[k] = memory + used++ * n;
+        x->tilt[k] = memory + used++ * n;
+    }
+    return used;
+}
+
+static int deal_faces(struct bed *b, double *memory, long n) {
+    struct bed_lines *x = b->lines;
+    int used = 0;
+    double **single[] = {&x->drift, &x->give, &x->beyond, &x->U, &x->p_face};
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
+    for (int v = 0; v < b->dim + 2; v++) {
+        b->kept[v] = memory + used++ * n;
+        b->outside[v] = memory + used++ * n;
+    }
+    return used;
+}
+
+static void deal_lists(struct bed *b, long blocks, long cells, long faces) {
+    struct bed_lines *x = b->lines;
+    b->number = b->first + blocks + 1;
+    for (int k = 0; k < b->dim; k++) {
+        b->low[k] = x->whole_cells + 2 * k * cells;
+        b->high[k] = x->whole_cells + (2 * k + 1) * cells;
+    }
+    b->left = x->whole_faces;
+    b->right = b->left + faces;
+    x->link_first = x->whole_links;
+    x->link = x->link_first + cells + 1;
+    b->work = b->lift + blocks;
+}
+
+/* Makes room for half as much again as is asked for, so that a growing bed seldom asks. */
+static status grow(struct bed *b, const long wanted[3]) {
+    struct bed_lines *x = b->lines;
+    long room[3];
+    free_lines(b);
+    for (int i = 0; i < 3; i++) room[i] = b->room[i] = wanted[i] + wanted[i] / 2 + 16;
+    const long links = 2L * b->dim * room[1];
+    TRY(allocate(&x->memory_cells, (deal_cells(b, NULL, 0)) * room[1] + links, sizeof(double), "the bed"));
+    TRY(allocate(&x->memory_faces, deal_faces(b, NULL, 0) * room[2], sizeof(double), "the bed"));
+    TRY(allocate(&x->whole_cells, 2L * b->dim * room[1], sizeof(int), "the bed"));
+    TRY(allocate(&x->whole_faces, 2 * room[2], sizeof(int), "the bed"));
+    TRY(allocate(&x->whole_links, room[1] + 1 + links, sizeof(int), "the bed"));
+    TRY(allocate(&b->first, 2 * room[0] + 1, sizeof(int), "the bed"));
+    TRY(allocate(&b->kind, room[2], 1, "the bed"));
+    TRY(allocate(&b->lift, 2 * room[0], sizeof(double), "the bed"));
+    x->weight = x->memory_cells + deal_cells(b, x->memory_cells, room[1]) * room[1];
+    (void)deal_faces(b, x->memory_faces, room[2]);
+    deal_lists(b, room[0], room[1], room[2]);
+    return OK;
+}
+
+status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces) {
+    const long wanted[3] = {blocks, (long)cells + ghosts, faces};
+    bool fits = b->kind != NULL;
+    for (int i = 0; i < 3; i++) fits &= wanted[i] <= b->room[i];
+    if (!fits) TRY(grow(b, wanted));
+    b->blocks = blocks;
+    b->cells = cells;
+    b->ghosts = ghosts;
+    b->faces = faces;
+    b->linked = false;
+    return OK;
+}
+
+/* Finds velocity and eps of n states from place `at` on. */
+KERNEL static void bed_velocities(const struct bed *b, int at, int n) {
+    const struct bed_lines *x = b->lines;
+    const double *restrict rho = b->U[0] + at, *restrict E = b->U[b->dim + 1] + at;
+    double square[BATCH];
+    for (int i = 0; i < n; i++) square[i] = 0;
+    for (int k = b->dim - 1; k >= 0; k--) {
+        const double *restrict mom = b->U[k + 1] + at;
+        double *restrict u = x->u[k] + at;
+        for (int i = 0; i < n; i++) {
+            u[i] = mom[i] / rho[i];
+            square[i] += u[i] * u[i];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        x->rho[at + i] = rho[i];
+        x->eps[at + i] = E[i] / rho[i] - 0.5 * square[i];
+    }
+}
+
+static void find_primitives(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    double gruneisen[BATCH];
+    bed_fill(b, b->dim + 2, b->U);
+    for (int at = 0; at < b->cells + b->ghosts; at += BATCH) {
+        const int n = b->cells + b->ghosts - at < BATCH ? b->cells + b->ghosts - at : BATCH;
+        bed_velocities(b, at, n);
+        b->eos->state(b->material, n, x->rho + at, x->eps + at, x->p + at, x->c + at, gruneisen);
+        for (int i = 0; i < n; i++) {
+            x->c[at + i] = sqrt(x->c[at + i]);
+            x->root[at + i] = x->rho[at + i];
+        }
+    }
+}
+
+status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    find_primitives(b);
+    TRY(bed_find_pressure(b, dt, gravity, done));
+    if (!*done) return OK;
+    bed_update(b, dt, gravity);
+    double failed = !bed_remap(b, dt);
+    comm_max(b->comm, &failed, 1);
+    *done = failed == 0;
+    return OK;
+}

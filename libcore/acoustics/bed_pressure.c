@@ -1,0 +1,222 @@
+/* The implicit acoustics of a bed: Newton's method for the pressures (bed.h, part 1). */
+#include "libcore/acoustics/bed_private.h"
+
+enum {
+    NEWTON_MOST = 30, /* iterations; 2 to 5 are usual */
+    ROOT_MOST = 30,   /* iterations for the root of (*) */
+    LINEAR_MOST = 200
+};
+static const double CLOSE = 1e-8;           /* residual over diagonal times p at which Newton's method ends */
+static const double REDUCTION = 1e-4;       /* of the linear residual in one iteration of Newton's method */
+static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in one iteration */
+
+/* The velocity of the gas beyond a face and its density. */
+static double beyond_speed(const struct bed *b, int face, int axis) {
+    return b->outside[axis + 1][face] / b->outside[0][face];
+}
+
+static double pressure_beyond(const struct bed *b, int face) {
+    double square = 0, p, c2, gruneisen;
+    const double rho = b->outside[0][face];
+    for (int k = b->dim; k >= 1; k--) square += b->outside[k][face] * b->outside[k][face];
+    const double eps = (b->outside[b->dim + 1][face] - 0.5 * square / rho) / rho;
+    b->eos->state(b->material, 1, &rho, &eps, &p, &c2, &gruneisen);
+    return p;
+}
+
+/* The face's mass flux moves the gas of its upwind side with the velocity U. */
+static double kept_speed(const struct bed *b, int face) {
+    const double mass = b->kept[0][face];
+    const int left = b->left[face], right = b->right[face];
+    const bool from_bed = mass > 0 ? left >= 0 : right >= 0;
+    return mass / (from_bed ? b->lines->rho[left >= 0 ? left : right] : b->outside[0][face]);
+}
+
+/* U_f = drift - give (p_R - p_L) */
+static void find_drift(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    for (int k = 0; k < b->dim; k++)
+        for (int f = b->axis_first[k]; f < b->axis_first[k + 1]; f++) {
+            const int l = b->left[f], r = b->right[f], inside = l >= 0 ? l : r;
+            x->give[f] = x->beyond[f] = x->drift[f] = 0;
+            if (b->kind[f] == BED_KEPT) x->drift[f] = kept_speed(b, f);
+            if (b->kind[f] == BED_KEPT || b->kind[f] == BED_WALL) continue;
+            const bool inner = b->kind[f] == BED_INNER;
+            const double rho_l = l >= 0 ? x->rho[l] : b->outside[0][f], rho_r = r >= 0 ? x->rho[r] : b->outside[0][f];
+            const double u_l = l >= 0 ? x->u[k][l] : beyond_speed(b, f, k);
+            const double u_r = r >= 0 ? x->u[k][r] : beyond_speed(b, f, k);
+            const double both = rho_l + rho_r;
+            x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + dt * gravity[k];
+            if (inner ? l != r : b->kind[f] == BED_HELD) x->give[f] = dt / (0.5 * both * b->width[k]);
+            if (!inner) x->beyond[f] = b->kind[f] == BED_HELD ? pressure_beyond(b, f) : x->p[inside];
+        }
+}
+
+static void find_speeds(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    for (int f = 0; f < b->faces; f++) {
+        const int l = b->left[f], r = b->right[f];
+        const double p_l = l >= 0 ? x->p[l] : x->beyond[f], p_r = r >= 0 ? x->p[r] : x->beyond[f];
+        x->U[f] = x->drift[f] - x->give[f] * (p_r - p_l);
+    }
+}
+
+/* One step of Newton's method for h(rho) = rho S - 1 - 1/Gamma(rho) = 0, which is (*), with S = tau^n + eps^n/p; rho
+ * Gamma' = c^2 - Gamma - Gamma^2 for eps = 1, as p is linear in eps. h rises, and is all but linear both in dilute gas
+ * and near packing. A cell that has converged keeps its bits, whichever cells share its batch. Returns whether a cell
+ * has not converged. */
+KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, const double *restrict c2,
+                                 const double *restrict gruneisen, double *restrict root, double *restrict open) {
+    double any = 0;
+    for (int i = 0; i < n; i++) {
+        const double G = gruneisen[i], rho = root[i];
+        const double h = rho * S[i] - 1 - 1 / G, steep = S[i] + (c2[i] - G - G * G) / (rho * G * G);
+        double next = rho - h / steep;
+        next = next < limit ? next : 0.5 * (rho + limit);
+        next = next > 0 ? next : 0.5 * rho;
+        const double moves = fabs(next - rho) > 4e-16 * rho ? open[i] : 0;
+        root[i] = open[i] > 0 ? next : rho;
+        open[i] = moves;
+        any += moves;
+    }
+    return any > 0;
+}
+
+/* slack = -tau'(p) = (eps^n/p^2)/(1 + 1/Gamma + rho Gamma'/Gamma^2) */
+KERNEL static void bed_slack(int n, const double *restrict eps, const double *restrict p, const double *restrict c2,
+                             const double *restrict gruneisen, double *restrict slack) {
+    for (int i = 0; i < n; i++) {
+        const double G = gruneisen[i];
+        slack[i] = eps[i] / (p[i] * p[i]) / (1 + 1 / G + (c2[i] - G - G * G) / (G * G));
+    }
+}
+
+/* Finds the root of (*) for the present p in n cells of a block, and slack. */
+static void find_root(struct bed *b, int at, int n) {
+    const struct bed_lines *x = b->lines;
+    double S[BATCH], one[BATCH], open[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < n; i++) {
+        S[i] = 1 / x->rho[at + i] + x->eps[at + i] / x->p[at + i];
+        one[i] = open[i] = 1;
+    }
+    bool any = true;
+    for (int times = 0; any && times < ROOT_MOST; times++) {
+        b->eos->state(b->material, n, x->root + at, one, p, c2, gruneisen);
+        any = bed_root_step(n, b->limit, S, c2, gruneisen, x->root + at, open);
+    }
+    bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);
+}
+
+/* Finds the residual and the diagonal of the Jacobian; returns the largest residual over diagonal times p, of all
+ * ranks. */
+static double find_residual(struct bed *b, double dt) {
+    const struct bed_lines *x = b->lines;
+    double worst = 0;
+    bed_fill(b, 1, &x->p);
+    find_speeds(b);
+    for (int at = 0; at < b->cells; at += BATCH) find_root(b, at, b->cells - at < BATCH ? b->cells - at : BATCH);
+    for (int i = 0; i < b->cells; i++) {
+        double out = 0, weights = 0;
+        for (int k = 0; k < b->dim; k++) {
+            const int low = b->low[k][i], high = b->high[k][i];
+            const double lambda = dt / b->width[k];
+            out += lambda * (x->U[high] - x->U[low]);
+            weights += lambda * (x->give[high] + x->give[low]);
+        }
+        x->residual[i] = (x->rho[i] / x->root[i] - 1) - out;
+        x->diagonal[i] = x->rho[i] * x->slack[i] + weights;
+        const double off = fabs(x->residual[i]) / (x->diagonal[i] * x->p[i]);
+        worst = off <= worst ? worst : off; /* also if it is no number */
+    }
+    comm_max(b->comm, &worst, 1);
+    return worst;
+}
+
+static int add_link(const struct bed *b, int links, int face, int cell) {
+    const struct bed_lines *x = b->lines;
+    const int other = b->left[face] == cell ? b->right[face] : b->left[face];
+    if (b->kind[face] != BED_INNER || other == cell) return links;
+    x->link[links] = other;
+    return links + 1;
+}
+
+/* The links of a cell: below and above along each axis. */
+static void find_links(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    int links = 0;
+    for (int i = 0; i < b->cells; i++) {
+        x->link_first[i] = links;
+        for (int k = 0; k < b->dim; k++) {
+            links = add_link(b, links, b->low[k][i], i);
+            links = add_link(b, links, b->high[k][i], i);
+        }
+    }
+    x->link_first[b->cells] = links;
+}
+
+static void find_weights(struct bed *b, double dt) {
+    const struct bed_lines *x = b->lines;
+    int links = 0;
+    for (int i = 0; i < b->cells; i++)
+        for (int k = 0; k < b->dim; k++) {
+            const int side[2] = {b->low[k][i], b->high[k][i]};
+            for (int s = 0; s < 2; s++)
+                if (add_link(b, links, side[s], i) > links) x->weight[links++] = dt / b->width[k] * x->give[side[s]];
+        }
+}
+
+static void fill_one(void *bed, double *line) {
+    bed_fill(bed, 1, &line);
+}
+
+/* Moves p by Newton's method, within bounds. Returns whether p is a number everywhere on this rank. */
+static bool move_pressure(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    bool sound = true;
+    for (int i = 0; i < b->cells; i++) {
+        const double p = x->p[i];
+        x->p[i] = smaller(larger(p + x->change[i], FALL * p), RISE * p);
+        sound &= isfinite(x->change[i]) && x->p[i] > 0;
+    }
+    return sound;
+}
+
+static status solve(struct bed *b, bool same_links, bool *sound) {
+    const struct bed_lines *x = b->lines;
+    int iterations = 0;
+    const struct multigrid_rows rows = {.blocks = b->blocks,
+                                        .first = b->first,
+                                        .number = b->number,
+                                        .rows = b->cells,
+                                        .ghosts = b->ghosts,
+                                        .link_first = x->link_first,
+                                        .link = x->link,
+                                        .weight = x->weight,
+                                        .diagonal = x->diagonal,
+                                        .fill = fill_one,
+                                        .context = b};
+    TRY(multigrid_setup(b->multigrid, &rows, same_links));
+    TRY(multigrid_solve(b->multigrid, &rows, x->residual, REDUCTION, LINEAR_MOST, x->change, &iterations));
+    b->linear += iterations;
+    *sound = move_pressure(b);
+    return OK;
+}
+
+status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    double failed = 0;
+    b->newton = b->linear = 0;
+    find_drift(b, dt, gravity);
+    if (!b->linked) find_links(b);
+    b->linked = true;
+    find_weights(b, dt);
+    double worst = find_residual(b, dt);
+    while (!(worst < CLOSE) && failed == 0 && b->newton++ < NEWTON_MOST) {
+        bool sound = false;
+        TRY(solve(b, b->newton > 1, &sound));
+        failed = !sound;
+        comm_max(b->comm, &failed, 1);
+        if (failed == 0) worst = find_residual(b, dt);
+    }
+    *done = worst < CLOSE && failed == 0;
+    return OK;
+}

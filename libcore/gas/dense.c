@@ -1,0 +1,100 @@
+/* Implicit acoustics of dense cells. Near packing sound limits dt to a thousandth and less of what the flow would need.
+ * So dense cells and three rings of neighbours, the bed, take one implicit step (libcore/acoustics/bed.h), the rest
+ * the Runge-Kutta step, and both share the fluxes between them:
+ *
+ *     sources and diffusion over dt | stages of all but the frozen cells | the bed from the start, with the mean fluxes
+ *
+ * The sources come first, because a pressure that they changed last would be out of balance with the weight. Gravity
+ * acts on the bed in the acoustics, on other cells as in explicit steps. Where no cell is dense, or a step would not be
+ * much longer, steps are explicit, to the bit. */
+#include "libcore/gas/gas_private.h"
+
+#include <stdlib.h>
+
+/* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
+ * step that falling gas is given by the explicit scheme. */
+static const double THIN = 0.6, FLOW = 0.4, FALL = 0.5;
+
+status dense_make(struct gas *g) {
+    const struct gas_models *m = &g->models;
+    if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded || !g->engine->bed.make) return OK;
+    TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
+    struct dense *d = g->dense;
+    d->bed = (struct bed){.eos = m->eos,
+                          .material = &m->material,
+                          .comm = g->comm,
+                          .params = acoustics_params(&m->acoustics_params),
+                          .dim = g->dim,
+                          .least = g->least,
+                          .limit = g->limit};
+    d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
+    TRY(bed_make(&d->bed));
+    return g->engine->bed.make(g);
+}
+
+void dense_free(struct gas *g) {
+    if (!g->dense) return;
+    if (g->engine->bed.free) g->engine->bed.free(g);
+    bed_free(&g->dense->bed);
+    status_free(g->dense->failed);
+    free(g->dense);
+}
+
+double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit) {
+    static const char *const name[] = {"thin gas", "flow", "cooling of the bed", "free fall"};
+    struct dense *d = g->dense;
+    if (!d) return 0;
+    const double plain = smaller(maxCo / speed->rate, fall);
+    double count = (double)g->engine->bed.find(g, d->above);
+    comm_max(g->comm, &count, 1);
+    d->longest = 0;
+    if (count == 0 || FALL * fall < d->bed.params.gain * plain) return 0;
+    struct bed_rates rates;
+    g->engine->bed.parts(g, plain, &rates);
+    double most[] = {rates.thin, rates.flow, rates.cooling};
+    comm_max(g->comm, most, 3);
+    const double step[] = {THIN * maxCo / most[0], FLOW / most[1],
+                           larger(d->bed.params.governor / most[2], d->bed.params.gain * plain), FALL * fall};
+    int least = 0;
+    for (int i = 1; i < 4; i++)
+        if (step[i] < step[least]) least = i;
+    if (!(step[least] >= d->bed.params.gain * plain)) return 0;
+    *limit = name[least];
+    return d->longest = step[least];
+}
+
+status dense_begin(struct gas *g, const struct state *from) {
+    TRY(g->engine->bed.list(g));
+    g->engine->bed.take(g, from);
+    return OK;
+}
+
+bool dense_advance(struct gas *g, double t, double dt, const struct state *to) {
+    struct dense *d = g->dense;
+    double kick[MAX_DIM];
+    bool done = false;
+    source_kick(&g->models.source, t, dt, kick);
+    for (int k = 0; k < MAX_DIM; k++) kick[k] /= dt;
+    d->failed = bed_step(&d->bed, dt, kick, &done);
+    if (d->failed || !done) return false;
+    double bad = (double)g->engine->bed.put(g, to);
+    comm_max(g->comm, &bad, 1);
+    return bad == 0;
+}
+
+status dense_count(struct gas *g) {
+    struct dense *d = g->dense;
+    long count[2] = {d->bed.lifted, d->bed.cells};
+    double sum;
+    comm_sum_long(g->comm, count, 2);
+    g->counts.beds++;
+    g->counts.newton += d->bed.newton;
+    g->counts.linear += d->bed.linear;
+    g->counts.lifted += count[0];
+    g->counts.bed_cells = count[1];
+    if (count[0] == 0) return OK;
+    g->engine->bed.spread(g, d->bed.lift, g->raised);
+    TRY(g->engine->stage.sum_raised(g, g->raised, &sum));
+    g->counts.lift += sum;
+    return OK;
+}

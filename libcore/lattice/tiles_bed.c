@@ -1,0 +1,479 @@
+/* The bed of implicit acoustics on a lattice: which cells it holds, their lists, and what goes to and from the tiles.
+ */
+#include "libcore/gas/patch.h"
+#include "libcore/lattice/tiles.h"
+
+#include <stdlib.h>
+
+struct seat { /* a place in the tiles: of a cell, of a ghost's layer, of the cell below a face */
+    int tile;
+    long at;
+};
+/* Memory of the lattice for the bed: g->tiles->bed. */
+struct tiles_bed {
+    bool *holds; /* [ntiles] has the tile a cell of the bed? */
+    double *
+        *fluxes; /* [ntiles] of [dim][nvar][size]: of the last stage, by axis and the cell below; NULL: no bed yet */
+    struct seat *seat; /* [cells], then [ghosts], then [faces] */
+    long room;
+};
+
+status tiles_bed_make(struct gas *g) {
+    struct tiles_bed *b;
+    for (int k = 0; k < g->dim; k++) g->dense->bed.width[k] = g->forest->width[k];
+    TRY(blocks_make(g->forest, 1, &g->dense->part));
+    TRY(allocate(&b, 1, sizeof *b, "the bed"));
+    g->tiles->bed = b;
+    TRY(allocate(&b->holds, g->forest->ntiles, sizeof(bool), "tiles"));
+    return allocate(&b->fluxes, g->forest->ntiles, sizeof(double *), "tiles");
+}
+
+void tiles_bed_free(struct gas *g) {
+    struct tiles_bed *b = g->tiles ? g->tiles->bed : NULL;
+    blocks_free(g->forest, g->dense->part);
+    if (!b) return;
+    blocks_free(g->forest, b->fluxes);
+    free(b->holds);
+    free(b->seat);
+    free(b);
+}
+
+/* ---- the parts ---- */
+
+struct finding { /* marks the dense cells of a tile */
+    const double *rho;
+    double *part, above;
+    long count;
+};
+
+KERNEL static double bed_largest(int n, const double *restrict rho) {
+    double most = 0;
+    for (int i = 0; i < n; i++) most = larger(most, rho[i]);
+    return most;
+}
+
+static void find_visit(void *finding, long offset, int n) {
+    struct finding *f = finding;
+    if (!(bed_largest(n, f->rho + offset) > f->above)) return;
+    for (int i = 0; i < n; i++) {
+        f->part[offset + i] = f->rho[offset + i] > f->above ? BED_DENSE : 0;
+        f->count += f->rho[offset + i] > f->above;
+    }
+}
+
+/* A tile whose background is dense is written out. */
+long tiles_bed_find(struct gas *g, double above) {
+    const struct forest *f = g->forest;
+    long count = 0;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct finding find = {g->U.block[t], g->dense->part[t], above, 0};
+        if (g->tiles->bed->holds[t]) memset(find.part, 0, (size_t)f->size * sizeof(double));
+        if (activity_has_background(g, t, &g->U) && g->U.block[t][0] > above) activity_unfold(g, t, &g->U);
+        spans_visit(g, t, g->U.varied[t], 0, find_visit, &find);
+        g->tiles->bed->holds[t] = find.count > 0;
+        count += find.count;
+    }
+    return count;
+}
+
+struct ringing { /* marks the ring around the parts above `level` */
+    const struct forest *f;
+    double *part;
+    int dim, level;
+    bool found;
+};
+
+static void ring_visit(void *ringing, long offset, int n) {
+    struct ringing *r = ringing;
+    for (int i = 0; i < n; i++) {
+        double *part = r->part + offset + i, most = 0;
+        for (int k = 0; k < r->dim; k++) most = larger(most, larger(part[-r->f->stride[k]], part[r->f->stride[k]]));
+        if (*part == 0 && most > r->level) *part = r->level;
+        r->found |= *part > 0;
+    }
+}
+
+/* Has a tile without cells of the bed a neighbour's in its ghosts? */
+static bool beside_bed(const struct gas *g, int tile) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[tile];
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const int axis = side / 2, across[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
+        const long first = f->first + (side % 2 ? t->n[axis] : -1) * f->stride[axis];
+        for (int k = 0; k < t->n[across[1]] && t->side[side].patch < 0; k++)
+            for (int j = 0; j < t->n[across[0]]; j++)
+                if (g->dense->part[tile][first + j * f->stride[across[0]] + k * f->stride[across[1]]] > 0) return true;
+    }
+    return false;
+}
+
+/* Dilates the dense part by three rings of neighbours. */
+static void find_rings(struct gas *g) {
+    struct forest *f = g->forest;
+    for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
+        forest_fill_layers(f, 1, 1, g->dense->part);
+        for (int t = 0; t < f->ntiles; t++) {
+            struct ringing r = {f, g->dense->part[t], g->dim, level, false};
+            if (!g->tiles->bed->holds[t] && !beside_bed(g, t)) continue;
+            runs_visit(f, &f->tile[t], 0, ring_visit, &r);
+            g->tiles->bed->holds[t] = r.found;
+        }
+    }
+    forest_fill_layers(f, 1, 1, g->dense->part);
+}
+
+struct rating { /* finds the rates of a tile */
+    struct gas *g;
+    const double *U, *part; /* part: NULL in tiles without a bed */
+    double dt;
+    struct bed_rates most;
+};
+
+/* The rate at which impacts cool the cells, as their law has it over dt. */
+static void rate_cooling(struct rating *r, long offset, int n) {
+    const struct gas_models *m = &r->g->models;
+    const double *eps = r->g->tiles->work.eps + offset;
+    double cooled[BATCH];
+    if (!source_cools(&m->source, &m->material)) return;
+    memcpy(cooled, eps, (size_t)n * sizeof(double));
+    m->source.cooling->step(&m->source.cooling_params, m->eos, &m->material, r->dt, n, r->U + offset, cooled);
+    for (int i = 0; i < n; i++)
+        if (r->part[offset + i] == BED_DENSE)
+            r->most.cooling = larger(r->most.cooling, (eps[i] - cooled[i]) / (cooled[i] * r->dt));
+}
+
+static void rate_visit(void *rating, long offset, int n) {
+    struct rating *r = rating;
+    const struct gas *g = r->g;
+    const struct work *w = &g->tiles->work;
+    double thin[BATCH] = {0}, flow[BATCH] = {0};
+    bool dense = false;
+    primitives_of_row(g, r->U, offset, n);
+    for (int k = 0; k < g->dim; k++) {
+        const double inverse = 1 / g->forest->width[k], *u = w->velocity[k] + offset, *c = w->c + offset;
+        for (int i = 0; i < n; i++) {
+            flow[i] += fabs(u[i]) * inverse;
+            thin[i] += (fabs(u[i]) + c[i]) * inverse;
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        const double part = r->part ? r->part[offset + i] : 0;
+        r->most.flow = larger(r->most.flow, flow[i]);
+        r->most.thin = larger(r->most.thin, part < BED_FROZEN ? thin[i] : 0);
+        dense |= part == BED_DENSE;
+    }
+    if (dense) rate_cooling(r, offset, n);
+}
+
+/* No cell is left out as uniform in a step with a bed. */
+void tiles_bed_parts(struct gas *g, double dt, struct bed_rates *mine) {
+    const struct forest *f = g->forest;
+    struct rating r = {.g = g, .dt = dt};
+    find_rings(g);
+    for (int t = 0; t < f->ntiles; t++) {
+        activity_unfold(g, t, &g->U);
+        r.U = g->U.block[t];
+        r.part = g->tiles->bed->holds[t] ? g->dense->part[t] : NULL;
+        runs_visit(f, &f->tile[t], 0, rate_visit, &r);
+    }
+    *mine = r.most;
+}
+
+/* ---- the lists ---- */
+
+struct listing { /* counts or lists the cells of a tile */
+    const double *part;
+    double *number; /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
+    struct seat *seat;
+    int tile, count;
+    double first;
+};
+
+static void list_visit(void *listing, long offset, int n) {
+    struct listing *l = listing;
+    for (int i = 0; i < n; i++) {
+        if (!(l->part[offset + i] > 0)) continue;
+        if (l->number) l->number[offset + i] = l->first + l->count;
+        if (l->seat) l->seat[l->count] = (struct seat){l->tile, offset + i};
+        l->count++;
+    }
+}
+
+static int count_cells(const struct gas *g, int *blocks) {
+    const struct forest *f = g->forest;
+    struct listing l = {0};
+    *blocks = 0;
+    for (int t = 0; t < f->ntiles; t++) {
+        if (!g->tiles->bed->holds[t]) continue;
+        l.part = g->dense->part[t];
+        runs_visit(f, &f->tile[t], 0, list_visit, &l);
+        ++*blocks;
+    }
+    return l.count;
+}
+
+static status make_seats(struct gas *g, long n) {
+    struct tiles_bed *b = g->tiles->bed;
+    if (n <= b->room) return OK;
+    free(b->seat);
+    b->seat = NULL;
+    b->room = n + n / 2;
+    return allocate(&b->seat, b->room, sizeof *b->seat, "the bed");
+}
+
+/* The number of this rank's first cell over all ranks, from 1 on. */
+static double first_number(const struct gas *g, int cells) {
+    const int ranks = comm_size(g->comm);
+    double first = 1;
+    if (ranks == 1) return first;
+    for (int r = 0; r < ranks; r++) {
+        double count = r == comm_rank(g->comm) ? cells : 0;
+        comm_max(g->comm, &count, 1);
+        if (r < comm_rank(g->comm)) first += count;
+    }
+    return first;
+}
+
+/* Numbers the cells in line 0 of W, ghosts too. */
+static void number_cells(struct gas *g, double first) {
+    const struct forest *f = g->forest;
+    struct bed *bed = &g->dense->bed;
+    struct listing l = {.first = first};
+    int block = 0;
+    for (int t = 0; t < f->ntiles; t++) {
+        memset(g->W.block[t], 0, (size_t)f->size * sizeof(double));
+        if (!g->tiles->bed->holds[t]) continue;
+        bed->first[block] = l.count;
+        bed->number[block++] = f->tile[t].id;
+        l.part = g->dense->part[t];
+        l.number = g->W.block[t];
+        runs_visit(f, &f->tile[t], 0, list_visit, &l);
+    }
+    bed->first[block] = l.count;
+    forest_fill_layers(g->forest, 1, 1, g->W.block);
+}
+
+static void seat_cells(struct gas *g, struct seat *seat) {
+    struct listing l = {.seat = seat};
+    for (l.tile = 0; l.tile < g->forest->ntiles; l.tile++) {
+        l.part = g->dense->part[l.tile];
+        if (g->tiles->bed->holds[l.tile]) runs_visit(g->forest, &g->forest->tile[l.tile], 0, list_visit, &l);
+    }
+}
+
+/* The patch beyond the face of a cell at `at` along an axis; -1: there is none. */
+static int patch_beyond(const struct gas *g, struct seat s, int axis, bool above) {
+    const struct tile *t = &g->forest->tile[s.tile];
+    const struct forest *f = g->forest;
+    long rest = s.at - f->first;
+    int place = 0;
+    for (int k = 2; k >= axis; k--) {
+        if (k >= g->dim) continue;
+        place = (int)(rest / f->stride[k]);
+        rest -= place * f->stride[k];
+    }
+    return place == (above ? t->n[axis] - 1 : 0) ? t->side[2 * axis + above].patch : -1;
+}
+
+struct weaving { /* faces and ghosts being listed */
+    struct gas *g;
+    double first; /* number of this rank's first cell */
+    int ghosts, faces;
+    bool count; /* are they counted only? */
+};
+
+/* The bed's index of the neighbour of cell i: a cell, a ghost that is made, or -1. */
+static int neighbour_of(struct weaving *w, int i, int axis, bool above) {
+    const struct bed *bed = &w->g->dense->bed;
+    const struct seat s = w->g->tiles->bed->seat[i];
+    const long at = s.at + (above ? 1 : -1) * w->g->forest->stride[axis];
+    const double number = w->g->W.block[s.tile][at];
+    if (patch_beyond(w->g, s, axis, above) >= 0 || number == 0) return -1;
+    if (number >= w->first && number < w->first + bed->cells) return (int)(number - w->first);
+    if (!w->count) w->g->tiles->bed->seat[bed->cells + w->ghosts] = (struct seat){s.tile, at};
+    return bed->cells + w->ghosts++;
+}
+
+static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int neighbour) {
+    const int patch = patch_beyond(g, s, axis, above);
+    if (patch < 0) return neighbour < 0 ? BED_KEPT : BED_INNER;
+    return patch_is_wall(&g->rules[patch]) ? BED_WALL : BED_HELD;
+}
+
+static void add_face(struct weaving *w, int i, int axis, bool above, int neighbour) {
+    struct bed *bed = &w->g->dense->bed;
+    const struct seat s = w->g->tiles->bed->seat[i];
+    const int f = w->faces++;
+    if (w->count) return;
+    bed->left[f] = above ? i : neighbour;
+    bed->right[f] = above ? neighbour : i;
+    bed->kind[f] = (unsigned char)kind_of(w->g, s, axis, above, neighbour);
+    (above ? bed->high : bed->low)[axis][i] = f;
+    if (neighbour >= 0 && neighbour < bed->cells) bed->low[axis][neighbour] = f;
+    w->g->tiles->bed->seat[bed->cells + bed->ghosts + f] =
+        (struct seat){s.tile, above ? s.at : s.at - w->g->forest->stride[axis]};
+}
+
+/* Makes the face above each cell, and that below where no cell of this rank makes it. */
+static void weave(struct weaving *w) {
+    struct bed *bed = &w->g->dense->bed;
+    w->ghosts = w->faces = 0;
+    for (int k = 0; k < bed->dim; k++) {
+        bed->axis_first[k] = w->faces;
+        for (int i = 0; i < bed->cells; i++) {
+            add_face(w, i, k, true, neighbour_of(w, i, k, true));
+            const int before = w->ghosts, below = neighbour_of(w, i, k, false);
+            if (below < 0 || below >= bed->cells)
+                add_face(w, i, k, false, below);
+            else
+                w->ghosts = before;
+        }
+        bed->axis_first[k + 1] = w->faces;
+    }
+}
+
+static void fill_ghosts(void *gas, int n, double *const *line);
+
+static status make_fluxes(struct gas *g) {
+    const long doubles = (long)g->dim * g->nvar * g->forest->size + SLACK;
+    for (int t = 0; t < g->forest->ntiles; t++)
+        if (g->tiles->bed->holds[t] && !g->tiles->bed->fluxes[t])
+            TRY(allocate(&g->tiles->bed->fluxes[t], doubles, sizeof(double), "the bed"));
+    return OK;
+}
+
+static status list_here(struct gas *g) {
+    struct bed *bed = &g->dense->bed;
+    int blocks;
+    const int cells = count_cells(g, &blocks);
+    const long faces = (long)g->dim * cells * 2;
+    TRY(make_fluxes(g));
+    TRY(make_seats(g, cells + 2 * faces));
+    TRY(bed_size(bed, blocks, cells, (int)faces, (int)faces));
+    return OK;
+}
+
+status tiles_bed_list(struct gas *g) {
+    struct bed *bed = &g->dense->bed;
+    TRY(comm_agree(g->comm, list_here(g)));
+    struct weaving w = {.g = g, .first = first_number(g, bed->cells), .count = true};
+    number_cells(g, w.first);
+    seat_cells(g, g->tiles->bed->seat);
+    weave(&w);
+    bed->ghosts = w.ghosts;
+    bed->faces = w.faces;
+    w.count = false;
+    weave(&w);
+    bed->fill = comm_size(g->comm) > 1 ? fill_ghosts : NULL;
+    bed->context = g;
+    return OK;
+}
+
+/* ---- to and from the tiles ---- */
+
+static void fill_ghosts(void *gas, int n, double *const *line) {
+    struct gas *g = gas;
+    const struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat;
+    const long size = g->forest->size;
+    for (int i = 0; i < bed->cells; i++)
+        for (int v = 0; v < n; v++) g->W.block[seat[i].tile][v * size + seat[i].at] = line[v][i];
+    forest_fill_layers(g->forest, 1, n, g->W.block);
+    for (int i = bed->cells; i < bed->cells + bed->ghosts; i++)
+        for (int v = 0; v < n; v++) line[v][i] = g->W.block[seat[i].tile][v * size + seat[i].at];
+}
+
+/* An open patch whose ghosts have the cell's own state lets it out freely. */
+static bool same_state(const struct gas *g, const double *U, long a, long b) {
+    for (int v = 0; v < g->nvar; v++)
+        if (bits_of(U[v * g->forest->size + a]) != bits_of(U[v * g->forest->size + b])) return false;
+    return true;
+}
+
+static void take_beyond(struct gas *g, const struct state *from) {
+    struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    for (int k = 0; k < g->dim; k++)
+        for (int f = bed->axis_first[k]; f < bed->axis_first[k + 1]; f++) {
+            const double *U = from->block[seat[f].tile];
+            const long below = seat[f].at, above = below + g->forest->stride[k];
+            if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_WALL) continue;
+            if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, below, above) ? BED_FREE : BED_HELD;
+            for (int v = 0; v < g->nvar; v++) {
+                bed->outside[v][f] = U[v * g->forest->size + (bed->left[f] < 0 ? below : above)];
+                bed->kept[v][f] = 0;
+            }
+        }
+}
+
+void tiles_bed_take(struct gas *g, const struct state *from) {
+    const struct forest *f = g->forest;
+    struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat;
+    struct state *const scratch[] = {&g->V, &g->W};
+    forest_fill_layers(g->forest, 1, g->nvar, from->block);
+    for (int t = 0; t < f->ntiles; t++)
+        if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t]);
+    for (int i = 0; i < bed->cells; i++)
+        for (int v = 0; v < g->nvar; v++) {
+            const long at = v * f->size + seat[i].at;
+            bed->U[v][i] = from->block[seat[i].tile][at];
+            for (int s = 0; s < 2; s++) scratch[s]->block[seat[i].tile][at] = bed->U[v][i];
+        }
+    take_beyond(g, from);
+}
+
+void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
+    double *to = g->tiles->bed->fluxes[s->tile] + (long)s->axis * g->nvar * g->forest->size + s->offset;
+    for (int v = 0; v < g->nvar; v++) memcpy(to + v * g->forest->size, out[v] + column, (size_t)s->n * sizeof(double));
+}
+
+void tiles_bed_keep(struct gas *g, double weight) {
+    struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    for (int k = 0; k < g->dim; k++)
+        for (int f = bed->axis_first[k]; f < bed->axis_first[k + 1]; f++) {
+            const double *from = g->tiles->bed->fluxes[seat[f].tile] + (long)k * g->nvar * g->forest->size + seat[f].at;
+            if (bed->kind[f] != BED_KEPT) continue;
+            for (int v = 0; v < g->nvar; v++) bed->kept[v][f] += weight * from[v * g->forest->size];
+        }
+}
+
+long tiles_bed_put(struct gas *g, const struct state *to) {
+    const struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat;
+    long bad = 0;
+    for (int t = 0; t < g->forest->ntiles; t++)
+        if (g->tiles->bed->holds[t]) activity_unfold(g, t, to);
+    for (int i = 0; i < bed->cells; i++)
+        for (int v = 0; v < g->nvar; v++) to->block[seat[i].tile][v * g->forest->size + seat[i].at] = bed->U[v][i];
+    for (int i = 0; i < bed->cells; i++) bad += row_inadmissible(g, to->block[seat[i].tile], seat[i].at, 1, NULL);
+    return bad;
+}
+
+void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
+    int block = 0;
+    for (int t = 0; t < g->forest->ntiles; t++) raised[t] = g->tiles->bed->holds[t] ? per_block[block++] : 0;
+}
+
+/* ---- in the stages ---- */
+
+bool tiles_hold_bed(const struct gas *g, int tile) {
+    return g->hybrid && g->tiles->bed->holds[tile];
+}
+
+struct span tiles_moving_span(const struct gas *g, int tile, long row, int n) {
+    const double *part = g->dense->part[tile] + row;
+    struct span s = {0, n};
+    while (s.low < n && part[s.low] >= BED_FROZEN) s.low++;
+    while (s.high > s.low && part[s.high - 1] >= BED_FROZEN) s.high--;
+    return span_empty(s) ? SPAN_EMPTY : s;
+}
+
+void tiles_freeze_row(const struct gas *g, int tile, const double *U0, double *to, long offset, int n) {
+    const double *part = g->dense->part[tile] + offset;
+    for (int v = 0; v < g->nvar; v++) {
+        const long at = v * g->forest->size + offset;
+        for (int i = 0; i < n; i++) to[at + i] = part[i] >= BED_FROZEN ? U0[at + i] : to[at + i];
+    }
+}
