@@ -7,6 +7,8 @@
 static const struct param implicit_param[] = {
     NUMBER("dense", dense, 0.777, BETWEEN(0, 1), NO_UNIT,
            "alpha/alphaMax above which cells, and those beside them, are implicit"),
+    NUMBER("thin", thin, 1e-3, FROM_TO(0, 1), NO_UNIT,
+           "alpha/alphaMax below which cells are implicit, too, where they would limit dt: hot remains above a bed"),
     NUMBER("gain", gain, 4, FROM_TO(1, 1e6), NO_UNIT,
            "a step is implicit if it is so many times as long as the explicit scheme's"),
     NUMBER("governor", governor, 1, BETWEEN(0, 1e6), NO_UNIT,

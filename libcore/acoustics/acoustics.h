@@ -15,6 +15,7 @@ const struct acoustics *acoustics_find(const char *name); /* NULL: there is none
 
 struct acoustics_params {
     double dense;    /* fraction of alphaMax; cells above it are implicit */
+    double thin;     /* fraction of alphaMax; cells below it are implicit where they would limit dt */
     double gain;     /* dt over dt of the explicit scheme from which on a step is implicit */
     double governor; /* dt times the rate of cooling in the dense cells is at most this */
     double soft;     /* s of bed.h: keeps cells from moving against their faces */

@@ -81,9 +81,10 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
     }
 }
 
-/* The state of a cell after acoustics. Gravity works on what crosses the cell, the mean of its faces' velocities: then
- * the hydrostatic parts of p_f do no work on the internal energy. Returns the J/m^3 that lifting eps added; *work:
- * those of gravity. */
+/* The state of a cell after acoustics. Gravity works on what crosses the cell, the mean of its faces' velocities:
+ * then the hydrostatic parts of p_f do no work on the internal energy. The gas of a cell at the surface of a bed has
+ * room to fall within the cell, and (*) presses it together; so eps is compared with that of (*) or of the start,
+ * whichever is less. Returns the J/m^3 that lifting eps added; *work: those of gravity. */
 static double update_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i, double *work) {
     const struct bed_lines *x = b->lines;
     double growth = 0, power = 0, given = 0, before = 0, now = 0;
@@ -99,7 +100,8 @@ static double update_cell(const struct bed *b, double dt, const double gravity[M
         now += moved * moved;
         x->after[k + 1][i] = moved;
     }
-    const double rho = x->rho[i], least = (1 - b->params.keep) * (x->eps[i] - x->p[i] * (1 / x->root[i] - 1 / rho));
+    const double rho = x->rho[i],
+                 least = (1 - b->params.keep) * (x->eps[i] - larger(x->p[i] * (1 / x->root[i] - 1 / rho), 0));
     const double eps = x->eps[i] + 0.5 * (before - now) - power / rho + given;
     x->after[0][i] = rho / (1 + growth);
     x->after[b->dim + 1][i] = larger(eps, least);

@@ -13,7 +13,7 @@
 
 /* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
  * step that falling gas is given by the explicit scheme. */
-static const double THIN = 0.6, FLOW = 0.4, FALL = 0.5;
+static const double THIN = 0.5, FLOW = 0.4, FALL = 0.5;
 
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
@@ -28,6 +28,7 @@ status dense_make(struct gas *g) {
                           .least = g->least,
                           .limit = g->limit};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
+    d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);
     TRY(bed_make(&d->bed));
     return g->engine->bed.make(g);
 }
@@ -40,26 +41,47 @@ void dense_free(struct gas *g) {
     free(g->dense);
 }
 
+/* The limits of dt by their causes. */
+enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
+static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
+
+/* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. */
+static void find_limits(struct gas *g, double maxCo, double plain, double fall, bool thick, double limit[CAUSES]) {
+    const struct dense *d = g->dense;
+    struct bed_rates rates;
+    g->engine->bed.parts(g, plain, d->thin, &rates);
+    double most[] = {thick ? rates.solid : rates.thin, rates.flow, rates.cooling};
+    comm_max(g->comm, most, 3);
+    limit[BY_THIN] = THIN * maxCo / most[0];
+    limit[BY_FLOW] = FLOW / most[1];
+    limit[BY_COOLING] = larger(d->bed.params.governor / most[2], d->bed.params.gain * plain);
+    limit[BY_FALL] = FALL * fall;
+}
+
+static int least_of(const double limit[CAUSES]) {
+    int least = 0;
+    for (int i = 1; i < CAUSES; i++)
+        if (limit[i] < limit[least]) least = i;
+    return least;
+}
+
+/* Near vacuum above a bed is hot. Where it would limit dt it is made a part of the bed. */
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit) {
-    static const char *const name[] = {"thin gas", "flow", "cooling of the bed", "free fall"};
     struct dense *d = g->dense;
     if (!d) return 0;
-    const double plain = smaller(maxCo / speed->rate, fall);
-    double count = (double)g->engine->bed.find(g, d->above);
+    const double plain = smaller(maxCo / speed->rate, fall), gain = d->bed.params.gain;
+    double count = (double)g->engine->bed.find(g, d->above), step[CAUSES];
     comm_max(g->comm, &count, 1);
     d->longest = 0;
-    if (count == 0 || FALL * fall < d->bed.params.gain * plain) return 0;
-    struct bed_rates rates;
-    g->engine->bed.parts(g, plain, &rates);
-    double most[] = {rates.thin, rates.flow, rates.cooling};
-    comm_max(g->comm, most, 3);
-    const double step[] = {THIN * maxCo / most[0], FLOW / most[1],
-                           larger(d->bed.params.governor / most[2], d->bed.params.gain * plain), FALL * fall};
-    int least = 0;
-    for (int i = 1; i < 4; i++)
-        if (step[i] < step[least]) least = i;
-    if (!(step[least] >= d->bed.params.gain * plain)) return 0;
-    *limit = name[least];
+    if (count == 0 || FALL * fall < gain * plain) return 0;
+    find_limits(g, maxCo, plain, fall, d->thin > 0, step);
+    if (d->thin > 0) {
+        g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
+        find_limits(g, maxCo, plain, fall, false, step);
+    }
+    const int least = least_of(step);
+    if (!(step[least] >= gain * plain)) return 0;
+    *limit = cause_name[least];
     return d->longest = step[least];
 }
 

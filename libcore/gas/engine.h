@@ -154,6 +154,7 @@ struct implicit_hooks {
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE };
 struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
     double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
+    double solid;   /* the same without near vacuum, cells less dense than the `thin` of parts */
     double flow;    /* sum_k |u_k|/width_k */
     double cooling; /* of T in dense cells */
 };
@@ -166,7 +167,9 @@ struct bed_hooks {
     /* Finds the cells denser than `dense` (kg/m^3) in U; returns their number on this rank. */
     long (*find)(struct gas *g, double dense);
     /* Marks the parts around the cells found; then finds the rates, those of cooling over dt. Collective. */
-    void (*parts)(struct gas *g, double dt, struct bed_rates *mine);
+    void (*parts)(struct gas *g, double dt, double thin, struct bed_rates *mine);
+    /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; parts must follow. */
+    void (*include)(struct gas *g, double thin, double rate);
     /* Lists the bed's cells and faces. Collective. */
     status (*list)(struct gas *g);
     /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V

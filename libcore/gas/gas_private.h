@@ -16,6 +16,7 @@ enum { MOST_STAGES = 100000 };
 
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
+    double thin;    /* kg/m^3: below it cells are near vacuum */
     double above;   /* kg/m^3: denser cells are dense */
     double **part;  /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
     double longest; /* s: the step that was planned; 0: the next step is explicit */

@@ -419,6 +419,7 @@ const struct engine engine_lattice = {
             .free = tiles_bed_free,
             .find = tiles_bed_find,
             .parts = tiles_bed_parts,
+            .include = tiles_bed_include,
             .list = tiles_bed_list,
             .take = tiles_bed_take,
             .keep = tiles_bed_keep,

@@ -52,6 +52,12 @@ KERNEL static double bed_largest(int n, const double *restrict rho) {
     return most;
 }
 
+KERNEL static double bed_smallest(int n, const double *restrict rho) {
+    double least = HUGE_VAL;
+    for (int i = 0; i < n; i++) least = smaller(least, rho[i]);
+    return least;
+}
+
 static void find_visit(void *finding, long offset, int n) {
     struct finding *f = finding;
     if (!(bed_largest(n, f->rho + offset) > f->above)) return;
@@ -125,7 +131,7 @@ static void find_rings(struct gas *g) {
 struct rating { /* finds the rates of a tile */
     struct gas *g;
     const double *U, *part; /* part: NULL in tiles without a bed */
-    double dt;
+    double dt, thin;
     struct bed_rates most;
 };
 
@@ -160,15 +166,16 @@ static void rate_visit(void *rating, long offset, int n) {
         const double part = r->part ? r->part[offset + i] : 0;
         r->most.flow = larger(r->most.flow, flow[i]);
         r->most.thin = larger(r->most.thin, part < BED_FROZEN ? thin[i] : 0);
+        r->most.solid = larger(r->most.solid, part < BED_FROZEN && !(r->U[offset + i] < r->thin) ? thin[i] : 0);
         dense |= part == BED_DENSE;
     }
     if (dense) rate_cooling(r, offset, n);
 }
 
 /* No cell is left out as uniform in a step with a bed. */
-void tiles_bed_parts(struct gas *g, double dt, struct bed_rates *mine) {
+void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine) {
     const struct forest *f = g->forest;
-    struct rating r = {.g = g, .dt = dt};
+    struct rating r = {.g = g, .dt = dt, .thin = thin};
     find_rings(g);
     for (int t = 0; t < f->ntiles; t++) {
         activity_unfold(g, t, &g->U);
@@ -177,6 +184,39 @@ void tiles_bed_parts(struct gas *g, double dt, struct bed_rates *mine) {
         runs_visit(f, &f->tile[t], 0, rate_visit, &r);
     }
     *mine = r.most;
+}
+
+struct inclusion { /* near vacuum that becomes dense */
+    struct gas *g;
+    const double *U;
+    double *part, thin, rate;
+    bool found;
+};
+
+static void include_visit(void *inclusion, long offset, int n) {
+    struct inclusion *c = inclusion;
+    const struct work *w = &c->g->tiles->work;
+    if (!(bed_smallest(n, c->U + offset) < c->thin)) return;
+    primitives_of_row(c->g, c->U, offset, n);
+    for (long i = offset; i < offset + n; i++) {
+        double rate = 0;
+        for (int k = 0; k < c->g->dim; k++) rate += (fabs(w->velocity[k][i]) + w->c[i]) / c->g->forest->width[k];
+        if (c->part[i] >= BED_FROZEN || !(c->U[i] < c->thin) || !(rate > c->rate)) continue;
+        c->part[i] = BED_DENSE;
+        c->found = true;
+    }
+}
+
+/* The rings are taken back, as they will be wider. */
+void tiles_bed_include(struct gas *g, double thin, double rate) {
+    const struct forest *f = g->forest;
+    for (int t = 0; t < f->ntiles; t++) {
+        struct inclusion c = {g, g->U.block[t], g->dense->part[t], thin, rate, g->tiles->bed->holds[t]};
+        runs_visit(f, &f->tile[t], 0, include_visit, &c);
+        g->tiles->bed->holds[t] = c.found;
+        for (long i = 0; i < f->size && c.found; i++)
+            if (c.part[i] != BED_DENSE) c.part[i] = 0;
+    }
 }
 
 /* ---- the lists ---- */
