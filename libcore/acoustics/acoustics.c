@@ -5,7 +5,7 @@
 
 #define PARAM_STRUCT struct acoustics_params
 static const struct param implicit_param[] = {
-    NUMBER("dense", dense, 0.777, BETWEEN(0, 1), NO_UNIT,
+    NUMBER("dense", dense, 0.9, BETWEEN(0, 1), NO_UNIT,
            "alpha/alphaMax above which cells, and those beside them, are implicit"),
     NUMBER("thin", thin, 1e-3, FROM_TO(0, 1), NO_UNIT,
            "alpha/alphaMax below which cells are implicit, too, where they would limit dt: hot remains above a bed"),

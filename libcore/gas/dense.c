@@ -2,9 +2,10 @@
  * So dense cells and three rings of neighbours, the bed, take one implicit step (libcore/acoustics/bed.h), the rest
  * the Runge-Kutta step, and both share the fluxes between them:
  *
- *     sources and diffusion over dt | stages of all but the frozen cells | the bed from the start, with the mean fluxes
+ *     half the sources | half the diffusion | stages of the rest | half the diffusion | half the sources | the bed
  *
- * The sources come first, because a pressure that they changed last would be out of balance with the weight. Gravity
+ * The bed's cells keep their state through the stages. They come last, with the fluxes of the stages towards the rest,
+ * because a pressure that the sources changed last would be out of balance with the weight. Gravity
  * acts on the bed in the acoustics, on other cells as in explicit steps. Where no cell is dense, or a step would not be
  * much longer, steps are explicit, to the bit. */
 #include "libcore/gas/gas_private.h"
@@ -14,6 +15,9 @@
 /* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
  * step that falling gas is given by the explicit scheme. */
 static const double THIN = 0.5, FLOW = 0.4, FALL = 0.5;
+/* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
+ * its weight, and would be pushed away in the stages. */
+static const double HARD = 0.98;
 
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
@@ -28,6 +32,7 @@ status dense_make(struct gas *g) {
                           .least = g->least,
                           .limit = g->limit};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
+    d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);
     TRY(bed_make(&d->bed));
     return g->engine->bed.make(g);
@@ -87,7 +92,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
 
 status dense_begin(struct gas *g, const struct state *from) {
     TRY(g->engine->bed.list(g));
-    g->engine->bed.take(g, from);
+    g->engine->bed.take(g, from, false);
     return OK;
 }
 

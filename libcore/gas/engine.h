@@ -148,10 +148,11 @@ struct implicit_hooks {
     void (*move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
 };
 
-/* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells and three rings of
- * neighbours. The Runge-Kutta stages leave the two innermost parts as they are, so that they see no fast sound; they do
- * advance the two outer rings, for the sake of the fluxes between the bed and the rest alone. */
-enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE };
+/* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells, hard ones among them,
+ * the neighbours of hard ones, and two rings around these. The Runge-Kutta stages leave the inner parts, frozen and up,
+ * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
+ * bed and the rest alone. */
+enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
 struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
     double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
     double solid;   /* the same without near vacuum, cells less dense than the `thin` of parts */
@@ -173,8 +174,8 @@ struct bed_hooks {
     /* Lists the bed's cells and faces. Collective. */
     status (*list)(struct gas *g);
     /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V
-     * and W. Collective. */
-    void (*take)(struct gas *g, const struct state *from);
+     * and W. again: the state of the cells alone. Collective. */
+    void (*take)(struct gas *g, const struct state *from, bool again);
     /* Adds `weight` times the fluxes of the last stage to those that are kept. */
     void (*keep)(struct gas *g, double weight);
     /* Copies the bed's result to `to`; returns the number of cells that are not admissible. */

@@ -16,11 +16,11 @@ enum { MOST_STAGES = 100000 };
 
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
-    double thin;    /* kg/m^3: below it cells are near vacuum */
-    double above;   /* kg/m^3: denser cells are dense */
-    double **part;  /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
-    double longest; /* s: the step that was planned; 0: the next step is explicit */
-    status failed;  /* why an attempt could not be made, other than that dt was too long */
+    double thin;        /* kg/m^3: below it cells are near vacuum */
+    double above, hard; /* kg/m^3: denser cells are dense, or hard */
+    double **part;      /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    double longest;     /* s: the step that was planned; 0: the next step is explicit */
+    status failed;      /* why an attempt could not be made, other than that dt was too long */
 };
 
 struct gas {
@@ -190,7 +190,8 @@ void source_row(void *half_step, const struct row *row);
 /* Writes to `to` the sources of the plan applied to `from`; returns this rank's number of inadmissible cells. */
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to);
 
-/* Finds the cells of a step with a bed that fall freely, those with eps below `warm` outside of its frozen parts. */
+/* Finds the cells of a step with a bed that fall freely, those with eps below `warm` outside of its frozen parts; warm
+ * < 0: no cell of the bed does any more. */
 void find_falling(struct gas *g, double warm, const struct state *s);
 
 /* Returns the number of inadmissible cells among the n <= BATCH at `offset` of a block U, and raises marks[offset + i]

@@ -186,9 +186,12 @@ static void find_falling_row(void *falling, const struct row *row) {
     const double *U = f->s->block[row->block] + row->at, *part = g->dense->part[row->block] + row->at;
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     double *falls = g->falls[row->block] + row->at;
-    velocity_row(row->n, g->dim, g->size, U, u, eps);
+    if (f->warm >= 0) velocity_row(row->n, g->dim, g->size, U, u, eps);
     for (int i = 0; i < row->n; i++) {
-        falls[i] = eps[i] < f->warm && part[i] < BED_FROZEN ? 1 : 0;
+        if (f->warm < 0)
+            falls[i] = part[i] > 0 ? 0 : falls[i];
+        else
+            falls[i] = eps[i] < f->warm && part[i] < BED_FROZEN ? 1 : 0;
         g->falling[row->block] |= falls[i] > 0;
     }
 }

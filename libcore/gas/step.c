@@ -243,54 +243,44 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
     return mend_stage(g, U0, from, &g->W, a, dt);
 }
 
-/* With a bed all sources and all diffusion come before the stages: does their second halves, from `from` on. Returns
- * the state after them, or NULL, on all ranks, if diffusion failed. */
-static const struct state *second_halves_ahead(struct gas *g, const struct state *from, double t, double dt,
-                                               bool sources, long *bad) {
-    if (g->models.transport) {
-        if (!diffuse_half(g, from, &g->V, t + 0.5 * dt, dt, true, *bad)) return NULL;
-        swap(&g->U0, &g->V);
-        from = &g->U0;
-        *bad = 0;
-    }
-    if (sources) *bad += half_sources(g, t, dt, true, from, &g->U0);
-    return sources ? &g->U0 : from;
-}
-
 /* Gravity's half step on cells that fall freely, beside a bed: in the first half these are found. */
 static void kick_falling(struct gas *g, double t, double dt, bool second, const struct state *s) {
     struct source_plan plan;
     if (!g->falls) return;
     plan_all(g, t, dt, second, &plan);
     source_plan_part(&plan, true);
-    if (!second) {
-        forget_falling(g);
-        find_falling(g, warm_of(g, t, dt), s);
-    }
-    if (g->audit && second) audit_part(g, GAS_FLOW, s);
+    if (!second) forget_falling(g);
+    find_falling(g, second ? -1 : warm_of(g, t, dt), s);
+    if (second) audit_part(g, GAS_FLOW, s);
     audit_sources(g, &plan, s, &g->W);
     (void)sources_apply(g, &plan, s, s);
     audit_sourced(g, s);
 }
 
-/* Prepares the stages of a step with a bed from the state U0 after its first halves; as these, returns NULL if that
- * failed. */
-static const struct state *start_bed(struct gas *g, const struct state *U0, double t, double dt, bool sources,
-                                     long *bad) {
-    if (U0) U0 = second_halves_ahead(g, U0, t, dt, sources, bad);
-    if (!U0 || any_rank(g, *bad)) return NULL;
+/* Prepares the stages of a step with a bed from the state U0 after its first halves. Returns whether it can be made. */
+static bool start_bed(struct gas *g, const struct state *U0, double t, double dt, long bad) {
+    if (any_rank(g, bad)) return false;
     g->dense->failed = dense_begin(g, U0);
-    if (g->dense->failed) return NULL;
+    if (g->dense->failed) return false;
     kick_falling(g, t, dt, false, U0);
-    return U0;
+    return true;
 }
 
-/* Ends a step with a bed, whose stages left V. */
-static bool end_bed(struct gas *g, double t, double dt, long bad) {
-    const bool fine = !any_rank(g, bad);
-    if (!fine) g->engine->stage.clear_flags(g);
-    if (fine) kick_falling(g, t, dt, true, &g->V);
-    if (!fine || !dense_advance(g, t, dt, &g->V)) return false;
+/* Ends a step with a bed, whose stages left V and `bad` inadmissible cells on this rank. The bed is given back its
+ * start, so that it takes part in the second halves, and is advanced last: they would leave its pressure out of
+ * balance. */
+static bool end_bed(struct gas *g, double t, double dt, bool sources, long bad) {
+    if (any_rank(g, bad)) {
+        g->engine->stage.clear_flags(g);
+        return false;
+    }
+    (void)g->engine->bed.put(g, &g->V);
+    kick_falling(g, t, dt, true, &g->V);
+    audit_part(g, GAS_FLOW, &g->V);
+    if (g->models.transport && !second_diffusion(g, t, dt, 0)) return false;
+    if (sources && any_rank(g, half_sources(g, t, dt, true, &g->V, &g->V))) return false;
+    g->engine->bed.take(g, &g->V, true);
+    if (!dense_advance(g, t, dt, &g->V)) return false;
     audit_bed(g);
     audit_part(g, GAS_FLOW, &g->V);
     return true;
@@ -324,7 +314,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
         U0 = after_stage(g, U0, stage);
     }
     if (guarded) bad = 0;
-    if (g->hybrid) return end_bed(g, t, dt, bad);
+    if (g->hybrid) return end_bed(g, t, dt, sources, bad);
     audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, t, dt, bad)) {
         if (guarded) return false;
@@ -409,7 +399,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         g->hybrid = g->dense && g->dense->longest > 0 && *dt > allowed;
         const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
         const bool hot = U0 && !g->hybrid && overheated(g, *dt, maxCo, speed);
-        if (g->hybrid) U0 = start_bed(g, U0, t, *dt, sources, &bad);
+        if (g->hybrid && U0 && !start_bed(g, U0, t, *dt, bad)) U0 = NULL;
         if (g->dense && g->dense->failed) return take_status(&g->dense->failed);
         if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
         if (g->dense && g->dense->failed) return take_status(&g->dense->failed);

@@ -42,7 +42,7 @@ void tiles_bed_free(struct gas *g) {
 
 struct finding { /* marks the dense cells of a tile */
     const double *rho;
-    double *part, above;
+    double *part, above, hard;
     long count;
 };
 
@@ -62,7 +62,7 @@ static void find_visit(void *finding, long offset, int n) {
     struct finding *f = finding;
     if (!(bed_largest(n, f->rho + offset) > f->above)) return;
     for (int i = 0; i < n; i++) {
-        f->part[offset + i] = f->rho[offset + i] > f->above ? BED_DENSE : 0;
+        f->part[offset + i] = f->rho[offset + i] > f->hard ? BED_HARD : f->rho[offset + i] > f->above ? BED_DENSE : 0;
         f->count += f->rho[offset + i] > f->above;
     }
 }
@@ -72,7 +72,7 @@ long tiles_bed_find(struct gas *g, double above) {
     const struct forest *f = g->forest;
     long count = 0;
     for (int t = 0; t < f->ntiles; t++) {
-        struct finding find = {g->U.block[t], g->dense->part[t], above, 0};
+        struct finding find = {g->U.block[t], g->dense->part[t], above, g->dense->hard, 0};
         if (g->tiles->bed->holds[t]) memset(find.part, 0, (size_t)f->size * sizeof(double));
         if (activity_has_background(g, t, &g->U) && g->U.block[t][0] > above) activity_unfold(g, t, &g->U);
         spans_visit(g, t, g->U.varied[t], 0, find_visit, &find);
@@ -94,7 +94,7 @@ static void ring_visit(void *ringing, long offset, int n) {
     for (int i = 0; i < n; i++) {
         double *part = r->part + offset + i, most = 0;
         for (int k = 0; k < r->dim; k++) most = larger(most, larger(part[-r->f->stride[k]], part[r->f->stride[k]]));
-        if (*part == 0 && most > r->level) *part = r->level;
+        if (*part == 0 && most > (r->level == BED_FROZEN ? BED_DENSE : r->level)) *part = r->level;
         r->found |= *part > 0;
     }
 }
@@ -144,7 +144,7 @@ static void rate_cooling(struct rating *r, long offset, int n) {
     memcpy(cooled, eps, (size_t)n * sizeof(double));
     m->source.cooling->step(&m->source.cooling_params, m->eos, &m->material, r->dt, n, r->U + offset, cooled);
     for (int i = 0; i < n; i++)
-        if (r->part[offset + i] == BED_DENSE)
+        if (r->part[offset + i] >= BED_DENSE)
             r->most.cooling = larger(r->most.cooling, (eps[i] - cooled[i]) / (cooled[i] * r->dt));
 }
 
@@ -167,7 +167,7 @@ static void rate_visit(void *rating, long offset, int n) {
         r->most.flow = larger(r->most.flow, flow[i]);
         r->most.thin = larger(r->most.thin, part < BED_FROZEN ? thin[i] : 0);
         r->most.solid = larger(r->most.solid, part < BED_FROZEN && !(r->U[offset + i] < r->thin) ? thin[i] : 0);
-        dense |= part == BED_DENSE;
+        dense |= part >= BED_DENSE;
     }
     if (dense) rate_cooling(r, offset, n);
 }
@@ -215,7 +215,7 @@ void tiles_bed_include(struct gas *g, double thin, double rate) {
         runs_visit(f, &f->tile[t], 0, include_visit, &c);
         g->tiles->bed->holds[t] = c.found;
         for (long i = 0; i < f->size && c.found; i++)
-            if (c.part[i] != BED_DENSE) c.part[i] = 0;
+            if (c.part[i] < BED_DENSE) c.part[i] = 0;
     }
 }
 
@@ -446,21 +446,21 @@ static void take_beyond(struct gas *g, const struct state *from) {
         }
 }
 
-void tiles_bed_take(struct gas *g, const struct state *from) {
+void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
     const struct forest *f = g->forest;
     struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->seat;
     struct state *const scratch[] = {&g->V, &g->W};
-    forest_fill_layers(g->forest, 1, g->nvar, from->block);
-    for (int t = 0; t < f->ntiles; t++)
+    if (!again) forest_fill_layers(g->forest, 1, g->nvar, from->block);
+    for (int t = 0; t < f->ntiles && !again; t++)
         if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t]);
     for (int i = 0; i < bed->cells; i++)
         for (int v = 0; v < g->nvar; v++) {
             const long at = v * f->size + seat[i].at;
             bed->U[v][i] = from->block[seat[i].tile][at];
-            for (int s = 0; s < 2; s++) scratch[s]->block[seat[i].tile][at] = bed->U[v][i];
+            for (int s = 0; s < 2 && !again; s++) scratch[s]->block[seat[i].tile][at] = bed->U[v][i];
         }
-    take_beyond(g, from);
+    if (!again) take_beyond(g, from);
 }
 
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
