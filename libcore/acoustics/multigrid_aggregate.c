@@ -8,6 +8,7 @@ struct groups {
     int *group, *next, *last, *size;
     int *done, *met;  /* of a lowest row: the pass that has paired it; the group whose neighbour it was found to be */
     int *found;       /* neighbours of a group */
+    double *sum;      /* of a lowest row: its group's links to others and its excess */
     double *coupling; /* of a lowest row: its links to the group that found it */
     int stamp;
 };
@@ -38,21 +39,21 @@ static int neighbours(struct groups *s, int g) {
     return n;
 }
 
-/* The group that g is linked to most, among those that this pass has not paired yet; -1 if others are linked to it four
- * times as much. */
-static int strongest(const struct groups *s, int n, int pass) {
-    double most = 0, best = 0;
+/* Errors inside a group of two are smoothed at the rate w/min(D) of the link between them, w, and the lesser of the sums
+ * D of each one's links to others and of its excess. The best neighbour of g by that rate, among those that this pass
+ * has not paired yet; -1 if none is good. */
+static int strongest(const struct groups *s, int g, int n, int pass) {
+    double best = 0.13; /* a fourth of that of lines, half of that of planes: what worked best */
     int found = -1;
     for (int f = 0; f < n; f++) {
         const int h = s->found[f];
-        const double w = s->coupling[h];
-        most = larger(w, most);
-        if (s->done[h] != pass && w > best) {
-            best = w;
+        const double rate = s->coupling[h] / smaller(s->sum[g], s->sum[h]);
+        if (s->done[h] != pass && rate > best) {
+            best = rate;
             found = h;
         }
     }
-    return best >= 0.25 * most ? found : -1;
+    return found;
 }
 
 static void join(struct groups *s, int g, int h) {
@@ -64,6 +65,7 @@ static void join(struct groups *s, int g, int h) {
 
 /* The lower row of two is to be the lowest of their group. */
 static int join_lower(struct groups *s, int g, int h) {
+    s->sum[g] = s->sum[h] = s->sum[g] + s->sum[h] - 2 * s->coupling[h];
     if (h < g) {
         join(s, h, g);
         return h;
@@ -75,7 +77,7 @@ static int join_lower(struct groups *s, int g, int h) {
 static void pair_all(struct groups *s, int pass) {
     for (int i = 0; i < s->l->rows; i++) {
         if (s->group[i] != i || s->done[i] == pass) continue;
-        const int h = strongest(s, neighbours(s, i), pass);
+        const int h = strongest(s, i, neighbours(s, i), pass);
         if (h >= 0) s->done[join_lower(s, i, h)] = pass;
     }
 }
@@ -84,7 +86,7 @@ static void pair_all(struct groups *s, int pass) {
 static void join_small(struct groups *s, int small) {
     for (int i = 0; i < s->l->rows; i++) {
         if (s->group[i] != i || s->size[i] > small) continue;
-        const int h = strongest(s, neighbours(s, i), -1);
+        const int h = strongest(s, i, neighbours(s, i), -1);
         if (h >= 0) join_lower(s, i, h);
     }
 }
@@ -118,8 +120,9 @@ status multigrid_aggregate(struct level *l, int passes, struct level *to) {
     TRY(multigrid_grow(&l->room[9], n + l->ghosts, sizeof(int), &l->part));
     TRY(multigrid_grow(&l->room[10], 2 * n + 1, sizeof(int), &l->member_first));
     TRY(multigrid_grow(&l->room[11], 7 * n, sizeof(int), &s.group));
-    TRY(multigrid_grow(&l->room[12], n, sizeof(double), &s.coupling));
+    TRY(multigrid_grow(&l->room[12], 2 * n, sizeof(double), &s.coupling));
     TRY(multigrid_grow(&to->room[13], l->blocks + 1L, sizeof(int), &to->block));
+    s.sum = s.coupling + n;
     s.next = s.group + n;
     s.last = s.next + n;
     s.size = s.last + n;
@@ -130,6 +133,7 @@ status multigrid_aggregate(struct level *l, int passes, struct level *to) {
         s.group[i] = smooth_alone(l, i) ? DROPPED : i;
         s.next[i] = s.done[i] = s.met[i] = -1;
         s.last[i] = i;
+        s.sum[i] = l->diagonal[i];
         s.size[i] = 1;
     }
     for (int pass = 0; pass < passes; pass++) pair_all(&s, pass);

@@ -6,7 +6,7 @@
 #include "libcore/models/kernel.h"
 
 enum {
-    SPREAD_LEVELS = 2, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
+    SPREAD_LEVELS = 3, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
     MOST_LEVELS = 24,
     MOST_DOTS = 5,
     ROOMS = 20
@@ -86,7 +86,7 @@ struct multigrid {
     struct direct direct;            /* of the coarsest level */
     struct world world;
     double *excess;       /* [rows] of the caller's matrix */
-    double *p, *q, *rest; /* [rows + ghosts] of the conjugate gradients */
+    double *p, *q; /* [rows + ghosts] of the conjugate gradients */
     struct room room[4];
 };
 
@@ -109,6 +109,7 @@ void multigrid_direct_solve(const struct direct *d, const double *r, double *x);
 /* multigrid_ranks.c. Collective all of them; with one rank they send nothing. */
 status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows); /* learns of the blocks of all ranks */
 status multigrid_count(struct multigrid *m, const struct level *l);            /* rows of all blocks: world, total */
+bool multigrid_narrow(struct multigrid *m, const struct multigrid_rows *rows, double *name); /* are factors short? */
 status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct level *to);
 status multigrid_links_lay(struct multigrid *m,
                            struct level *l);      /* what ranks share of a level that is not the finest */

@@ -88,6 +88,28 @@ static void name_rows(const struct multigrid *m, const struct level *to, int *na
         for (int i = to->block[b]; i < to->block[b + 1]; i++) name[i] = w->base[first + b] + i - to->block[b];
 }
 
+/* Are the rows lines, so numbered that a row of the factors has few numbers in the mean? */
+bool multigrid_narrow(struct multigrid *m, const struct multigrid_rows *rows, double *name) {
+    const struct world *w = &m->world;
+    double most = 0;
+    long entries = 0;
+    for (int i = 0; i < rows->rows; i++) most = larger(most, rows->link_first[i + 1] - rows->link_first[i]);
+    comm_max(m->comm, &most, 1);
+    if (most > 2) return false;
+    for (int b = 0; b < rows->blocks; b++) {
+        const int base = m->ranks > 1 ? w->base[w->first[comm_rank(m->comm)] + b] : rows->first[b];
+        for (int i = rows->first[b]; i < rows->first[b + 1]; i++) name[i] = base + i - rows->first[b];
+    }
+    if (m->ranks > 1) rows->fill(rows->context, name);
+    for (int i = 0; i < rows->rows; i++) {
+        double low = name[i];
+        for (int k = rows->link_first[i]; k < rows->link_first[i + 1]; k++) low = smaller(low, name[rows->link[k]]);
+        entries += (long)(name[i] - low);
+    }
+    comm_sum_long(m->comm, &entries, 1);
+    return entries <= 16 * m->total;
+}
+
 /* Finds the aggregates of ghosts: their owners name them. fine NULL: `to` has the ghosts already. */
 status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct level *to) {
     const struct level *l = fine ? fine : to;

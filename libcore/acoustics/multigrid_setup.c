@@ -4,10 +4,10 @@
 #include <stdlib.h>
 
 enum {
-    DIRECT = 200,  /* rows of a system that is solved directly */
-    COARSEST = 64, /* rows of the coarsest level, or fewer */
-    SHARED = 4000, /* a level of so many rows is on every rank, though it is the second */
-    SPREAD_PASSES = 3,
+    DIRECT = 200,  /* rows of a system that is solved directly, at most */
+    COARSEST = 64, /* rows of the coarsest level, at most */
+    SHARED = 20000, /* behind a level of more rows there is another one with its rows on their ranks */
+    SPREAD_PASSES = 3, /* levels with rows on their ranks are coarsened 8 times, so that others cost little */
     PASSES = 2
 };
 
@@ -103,24 +103,19 @@ static status lay_shared(struct multigrid *m) {
     return OK;
 }
 
-static status lay(struct multigrid *m, const struct multigrid_rows *rows, const struct matrix *a) {
-    struct level *fine = &m->level[0];
-    const bool direct = m->total <= DIRECT;
-    if (direct) fine = &m->local;
-    m->spread = direct ? 0 : 1;
-    fine->own = rows;
-    status s = copy_lay(a, fine);
-    if (!s) s = multigrid_grow(&m->room[1], 3 * ((long)a->rows + a->ghosts), sizeof(double), &m->p);
-    TRY(comm_agree(m->comm, s));
-    m->q = m->p + a->rows + a->ghosts;
-    m->rest = m->q + a->rows + a->ghosts;
-    multigrid_sum(a, NULL, fine);
-    multigrid_smoother(fine, rows->diagonal);
-    if (direct) {
-        TRY(multigrid_name_ghosts(m, NULL, fine));
-        return comm_agree(m->comm, lay_shared(m));
+static status lay(struct multigrid *m, const struct multigrid_rows *rows, const struct matrix *a, bool direct) {
+    struct level *to = direct ? &m->local : &m->level[0];
+    to->own = rows;
+    TRY(comm_agree(m->comm, copy_lay(a, to)));
+    multigrid_sum(a, NULL, to);
+    multigrid_smoother(to, rows->diagonal);
+    if (direct) TRY(multigrid_name_ghosts(m, NULL, to));
+    for (m->spread = 0; to != &m->local; m->spread++) {
+        struct level *const l = to;
+        to = m->spread + 1 < SPREAD_LEVELS && m->total > SHARED ? l + 1 : &m->local;
+        TRY(coarsen_spread(m, l, to));
+        if (to != &m->local) TRY(multigrid_links_lay(m, to));
     }
-    TRY(coarsen_spread(m, fine, &m->local));
     return comm_agree(m->comm, lay_shared(m));
 }
 
@@ -143,23 +138,33 @@ static void refill(struct multigrid *m, const struct multigrid_rows *rows, const
     multigrid_factor(&m->level[m->levels - 1], &m->direct);
 }
 
+/* Learns of all ranks' blocks and decides how to solve. */
+static status begin(struct multigrid *m, const struct multigrid_rows *rows, bool *direct) {
+    struct level counted = {.rows = rows->rows, .blocks = rows->blocks};
+    TRY(multigrid_meet(m, rows));
+    TRY(comm_agree(m->comm, multigrid_grow(&m->room[2], rows->blocks + 1L, sizeof(int), &counted.block)));
+    memcpy(counted.block, rows->first, ((size_t)rows->blocks + 1) * sizeof *counted.block);
+    TRY(multigrid_count(m, &counted));
+    *direct = m->total <= DIRECT || multigrid_narrow(m, rows, m->p);
+    return OK;
+}
+
 status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, bool same_links) {
     const bool known = same_links && m->prepared;
+    const long n = (long)rows->rows + rows->ghosts;
     m->prepared = false;
-    TRY(comm_agree(m->comm, multigrid_grow(&m->room[0], rows->rows, sizeof(double), &m->excess)));
+    status s = multigrid_grow(&m->room[0], rows->rows, sizeof(double), &m->excess);
+    if (!s) s = multigrid_grow(&m->room[1], 2 * n, sizeof(double), &m->p);
+    TRY(comm_agree(m->comm, s));
+    m->q = m->p + n;
     const struct matrix a = callers_matrix(m, rows);
     if (known) {
         (m->spread ? &m->level[0] : &m->local)->own = rows;
         refill(m, rows, &a);
     } else {
-        const struct level finest = {.rows = rows->rows, .blocks = rows->blocks};
-        struct level counted = finest;
-        TRY(multigrid_meet(m, rows));
-        status s = multigrid_grow(&m->room[2], rows->blocks + 1L, sizeof(int), &counted.block);
-        TRY(comm_agree(m->comm, s));
-        memcpy(counted.block, rows->first, ((size_t)rows->blocks + 1) * sizeof *counted.block);
-        TRY(multigrid_count(m, &counted));
-        TRY(lay(m, rows, &a));
+        bool direct = false;
+        TRY(begin(m, rows, &direct));
+        TRY(lay(m, rows, &a, direct));
     }
     m->prepared = true;
     return OK;

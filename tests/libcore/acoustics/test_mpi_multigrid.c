@@ -1,0 +1,193 @@
+/* The multigrid: solutions, their bits on any ranks, iterations on growing grids, what is special. */
+#include "tests/libcore/acoustics/multigrid_grid.h"
+
+#include "tests/checks.h" /* last: cmocka.h defines fail() */
+
+static struct comm *world;
+
+static const struct mg_case cases[] = {
+    {.dim = 1, .n = {40, 1, 1}, .block = {7, 1, 1}, .contrast = 20, .shift = 1e-3},
+    {.dim = 1, .n = {700, 1, 1}, .block = {60, 1, 1}, .contrast = 20, .shift = 1e-6, .periodic = true},
+    {.dim = 2, .n = {12, 9, 1}, .block = {5, 4, 1}, .contrast = 1e4, .shift = 1e-4, .holes = 0.3},
+    {.dim = 2, .n = {2, 300, 1}, .block = {2, 60, 1}, .contrast = 3, .shift = 1e-6, .periodic = true},
+    {.dim = 2, .n = {70, 50, 1}, .block = {20, 20, 1}, .contrast = 20, .shift = 1e-6, .holes = 0.2},
+    {.dim = 2, .n = {50, 50, 1}, .block = {1, 1, 1}, .contrast = 20, .shift = 1e-2},
+    {.dim = 2, .n = {70, 50, 1}, .block = {20, 20, 1}, .contrast = 1e4, .shift = 1e-10, .periodic = true},
+    {.dim = 2, .n = {160, 140, 1}, .block = {60, 60, 1}, .contrast = 20, .shift = 1e-6, .holes = 0.5},
+    {.dim = 2, .n = {420, 380, 1}, .block = {60, 60, 1}, .contrast = 20, .shift = 1e-10},
+    {.dim = 3, .n = {20, 19, 18}, .block = {8, 8, 8}, .contrast = 20, .shift = 1e-8},
+};
+enum { CASES = sizeof cases / sizeof *cases };
+
+/* sqrt of a sum over all ranks of what each has. */
+static double root_of_all(const struct comm *c, double mine) {
+    double all[64] = {0}, sum = 0;
+    all[comm_rank(c)] = mine;
+    comm_max(c, all, 64);
+    for (int r = 0; r < 64; r++) sum += all[r];
+    return sqrt(sum);
+}
+
+/* Has sqrt(r' r/d) of r = b - A x fallen by `reduction`, but for the round-off of A x? */
+static void assert_fallen(const struct mg_grid *g, double *x, double reduction) {
+    double left = 0, start = 0, size = 0;
+    if (comm_size(world) > 1) g->rows.fill(g->rows.context, x);
+    for (int i = 0; i < g->rows.rows; i++) {
+        double r = g->b[i] - g->diagonal[i] * x[i];
+        for (int k = g->link_first[i]; k < g->link_first[i + 1]; k++) r += g->weight[k] * x[g->link[k]];
+        left += r * r / g->diagonal[i];
+        start += g->b[i] * g->b[i] / g->diagonal[i];
+        size += x[i] * x[i] * g->diagonal[i];
+    }
+    assert_true(root_of_all(world, left) <=
+                1.0001 * reduction * root_of_all(world, start) + 1e-15 * root_of_all(world, size));
+}
+
+/* Solves a case; returns the iterations. x belongs to *g. */
+static int solve(struct multigrid *m, const struct comm *c, const struct mg_case *o, double reduction, struct mg_grid *g) {
+    int n;
+    mg_open(g, o, c);
+    ok(multigrid_setup(m, &g->rows, false));
+    ok(multigrid_solve(m, &g->rows, g->b, reduction, 300, g->x, &n));
+    return n;
+}
+
+static struct multigrid *make(const struct comm *c) {
+    struct multigrid *m;
+    ok(multigrid_make(c, &m));
+    return m;
+}
+
+/* One multigrid for all of them: its memory grows and stays. */
+static void remainders_fall_as_told(void **state) {
+    (void)state;
+    struct multigrid *m = make(world);
+    for (int k = 0; k < CASES; k++)
+        for (int tight = 0; tight < 2; tight++) {
+            const double reduction = tight ? 1e-9 : 1e-3;
+            struct mg_grid g;
+            const int n = solve(m, world, &cases[k], reduction, &g);
+            assert_fallen(&g, g.x, reduction);
+            assert_true(n > 0 && n < (cases[k].contrast > 100 ? 90 : 35));
+            if (cases[k].dim == 1) assert_int_equal(n, 1); /* directly */
+            mg_close(&g);
+        }
+    multigrid_free(m);
+}
+
+/* Each rank solves the whole system alone, too, and finds its rows of the common solution in it, to the bit. */
+static void ranks_do_not_show(void **state) {
+    (void)state;
+    struct comm *alone;
+    ok(comm_alone(&alone));
+    struct multigrid *m = make(world), *own = make(alone);
+    for (int k = 0; k < 2 * CASES; k++) {
+        struct mg_case o = cases[k / 2];
+        o.dealt = k % 2;
+        struct mg_grid g, whole;
+        const int n = solve(m, world, &o, 1e-5, &g);
+        assert_int_equal(n, solve(own, alone, &o, 1e-5, &whole));
+        for (int i = 0; i < g.rows.rows; i++) {
+            const double *x = &whole.x[whole.place[g.cell[i]]];
+            assert_true(isfinite(*x));
+            assert_memory_equal(&g.x[i], x, sizeof *x);
+        }
+        mg_close(&g);
+        mg_close(&whole);
+    }
+    multigrid_free(m);
+    multigrid_free(own);
+    comm_alone_free(alone);
+}
+
+/* Other weights with the aggregates of before: the same bits if they are the same, a solution if they are not. */
+static void aggregates_may_stay(void **state) {
+    (void)state;
+    struct multigrid *m = make(world);
+    for (int k = 0; k < CASES; k++) {
+        struct mg_grid g;
+        int n = solve(m, world, &cases[k], 1e-5, &g), again;
+        double *x = malloc(((size_t)g.rows.rows + 1) * sizeof *x);
+        memcpy(x, g.x, (size_t)g.rows.rows * sizeof *x);
+        ok(multigrid_setup(m, &g.rows, true));
+        ok(multigrid_solve(m, &g.rows, g.b, 1e-5, 300, g.x, &again));
+        assert_int_equal(n, again);
+        assert_memory_equal(x, g.x, (size_t)g.rows.rows * sizeof *x);
+        for (int i = 0; i < g.rows.rows; i++)
+            for (int l = g.link_first[i]; l < g.link_first[i + 1]; l++) {
+                const double more = 1 + mg_random((uint64_t)g.cell[i]) + mg_random((uint64_t)g.cell[g.link[l]]);
+                g.diagonal[i] += (more - 1) * g.weight[l];
+                g.weight[l] *= more;
+            }
+        ok(multigrid_setup(m, &g.rows, true));
+        ok(multigrid_solve(m, &g.rows, g.b, 1e-5, 300, g.x, &again));
+        assert_true(again <= 1 + 1.5 * n);
+        assert_fallen(&g, g.x, 1e-5);
+        free(x);
+        mg_close(&g);
+    }
+    multigrid_free(m);
+}
+
+/* From 64 x 80 to 512 x 640 cells (on one rank; else to 256 x 320) iterations grow by no more than three in ten. */
+static void iterations_are_flat(void **state) {
+    (void)state;
+    struct multigrid *m = make(world);
+    for (int k = 0; k < 4; k++) {
+        int n[2];
+        for (int large = 0; large < 2; large++) {
+            const int scale = !large ? 1 : comm_size(world) == 1 ? 8 : 4;
+            struct mg_case o = {.dim = 2, .n = {64 * scale, 80 * scale, 1}, .block = {60, 60, 1}};
+            o.contrast = k % 2 ? 20 : 1;
+            o.shift = k < 2 ? 1e-4 : 1e-10;
+            struct mg_grid g;
+            n[large] = solve(m, world, &o, 1e-3, &g);
+            mg_close(&g);
+        }
+        assert_true(n[0] <= 10);
+        assert_true(n[1] <= 1.3 * n[0]);
+    }
+    multigrid_free(m);
+}
+
+/* Rows without links have x = b/d; nothing has none; without rows there is nothing to do. */
+static void rows_alone(void **state) {
+    (void)state;
+    struct multigrid *m = make(world);
+    for (int size = 3; size <= 60; size += 57) {
+        struct mg_case o = {.dim = 2, .n = {size, size, 1}, .block = {4, 4, 1}, .contrast = 1, .shift = 1, .holes = 0.8};
+        struct mg_grid g;
+        const int n = solve(m, world, &o, 1e-12, &g);
+        int alone = 0, again;
+        for (int i = 0; i < g.rows.rows; i++) {
+            if (g.link_first[i + 1] > g.link_first[i]) continue;
+            assert_true(fabs(g.x[i] - g.b[i] / g.diagonal[i]) < 1e-11);
+            alone++;
+        }
+        assert_true(size == 3 || alone > 0);
+        assert_true(n <= 30);
+        memset(g.b, 0, (size_t)g.rows.rows * sizeof *g.b);
+        ok(multigrid_solve(m, &g.rows, g.b, 1e-3, 300, g.x, &again));
+        assert_int_equal(again, 0);
+        for (int i = 0; i < g.rows.rows; i++) assert_true(g.x[i] == 0);
+        mg_close(&g);
+    }
+    struct mg_case none = {.dim = 1, .n = {20, 1, 1}, .block = {4, 1, 1}, .contrast = 1, .holes = 2};
+    struct mg_grid g;
+    assert_int_equal(solve(m, world, &none, 1e-3, &g), 0);
+    mg_close(&g);
+    multigrid_free(m);
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s) return status_print(s, true);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(remainders_fall_as_told), cmocka_unit_test(ranks_do_not_show),
+        cmocka_unit_test(aggregates_may_stay),     cmocka_unit_test(iterations_are_flat),
+        cmocka_unit_test(rows_alone),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_finish(world);
+    return failed;
+}
