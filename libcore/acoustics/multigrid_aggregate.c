@@ -39,9 +39,9 @@ static int neighbours(struct groups *s, int g) {
     return n;
 }
 
-/* Errors inside a group of two are smoothed at the rate w/min(D) of the link between them, w, and the lesser of the sums
- * D of each one's links to others and of its excess. The best neighbour of g by that rate, among those that this pass
- * has not paired yet; -1 if none is good. */
+/* Errors inside a group of two are smoothed at the rate w/min(D) of the link between them, w, and the lesser of the
+ * sums D of each one's links to others and of its excess. The best neighbour of g by that rate, among those that this
+ * pass has not paired yet; -1 if none is good. */
 static int strongest(const struct groups *s, int g, int n, int pass) {
     double best = 0.13; /* a fourth of that of lines, half of that of planes: what worked best */
     int found = -1;

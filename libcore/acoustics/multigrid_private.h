@@ -85,8 +85,8 @@ struct multigrid {
     struct level local;              /* this rank's rows of level[spread] */
     struct direct direct;            /* of the coarsest level */
     struct world world;
-    double *excess;       /* [rows] of the caller's matrix */
-    double *p, *q; /* [rows + ghosts] of the conjugate gradients */
+    double *excess; /* [rows] of the caller's matrix */
+    double *p, *q;  /* [rows + ghosts] of the conjugate gradients */
     struct room room[4];
 };
 

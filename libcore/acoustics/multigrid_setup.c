@@ -4,9 +4,9 @@
 #include <stdlib.h>
 
 enum {
-    DIRECT = 200,  /* rows of a system that is solved directly, at most */
-    COARSEST = 64, /* rows of the coarsest level, at most */
-    SHARED = 20000, /* behind a level of more rows there is another one with its rows on their ranks */
+    DIRECT = 200,      /* rows of a system that is solved directly, at most */
+    COARSEST = 64,     /* rows of the coarsest level, at most */
+    SHARED = 20000,    /* behind a level of more rows there is another one with its rows on their ranks */
     SPREAD_PASSES = 3, /* levels with rows on their ranks are coarsened 8 times, so that others cost little */
     PASSES = 2
 };
