@@ -63,7 +63,8 @@ static void find_speeds(struct bed *b) {
 
 /* One step of Newton's method for h(rho) = rho S - 1 - 1/Gamma(rho) = 0, which is (*), with S = tau^n + eps^n/p; rho
  * Gamma' = c^2 - Gamma - Gamma^2 for eps = 1, as p is linear in eps. h rises, and is all but linear both in dilute gas
- * and near packing. A cell that has converged keeps its bits, whichever cells share its batch. Returns whether a cell
+ * and near packing. A cell that has converged keeps its bits, and those of c2 and gruneisen, whichever cells share its
+ * batch. Returns whether a cell
  * has not converged. */
 KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, const double *restrict c2,
                                  const double *restrict gruneisen, double *restrict root, double *restrict open) {
@@ -75,7 +76,7 @@ KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, 
         next = next < limit ? next : 0.5 * (rho + limit);
         next = next > 0 ? next : 0.5 * rho;
         const double moves = fabs(next - rho) > 4e-16 * rho ? open[i] : 0;
-        root[i] = open[i] > 0 ? next : rho;
+        root[i] = moves > 0 ? next : rho;
         open[i] = moves;
         any += moves;
     }
