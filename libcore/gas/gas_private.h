@@ -19,6 +19,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double thin;        /* kg/m^3: below it cells are near vacuum */
     double above, hard; /* kg/m^3: denser cells are dense, or hard */
     double **part;      /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    bool alone;         /* is every cell one of the bed? */
     double longest;     /* s: the step that was planned; 0: the next step is explicit */
     status failed;      /* why an attempt could not be made, other than that dt was too long */
 };

@@ -246,7 +246,7 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
 /* Gravity's half step on cells that fall freely, beside a bed: in the first half these are found. */
 static void kick_falling(struct gas *g, double t, double dt, bool second, const struct state *s) {
     struct source_plan plan;
-    if (!g->falls) return;
+    if (!g->falls || g->dense->alone) return;
     plan_all(g, t, dt, second, &plan);
     source_plan_part(&plan, true);
     if (!second) forget_falling(g);
@@ -298,7 +298,8 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
     if (guarded && sources && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
-    for (int stage = 0; stage < s->stages; stage++) {
+    const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;
+    for (int stage = 0; stage < stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         const double a = s->a[stage], b = s->b[stage] * dt;
         set_gravity(g, t, dt, stage);

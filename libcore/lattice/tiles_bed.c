@@ -11,9 +11,10 @@ struct seat { /* a place in the tiles: of a cell, of a ghost's layer, of the cel
 };
 /* Memory of the lattice for the bed: g->tiles->bed. */
 struct tiles_bed {
-    bool *holds; /* [ntiles] has the tile a cell of the bed? */
-    double *
-        *fluxes; /* [ntiles] of [dim][nvar][size]: of the last stage, by axis and the cell below; NULL: no bed yet */
+    bool *holds;     /* [ntiles] has the tile a cell of the bed? */
+    double **listed; /* [ntiles] of [size]: the parts for which the bed was listed */
+    /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
+    double **fluxes;
     struct seat *seat; /* [cells], then [ghosts], then [faces] */
     long room;
 };
@@ -24,6 +25,7 @@ status tiles_bed_make(struct gas *g) {
     TRY(blocks_make(g->forest, 1, &g->dense->part));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
+    TRY(blocks_make(g->forest, 1, &b->listed));
     TRY(allocate(&b->holds, g->forest->ntiles, sizeof(bool), "tiles"));
     return allocate(&b->fluxes, g->forest->ntiles, sizeof(double *), "tiles");
 }
@@ -33,6 +35,7 @@ void tiles_bed_free(struct gas *g) {
     blocks_free(g->forest, g->dense->part);
     if (!b) return;
     blocks_free(g->forest, b->fluxes);
+    blocks_free(g->forest, b->listed);
     free(b->holds);
     free(b->seat);
     free(b);
@@ -393,8 +396,36 @@ static status list_here(struct gas *g) {
     return OK;
 }
 
+struct moving { /* looks for cells that the stages move */
+    const double *part;
+    bool any;
+};
+
+static void moving_visit(void *moving, long offset, int n) {
+    struct moving *m = moving;
+    for (int i = 0; i < n; i++) m->any |= m->part[offset + i] == 0;
+}
+
+/* Is the bed that of the last list, on all ranks? Else its parts are noted. Finds also whether any cell moves in the
+ * stages. */
+static bool is_listed(struct gas *g) {
+    const size_t bytes = (size_t)g->forest->size * sizeof(double);
+    double changes[2] = {0, 0};
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        struct moving m = {g->dense->part[t], false};
+        if (memcmp(g->tiles->bed->listed[t], g->dense->part[t], bytes) != 0) changes[0] = 1;
+        memcpy(g->tiles->bed->listed[t], g->dense->part[t], bytes);
+        if (g->tiles->bed->holds[t]) runs_visit(g->forest, &g->forest->tile[t], 0, moving_visit, &m);
+        if (m.any || !g->tiles->bed->holds[t]) changes[1] = 1;
+    }
+    comm_max(g->comm, changes, 2);
+    g->dense->alone = changes[1] == 0;
+    return changes[0] == 0 && g->dense->bed.kind;
+}
+
 status tiles_bed_list(struct gas *g) {
     struct bed *bed = &g->dense->bed;
+    if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, list_here(g)));
     struct weaving w = {.g = g, .first = first_number(g, bed->cells), .count = true};
     number_cells(g, w.first);
