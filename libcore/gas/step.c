@@ -373,15 +373,49 @@ static bool hopeless(const struct gas *g) {
     return g->stiff.found && !g->stiff.second && !source_heats(&g->models.source);
 }
 
-static status take_status(status *from) {
-    const status s = *from;
-    *from = OK;
+struct attempt { /* at a step */
+    bool guarded, hot;      /* hot: sources heated the gas too much */
+    const struct state *U0; /* the start of the stages; NULL: diffusion, or the making of a bed, failed */
+};
+
+/* Tries a step of dt from g->U to g->V; returns whether V is of use. */
+static bool try_step(struct gas *g, double t, double dt, double maxCo, const struct gas_speed *speed,
+                     struct attempt *a) {
+    const bool sources = source_active(&g->models.source, &g->models.material);
+    long bad;
+    *a = (struct attempt){.guarded = g->guarded > 0};
+    attempt_begin(g);
+    g->hybrid = g->dense && g->dense->longest > 0 && dt > maxCo / speed->rate;
+    a->U0 = first_halves(g, t, dt, sources, a->guarded, &bad);
+    if (a->U0 && g->hybrid && !start_bed(g, a->U0, t, dt, bad)) a->U0 = NULL;
+    a->hot = a->U0 && !g->hybrid && overheated(g, dt, maxCo, speed);
+    return a->U0 && !a->hot && do_stages(g, a->U0, t, dt, sources, a->guarded, bad);
+}
+
+/* Returns the error because of which a bed could not be made or advanced at any dt; OK: there was none. */
+static status bed_failure(struct gas *g) {
+    status s = OK;
+    if (!g->dense) return s;
+    s = g->dense->failed;
+    g->dense->failed = OK;
     return s;
+}
+
+/* Counts a step that stands. */
+static status count_step(struct gas *g) {
+    if (g->guarded > 0) {
+        TRY(floors_count(g));
+        if (g->filled || g->floored) g->guarded = GUARDED;
+        g->guarded--;
+    }
+    if (g->hybrid) TRY(dense_count(g));
+    g->hybrid = false;
+    return OK;
 }
 
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
-    const bool sources = source_active(&g->models.source, &g->models.material);
+    struct attempt tried;
     if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
     const struct gas_counts start = g->counts;
@@ -393,40 +427,26 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = g->held = false;
     for (;;) {
-        const bool guarded = g->guarded > 0;
-        long bad;
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
-        attempt_begin(g);
-        g->hybrid = g->dense && g->dense->longest > 0 && *dt > allowed;
-        const struct state *U0 = first_halves(g, t, *dt, sources, guarded, &bad);
-        const bool hot = U0 && !g->hybrid && overheated(g, *dt, maxCo, speed);
-        if (g->hybrid && U0 && !start_bed(g, U0, t, *dt, bad)) U0 = NULL;
-        if (g->dense && g->dense->failed) return take_status(&g->dense->failed);
-        if (U0 && !hot && do_stages(g, U0, t, *dt, sources, guarded, bad)) break;
-        if (g->dense && g->dense->failed) return take_status(&g->dense->failed);
+        if (try_step(g, t, *dt, maxCo, speed, &tried)) break;
+        TRY(bed_failure(g));
         if (asked_to_leave(g)) return leave(g, &start, dt);
         if (hopeless(g) && !g->hybrid) return stop_of_diffusion(g, t);
-        if (!guarded && !hot) {
+        if (!tried.guarded && !tried.hot) {
             g->guarded = GUARDED;
             continue;
         }
         g->counts.rejected++;
-        *dt = g->hybrid ? 0.5 * *dt : shorter(g, U0, *dt, maxCo);
+        *dt = g->hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
-    if (g->hybrid) TRY(dense_count(g));
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
     if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
     g->slow_dt[1] = *dt;
-    if (g->guarded > 0) {
-        TRY(floors_count(g));
-        if (g->filled || g->floored) g->guarded = GUARDED;
-        g->guarded--;
-    }
+    TRY(count_step(g));
     swap(&g->U, &g->V);
-    g->hybrid = false;
     return audit_keep(g);
 }
 
