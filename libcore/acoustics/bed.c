@@ -108,7 +108,7 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces) {
     b->cells = cells;
     b->ghosts = ghosts;
     b->faces = faces;
-    b->linked = false;
+    b->linked = b->laid = false;
     return OK;
 }
 

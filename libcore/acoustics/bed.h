@@ -78,8 +78,8 @@ struct bed {
 
     struct bed_lines *lines;
     struct multigrid *multigrid;
-    bool linked;  /* are the links of the linear system those of the present set? */
-    long room[3]; /* blocks, cells with ghosts, faces that the memory has room for */
+    bool linked, laid; /* are the links listed, and laid out by the multigrid, for the present set? */
+    long room[3];      /* blocks, cells with ghosts, faces that the memory has room for */
 };
 
 status bed_make(struct bed *b);

@@ -182,7 +182,8 @@ static bool move_pressure(struct bed *b) {
     return sound;
 }
 
-static status solve(struct bed *b, bool same_links, bool *sound) {
+/* In a new step aggregates are made anew, so that it has the bits of the first one of a restart. */
+static status solve(struct bed *b, bool again, bool *sound) {
     const struct bed_lines *x = b->lines;
     int iterations = 0;
     const struct multigrid_rows rows = {.blocks = b->blocks,
@@ -196,7 +197,8 @@ static status solve(struct bed *b, bool same_links, bool *sound) {
                                         .diagonal = x->diagonal,
                                         .fill = fill_one,
                                         .context = b};
-    TRY(multigrid_setup(b->multigrid, &rows, same_links));
+    TRY(multigrid_setup(b->multigrid, &rows, again || (b->laid && multigrid_is_direct(b->multigrid))));
+    b->laid = true;
     TRY(multigrid_solve(b->multigrid, &rows, x->residual, REDUCTION, LINEAR_MOST, x->change, &iterations));
     b->linear += iterations;
     *sound = move_pressure(b);

@@ -35,6 +35,9 @@ void multigrid_free(struct multigrid *m);
  * Collective. Fails with ERR_SYSTEM, on all ranks, if there is no memory. */
 status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, bool same_links);
 
+/* Does the last set-up solve directly? Then a set-up with the same links has the bits of a new one. */
+bool multigrid_is_direct(const struct multigrid *m);
+
 /* Solves A x = b for the matrix of the last set-up from x = 0, until sqrt(r' r/d) has fallen by `reduction`; x[rows]
  * and b[rows]. *iterations: those that were made, at most `most`; 1 for a direct solution, 0 if b = 0. Less than
  * `reduction` may be reached if *iterations = most, or if round-off allows no more. Collective. */
