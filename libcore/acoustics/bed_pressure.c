@@ -205,6 +205,8 @@ static status solve(struct bed *b, bool again, bool *sound) {
     return OK;
 }
 
+/* One iteration is made at least: pressures that stay as they were would let round-off grow, as in an explicit step
+ * that is far too long. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     double failed = 0;
     b->newton = b->linear = 0;
@@ -213,7 +215,7 @@ status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM]
     b->linked = true;
     find_weights(b, dt);
     double worst = find_residual(b, dt);
-    while (!(worst < CLOSE) && failed == 0 && b->newton++ < NEWTON_MOST) {
+    while ((b->newton == 0 || !(worst < CLOSE)) && failed == 0 && b->newton++ < NEWTON_MOST) {
         bool sound = false;
         TRY(solve(b, b->newton > 1, &sound));
         failed = !sound;
