@@ -52,11 +52,12 @@ static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of t
 
 /* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. */
 static void find_limits(struct gas *g, double maxCo, double plain, double fall, bool thick, double limit[CAUSES]) {
-    const struct dense *d = g->dense;
+    struct dense *d = g->dense;
     struct bed_rates rates;
     g->engine->bed.parts(g, plain, d->thin, &rates);
-    double most[] = {thick ? rates.solid : rates.thin, rates.flow, rates.cooling};
-    comm_max(g->comm, most, 3);
+    double most[] = {thick ? rates.solid : rates.thin, rates.flow, rates.cooling, rates.inertia};
+    comm_max(g->comm, most, 4);
+    d->inertia = most[3];
     limit[BY_THIN] = THIN * maxCo / most[0];
     limit[BY_FLOW] = FLOW / most[1];
     limit[BY_COOLING] = larger(d->bed.params.governor / most[2], d->bed.params.gain * plain);
@@ -90,13 +91,17 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     return d->longest = step[least];
 }
 
+double gas_inertia(const struct gas *g) {
+    return g->dense && g->dense->longest > 0 ? g->dense->inertia : HUGE_VAL;
+}
+
 status dense_begin(struct gas *g, const struct state *from) {
     TRY(g->engine->bed.list(g));
     g->engine->bed.take(g, from, false);
     return OK;
 }
 
-bool dense_advance(struct gas *g, double t, double dt, const struct state *to) {
+bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to) {
     struct dense *d = g->dense;
     double kick[MAX_DIM];
     bool done = false;
@@ -105,6 +110,9 @@ bool dense_advance(struct gas *g, double t, double dt, const struct state *to) {
     d->failed = bed_step(&d->bed, dt, kick, &done);
     if (d->failed || !done) return false;
     double bad = (double)g->engine->bed.put(g, to);
+    comm_max(g->comm, &bad, 1);
+    g->share = 1;
+    if (bad > 0 && guarded) bad = (double)floors_apply(g, to);
     comm_max(g->comm, &bad, 1);
     return bad == 0;
 }

@@ -158,6 +158,7 @@ struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 
     double solid;   /* the same without near vacuum, cells less dense than the `thin` of parts */
     double flow;    /* sum_k |u_k|/width_k */
     double cooling; /* of T in dense cells */
+    double inertia; /* the inertial number of dense cells (gas_inertia), no rate */
 };
 /* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
  * has it. */

@@ -20,6 +20,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double above, hard; /* kg/m^3: denser cells are dense, or hard */
     double **part;      /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
     bool alone;         /* is every cell one of the bed? */
+    double inertia;     /* of the dense cells in the last plan */
     double longest;     /* s: the step that was planned; 0: the next step is explicit */
     status failed;      /* why an attempt could not be made, other than that dt was too long */
 };
@@ -129,9 +130,9 @@ status dense_make(struct gas *g);
 void dense_free(struct gas *g);
 /* Lists and takes the bed from the state in which a step starts. Collective. */
 status dense_begin(struct gas *g, const struct state *from);
-/* Advances the bed and puts it into `to`, behind the stages of the rest. Returns false, on all ranks, if the step must
- * be done again with a shorter dt. */
-bool dense_advance(struct gas *g, double t, double dt, const struct state *to);
+/* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
+ * Returns false, on all ranks, if the step must be done again. */
+bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to);
 /* Counts a bed whose step stands. */
 status dense_count(struct gas *g);
 

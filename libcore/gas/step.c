@@ -269,7 +269,7 @@ static bool start_bed(struct gas *g, const struct state *U0, double t, double dt
 /* Ends a step with a bed, whose stages left V and `bad` inadmissible cells on this rank. The bed is given back its
  * start, so that it takes part in the second halves, and is advanced last: they would leave its pressure out of
  * balance. */
-static bool end_bed(struct gas *g, double t, double dt, bool sources, long bad) {
+static bool end_bed(struct gas *g, double t, double dt, bool sources, bool guarded, long bad) {
     if (any_rank(g, bad)) {
         g->engine->stage.clear_flags(g);
         return false;
@@ -280,7 +280,7 @@ static bool end_bed(struct gas *g, double t, double dt, bool sources, long bad) 
     if (g->models.transport && !second_diffusion(g, t, dt, 0)) return false;
     if (sources && any_rank(g, half_sources(g, t, dt, true, &g->V, &g->V))) return false;
     g->engine->bed.take(g, &g->V, true);
-    if (!dense_advance(g, t, dt, &g->V)) return false;
+    if (!dense_advance(g, t, dt, guarded, &g->V)) return false;
     audit_bed(g);
     audit_part(g, GAS_FLOW, &g->V);
     return true;
@@ -315,7 +315,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
         U0 = after_stage(g, U0, stage);
     }
     if (guarded) bad = 0;
-    if (g->hybrid) return end_bed(g, t, dt, sources, bad);
+    if (g->hybrid) return end_bed(g, t, dt, sources, guarded, bad);
     audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, t, dt, bad)) {
         if (guarded) return false;
@@ -373,7 +373,7 @@ static bool hopeless(const struct gas *g) {
     return g->stiff.found && !g->stiff.second && !source_heats(&g->models.source);
 }
 
-struct attempt { /* at a step */
+struct attempt {            /* at a step */
     bool guarded, hot;      /* hot: sources heated the gas too much */
     const struct state *U0; /* the start of the stages; NULL: diffusion, or the making of a bed, failed */
 };

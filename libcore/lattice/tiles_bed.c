@@ -135,6 +135,7 @@ struct rating { /* finds the rates of a tile */
     struct gas *g;
     const double *U, *part; /* part: NULL in tiles without a bed */
     double dt, thin;
+    double grain; /* sigma sqrt(rho of a grain) */
     struct bed_rates most;
 };
 
@@ -171,6 +172,8 @@ static void rate_visit(void *rating, long offset, int n) {
         r->most.thin = larger(r->most.thin, part < BED_FROZEN ? thin[i] : 0);
         r->most.solid = larger(r->most.solid, part < BED_FROZEN && !(r->U[offset + i] < r->thin) ? thin[i] : 0);
         dense |= part >= BED_DENSE;
+        if (part >= BED_DENSE && !(r->U[offset + i] < r->thin))
+            r->most.inertia = larger(r->most.inertia, flow[i] * r->grain / sqrt(w->p[offset + i]));
     }
     if (dense) rate_cooling(r, offset, n);
 }
@@ -178,7 +181,8 @@ static void rate_visit(void *rating, long offset, int n) {
 /* No cell is left out as uniform in a step with a bed. */
 void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine) {
     const struct forest *f = g->forest;
-    struct rating r = {.g = g, .dt = dt, .thin = thin};
+    const struct material *m = &g->models.material;
+    struct rating r = {.g = g, .dt = dt, .thin = thin, .grain = m->diameter / sqrt(packing_per_density(m))};
     find_rings(g);
     for (int t = 0; t < f->ntiles; t++) {
         activity_unfold(g, t, &g->U);

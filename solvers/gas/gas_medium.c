@@ -12,6 +12,10 @@
 
 /* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
 static const double FALL_PART = 0.2;
+/* Dense flow is slow below this inertial number (GDR MiDi, Eur. Phys. J. E 14, 341, 2004: there the friction of lasting
+ * contacts rules); the log says so after SLOW_STEPS steps of it. */
+static const double SLOWEST = 1e-2;
+enum { SLOW_STEPS = 1000 };
 static const double DENSE = 0.9; /* fraction of alphaMax beyond which it is packing that makes c large */
 
 struct gas_state {
@@ -25,6 +29,7 @@ struct gas_state {
     double totals[MAX_VAR];   /* mass, momentum, energy at the start */
     struct gas_counts counts; /* counts at the last log entry */
     bool audited;             /* is a budget kept? */
+    long slow;                /* steps in a row in which dense gas was slow; -1: it was said */
     bool unknown;             /* is the start gone that would say what is at rest? */
 };
 static struct gas_state *of(const struct medium *m) {
@@ -117,6 +122,9 @@ static status gas_read_state(struct setup *s) {
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
+    if (s->grid->polyhedra && models->acoustics->implicit)
+        return dict_fail(g->models->solution, "acoustics",
+                         "implicit acoustics are for lattices as yet, and this mesh is none; say  type explicit;");
     if (s->grid->polyhedra && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;
@@ -183,7 +191,10 @@ static double gas_memory(const struct medium *medium) {
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
         const int diffuser = g->transport ? f->dim * (3 + f->dim + 5) + 5 + further : 0;
-        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser) * 8;
+        const int nvar = f->dim + 2, lines = 9 + nvar * (2 + f->dim) + 6 * f->dim, faces = f->dim * (5 + 2 * nvar);
+        const double bed =
+            g->acoustics->implicit ? 2 + f->dim * nvar + 1.5 * (lines + faces) : 0; /* if all are dense */
+        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
     }
     const int dim = m->dim, degree = g->polynomial->degree;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
@@ -207,6 +218,7 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
     }
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
+    if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = bed;
     out->limit = limit;
@@ -323,6 +335,14 @@ static status gas_log(struct medium *m, FILE *f) {
     print_limited(f, &was, &n);
     print_diffusion(f, &was, &n);
     print_beds(f, &was, &n);
+    if (g->slow >= SLOW_STEPS) {
+        fprintf(f,
+                "    warning: dense gas has been slow for %ld steps (inertial number below %g, now %.2g): real grains "
+                "would "
+                "hold each other by friction there, which the model has not; a heap goes flat\n",
+                g->slow, SLOWEST, gas_inertia(g->gas));
+        g->slow = -1;
+    }
     return OK;
 }
 

@@ -90,6 +90,14 @@ static status diffusion_suits(struct dict *d, void *base) {
     return s;
 }
 
+static status acoustics_suits(struct dict *d, void *base) {
+    const struct gas_models *m = &((struct case_models *)base)->gas;
+    if (!m->acoustics->implicit || m->eos->bounded) return OK;
+    return dict_fail(d, "type",
+                     "implicit acoustics are for gas near packing, and %s has no alphaMax: say  type explicit;",
+                     m->eos->model.name);
+}
+
 #define PROPERTIES "constant/granularProperties"
 #define SCHEMES    "system/fvSchemes"
 #define SOLUTION   "system/fvSolution"
@@ -134,7 +142,7 @@ static const struct family families[FAMILIES] = {
                    .key = "type", .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
     [ACOUSTICS] = {SOLUTION, "system/fvSolution: acoustics { type .. }", FAMILY_ROWS(acoustics), .sub = "acoustics",
                    .key = "type", .standard = "explicit", .chosen = MEMBER(gas.acoustics),
-                   .params = MEMBER(gas.acoustics_params)},
+                   .params = MEMBER(gas.acoustics_params), .suits = acoustics_suits},
 };
 
 static bool stands_in(const struct family *k, const char *file) {
