@@ -56,16 +56,38 @@ status document_keep(struct document *d, struct source *s) {
     return e;
 }
 
-/* Names what makes a regular expression costly: the library repeats in memory what stands before {n} and +, and tries
- * back references one by one. */
+/* Returns the end of the bracket expression that begins at c: where its ] stands, or the end of the text. */
+static const char *bracket_end(const char *c) {
+    c += c[1] == '^' ? 2 : 1;
+    if (*c == ']') c++;
+    for (; *c && *c != ']'; c++) {
+        const char *end = *c == '[' && c[1] && strchr(":.=", c[1]) ? strchr(c + 2, ']') : NULL;
+        if (end) c = end;
+    }
+    return *c ? c : c - 1;
+}
+
+/* Names what makes a regular expression costly. The library repeats in memory what stands before {n} and +, tries back
+ * references one by one, and tries all ways through what can be empty: their number may double with each sign that
+ * makes something empty, and with each anchor; a + behind a group doubles those in it. */
 static const char *costly(const char *key) {
-    int plus = 0;
+    enum { SIGNS = 12 };
+    int plus = 0, groups = 0, signs = 0;
+    char before = '|';
     for (const char *c = key; *c; c++) {
+        if (*c == '[') c = bracket_end(c);
         if (*c == '{') return "{ } is not taken; write the repetition out";
         if (*c == '+' && ++plus > 4) return "more than four +";
-        if (*c == '\\' && c[1] >= '0' && c[1] <= '9') return "back references are not taken";
+        if (*c == '+' && strchr(")*+?", before) && ++groups > 1) return "more than one + behind ) or another sign";
+        if (strchr("*+?", *c) && ++signs > SIGNS) return "more than twelve of * + ?";
+        if (strchr("(|", before) && strchr("|)", *c)) return "an alternative is empty";
+        if ((*c == '^' && c > key) || (*c == '$' && c[1])) return "^ or $ inside; the whole word is compared";
+        before = *c;
+        if (before != '\\' || !c[1]) continue;
+        if (*++c >= '0' && *c <= '9') return "back references are not taken";
+        if (strchr("bB<>`'", *c)) return "bounds of words are not taken";
     }
-    return NULL;
+    return *key && before == '|' ? "an alternative is empty" : NULL;
 }
 
 bool pattern_compile(regex_t *out, const char *key, char *why, size_t room) {

@@ -114,7 +114,7 @@ static status read_position(struct lexer *l, int ncells, double x[3], int *cell)
     TRY(lexer_expect(l, ')'));
     TRY(lexer_next(l, &t));
     *cell = t.kind == TOKEN_NUMBER && t.number >= 0 && t.number < ncells ? (int)t.number : -1;
-    if (t.kind == TOKEN_NUMBER && t.number == *cell) return OK;
+    if (*cell >= 0 && t.number == *cell) return OK;
     return lexer_fail(l, &t, "the cell of a grain is a whole number from 0 to %d; a grain is  (x y z) cell",
                       ncells - 1);
 }

@@ -64,15 +64,23 @@ static status read_law(struct dict *d, const char *key, bool mixture, struct exp
     return dict_fail(d, key, "it is no expression");
 }
 
+/* Scales v to length 1; returns false if it is 0. The squares of the largest and the least numbers are none, so that
+ * such a v is divided by its largest component first. */
+static bool make_unit(double v[3]) {
+    const double most = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    const double scale = most > 0 && (most > 1e150 || most < 1e-100) ? most : 1;
+    for (int k = 0; k < 3; k++) v[k] /= scale;
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int k = 0; k < 3 && most > 0; k++) v[k] /= length;
+    return most > 0;
+}
+
 static status read_direction(struct dict *d, struct segregation_models *m) {
     double *v = m->direction;
     m->has_direction = dict_has(d, "direction");
     if (!m->has_direction) return OK;
     TRY(dict_vector(d, "direction", NULL, v));
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (!(length > 0)) return dict_fail(d, "direction", "it must not be (0 0 0)");
-    for (int k = 0; k < 3; k++) v[k] /= length;
-    return OK;
+    return make_unit(v) ? OK : dict_fail(d, "direction", "it must not be (0 0 0)");
 }
 
 /* Reads constant/g: without a direction f is counted against gravity. */
@@ -81,10 +89,9 @@ static status read_gravity(struct dict *d, struct segregation_models *m) {
     double g[3];
     dict_mark_used(d);
     TRY(dict_vector(d, "value", unit, g));
-    const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    if (m->has_direction || !(size > 0)) return OK;
+    if (m->has_direction || !make_unit(g)) return OK;
     m->has_direction = true;
-    for (int k = 0; k < 3; k++) m->direction[k] = -g[k] / size;
+    for (int k = 0; k < 3; k++) m->direction[k] = -g[k];
     return OK;
 }
 

@@ -106,8 +106,16 @@ static void test_bombs(void **state) {
     memcpy(strstr(text, "$b0 $b0 $b0"), "$:a $:a $:a", 11);
     refused(text, "|macros|more than a million values");
     refused("\n\"a{9}{9}\" 1;", "T:2:|regular expression|{ }");
-    refused("\"((((a+)+)+)+)+\" 1;", "T:1:|regular expression|four +");
-    refused("\"(a)\\\\1\" 1;", "T:1:|regular expression|back references");
+    refused("\"a+b+c+d+e+\" 1;", "T:1:|regular expression|four +");
+    refused("\"((a+)+)+\" 1;", "T:1:|regular expression|more than one + behind )");
+    refused("\"a*************\" 1;", "T:1:|regular expression|more than twelve");
+    refused("\"(a*||b)*\" 1;", "T:1:|regular expression|an alternative is empty");
+    refused("\"(^|a)b\" 1;", "T:1:|regular expression|^ or $ inside");
+    refused("\"(a|\\b)*\" 1;", "T:1:|regular expression|bounds of words");
+    refused("\"a|\" 1;", "T:1:|regular expression|an alternative is empty");
+    reads("\"[*+?)|][[:alpha:]|)]+(a|b)+.*c+\" 1; \"a[*+?^$*+?*+?*+?*+?]\\|\" 2;",
+          "\"[*+?)|][[:alpha:]|)]+(a|b)+.*c+\" 1; \"a[*+?^$*+?*+?*+?*+?]\\|\" 2; ");
+    refused("\"(a)\\1\" 1;", "T:1:|regular expression|back references");
     struct dict *d;
     const double *v;
     int n;
