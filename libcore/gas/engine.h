@@ -75,7 +75,7 @@ struct state_hooks {
 
 struct stage_hooks {
     /* Computes to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of
-     * the cells that are not admissible, and returns their number. */
+     * the cells to be limited (row_limited), and returns their number. */
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                   double dt);
     /* Does the last stage of a step and the step's ending, block by block while a block is in the cache. Like stage, it
@@ -85,7 +85,7 @@ struct stage_hooks {
     /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
     long (*share_flags)(struct gas *g);
     /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
-     * (libcore/schemes/limit.h), and counts these faces in g->faces. Flags the cells that are not admissible then. */
+     * (libcore/schemes/limit.h), and counts these faces in g->faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
     /* Makes the cells of an inadmissible background varied cells, so that each is mended and counted by itself. NULL:

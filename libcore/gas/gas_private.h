@@ -199,6 +199,9 @@ void find_falling(struct gas *g, double warm, const struct state *s);
 /* Returns the number of inadmissible cells among the n <= BATCH at `offset` of a block U, and raises marks[offset + i]
  * by 1 at each of them, unless marks is NULL. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);
+/* Returns the number of states that a stage took from `from` to `to`, n <= BATCH of a block, whose fluxes are to be
+ * limited: inadmissible ones, and those whose density rose next to its limit. Raises flags[i] by 1 or more there. */
+int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags);
 
 /* ---- floors (libcore/gas/floors.c) ---- */
 

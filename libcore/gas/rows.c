@@ -120,15 +120,26 @@ void dilate_row(const struct gas *g, int n, double dt, const double *dilation, c
     take_dilation(n, dt, dilation, spread, U, eps, E);
 }
 
-int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
-    double bad[BATCH];
+static int raise_marks(int n, const double *bad, double *marks) {
     int count = 0;
-    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U + offset, bad)) return 0;
     for (int i = 0; i < n; i++) {
         count += bad[i] > 0;
-        if (marks) marks[offset + i] += bad[i];
+        if (marks) marks[i] += bad[i];
     }
     return count;
+}
+
+int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
+    double bad[BATCH];
+    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U + offset, bad)) return 0;
+    return raise_marks(n, bad, marks ? marks + offset : NULL);
+}
+
+int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags) {
+    double bad[BATCH];
+    const bool out = find_bad(n, g->dim, g->size, g->least, g->limit, to, bad);
+    const bool crowded = find_crowded(n, g->limit, from, to, bad);
+    return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 
 void temperature_row(const struct gas *g, int n, const double *U, double *T) {

@@ -1,11 +1,11 @@
 /* One time step: sources, diffusion, Runge-Kutta stages, the limiting that keeps the state admissible, rejection.
  *
- * A stage is computed at high order. If a cell is inadmissible after it, the cell is flagged and the stage is done
- * again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h). That may spoil a neighbour,
- * which is then flagged, too; flags only grow, so this ends. Then flagged cells are admissible by the theorem of
- * limit.h, and the others were checked. Smooth flow pays nothing and keeps its order and its bits. If the theorem's
- * Courant number was exceeded and a flagged cell is still inadmissible, the step is rejected and done again with half
- * of dt or less. */
+ * A stage is computed at high order. If a cell is inadmissible after it, or denser and all but packed, the cell is
+ * flagged and the stage is done again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h).
+ * That may spoil a neighbour, which is then flagged, too; flags only grow, so this ends. Then flagged cells are
+ * admissible by the theorem of limit.h, and the others were checked. Smooth flow pays nothing and keeps its order and
+ * its bits. If the theorem's Courant number was exceeded and a flagged cell is inadmissible all the same, the step is
+ * rejected and done again with half of dt or less. */
 #include "libcore/gas/gas_private.h"
 
 enum {

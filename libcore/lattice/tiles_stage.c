@@ -185,7 +185,7 @@ static void update_visit(void *context, long offset, int n) {
         update_row(n, u->a, u->dt, u->U0 + v * size + offset, from[v], residual[v], to[v]);
     if (g->falls && u->dropped) drop_row(g, n, u->a, u->dt, falls, u->flag + offset, from, residual, to, u->dropped);
     if (tiles_hold_bed(g, u->tile)) tiles_freeze_row(g, u->tile, u->U0, u->to, offset, n);
-    u->bad += row_inadmissible(g, u->to, offset, n, u->flag);
+    u->bad += row_limited(g, n, u->from + offset, u->to + offset, u->flag + offset);
     u->g->computed += n;
 }
 

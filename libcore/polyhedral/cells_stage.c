@@ -256,7 +256,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
                          double a, double dt) {
     struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
-    double residuals[MAX_VAR][BATCH], bad[BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
+    double residuals[MAX_VAR][BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
     long count = 0;
     cells_lines(g, U0, start);
     cells_lines(g, from, in);
@@ -276,11 +276,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
         if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
         for (int v = 0; v < g->nvar; v++) update_row(n, a, dt, start[v] + at, from_at[v], residual[v], to_at[v]);
         if (g->falls && flag) drop_row(g, n, a, dt, falls, flag, from_at, residual, to_at, g->dropped + at);
-        if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
-        for (int i = 0; i < n; i++) {
-            c->flag[at + i] += bad[i];
-            count += bad[i] > 0;
-        }
+        count += row_limited(g, n, in[0] + at, out[0] + at, c->flag + at);
     }
     g->computed += m->nown;
     g->all += m->nown;

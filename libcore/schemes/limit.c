@@ -112,6 +112,23 @@ bool find_bad(int n, int dim, long size, double least, double limit, const doubl
     return mark_bad(n, dim, size, least, limit, U, bad);
 }
 
+KERNEL static bool mark_crowded(int n, double limit, const double *restrict from, const double *restrict to,
+                                double *restrict bad) {
+    const double edge = (1 - CROWDED) * limit;
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        const bool crowded = (to[i] > edge) & (to[i] > from[i]);
+        const double mark = crowded ? 1 : 0;
+        bad[i] += mark;
+        any |= bits_of(mark);
+    }
+    return any != 0;
+}
+
+bool find_crowded(int n, double limit, const double *restrict from, const double *restrict to, double *restrict bad) {
+    return mark_crowded(n, limit, from, to, bad);
+}
+
 int raise_density(int n, int dim, long size, double least, double limit, double *restrict U, double *restrict bad,
                   double (*restrict added)[BATCH]) {
     const double floor = least * (1 + 2 * ROUND);

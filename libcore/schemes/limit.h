@@ -24,6 +24,14 @@
  * mirror images keep their bits. A Courant number of a stage up to 1/2 means K <= 1 in one dimension, and in more where
  * the largest speeds along the axes meet in one cell and s is |v| + c; in general the step is halved until K <= 1.
  *
+ * 3. A limited cell parts from packing. By 1. ubar keeps rho_max - rhobar >= (rho_max - min(rho_l, rho_r))/2, and theta
+ * keeps the share KEPT of that. So the distance d of a cell from packing becomes at least (1 - K) d + K (KEPT/2) d_m,
+ * d_m the mean over its faces, weighed by A s, of the larger distance on both sides: it rises if d_m > 20 d. Other
+ * fluxes know no such bound: where large, or fast and cold, cells close in on a small one, a flux that has the
+ * conduction of its c may pack it to 0.6 d in each step, while dt falls with d; sum of dt is finite, and time stands
+ * still. So a cell whose density rises in a stage to within CROWDED of rho_max is limited, too, although it is
+ * admissible.
+ *
  * A floor `least` > 0 of the density takes the place of vacuum in theta. It is not invariant: where gas expands, ubar
  * itself falls below it, at any finite s. There theta is 0, and raise_density adds what is missing.
  *
@@ -35,8 +43,9 @@
 
 #include "libcore/schemes/flux.h"
 
-#define KEPT  0.1   /* share of an average's distance from the edge of the set that a limited state keeps at least */
-#define ROUND 1e-13 /* share of the kinetic energy that an admissible internal energy exceeds */
+#define KEPT    0.1   /* share of an average's distance from the edge of the set that a limited state keeps at least */
+#define CROWDED 1e-8  /* share of rho_max within which of it a cell whose density rises is limited */
+#define ROUND   1e-13 /* share of the kinetic energy that an admissible internal energy exceeds */
 
 /* Limits fluxes: f->out is F_H (NaN is allowed) and becomes F_L + theta (F_H - F_L), exactly F_H where theta is 1 and
  * F_L where it is 0. rho stays above `least` and below `limit`, kg/m^3. theta[n] is an output. Only cells 0 and 1 of
@@ -52,6 +61,9 @@ void limit_towards(int n, int dim, double least, double limit, const double (*av
 /* Sets bad[i] to 1 where one of n <= BATCH states (variables `size` apart) is not admissible, else to 0; returns
  * whether any is bad. */
 bool find_bad(int n, int dim, long size, double least, double limit, const double *restrict U, double *restrict bad);
+/* Adds 1 to bad[i] where one of n <= BATCH densities rose from `from` to `to`, which is within CROWDED of `limit`;
+ * returns whether any did. */
+bool find_crowded(int n, double limit, const double *restrict from, const double *restrict to, double *restrict bad);
 /* Applies the density floor: raises rho above `least` at the same velocity and temperature in bad states with 0 < rho
  * <= least. bad[i] becomes whether the state is still bad, added[2] the mass and energy added (else 0), kg/m^3 and
  * J/m^3. Returns how many states were raised. */

@@ -142,6 +142,46 @@ static void halves_are_admissible(void **state) {
     assert_true(kept > 1000 && some > 1000);
 }
 
+/* Limited, a crowded cell parts from packing (limit.h, 3), whatever the high-order flux. */
+static void crowded_cells_part(void **state) {
+    (void)state;
+    for (int trial = 0; trial < 1000; trial++) {
+        struct pairs q = some_pairs(1 + trial % 3);
+        if (!isfinite(q.limit)) continue;
+        for (int i = 0; i < BATCH; i++) {
+            const double gap[2] = {pow(10, uniform(-14, -8)), pow(10, uniform(-6, -0.1))};
+            for (int side = 0; side < 2; side++) {
+                const double factor = q.limit * (1 - gap[side != i % 2]) / q.state[0][side][i];
+                for (int v = 0; v < q.dim + 2; v++) q.state[v][side][i] *= factor;
+            }
+        }
+        const struct faces f = close_pairs(&q);
+        double theta[BATCH];
+        limit_faces(&f, 0, q.limit, theta);
+        for (int i = 0; i < BATCH; i++) {
+            const int side = i % 2; /* of the crowded cell */
+            const long double s = speed_of(&q, i), far = q.limit - q.state[0][1 - side][i];
+            const long double half =
+                q.state[0][side][i] + (side ? 1 : -1) * ((long double)q.out[0][i] - q.flux[0][side][i]) / s;
+            if (!(q.limit - half > 0.999 * KEPT / 2 * far))
+                fail_msg("distance %Lg, that of the neighbour %Lg", q.limit - half, far);
+        }
+    }
+}
+
+/* Only densities that rise next to the limit are crowded. */
+static void crowded(void **state) {
+    (void)state;
+    const double limit = 3, near = limit * (1 - 0.5 * CROWDED), off = limit * (1 - 2 * CROWDED);
+    const double from[] = {off, off / 2, near, limit, NAN, near}, to[] = {near, off, near, near, near, limit * 2};
+    const double marks[] = {1, 0, 0, 0, 0, 2}; /* the last was marked before */
+    double bad[] = {0, 0, 0, 0, 0, 1};
+    assert_true(find_crowded(6, limit, from, to, bad));
+    for (int i = 0; i < 6; i++) assert_true(bad[i] == marks[i]);
+    assert_false(find_crowded(3, limit, from + 1, to + 1, bad + 1));
+    assert_false(find_crowded(6, HUGE_VAL, from, to, bad));
+}
+
 /* Seen from the other side, a face has the same flux, to the bit. */
 static void mirror_images(void **state) {
     (void)state;
@@ -224,6 +264,8 @@ static void round_off_floor(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_are_admissible),
+        cmocka_unit_test(crowded_cells_part),
+        cmocka_unit_test(crowded),
         cmocka_unit_test(mirror_images),
         cmocka_unit_test(smooth_data),
         cmocka_unit_test(round_off_floor),
