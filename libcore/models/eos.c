@@ -244,10 +244,26 @@ static const struct param perfect_param[] = {
 static const struct param disks_param[] = {TORQUATO_PARAM(2, 0.82, 0.69)},
                           spheres_param[] = {TORQUATO_PARAM(5. / 3, 0.64, 0.49)};
 
+/* Does G rise with density in the joint? Its quintic overshoots where it ends so close to alpha_max that G is steep
+ * there: then the square of the speed of sound would be negative. */
+static bool joint_rises(const struct eos *eos, const struct material *m) {
+    enum { PLACES = 256 };
+    struct material one = *m; /* its grains are of size and mass 1, as G depends on nu alone */
+    one.diameter = one.mass = 1;
+    const double per = packing_per_density(&one), low = m->freezing - m->smoothing;
+    for (int i = 0; i <= PLACES; i++) {
+        double rho = (low + 2 * m->smoothing * i / PLACES) / per, steep;
+        eos->slope(&one, 1, &rho, &steep);
+        if (!(steep > 0)) return false;
+    }
+    return true;
+}
+
 const char *eos_objection(const struct eos *eos, const struct material *m) {
     if (eos->model.param != disks_param && eos->model.param != spheres_param) return NULL;
     if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= EOS_PACKING * m->alpha_max)
         return "0 < alphaFreezing - smoothing and alphaFreezing + smoothing < 0.9999 alphaMax are needed";
+    if (!joint_rises(eos, m)) return "the contact value falls on the way up to alphaMax: a smaller smoothing is needed";
     return NULL;
 }
 

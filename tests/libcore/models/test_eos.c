@@ -248,6 +248,12 @@ static void no_density_is_forbidden(void **state) {
         assert_non_null(eos_objection(&eos_table[k], &m));
         m.smoothing = 0.16;
         assert_non_null(eos_objection(&eos_table[k], &m));
+        m.freezing = 0.6; /* the joint ends at 0.995 alphaMax, and overshoots: c^2 < 0 */
+        m.smoothing = 0.02;
+        m.alpha_max = 0.623155;
+        assert_non_null(eos_objection(&eos_table[k], &m));
+        m.smoothing = 0.005;
+        assert_null(eos_objection(&eos_table[k], &m));
     }
 }
 
