@@ -281,6 +281,8 @@ static status read_entry(struct reading *r, struct file *f, struct dict *d, cons
     if (key->kind == TOKEN_WORD && *key->text == '$') return read_insertion(r, f, d, key);
     if (key->kind != TOKEN_WORD && key->kind != TOKEN_STRING)
         return lexer_fail(&f->l, key, "expected a keyword%s", token_is(key, "}") ? ": no '{' is open" : "");
+    if (key->length >= 3 && !memcmp(key->text, "\xEF\xBB\xBF", 3)) /* it would be lost where the key comes first */
+        return lexer_fail(&f->l, key, "a mark of byte order stands inside the file: take it out");
     struct token t;
     const char *name = NULL;
     if (f->from) TRY(reading_charge(r, f, key->line, 10));

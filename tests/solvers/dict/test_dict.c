@@ -97,6 +97,15 @@ static void test_eval(void **state) {
     refused("p { type\n codedFixedValue; }", "T:2:|no code");
 }
 
+/* Windows editors put a mark of byte order first, and files that were joined have it inside. */
+static void test_byte_order(void **state) {
+    (void)state;
+    reads("\xEF\xBB\xBF a 1;", "a 1; ");
+    refused("a 1;\n\xEF\xBB\xBF"
+            "b 1;",
+            "T:2:|mark of byte order");
+}
+
 /* Short texts that ask for much memory or time. */
 static void test_bombs(void **state) {
     (void)state;
@@ -470,6 +479,7 @@ int main(void) {
         cmocka_unit_test(test_merge),
         cmocka_unit_test(test_conditions),
         cmocka_unit_test(test_eval),
+        cmocka_unit_test(test_byte_order),
         cmocka_unit_test(test_bombs),
         cmocka_unit_test(test_missing_semicolon),
         cmocka_unit_test(test_brackets),
