@@ -12,6 +12,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (g->models.transport) g->models.skip_uniform = false;
     g->terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limit = density_limit(g->models.eos, &g->models.material);
+    g->parts = !gas_can_collapse(g);
     if (g->models.alpha_floor > 0)
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);

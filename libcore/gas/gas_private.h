@@ -45,7 +45,8 @@ struct gas {
     struct state V, W;       /* results of stages, and scratch */
     double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
     double least, limit;     /* admissible: least < rho < limit; least is 0, or the density floor less round-off */
-    struct gas_speed speed;  /* wave speeds of U, if speed_known */
+    bool parts; /* are crowded cells limited (find_crowded)? Not where packing is what the gas collapses to */
+    struct gas_speed speed; /* wave speeds of U, if speed_known */
     bool speed_known;
 
     int guarded;              /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
@@ -200,7 +201,8 @@ void find_falling(struct gas *g, double warm, const struct state *s);
  * by 1 at each of them, unless marks is NULL. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);
 /* Returns the number of states that a stage took from `from` to `to`, n <= BATCH of a block, whose fluxes are to be
- * limited: inadmissible ones, and those whose density rose next to its limit. Raises flags[i] by 1 or more there. */
+ * limited: inadmissible ones, and where g->parts those whose density rose next to its limit. Raises flags[i] by 1 or
+ * more there. */
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags);
 
 /* ---- floors (libcore/gas/floors.c) ---- */

@@ -138,7 +138,7 @@ int row_inadmissible(const struct gas *g, const double *U, long offset, int n, d
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags) {
     double bad[BATCH];
     const bool out = find_bad(n, g->dim, g->size, g->least, g->limit, to, bad);
-    const bool crowded = find_crowded(n, g->limit, from, to, bad);
+    const bool crowded = g->parts && find_crowded(n, g->limit, from, to, bad);
     return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 

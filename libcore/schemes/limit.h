@@ -30,7 +30,7 @@
  * fluxes know no such bound: where large, or fast and cold, cells close in on a small one, a flux that has the
  * conduction of its c may pack it to 0.6 d in each step, while dt falls with d; sum of dt is finite, and time stands
  * still. So a cell whose density rises in a stage to within CROWDED of rho_max is limited, too, although it is
- * admissible.
+ * admissible; but not in a gas that may collapse, which packs without end by itself, and whose run says so.
  *
  * A floor `least` > 0 of the density takes the place of vacuum in theta. It is not invariant: where gas expands, ubar
  * itself falls below it, at any finite s. There theta is 0, and raise_density adds what is missing.
