@@ -31,9 +31,9 @@ static status make_work(struct gas *g) {
         TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
     }
     if (!source_falls(&g->models.source, g->dim)) return OK;
-    TRY(allocate(&w->rise, g->forest->size + SLACK, sizeof(double), "scratch"));
-    TRY(allocate(&w->on, g->forest->size + SLACK, sizeof(double), "scratch"));
-    return allocate(&w->skew, g->forest->size + SLACK, sizeof(double), "scratch");
+    double **const balance[] = {&w->rise, &w->on, &w->face, &w->base[0], &w->base[1]};
+    for (int i = 0; i < 5; i++) TRY(allocate(balance[i], g->forest->size + SLACK, sizeof(double), "scratch"));
+    return OK;
 }
 
 /* Gravity needs to know which cells it acts on in the stages. */
@@ -108,9 +108,9 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
-    void *single[] = {x->flagged,        x->sums,      x->activity.differ, x->activity.active, x->activity.needed,
-                      x->activity.quiet, x->work.eps,  x->work.p,          x->work.c,          x->work.gruneisen,
-                      x->work.rise,      x->work.skew, x->work.on};
+    void *single[] = {x->flagged,        x->sums,     x->activity.differ, x->activity.active, x->activity.needed,
+                      x->activity.quiet, x->work.eps, x->work.p,          x->work.c,          x->work.gruneisen,
+                      x->work.rise,      x->work.on,  x->work.face,       x->work.base[0],    x->work.base[1]};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

@@ -10,7 +10,8 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
     double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *rise, *skew, *on;  /* k, a - b and `on` of tiles_balance.c along that axis; NULL without gravity */
+    double *rise, *on;         /* k and `on` of tiles_balance.c along that axis; NULL without gravity */
+    double *face, *base[2];    /* P, P_0 and P_1 of tiles_balance.c, likewise */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -125,6 +126,11 @@ void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
 /* Fills the ghost layers of a tile's sides that are patches, by the patches' rules. */
 void ghosts_of_patches(const struct gas *g, int tile, double *U);
 
+/* A line is computed in whole vectors of 8: the faces behind its end read the rows' padding, and are thrown away. */
+static inline int whole_vectors(int n) {
+    return (n + 7) / 8 * 8;
+}
+
 /* A line of faces along an axis, whose left cells start at `offset`. */
 struct strip {
     int tile, axis, n;
@@ -134,9 +140,16 @@ struct strip {
 
 /* Does gravity act along an axis? */
 bool balance_acts(const struct gas *g, int axis);
-/* Computes work.rise, skew and on of n cells from place j along the axis on; along axis 0 they lie one behind the
- * other there. */
-void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n);
+/* Where along the axes the faces on walls of a tile are, by the place of the cell below; far below or above the tile
+ * where there is none. */
+struct walls {
+    int low[MAX_DIM], high[MAX_DIM];
+};
+void balance_walls(const struct gas *g, int tile, struct walls *walls);
+/* Computes work.rise, on, face and base of n cells from place j along the axis on; along axis 0 they lie one behind the
+ * other there. Up to 7 numbers behind them are lost. */
+void balance_rises(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset,
+                   int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r);
 

@@ -19,6 +19,8 @@
  *   bits. Beyond an open patch the ghosts, which carry no weight, count like cells: gas that leaves falls freely. */
 #include "libcore/lattice/tiles.h"
 
+#include <limits.h>
+
 bool balance_acts(const struct gas *g, int axis) {
     return g->models.source.gravity[axis] != 0;
 }
@@ -32,79 +34,113 @@ ALWAYS_INLINE double share_at(double u0, double u1, double c0, double c1) {
     return smaller(larger(2 - 2 * (fabs(u0) + fabs(u1)) / (c0 + c1), 0), 1);
 }
 
-/* k and a - b of n faces that are no walls. */
-KERNEL static void rise_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
-                             const double *restrict u, const double *restrict c, double *restrict rise,
-                             double *restrict skew, double *restrict on) {
+struct balance {       /* what a face takes */
+    double rise, skew; /* k and a - b */
+    bool on;
+};
+ALWAYS_INLINE struct balance balance_at(double half, double rho0, double rho1, double p0, double p1, double u0,
+                                        double u1, double c0, double c1) {
+    const double share = half * share_at(u0, u1, c0, c1);
+    const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
+    return (struct balance){k, clip(share * rho0 - share * rho1, fabs(k)),
+                            (share != 0) & ((rho0 != rho1) | (p0 != p1))};
+}
+
+/* The same on a wall, where b = -a, of the cell inside. */
+ALWAYS_INLINE struct balance balance_on_wall(double half, bool high, double rho, double p, double u, double c) {
+    const double a = clip(half * share_at(u, u, c, c) * rho, p);
+    return (struct balance){0, high ? 2 * a : -2 * a, true};
+}
+
+struct base { /* P, P_0 and P_1 of a face; all 0 where nothing is taken: then its flux is that without gravity */
+    double face, left, right;
+};
+ALWAYS_INLINE struct base base_at(struct balance b, double p0, double p1) {
+    const double x = 0.5 * (b.rise + b.skew), y = 0.5 * (b.rise - b.skew), P = 0.5 * ((p0 + x) + (p1 - y));
+    return (struct base){b.on ? P : 0, b.on ? P - x : 0, b.on ? P + y : 0};
+}
+
+/* The balance of n faces that are no walls. */
+KERNEL static void balance_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
+                                const double *restrict u, const double *restrict c, double *restrict rise,
+                                double *restrict on, double *restrict face, double *restrict left,
+                                double *restrict right) {
     for (int i = 0; i < n; i++) {
-        const double rho0 = rho[i], rho1 = rho[i + stride], p0 = p[i], p1 = p[i + stride];
-        const double share = half * share_at(u[i], u[i + stride], c[i], c[i + stride]);
-        const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
-        rise[i] = k;
-        skew[i] = clip(share * rho0 - share * rho1, fabs(k));
-        on[i] = ((share == 0) | ((rho0 == rho1) & (p0 == p1))) ? 0 : 1;
+        const long j = i + stride;
+        const struct balance b = balance_at(half, rho[i], rho[j], p[i], p[j], u[i], u[j], c[i], c[j]);
+        const struct base base = base_at(b, p[i], p[j]);
+        rise[i] = b.rise;
+        on[i] = b.on ? 1 : 0;
+        face[i] = base.face;
+        left[i] = base.left;
+        right[i] = base.right;
     }
 }
 
-/* The same of n faces on a wall, where b = -a; all lines begin at the cells inside. */
-static void wall_line(int n, double half, bool high, const double *rho, const double *p, const double *u,
-                      const double *c, double *rise, double *skew, double *on) {
-    for (int i = 0; i < n; i++) {
-        const double a = clip(half * share_at(u[i], u[i], c[i], c[i]) * rho[i], p[i]);
-        rise[i] = 0;
-        skew[i] = high ? 2 * a : -2 * a;
-        on[i] = 1;
+struct row_of_faces { /* along an axis, above n cells from `offset` on */
+    const struct gas *g;
+    const double *U;
+    int axis, n;
+    long offset;
+    double half; /* h/2 g */
+};
+
+static void balance_faces(const struct row_of_faces *r) {
+    const struct work *w = &r->g->tiles->work;
+    const long at = r->offset;
+    balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], r->U + at, w->p + at,
+                 w->velocity[r->axis] + at, w->c + at, w->rise + at, w->on + at, w->face + at, w->base[0] + at,
+                 w->base[1] + at);
+}
+
+/* The balance of the i-th face of a row, and n - 1 more, on a wall. */
+static void balance_wall(const struct row_of_faces *r, int i, int n, bool high) {
+    const struct work *w = &r->g->tiles->work;
+    const long stride = r->g->forest->stride[r->axis];
+    for (long at = r->offset + i; at < r->offset + i + n; at++) {
+        const long in = high ? at : at + stride;
+        const struct balance b = balance_on_wall(r->half, high, r->U[in], w->p[in], w->velocity[r->axis][in], w->c[in]);
+        const struct base base = base_at(b, w->p[at], w->p[at + stride]);
+        w->rise[at] = b.rise;
+        w->on[at] = 1;
+        w->face[at] = base.face;
+        w->base[0][at] = base.left;
+        w->base[1][at] = base.right;
     }
 }
 
-/* Returns what kind of face lies above place j of a tile along an axis: 0 on a wall, -1 between ghosts behind a wall,
- * else 1. */
-static int kind_of(const struct gas *g, int tile, int axis, int j) {
+/* The balance of a row along axis 0, from place j on: its walls are faces in it. */
+static void balance_along(const struct row_of_faces *r, const struct walls *walls, int j) {
+    double *rise = r->g->tiles->work.rise + r->offset;
+    const int low = walls->low[0] - j, high = walls->high[0] - j;
+    balance_faces(r);
+    for (int i = 0; i < low && i < r->n; i++) rise[i] = -rise[i];
+    for (int i = high < 0 ? 0 : high + 1; i < r->n; i++) rise[i] = -rise[i];
+    if (low >= 0 && low < r->n) balance_wall(r, low, 1, false);
+    if (high >= 0 && high < r->n) balance_wall(r, high, 1, true);
+}
+
+void balance_walls(const struct gas *g, int tile, struct walls *walls) {
     const struct tile *t = &g->forest->tile[tile];
-    for (int high = 0; high < 2; high++) {
-        const int patch = t->side[2 * axis + high].patch, wall = high ? t->n[axis] - 1 : -1;
-        if (patch < 0 || !patch_is_wall(&g->rules[patch])) continue;
-        if (j == wall) return 0;
-        if (high ? j > wall : j < wall) return -1;
+    for (int k = 0; k < g->dim; k++) {
+        const int low = t->side[2 * k].patch, high = t->side[2 * k + 1].patch;
+        walls->low[k] = low >= 0 && patch_is_wall(&g->rules[low]) ? -1 : INT_MIN / 2;
+        walls->high[k] = high >= 0 && patch_is_wall(&g->rules[high]) ? t->n[k] - 1 : INT_MAX / 2;
     }
-    return 1;
 }
 
-/* k and a - b of the faces above n cells, all of one kind. */
-static void rises(const struct gas *g, const double *U, int axis, int kind, bool high, long offset, int n) {
-    const struct work *w = &g->tiles->work;
+void balance_rises(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset,
+                   int n) {
     const double half = 0.5 * g->forest->width[axis] * g->gravity[axis];
-    const long stride = g->forest->stride[axis], cell = offset + (kind == 0 && !high ? stride : 0);
-    const double *rho = U + cell, *p = w->p + cell, *u = w->velocity[axis] + cell, *c = w->c + cell;
-    if (kind == 0)
-        wall_line(n, half, high, rho, p, u, c, w->rise + offset, w->skew + offset, w->on + offset);
-    else
-        rise_line(n, kind * half, stride, rho, p, u, c, w->rise + offset, w->skew + offset, w->on + offset);
-}
-
-void balance_rises(const struct gas *g, int tile, const double *U, int axis, int j, long offset, int n) {
-    if (axis > 0) {
-        rises(g, U, axis, kind_of(g, tile, axis, j), j >= 0, offset, n);
-        return;
-    }
-    const int sides[] = {-1 - j, -j, g->forest->tile[tile].n[0] - 1 - j, g->forest->tile[tile].n[0] - j, n};
-    for (int i = 0, from = 0; i < 5 && from < n; i++) { /* ghosts, face, cells, face, ghosts */
-        const int to = sides[i] < n ? sides[i] : n;
-        if (to <= from) continue;
-        rises(g, U, 0, kind_of(g, tile, 0, j + from), j + from >= 0, offset + from, to - from);
-        from = to;
-    }
-}
-
-/* P, P_0 and P_1 of n faces; all 0 where `on` is, so that the flux has the bits of one without gravity. */
-KERNEL static void base_line(int n, long stride, const double *restrict p, const double *restrict rise,
-                             const double *restrict skew, const double *restrict on, double *restrict P,
-                             double *restrict left, double *restrict right) {
-    for (int i = 0; i < n; i++) {
-        const double a = 0.5 * (rise[i] + skew[i]), b = 0.5 * (rise[i] - skew[i]);
-        P[i] = on[i] * (0.5 * ((p[i] + a) + (p[i + stride] - b)));
-        left[i] = P[i] - on[i] * a;
-        right[i] = P[i] + on[i] * b;
+    struct row_of_faces r = {g, U, axis, n, offset, half};
+    const int low = walls->low[axis], high = walls->high[axis];
+    if (axis == 0) {
+        balance_along(&r, walls, j);
+    } else if (j == low || j == high) {
+        balance_wall(&r, 0, n, j == high);
+    } else {
+        if (j < low || j > high) r.half = -half; /* between ghosts */
+        balance_faces(&r);
     }
 }
 
@@ -116,13 +152,10 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
                      const struct reconstruct *r) {
     const struct work *w = &g->tiles->work;
     struct faces f = *given;
-    double P[BATCH], left[BATCH], right[BATCH];
-    base_line(f.n, f.stride, w->p + s->offset, w->rise + s->offset, w->skew + s->offset, w->on + s->offset, P, left,
-              right);
     f.on = w->on + s->offset;
-    f.base[0] = left;
-    f.base[1] = right;
+    f.base[0] = w->base[0] + s->offset;
+    f.base[1] = w->base[1] + s->offset;
     f.rise = w->rise + s->offset;
     g->models.flux->through(&f, g->models.eos, &g->models.material, r);
-    add_line(f.n, P, f.out[1]);
+    add_line(f.n, w->face + s->offset, f.out[1]);
 }

@@ -33,6 +33,7 @@ struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
     int axis;
+    struct walls walls; /* under gravity */
 };
 
 static void primitive_visit(void *context, long offset, int n) {
@@ -64,11 +65,6 @@ static void nodal_visit(void *context, long offset, int n) {
     for (int v = 0; v < g->nvar; v++) flux[v] = g->tiles->work.flux[v] + offset;
     nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->tiles->work.velocity[pass->axis] + offset,
               g->tiles->work.p + offset, flux);
-}
-
-/* A line is computed in whole vectors of 8: the faces behind its end read the rows' padding, and are thrown away. */
-static int whole_vectors(int n) {
-    return (n + 7) / 8 * 8;
 }
 
 /* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order, filled
@@ -245,17 +241,20 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
                        g->tiles->work.residual[v] + row + mine.low);
 }
 
-/* Computes work.rise and work.skew of row (j, k), wherever fluxes need it. */
-static void rise_row(struct gas *g, int tile, const double *U, int axis, int j, int k) {
+/* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
+static void rise_row(const struct pass *pass, int j, int k) {
+    const struct gas *g = pass->g;
+    const int axis = pass->axis;
     const struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.needed, j, k);
     const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];
-    if (!span_empty(s)) balance_rises(g, tile, U, axis, axis == 0 ? s.low : axis == 1 ? j : k, offset, s.high - s.low);
+    const int place = axis == 0 ? s.low : axis == 1 ? j : k;
+    if (!span_empty(s)) balance_rises(g, &pass->walls, pass->U, axis, place, offset, s.high - s.low);
 }
 
-static void rise_axis(struct gas *g, int tile, const double *U, int axis) {
-    const int *n = g->forest->tile[tile].n, reach[3] = {0, axis == 1 ? GHOSTS : 0, axis == 2 ? GHOSTS : 0};
+static void rise_axis(const struct pass *pass, const int *n) {
+    const int axis = pass->axis, reach[3] = {0, axis == 1 ? GHOSTS : 0, axis == 2 ? GHOSTS : 0};
     for (int k = -reach[2]; k < n[2] + (reach[2] ? GHOSTS - 1 : 0); k++)
-        for (int j = -reach[1]; j < n[1] + (reach[1] ? GHOSTS - 1 : 0); j++) rise_row(g, tile, U, axis, j, k);
+        for (int j = -reach[1]; j < n[1] + (reach[1] ? GHOSTS - 1 : 0); j++) rise_row(pass, j, k);
 }
 
 static void sweep_columns(struct gas *g, int tile, const double *U, int axis) {
@@ -271,7 +270,7 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
     spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
     for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
         spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
-        if (balance_acts(g, pass->axis)) rise_axis(g, tile, pass->U, pass->axis);
+        if (balance_acts(g, pass->axis)) rise_axis(pass, n);
         for (int k = 0; k < n[2] && pass->axis == 0; k++)
             for (int j = 0; j < n[1]; j++) sweep_row(g, tile, pass->U, j, k);
         if (pass->axis > 0) sweep_columns(g, tile, pass->U, pass->axis);
@@ -291,12 +290,12 @@ static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update
         if (top >= 0 && top < n) {
             pass->axis = 0;
             span_visit(g, a->needed, top, 0, nodal_visit, pass);
-            if (balance_acts(g, 0)) rise_row(g, tile, pass->U, 0, top, 0);
+            if (balance_acts(g, 0)) rise_row(pass, top, 0);
             sweep_row(g, tile, pass->U, top, 0);
         }
         pass->axis = 1;
         span_visit(g, a->needed, top, 0, nodal_visit, pass);
-        if (balance_acts(g, 1) && top > -GHOSTS) rise_row(g, tile, pass->U, 1, top - 1, 0);
+        if (balance_acts(g, 1) && top > -GHOSTS) rise_row(pass, top - 1, 0);
         if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
         if (j >= 0) span_visit(g, a->active, j, 0, update_visit, update);
     }
@@ -316,6 +315,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .dt = dt,
                             .tile = tile};
     struct activity *active = &g->tiles->activity;
+    if (g->falls) balance_walls(g, tile, &pass.walls);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
