@@ -33,7 +33,7 @@ static status make_work(struct gas *g) {
     if (!source_falls(&g->models.source, g->dim)) return OK;
     double **const balance[] = {&w->rise, &w->on, &w->face, &w->base[0], &w->base[1]};
     for (int i = 0; i < 5; i++) TRY(allocate(balance[i], g->forest->size + SLACK, sizeof(double), "scratch"));
-    return OK;
+    return allocate(&w->taken, g->tiles->activity.nspans, sizeof(bool), "scratch");
 }
 
 /* Gravity needs to know which cells it acts on in the stages. */
@@ -108,9 +108,10 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
-    void *single[] = {x->flagged,        x->sums,     x->activity.differ, x->activity.active, x->activity.needed,
-                      x->activity.quiet, x->work.eps, x->work.p,          x->work.c,          x->work.gruneisen,
-                      x->work.rise,      x->work.on,  x->work.face,       x->work.base[0],    x->work.base[1]};
+    void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
+                      x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
+                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.on,
+                      x->work.face,       x->work.base[0],   x->work.base[1],    x->work.taken};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {

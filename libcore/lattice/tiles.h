@@ -12,6 +12,7 @@ struct work { /* scratch of the tile in hand, [size] each: it stays in L2 throug
     double *residual[MAX_VAR]; /* -div F, with gravity */
     double *rise, *on;         /* k and `on` of tiles_balance.c along that axis; NULL without gravity */
     double *face, *base[2];    /* P, P_0 and P_1 of tiles_balance.c, likewise */
+    bool *taken;               /* [rows of activity_row] is anything of these not 0 in the row? */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -136,6 +137,7 @@ struct strip {
     int tile, axis, n;
     long offset;
     int from; /* place of the first left cell along the axis: -1 below the tile */
+    int row;  /* of activity_row: that of the left cells */
 };
 
 /* Does gravity act along an axis? */
@@ -147,9 +149,8 @@ struct walls {
 };
 void balance_walls(const struct gas *g, int tile, struct walls *walls);
 /* Computes work.rise, on, face and base of n cells from place j along the axis on; along axis 0 they lie one behind the
- * other there. Up to 7 numbers behind them are lost. */
-void balance_rises(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset,
-                   int n);
+ * other there. Up to 7 numbers behind them are lost. Returns false if nothing is taken at these faces. */
+bool balance_row(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r);
 

@@ -34,47 +34,98 @@ ALWAYS_INLINE double share_at(double u0, double u1, double c0, double c1) {
     return smaller(larger(2 - 2 * (fabs(u0) + fabs(u1)) / (c0 + c1), 0), 1);
 }
 
-struct balance {       /* what a face takes */
-    double rise, skew; /* k and a - b */
+struct balance {            /* what a face takes */
+    double rise, low, high; /* k, a, b */
     bool on;
 };
+/* k = a + b and a - b are clipped, k to the larger pressure, a - b to k. */
 ALWAYS_INLINE struct balance balance_at(double half, double rho0, double rho1, double p0, double p1, double u0,
                                         double u1, double c0, double c1) {
-    const double share = half * share_at(u0, u1, c0, c1);
-    const double k = clip(share * rho0 + share * rho1, larger(p0, p1));
-    return (struct balance){k, clip(share * rho0 - share * rho1, fabs(k)),
+    const double share = half * share_at(u0, u1, c0, c1), a = share * rho0, b = share * rho1, most = larger(p0, p1);
+    const double k = clip(a + b, most), skew = clip(a - b, fabs(k));
+    const bool clipped = fabs(a + b) > most;
+    return (struct balance){k, clipped ? 0.5 * (k + skew) : a, clipped ? 0.5 * (k - skew) : b,
                             (share != 0) & ((rho0 != rho1) | (p0 != p1))};
 }
-
+/* The same where share is 1 and nothing is clipped. */
+ALWAYS_INLINE struct balance balance_of_calm(double half, double rho0, double rho1, double p0, double p1) {
+    const double a = half * rho0, b = half * rho1;
+    return (struct balance){a + b, a, b, (rho0 != rho1) | (p0 != p1)};
+}
 /* The same on a wall, where b = -a, of the cell inside. */
 ALWAYS_INLINE struct balance balance_on_wall(double half, bool high, double rho, double p, double u, double c) {
     const double a = clip(half * share_at(u, u, c, c) * rho, p);
-    return (struct balance){0, high ? 2 * a : -2 * a, true};
+    return (struct balance){0, high ? a : -a, high ? -a : a, true};
 }
 
-struct base { /* P, P_0 and P_1 of a face; all 0 where nothing is taken: then its flux is that without gravity */
-    double face, left, right;
+/* Keeps what a face takes, with P, P_0 and P_1; all 0 where nothing is taken: then its flux is that without gravity. */
+ALWAYS_INLINE void keep_balance(const struct balance b, double p0, double p1, double *restrict rise,
+                                double *restrict on, double *restrict face, double *restrict left,
+                                double *restrict right) {
+    const double P = 0.5 * ((p0 + b.low) + (p1 - b.high));
+    *rise = b.rise;
+    *on = b.on ? 1 : 0;
+    *face = b.on ? P : 0;
+    *left = b.on ? P - b.low : 0;
+    *right = b.on ? P + b.high : 0;
+}
+
+enum {
+    GROUP = 8,         /* faces that are treated alike: a vector */
+    LINE = BATCH + 16, /* most faces of a row, in whole vectors */
 };
-ALWAYS_INLINE struct base base_at(struct balance b, double p0, double p1) {
-    const double x = 0.5 * (b.rise + b.skew), y = 0.5 * (b.rise - b.skew), P = 0.5 * ((p0 + x) + (p1 - y));
-    return (struct base){b.on ? P : 0, b.on ? P - x : 0, b.on ? P + y : 0};
+
+/* fast[i] has its sign bit cleared where gas crosses the face so fast that nothing is taken. Returns whether that is so
+ * everywhere. */
+ALWAYS_INLINE bool find_fast(int n, long stride, const double *restrict u, const double *restrict c,
+                             uint64_t *restrict fast) {
+    uint64_t signs = 0;
+    for (int i = 0; i < n; i++) {
+        fast[i] = bits_of((fabs(u[i]) + fabs(u[i + stride])) - (c[i] + c[i + stride]));
+        signs |= fast[i];
+    }
+    return signs >> 63 == 0;
+}
+/* The same of faces of which balance_of_calm is true. */
+ALWAYS_INLINE void find_calm(int n, double half, long stride, const double *restrict rho, const double *restrict p,
+                             const double *restrict u, const double *restrict c, uint64_t *restrict calm) {
+    for (int i = 0; i < n; i++) {
+        const long j = i + stride;
+        calm[i] = bits_of((c[i] + c[j]) - 2 * (fabs(u[i]) + fabs(u[j]))) |
+                  bits_of(larger(p[i], p[j]) - fabs(half * rho[i] + half * rho[j]));
+    }
+}
+ALWAYS_INLINE bool is_all(const uint64_t *s) {
+    return (s[0] | s[1] | s[2] | s[3] | s[4] | s[5] | s[6] | s[7]) >> 63 == 0;
 }
 
-/* The balance of n faces that are no walls. */
-KERNEL static void balance_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
+/* The balance of n faces that are no walls; returns whether anything is taken. Else `rise` alone is set. */
+KERNEL static bool balance_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
                                 const double *restrict u, const double *restrict c, double *restrict rise,
                                 double *restrict on, double *restrict face, double *restrict left,
                                 double *restrict right) {
-    for (int i = 0; i < n; i++) {
-        const long j = i + stride;
-        const struct balance b = balance_at(half, rho[i], rho[j], p[i], p[j], u[i], u[j], c[i], c[j]);
-        const struct base base = base_at(b, p[i], p[j]);
-        rise[i] = b.rise;
-        on[i] = b.on ? 1 : 0;
-        face[i] = base.face;
-        left[i] = base.left;
-        right[i] = base.right;
+    uint64_t fast[LINE], calm[LINE], any = 0;
+    if (find_fast(n, stride, u, c, fast)) {
+        for (int i = 0; i < n; i++) rise[i] = 0;
+        return false;
     }
+    find_calm(n, half, stride, rho, p, u, c, calm);
+    for (int from = 0; from < n; from += GROUP) {
+        if (is_all(fast + from)) {
+            for (int i = from; i < from + GROUP; i++) rise[i] = on[i] = face[i] = left[i] = right[i] = 0;
+        } else if (is_all(calm + from)) {
+            for (int i = from; i < from + GROUP; i++)
+                keep_balance(balance_of_calm(half, rho[i], rho[i + stride], p[i], p[i + stride]), p[i], p[i + stride],
+                             &rise[i], &on[i], &face[i], &left[i], &right[i]);
+        } else {
+            for (int i = from; i < from + GROUP; i++)
+                keep_balance(balance_at(half, rho[i], rho[i + stride], p[i], p[i + stride], u[i], u[i + stride], c[i],
+                                        c[i + stride]),
+                             p[i], p[i + stride], &rise[i], &on[i], &face[i], &left[i], &right[i]);
+        }
+    }
+    for (int i = 0; i < n; i++) any |= bits_of(on[i]);
+    return any != 0;
 }
 
 struct row_of_faces { /* along an axis, above n cells from `offset` on */
@@ -85,12 +136,12 @@ struct row_of_faces { /* along an axis, above n cells from `offset` on */
     double half; /* h/2 g */
 };
 
-static void balance_faces(const struct row_of_faces *r) {
+static bool balance_faces(const struct row_of_faces *r) {
     const struct work *w = &r->g->tiles->work;
     const long at = r->offset;
-    balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], r->U + at, w->p + at,
-                 w->velocity[r->axis] + at, w->c + at, w->rise + at, w->on + at, w->face + at, w->base[0] + at,
-                 w->base[1] + at);
+    return balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], r->U + at, w->p + at,
+                        w->velocity[r->axis] + at, w->c + at, w->rise + at, w->on + at, w->face + at, w->base[0] + at,
+                        w->base[1] + at);
 }
 
 /* The balance of the i-th face of a row, and n - 1 more, on a wall. */
@@ -100,24 +151,29 @@ static void balance_wall(const struct row_of_faces *r, int i, int n, bool high) 
     for (long at = r->offset + i; at < r->offset + i + n; at++) {
         const long in = high ? at : at + stride;
         const struct balance b = balance_on_wall(r->half, high, r->U[in], w->p[in], w->velocity[r->axis][in], w->c[in]);
-        const struct base base = base_at(b, w->p[at], w->p[at + stride]);
-        w->rise[at] = b.rise;
-        w->on[at] = 1;
-        w->face[at] = base.face;
-        w->base[0][at] = base.left;
-        w->base[1][at] = base.right;
+        keep_balance(b, w->p[at], w->p[at + stride], &w->rise[at], &w->on[at], &w->face[at], &w->base[0][at],
+                     &w->base[1][at]);
     }
 }
 
+/* Sets what balance_line leaves when nothing is taken. */
+static void take_nothing(const struct row_of_faces *r) {
+    const struct work *w = &r->g->tiles->work;
+    double *const line[] = {w->on, w->face, w->base[0], w->base[1]};
+    for (int i = 0; i < 4; i++) memset(line[i] + r->offset, 0, (size_t)whole_vectors(r->n) * sizeof(double));
+}
+
 /* The balance of a row along axis 0, from place j on: its walls are faces in it. */
-static void balance_along(const struct row_of_faces *r, const struct walls *walls, int j) {
+static bool balance_along(const struct row_of_faces *r, const struct walls *walls, int j) {
     double *rise = r->g->tiles->work.rise + r->offset;
     const int low = walls->low[0] - j, high = walls->high[0] - j;
-    balance_faces(r);
+    const bool at_low = low >= 0 && low < r->n, at_high = high >= 0 && high < r->n, taken = balance_faces(r);
     for (int i = 0; i < low && i < r->n; i++) rise[i] = -rise[i];
     for (int i = high < 0 ? 0 : high + 1; i < r->n; i++) rise[i] = -rise[i];
-    if (low >= 0 && low < r->n) balance_wall(r, low, 1, false);
-    if (high >= 0 && high < r->n) balance_wall(r, high, 1, true);
+    if ((at_low || at_high) && !taken) take_nothing(r);
+    if (at_low) balance_wall(r, low, 1, false);
+    if (at_high) balance_wall(r, high, 1, true);
+    return taken || at_low || at_high;
 }
 
 void balance_walls(const struct gas *g, int tile, struct walls *walls) {
@@ -129,23 +185,22 @@ void balance_walls(const struct gas *g, int tile, struct walls *walls) {
     }
 }
 
-void balance_rises(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset,
-                   int n) {
+bool balance_row(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset, int n) {
     const double half = 0.5 * g->forest->width[axis] * g->gravity[axis];
     struct row_of_faces r = {g, U, axis, n, offset, half};
     const int low = walls->low[axis], high = walls->high[axis];
-    if (axis == 0) {
-        balance_along(&r, walls, j);
-    } else if (j == low || j == high) {
+    if (axis == 0) return balance_along(&r, walls, j);
+    if (j == low || j == high) {
         balance_wall(&r, 0, n, j == high);
-    } else {
-        if (j < low || j > high) r.half = -half; /* between ghosts */
-        balance_faces(&r);
+        return true;
     }
+    if (j < low || j > high) r.half = -half; /* between ghosts */
+    return balance_faces(&r);
 }
 
+/* Where nothing was taken nothing is added, not even a zero, which would change the sign of another. */
 KERNEL static void add_line(int n, const double *restrict P, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] += P[i];
+    for (int i = 0; i < n; i++) out[i] = P[i] != 0 ? out[i] + P[i] : out[i];
 }
 
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *given,

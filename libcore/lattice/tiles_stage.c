@@ -33,6 +33,7 @@ struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
     int axis;
+    const int *n;       /* cells of the tile along the axes */
     struct walls walls; /* under gravity */
 };
 
@@ -115,7 +116,7 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
 
 /* Computes the fluxes through the faces f of a strip. */
 static void through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r) {
-    if (balance_acts(g, s->axis))
+    if (balance_acts(g, s->axis) && g->tiles->work.taken[s->row])
         balance_through(g, s, f, r);
     else
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
@@ -206,10 +207,12 @@ static void settle_background(const struct update *u) {
 static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
     const struct forest *f = g->forest;
     double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
-    struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.active, j, k);
+    const struct activity *a = &g->tiles->activity;
+    const struct span *row = activity_row(a, a->active, j, k), s = *row;
     if (span_empty(s)) return;
     long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
-    const struct strip strip = {.tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1};
+    const struct strip strip = {
+        .tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1, .row = (int)(row - a->active)};
     face_fluxes(g, U, &strip, faces, 0);
     for (int v = 0; v < g->nvar; v++)
         difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
@@ -220,10 +223,15 @@ struct column { /* rows one above the other along `axis`, at place `outer` of th
     double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
 };
 
-static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
+/* The row of activity_row at place j of a column. */
+static int row_of(const struct gas *g, const struct column *c, int j) {
     const struct activity *a = &g->tiles->activity;
+    return (int)(activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j) - a->active);
+}
+
+static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
     if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
-    return *activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j);
+    return g->tiles->activity.active[row_of(g, c, j)];
 }
 
 /* Adds to the residual of row j of a column, j from -1 on, what its faces along the column's axis give. The faces
@@ -234,27 +242,43 @@ static void sweep_column(struct gas *g, int tile, const double *U, struct column
     struct span mine = active_span(g, tile, c, j), s = span_join(mine, active_span(g, tile, c, j + 1));
     double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
     long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
-    const struct strip strip = {.tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j};
+    const struct strip strip = {
+        .tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j, .row = row_of(g, c, j)};
     if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
     for (int v = 0; v < g->nvar && !span_empty(mine); v++)
         difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
                        g->tiles->work.residual[v] + row + mine.low);
 }
 
-/* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
-static void rise_row(const struct pass *pass, int j, int k) {
-    const struct gas *g = pass->g;
-    const int axis = pass->axis;
-    const struct span s = *activity_row(&g->tiles->activity, g->tiles->activity.needed, j, k);
-    const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];
-    const int place = axis == 0 ? s.low : axis == 1 ? j : k;
-    if (!span_empty(s)) balance_rises(g, &pass->walls, pass->U, axis, place, offset, s.high - s.low);
+/* The columns of row (j, k) above which the fluxes along the pass's axis read the balance of faces. `needed` has
+ * besides whole vectors of active cells what fluxes along axis 0 read. */
+static struct span balanced_span(const struct pass *pass, int j, int k) {
+    const struct activity *a = &pass->g->tiles->activity;
+    const int n = pass->n[0], reach = pass->g->models.reconstruct->reach;
+    struct span s = *activity_row(a, pass->axis == 0 ? a->active : a->needed, j, k);
+    if (span_empty(s)) return s;
+    if (pass->axis == 0) return (struct span){s.low - 1 - reach, s.high + reach};
+    return (struct span){s.low < 0 ? 0 : whole_vectors(s.low), s.high < n ? s.high / 8 * 8 : n};
 }
 
-static void rise_axis(const struct pass *pass, const int *n) {
-    const int axis = pass->axis, reach[3] = {0, axis == 1 ? GHOSTS : 0, axis == 2 ? GHOSTS : 0};
-    for (int k = -reach[2]; k < n[2] + (reach[2] ? GHOSTS - 1 : 0); k++)
-        for (int j = -reach[1]; j < n[1] + (reach[1] ? GHOSTS - 1 : 0); j++) rise_row(pass, j, k);
+/* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
+static void balance(const struct pass *pass, int j, int k) {
+    const struct gas *g = pass->g;
+    const struct activity *a = &g->tiles->activity;
+    const struct span s = balanced_span(pass, j, k);
+    const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];
+    const int place = pass->axis == 0 ? s.low : pass->axis == 1 ? j : k;
+    if (span_empty(s)) return;
+    g->tiles->work.taken[activity_row(a, a->active, j, k) - a->active] =
+        balance_row(g, &pass->walls, pass->U, pass->axis, place, offset, s.high - s.low);
+}
+
+/* The same of all rows of a tile. */
+static void balance_rows(const struct pass *pass) {
+    const int *n = pass->n, below = 1 + pass->g->models.reconstruct->reach, above = below - 1;
+    const bool y = pass->axis == 1, z = pass->axis == 2;
+    for (int k = z ? -below : 0; k < n[2] + (z ? above : 0); k++)
+        for (int j = y ? -below : 0; j < n[1] + (y ? above : 0); j++) balance(pass, j, k);
 }
 
 static void sweep_columns(struct gas *g, int tile, const double *U, int axis) {
@@ -270,7 +294,7 @@ static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update
     spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
     for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
         spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
-        if (balance_acts(g, pass->axis)) rise_axis(pass, n);
+        if (balance_acts(g, pass->axis)) balance_rows(pass);
         for (int k = 0; k < n[2] && pass->axis == 0; k++)
             for (int j = 0; j < n[1]; j++) sweep_row(g, tile, pass->U, j, k);
         if (pass->axis > 0) sweep_columns(g, tile, pass->U, pass->axis);
@@ -290,12 +314,12 @@ static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update
         if (top >= 0 && top < n) {
             pass->axis = 0;
             span_visit(g, a->needed, top, 0, nodal_visit, pass);
-            if (balance_acts(g, 0)) rise_row(pass, top, 0);
+            if (balance_acts(g, 0)) balance(pass, top, 0);
             sweep_row(g, tile, pass->U, top, 0);
         }
         pass->axis = 1;
         span_visit(g, a->needed, top, 0, nodal_visit, pass);
-        if (balance_acts(g, 1) && top > -GHOSTS) rise_row(pass, top - 1, 0);
+        if (balance_acts(g, 1) && top > -GHOSTS) balance(pass, top - 1, 0);
         if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
         if (j >= 0) span_visit(g, a->active, j, 0, update_visit, update);
     }
@@ -303,7 +327,7 @@ static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update
 
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
                   double a, double dt) {
-    struct pass pass = {.g = g, .U = from->block[tile]};
+    struct pass pass = {.g = g, .U = from->block[tile], .n = g->forest->tile[tile].n};
     struct update update = {.g = g,
                             .U0 = U0->block[tile],
                             .from = from->block[tile],
