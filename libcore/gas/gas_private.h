@@ -159,18 +159,24 @@ status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps);
 /* Computes c = sqrt(c). */
 void root_row(int n, double *restrict c);
-/* Computes to = W + a (U0 - W), W = from + dt residual. */
-void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                const double *restrict residual, double *restrict to);
+/* to = W + a (U0 - W), W = from + dt L, of states whose variables are g->size apart, and `each` in the residual. */
+struct advance {
+    const double *U0, *from, *residual;
+    long each;
+    double *to, a, dt;
+};
+/* Advances n <= BATCH states by L = residual. */
+void update_rows(const struct gas *g, int n, const struct advance *s);
 /* Adds to the residuals of rho u and E what gravity gives n <= BATCH cells, rho g and rho u.g; not where falls is 1
  * (NULL: it is 0 everywhere) or flag is above 0. */
 void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
                double *const residual[MAX_VAR]);
-/* Lets n <= BATCH states `to` = W + a (U0 - W), W = from + dt residual, fall where weigh_row left them out for their
- * flags: there W falls over dt at its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more
- * than by weigh_row. */
-void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,
-              const double *const from[MAX_VAR], double *const residual[MAX_VAR], double *const to[MAX_VAR],
+/* Advances n <= BATCH states by L = residual and, under gravity, what that adds to the residuals of rho u and E, rho g
+ * and rho u.g; not where falls is 1 (NULL: it is 0 everywhere) or flag is above 0. */
+void advance_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag);
+/* Lets the states that advance_row advanced fall where it left gravity out for their flags: there W falls over dt at
+ * its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more than by advance_row. */
+void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
               double *dropped);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);

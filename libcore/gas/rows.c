@@ -27,8 +27,8 @@ KERNEL static void take_roots(int n, double *restrict c) {
     for (int i = 0; i < n; i++) c[i] = sqrt(c[i]);
 }
 
-/* velocity_row, root_row and update_row wrap kernels: functions with clones cannot be called from other files, as clang
- * leaves their names undefined there. */
+/* velocity_row, root_row and update_rows wrap kernels: functions with clones cannot be called from other files, as
+ * clang leaves their names undefined there. */
 void velocity_row(int n, int dim, long size, const double *restrict U, double *const *velocity, double *restrict eps) {
     find_velocity(n, dim, size, U, velocity, eps);
 }
@@ -36,17 +36,70 @@ void root_row(int n, double *restrict c) {
     take_roots(n, c);
 }
 
-KERNEL static void update_line(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                               const double *restrict residual, double *restrict to) {
-    for (int i = 0; i < n; i++) {
-        double moved = from[i] + dt * residual[i];
-        to[i] = moved + a * (U0[i] - moved);
-    }
+KERNEL static void update_lines(int n, int nvar, long size, long each, double a, double dt, const double *restrict U0,
+                                const double *restrict from, const double *restrict residual, double *restrict to) {
+    for (int v = 0; v < nvar; v++)
+        for (int i = 0; i < n; i++) {
+            const double moved = from[v * size + i] + dt * residual[v * each + i];
+            to[v * size + i] = moved + a * (U0[v * size + i] - moved);
+        }
 }
 
-void update_row(int n, double a, double dt, const double *restrict U0, const double *restrict from,
-                const double *restrict residual, double *restrict to) {
-    update_line(n, a, dt, U0, from, residual, to);
+void update_rows(const struct gas *g, int n, const struct advance *s) {
+    update_lines(n, g->nvar, g->size, s->each, s->a, s->dt, s->U0, s->from, s->residual, s->to);
+}
+
+/* The power of gravity, summed from the last axis, so that two of three commute. */
+ALWAYS_INLINE double power_of(const int dim, long size, const double *restrict mom, const double g[MAX_DIM], int i) {
+    double sum = mom[(dim - 1) * size + i] * g[dim - 1];
+    if (dim > 2) sum += mom[size + i] * g[1];
+    if (dim > 1) sum += mom[i] * g[0];
+    return sum;
+}
+
+/* As update_lines, with gravity in the residuals of momentum and energy where `share` is 1 and not where it is 0. */
+ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, long size, long each, double a, double dt,
+                                      const double *gravity, const double *restrict share, const double *restrict U0,
+                                      const double *restrict from, const double *restrict residual,
+                                      double *restrict to) {
+    const double g[MAX_DIM] = {gravity[0], gravity[1], gravity[2]};
+    for (int v = 0; v < dim + 2; v++) {
+        const double one = v >= 1 && v <= dim ? g[v - 1] : 0;
+        for (int i = 0; i < n; i++) {
+            const double part = some ? share[i] : 1, all[MAX_DIM] = {part * g[0], part * g[1], part * g[2]};
+            const double rest = v == 0     ? 0
+                                : v <= dim ? from[i] * (part * one)
+                                           : power_of(dim, size, from + size, all, i);
+            const double gain = v == 0 ? residual[i] : residual[v * each + i] + rest;
+            const double moved = from[v * size + i] + dt * gain;
+            to[v * size + i] = moved + a * (U0[v * size + i] - moved);
+        }
+    }
+}
+KERNEL static void update_falling(int n, int dim, long size, long each, double a, double dt, const double *gravity,
+                                  const double *restrict share, const double *restrict U0, const double *restrict from,
+                                  const double *restrict residual, double *restrict to) {
+#define EACH(axes, some)                                                                                               \
+    if (dim == axes) update_falling_dim(axes, some, n, size, each, a, dt, gravity, share, U0, from, residual, to)
+    if (share) {
+        EACH(1, true);
+        EACH(2, true);
+        EACH(3, true);
+    } else {
+        EACH(1, false);
+        EACH(2, false);
+        EACH(3, false);
+    }
+#undef EACH
+}
+
+void advance_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag) {
+    double line[BATCH], *share = falls || flag ? line : NULL;
+    for (int i = 0; i < n && share; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
+    if (g->falls)
+        update_falling(n, g->dim, g->size, s->each, s->a, s->dt, g->gravity, share, s->U0, s->from, s->residual, s->to);
+    else
+        update_rows(g, n, s);
 }
 
 KERNEL static void weigh_all(int n, double gravity, const double *restrict rho, const double *restrict mom,
@@ -82,21 +135,21 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
     add_power(n, power, residual[g->dim + 1]);
 }
 
-void drop_row(const struct gas *g, int n, double a, double dt, const double *falls, const double *flag,
-              const double *const from[MAX_VAR], double *const residual[MAX_VAR], double *const to[MAX_VAR],
+void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
               double *dropped) {
-    const int last = g->dim + 1;
+    const long size = g->size;
+    const double a = s->a, dt = s->dt;
     for (int i = 0; i < n; i++) {
         if ((falls && falls[i] > 0) || !(flag[i] > 0)) continue;
-        const double rho = from[0][i] + dt * residual[0][i];
+        const double rho = s->from[i] + dt * s->residual[i];
         double work = 0, more = 0;
         for (int k = g->dim - 1; k >= 0; k--) {
-            const double kick = dt * g->gravity[k], moved = dt * residual[k + 1][i];
-            to[k + 1][i] += (1 - a) * (rho * kick);
-            work += kick * (from[k + 1][i] + moved + 0.5 * rho * kick);
+            const double kick = dt * g->gravity[k], moved = dt * s->residual[(k + 1) * s->each + i];
+            s->to[(k + 1) * size + i] += (1 - a) * (rho * kick);
+            work += kick * (s->from[(k + 1) * size + i] + moved + 0.5 * rho * kick);
             more += kick * (moved + 0.5 * rho * kick);
         }
-        to[last][i] += (1 - a) * work;
+        s->to[(g->dim + 1) * size + i] += (1 - a) * work;
         dropped[i * g->raised_step] += more;
     }
 }
@@ -176,13 +229,11 @@ static double *falls_of(const struct gas *g, const struct row *row) {
     return g->falls ? g->falls[row->block] + row->at : NULL;
 }
 
-/* Notes whether a cell of the row falls. A background stands for all cells of its tile until their own rows come. */
+/* Notes that a cell of the row falls. A background stands for all cells of its tile until their own rows come. */
 static void note_falling(const struct gas *g, const struct row *row) {
     double *falls = g->falls[row->block];
-    bool any = false;
-    for (int i = 0; i < row->n; i++) any |= falls[row->at + i] > 0;
-    g->falling[row->block] |= any;
-    for (long i = 1; g->forest && row->at == 0 && any && i < g->size; i++) falls[i] = 1;
+    g->falling[row->block] = true;
+    for (long i = 1; g->forest && row->at == 0 && i < g->size; i++) falls[i] = 1;
 }
 
 struct falling { /* context of find_falling_row */
@@ -221,8 +272,8 @@ void source_row(void *half_step, const struct row *row) {
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
     const bool find = g->falls && h->plan->warm >= 0;
-    if (find || !h->plan->gravity_alone || g->falling[row->block]) source_apply(h->plan, row->n, U, falls_of(g, row));
-    if (find) note_falling(g, row);
+    const bool acts = find || !h->plan->gravity_alone || g->falling[row->block];
+    if (acts && source_apply(h->plan, row->n, U, falls_of(g, row)) && find) note_falling(g, row);
     h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
 }
 

@@ -26,9 +26,10 @@ static status make_work(struct gas *g) {
     double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
+    TRY(allocate(&w->residual[0], g->nvar * g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int v = 0; v < g->nvar; v++) {
         TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
-        TRY(allocate(&w->residual[v], g->forest->size + SLACK, sizeof(double), "scratch"));
+        w->residual[v] = w->residual[0] + v * g->forest->size;
     }
     if (!source_falls(&g->models.source, g->dim)) return OK;
     double **const balance[] = {&w->rise, &w->on, &w->face, &w->base[0], &w->base[1]};
@@ -108,15 +109,14 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
-    void *single[] = {x->flagged,         x->sums,           x->activity.differ, x->activity.active,
-                      x->activity.needed, x->activity.quiet, x->work.eps,        x->work.p,
-                      x->work.c,          x->work.gruneisen, x->work.rise,       x->work.on,
-                      x->work.face,       x->work.base[0],   x->work.base[1],    x->work.taken};
+    void *single[] = {
+        x->flagged,   x->sums,         x->activity.differ, x->activity.active, x->activity.needed, x->activity.quiet,
+        x->work.eps,  x->work.p,       x->work.c,          x->work.gruneisen,  x->work.rise,       x->work.on,
+        x->work.face, x->work.base[0], x->work.base[1],    x->work.taken,      x->work.residual[0]};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
     for (int v = 0; v < MAX_VAR; v++) {
         free(x->work.flux[v]);
-        free(x->work.residual[v]);
     }
     free(x);
 }

@@ -169,18 +169,16 @@ struct update {
 static void update_visit(void *context, long offset, int n) {
     struct update *u = context;
     const struct gas *g = u->g;
-    long size = g->forest->size;
-    double *residual[MAX_VAR], *to[MAX_VAR];
-    const double *from[MAX_VAR], *falls = u->falls ? u->falls + offset : NULL;
-    for (int v = 0; v < g->nvar; v++) {
-        residual[v] = g->tiles->work.residual[v] + offset;
-        from[v] = u->from + v * size + offset;
-        to[v] = u->to + v * size + offset;
-    }
-    if (g->falls) weigh_row(g, n, from, falls, u->dropped ? u->flag + offset : NULL, residual);
-    for (int v = 0; v < g->nvar; v++)
-        update_row(n, u->a, u->dt, u->U0 + v * size + offset, from[v], residual[v], to[v]);
-    if (g->falls && u->dropped) drop_row(g, n, u->a, u->dt, falls, u->flag + offset, from, residual, to, u->dropped);
+    const double *falls = u->falls ? u->falls + offset : NULL, *flag = u->dropped ? u->flag + offset : NULL;
+    const struct advance s = {.U0 = u->U0 + offset,
+                              .from = u->from + offset,
+                              .residual = g->tiles->work.residual[0] + offset,
+                              .each = g->size,
+                              .to = u->to + offset,
+                              .a = u->a,
+                              .dt = u->dt};
+    advance_row(g, n, &s, falls, flag);
+    if (g->falls && u->dropped) drop_row(g, n, &s, falls, flag, u->dropped);
     if (tiles_hold_bed(g, u->tile)) tiles_freeze_row(g, u->tile, u->U0, u->to, offset, n);
     u->bad += row_limited(g, n, u->from + offset, u->to + offset, u->flag + offset);
     u->g->computed += n;
@@ -188,19 +186,10 @@ static void update_visit(void *context, long offset, int n) {
 
 /* Advances the background, a cell whose residual is that of gravity alone, with the bits of update_visit. */
 static void settle_background(const struct update *u) {
-    const struct gas *g = u->g;
-    double value[MAX_VAR] = {0}, *residual[MAX_VAR];
-    const double *from[MAX_VAR];
-    for (int v = 0; v < g->nvar; v++) {
-        residual[v] = &value[v];
-        from[v] = u->from + v * g->forest->size;
-    }
-    if (g->falls) weigh_row(g, 1, from, u->falls, NULL, residual);
-    for (int v = 0; v < g->nvar; v++) {
-        const long at = v * g->forest->size;
-        const double moved = *from[v] + u->dt * value[v];
-        u->to[at] = moved + u->a * (u->U0[at] - moved);
-    }
+    const double none[MAX_VAR] = {0};
+    const struct advance s = {
+        .U0 = u->U0, .from = u->from, .residual = none, .each = 1, .to = u->to, .a = u->a, .dt = u->dt};
+    advance_row(u->g, 1, &s, u->falls, NULL);
 }
 
 /* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */

@@ -92,9 +92,9 @@ KERNEL static void kick_momentum(int n, double kick, const double *restrict rho,
 }
 
 KERNEL static bool any_of(int n, const double *restrict falls) {
-    double most = 0;
-    for (int i = 0; i < n; i++) most = larger(most, falls[i]);
-    return most > 0;
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) any |= bits_of(falls[i]);
+    return any != 0;
 }
 
 KERNEL static void kick_falling(int n, double kick, const double *restrict falls, const double *restrict rho,
@@ -112,7 +112,7 @@ static void gravity_step(const struct source_step *s, int n, const double *restr
 /* As gravity_step, on the cells in which falls is 1; in the others it is 0. */
 static void fall(const struct source_step *s, int n, const double *falls, const double *rho,
                  double *const mom[MAX_DIM]) {
-    for (int k = 0; k < s->dim && any_of(n, falls); k++)
+    for (int k = 0; k < s->dim; k++)
         if (s->kick[k] != 0) kick_falling(n, s->kick[k], falls, rho, mom[k]);
 }
 
@@ -324,8 +324,13 @@ KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const 
     for (int i = 0; i < n; i++) E[i] = rho[i] * eps[i] + 0.5 * E[i] / rho[i];
 }
 
-KERNEL static void find_falling(int n, double warm, const double *restrict eps, double *restrict falls) {
-    for (int i = 0; i < n; i++) falls[i] = eps[i] < warm ? 1 : 0;
+KERNEL static bool find_falling(int n, double warm, const double *restrict eps, double *restrict falls) {
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        falls[i] = eps[i] < warm ? 1 : 0;
+        any |= bits_of(falls[i]);
+    }
+    return any != 0;
 }
 
 /* E = before in the cells that do not fall: no bit of a cell may depend on those that share its row. */
@@ -333,29 +338,31 @@ KERNEL static void keep_energy(int n, const double *restrict falls, const double
     for (int i = 0; i < n; i++) E[i] = falls[i] > 0 ? E[i] : before[i];
 }
 
-/* Has the plan a step that acts on one of the cells? */
-static bool acts(const struct source_plan *plan, int n, const double *falls) {
+/* Has the plan a step that acts on one of the cells? drops: gravity does. */
+static bool acts(const struct source_plan *plan, bool drops) {
     for (int i = 0; i < plan->n; i++)
-        if (plan->step[i].row->step != gravity_step || !falls || any_of(n, falls)) return true;
+        if (plan->step[i].row->step != gravity_step || drops) return true;
     return false;
 }
 
-void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls) {
+bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls) {
     double eps[BATCH], before[BATCH];
-    const bool find = falls && plan->warm >= 0;
-    if (plan->n == 0 || (!find && !acts(plan, n, falls))) return;
+    const bool find = falls && plan->warm >= 0, keeps = falls && plan->gravity_alone;
+    bool falling = falls && !find && any_of(n, falls);
+    if (plan->n == 0 || (!find && !acts(plan, !falls || falling))) return falling;
     const int dim = plan->step[0].dim;
     internal_energy(n, dim, U, eps);
-    if (find) find_falling(n, plan->warm, eps, falls);
-    if (find && !acts(plan, n, falls)) return;
-    memcpy(before, U[dim + 1], (size_t)n * sizeof *before);
+    if (find) falling = find_falling(n, plan->warm, eps, falls);
+    if (find && !acts(plan, falling)) return falling;
+    if (keeps) memcpy(before, U[dim + 1], (size_t)n * sizeof *before);
     for (int i = 0; i < plan->n; i++) {
         const struct source_step *step = &plan->step[i];
-        if (falls && step->row->step == gravity_step)
-            fall(step, n, falls, U[0], U + 1);
-        else
+        if (!falls || step->row->step != gravity_step)
             step->row->step(step, n, U[0], U + 1, eps);
+        else if (falling)
+            fall(step, n, falls, U[0], U + 1);
     }
     total_energy(n, dim, U, eps);
-    if (falls && plan->gravity_alone) keep_energy(n, falls, before, U[dim + 1]);
+    if (keeps) keep_energy(n, falls, before, U[dim + 1]);
+    return falling;
 }

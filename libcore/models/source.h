@@ -97,7 +97,7 @@ void source_pull(const struct sources *s, const struct eos *eos, const struct ma
 
 /* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] 1
  * where gravity acts, else 0, in or out as plan->warm says; NULL: it acts on all cells. Cells on which nothing acts
- * keep their bits. */
-void source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
+ * keep their bits. Returns whether falls is 1 anywhere. */
+bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
 
 #endif

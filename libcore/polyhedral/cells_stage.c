@@ -256,27 +256,31 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
                          double a, double dt) {
     struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
-    double residuals[MAX_VAR][BATCH], *start[MAX_VAR], *in[MAX_VAR], *out[MAX_VAR];
+    double residuals[MAX_VAR][BATCH];
     long count = 0;
-    cells_lines(g, U0, start);
-    cells_lines(g, from, in);
-    cells_lines(g, to, out);
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        const double *from_at[MAX_VAR], *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL;
-        const double *flag = c->flagged ? c->flag + at : NULL;
-        double *residual[MAX_VAR], *to_at[MAX_VAR];
+        const double *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL,
+                     *flag = c->flagged ? c->flag + at : NULL;
+        const struct advance s = {.U0 = U0->block[0] + at,
+                                  .from = from->block[0] + at,
+                                  .residual = residuals[0],
+                                  .each = BATCH,
+                                  .to = to->block[0] + at,
+                                  .a = a,
+                                  .dt = dt};
+        const double *in[MAX_VAR];
+        double *residual[MAX_VAR];
         for (int v = 0; v < g->nvar; v++) {
             residual[v] = residuals[v];
-            from_at[v] = in[v] + at;
-            to_at[v] = out[v] + at;
+            in[v] = s.from + v * m->size;
             cells_residuals(c, at, n, c->flux[v], residual[v]);
         }
-        if (g->falls) weigh_row(g, n, from_at, falls, flag, residual);
+        if (g->falls) weigh_row(g, n, in, falls, flag, residual);
         if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
-        for (int v = 0; v < g->nvar; v++) update_row(n, a, dt, start[v] + at, from_at[v], residual[v], to_at[v]);
-        if (g->falls && flag) drop_row(g, n, a, dt, falls, flag, from_at, residual, to_at, g->dropped + at);
-        count += row_limited(g, n, in[0] + at, out[0] + at, c->flag + at);
+        update_rows(g, n, &s);
+        if (g->falls && flag) drop_row(g, n, &s, falls, flag, g->dropped + at);
+        count += row_limited(g, n, s.from, s.to, c->flag + at);
     }
     g->computed += m->nown;
     g->all += m->nown;

@@ -56,15 +56,16 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
 struct rest { /* the pressure of gas at rest in the six cells of a stencil, 0 where none is taken */
     double P[6];
 };
+/* `on` is 0 or 1: its products are exact. */
 ALWAYS_INLINE struct rest rest_at(const bool balanced, const struct faces *f, int i, long stride) {
     struct rest r = {{0}};
     if (!balanced) return r;
     r.P[2] = f->base[0][i];
-    r.P[1] = r.P[2] - f->on[i] * f->rise[i - stride];
-    r.P[0] = r.P[1] - f->on[i] * f->rise[i - 2 * stride];
+    r.P[1] = fma(-f->on[i], f->rise[i - stride], r.P[2]);
+    r.P[0] = fma(-f->on[i], f->rise[i - 2 * stride], r.P[1]);
     r.P[3] = f->base[1][i];
-    r.P[4] = r.P[3] + f->on[i] * f->rise[i + stride];
-    r.P[5] = r.P[4] + f->on[i] * f->rise[i + 2 * stride];
+    r.P[4] = fma(f->on[i], f->rise[i + stride], r.P[3]);
+    r.P[5] = fma(f->on[i], f->rise[i + 2 * stride], r.P[4]);
     return r;
 }
 /* The same from one side: beyond the face the stencil is read backwards. */
