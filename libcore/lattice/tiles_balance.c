@@ -3,7 +3,7 @@
  * A row of cells whose pressures differ by the weight of half of either cell,
  *     p_1 - p_0 = h/2 (rho_0 g + rho_1 g),
  * is at rest if each face has the pressure that both its cells have there, P = p_0 + h/2 rho_0 g = p_1 - h/2 rho_1 g:
- * then the pressures on a cell's two faces differ by its weight, which weigh_row adds. So the pressure P_m of gas at
+ * then the pressures on a cell's two faces differ by its weight, which advance_row adds. So the pressure P_m of gas at
  * rest is taken from the fluxes of momentum of a stencil's cells m,
  *     k_m = h/2 (rho_m g + rho_(m+1) g),  P_(m+1) = P_m + k_m, but P_0 = P - a, P_1 = P + b,
  *     P = (p_0 + a + p_1 - b)/2,  a = h/2 rho_0 g,  b = h/2 rho_1 g,  k_0 = a + b,
