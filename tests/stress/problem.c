@@ -256,6 +256,8 @@ const struct family family_table[FAMILIES] = {
     {"extreme", "the first eight, or grains that conduct, on cells flat, thin and small by many orders", extreme_draw,
      extreme_at},
     {"settled", "beds that have settled, between all walls, over long times", settled_draw, settled_at},
+    {"implicit", "beds with implicit acoustics: at rest, falling, hit, sheared, drained, collapsing, shaken",
+     implicit_draw, implicit_at},
 };
 
 int family_find(const char *name) {

@@ -45,6 +45,8 @@ struct problem {
     const struct transport *transport; /* and what it needs */
     struct own_params transport_params;
     const struct diffusion *diffusion;
+    const struct acoustics *acoustics; /* NULL: explicit */
+    struct own_params acoustics_params;
     double alpha_floor, densest; /* densest: alpha of a cell at most, in families with transport */
     struct wall wall[6];
     struct gate gate[6];
@@ -62,7 +64,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 18 };
+enum { FAMILIES = 19 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -87,6 +89,9 @@ void extreme_draw(struct problem *p, struct seed *s);
 void extreme_at(const struct problem *p, const struct place *where, struct point *out);
 void settled_draw(struct problem *p, struct seed *s);
 void settled_at(const struct problem *p, const struct place *where, struct point *out);
+/* A row with implicit acoustics (tests/stress/implicit.c). */
+void implicit_draw(struct problem *p, struct seed *s);
+void implicit_at(const struct problem *p, const struct place *where, struct point *out);
 
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */

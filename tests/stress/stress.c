@@ -115,6 +115,10 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
            : p->edge == PERIODIC ? "periodic"
                                  : "open",
            p->dim, p->polyhedral ? "polyhedra" : "lattice");
+    if (p->acoustics)
+        printf("  %ld implicit steps, %.3g Newton a step, %.3g linear each, lifted %ld\n", o->counts.beds,
+               (double)o->counts.newton / larger((double)o->counts.beds, 1),
+               (double)o->counts.linear / larger((double)o->counts.newton, 1), o->counts.lifted);
     if (p->transport) print_transport(p, o);
     if (o->why[0]) printf("  %s\n", o->why);
 }

@@ -113,6 +113,7 @@ static void tally(struct watch *w, const struct gas *g) {
     memcpy(w->budget.now, t.sum, sizeof t.sum);
     for (int i = 0; i < 3; i++) {
         w->budget.magnitude[i] = t.magnitude[i];
+        w->budget.largest = t.magnitude[2] > w->budget.largest ? t.magnitude[2] : w->budget.largest;
         w->budget.rounding[i] += (g->models.stepper->stages + (w->ends > FEW ? w->ends - FEW : 0)) * t.magnitude[i];
     }
 }
@@ -428,18 +429,20 @@ status watch_start(struct watch *w, struct gas *g) {
     TRY(allocate(&w->before, (long)MAX_VAR * g->ncells_all, sizeof *w->before, "the watch"));
     TRY(allocate(&w->falls, 2L * g->ncells_all, sizeof *w->falls, "the watch"));
     w->flagged = w->falls + g->ncells_all;
+    tally(w, g);
+    memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);
+    if (g->dense) return OK; /* the states of its stages are no results */
     w->engine.stage.stage = watched_stage;
     w->engine.stage.redo = watched_redo;
     w->engine.stage.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
     w->engine.state.rows = watched_rows;
     w->engine.diffusion.end = watched_end;
     g->engine = &w->engine;
-    tally(w, g);
-    memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);
     return OK;
 }
 
 bool watch_step_finish(struct watch *w, struct gas *g) {
+    if (g->dense) w->bad = 0;
     look_on(w, g, &g->U);
     if (w->bad) return false;
     w->source = fmax(w->source, w->trial);

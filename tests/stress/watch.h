@@ -12,6 +12,7 @@ struct budget { /* sums over the domain of mass, momentum, energy */
     long double gain[MAX_VAR];        /* by both in all steps that were accepted */
     long double rounding[3];  /* what a step may lose: magnitudes of mass, momentum, energy, summed over stages */
     long double magnitude[3]; /* of the start */
+    long double largest;      /* of energy, in any step */
 };
 struct watch {
     struct engine engine; /* first: struct gas points at it */
