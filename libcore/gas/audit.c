@@ -124,6 +124,7 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
     g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
     note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
+    if (g->hybrid) (void)g->engine->bed.put(g, &g->W); /* stages read frozen cells in W, and do not write them */
     for (int k = 0; k < g->dim; k++) work += part * g->gravity[k] * totals[k + 1];
     book_weight(g, work);
 }

@@ -49,7 +49,7 @@ static void set_linear(struct gas_models *m) {
     status_free(missing);
 }
 
-static void set_models(struct scene *s, const struct scheme *scheme, bool full) {
+static void set_models(struct scene *s, const struct scheme *scheme, const struct run_options *o) {
     const struct problem *p = s->problem;
     s->models = (struct gas_models){.material = p->material,
                                     .eos = p->eos,
@@ -61,10 +61,10 @@ static void set_models(struct scene *s, const struct scheme *scheme, bool full) 
                                     .transport = p->transport,
                                     .transport_params = p->transport_params,
                                     .diffusion = p->diffusion,
-                                    .acoustics = p->acoustics,
+                                    .acoustics = o->explicit ? NULL : p->acoustics,
                                     .acoustics_params = p->acoustics_params,
                                     .alpha_floor = p->alpha_floor,
-                                    .skip_uniform = !full};
+                                    .skip_uniform = !o->full};
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
@@ -382,6 +382,16 @@ static double longest_step(const struct scene *s, const struct scheme *scheme, c
     return bed > 0 ? bed : stable;
 }
 
+static void print_step(const struct scene *s, int step, double t, double dt, double stable) {
+    struct gas_budget b = {0};
+    const struct gas_counts c = gas_counts(s->gas);
+    if (s->gas->audit) status_free(gas_budget(s->gas, &b));
+    if (!comm_root(s->comm)) return;
+    printf("  step %d t %.6g dt %.4g of %.4g, rejected %ld", step, t, dt, stable, c.rejected);
+    if (s->gas->dense) printf(", implicit %ld of %ld cells, lost %.3g, lift %.3g, limited %ld, floored %ld", c.beds, c.bed_cells, b.lost[1], c.lift, c.cells, c.floored);
+    printf("\n");
+}
+
 static status advance(struct scene *s, const struct scheme *scheme, const struct run_options *o, struct watch *w,
                       struct outcome *out) {
     struct gas *g = s->gas;
@@ -406,9 +416,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
         status seen = fine ? OK : fail(ERR_STATE, "step %d from t = %.9g: %s", out->steps, t, w->why);
         TRY(comm_agree(s->comm, seen));
         out->least = smaller(out->least, dt / asked);
-        if (o->verbose && comm_root(s->comm))
-            printf("  step %d t %.6g dt %.4g of %.4g, rejected %ld\n", out->steps, t, dt, stable,
-                   gas_counts(g).rejected);
+        if (o->verbose) print_step(s, out->steps, t, dt, stable);
         t = t + dt > t ? t + dt : end;
     }
     out->reached = t / end;
@@ -438,7 +446,7 @@ status stress_run(const struct problem *p, const struct scheme *scheme, const st
                   const struct comm *c, struct outcome *out) {
     struct scene s = {.problem = p, .comm = c};
     *out = (struct outcome){.verdict = FAILED, .drift = {-1, -1, -1}, .relative = {-1, -1, -1}};
-    set_models(&s, scheme, o->full);
+    set_models(&s, scheme, o);
     if (!s.models.flux || !s.models.reconstruct || !s.models.stepper || !s.models.polynomial)
         return fail(ERR_INPUT, "no scheme %s/%s/%s/%s", scheme->flux, scheme->reconstruct, scheme->polynomial,
                     scheme->stepper);

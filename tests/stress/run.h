@@ -13,6 +13,7 @@ struct run_options {
     double fraction; /* minDeltaTFraction */
     bool bare;       /* the engine as it is: nothing is checked but the last state */
     bool full;       /* uniform regions are computed, too */
+    bool explicit;   /* sound limits dt everywhere */
     bool verbose;    /* a line per step */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };

@@ -10,7 +10,7 @@
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
-    "[-full]\n"
+    "[-full] [-explicit]\n"
     "       [-cap STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
@@ -46,6 +46,8 @@ static bool parse(int argc, char **argv, struct request *r) {
             r->run.bare = true, used = false;
         else if (!strcmp(a, "-full"))
             r->run.full = true, used = false;
+        else if (!strcmp(a, "-explicit"))
+            r->run.explicit = true, used = false;
         else if (!strcmp(a, "-verbose"))
             r->run.verbose = true, used = false;
         else if (!strcmp(a, "-checksums"))
