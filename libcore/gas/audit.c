@@ -20,6 +20,8 @@ struct audit {
     struct account now, start, mark; /* of this attempt; at the start of the step; noted by audit_mark */
     double weight;                   /* J: energy since the last look from gravity in the stages */
     double work;                     /* J: energy since the last look from sources that have a formula */
+    bool kicks;                      /* are the sources gravity's kicks beside a bed? */
+    double beside;                   /* J: energy beside a bed, before gravity's kick there */
     int measured;                    /* row of the source since then that has none; -1: there is none */
     double first[2], floors[2]; /* mass (kg) and energy (J) at the start; those that the floors had added by then */
     status failed;              /* error of an attempt's sums, which ends the step */
@@ -113,6 +115,33 @@ static void warm_row(void *gas, const struct row *row) {
     }
 }
 
+/* Writes the cells beside a bed to the scratch W, zero for the bed's. */
+static void beside_row(void *gas, const struct row *row) {
+    const struct warm *w = gas;
+    const struct gas *g = w->g;
+    const double *part = g->dense->part[row->block] + row->at;
+    for (int v = 0; v < g->nvar; v++) {
+        const long at = v * g->size + row->at;
+        const double *from = w->from->block[row->block] + at;
+        double *to = g->W.block[row->block] + at;
+        for (int i = 0; i < row->n; i++) to[i] = part[i] > 0 ? 0 : from[i];
+    }
+}
+
+/* Totals of W, which is given back the frozen cells of a bed: stages read them there, and do not write them. */
+static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
+    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
+    note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
+    if (g->hybrid) (void)g->engine->bed.put(g, &g->W);
+}
+
+static double energy_beside(struct gas *g, const struct state *s) {
+    double totals[MAX_VAR];
+    g->engine->state.rows(g, EACH_STATE, s, beside_row, &(struct warm){g, s});
+    totals_of_scratch(g, s, totals);
+    return totals[g->dim + 1];
+}
+
 static void book_weight(struct gas *g, double work) {
     g->audit->weight += work;
     g->audit->now.sourced[source_gravity_row()] += work;
@@ -122,9 +151,7 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
     double totals[MAX_VAR], work = 0;
     if (!g->audit || !g->falls) return;
     g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
-    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
-    note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
-    if (g->hybrid) (void)g->engine->bed.put(g, &g->W); /* stages read frozen cells in W, and do not write them */
+    totals_of_scratch(g, from, totals);
     for (int k = 0; k < g->dim; k++) work += part * g->gravity[k] * totals[k + 1];
     book_weight(g, work);
 }
@@ -144,6 +171,12 @@ void audit_bed(struct gas *g) {
     book_weight(g, sum);
 }
 
+/* Is a plan that of gravity's kicks of cells that fall beside a bed? Else gravity is not among the sources of a step
+ * with a bed. */
+static bool kicks_beside_bed(const struct gas *g, const struct source_plan *plan) {
+    return g->hybrid && plan->n == 1 && plan->step[0].row == &source_table[source_gravity_row()];
+}
+
 /* A formula sees the mass and the momentum of the last look. So totals are looked at before a source whose formula asks
  * for a momentum that has changed since, and before a second source without a formula. */
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
@@ -153,6 +186,8 @@ void audit_sources(struct gas *g, const struct source_plan *plan, const struct s
     if (!a) return;
     a->work = 0;
     a->measured = -1;
+    a->kicks = kicks_beside_bed(g, plan);
+    if (a->kicks) a->beside = energy_beside(g, from);
     for (int i = 0; i < plan->n; i++) {
         const struct source_step *s = &plan->step[i];
         const int row = (int)(s->row - source_table);
@@ -176,6 +211,8 @@ void audit_sourced(struct gas *g, const struct state *now) {
     if (!a) return;
     const double rest = look(g, now) - a->work;
     if (a->measured >= 0) a->now.sourced[a->measured] += rest;
+    if (a->kicks) book_weight(g, (energy_beside(g, now) - a->beside) - rest); /* the bed's cells get their start back */
+    a->kicks = false;
     a->work = 0;
     a->measured = -1;
 }

@@ -98,6 +98,7 @@ double gas_inertia(const struct gas *g) {
 status dense_begin(struct gas *g, const struct state *from) {
     TRY(g->engine->bed.list(g));
     g->engine->bed.take(g, from, false);
+    g->dense->begun = true;
     return OK;
 }
 

@@ -18,6 +18,7 @@ void floors_free(struct gas *g) {
 void floors_begin(struct gas *g) {
     g->floored = g->filled = 0;
     g->share = 1;
+    if (g->dense) g->dense->begun = false;
     memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
     for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
 }
@@ -28,11 +29,22 @@ struct flooring { /* context of floor_row */
     long bad; /* cells that are not admissible all the same */
 };
 
+/* Raises cells of a bed in the stages, whose results there are given up: nothing is counted. */
+static void floor_bed_row(const struct gas *g, double *U, const double *part, int n) {
+    double bad[BATCH], raised, added[2][BATCH];
+    for (int i = 0; i < n; i++) {
+        if (part[i] == 0 || !find_bad(1, g->dim, g->size, g->least, g->limit, U + i, bad)) continue;
+        if (g->least > 0) (void)raise_density(1, g->dim, g->size, g->least, g->limit, U + i, bad, added);
+        (void)raise_energy(1, g->dim, g->size, g->least, g->limit, U + i, bad, &raised);
+    }
+}
+
 static void floor_row(void *flooring, const struct row *row) {
     struct flooring *f = flooring;
     struct gas *g = f->g;
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
     const int n = row->n, step = g->raised_step, place = row->block + step * (int)row->at;
+    if (g->hybrid && g->dense->begun) floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
     if (!find_bad(n, g->dim, g->size, g->least, g->limit, U, bad)) return;
     if (g->least > 0) {
         g->filled += raise_density(n, g->dim, g->size, g->least, g->limit, U, bad, added);

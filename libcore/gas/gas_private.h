@@ -21,6 +21,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double **part;      /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
     bool alone;         /* is every cell one of the bed? */
     double inertia;     /* of the dense cells in the last plan */
+    bool begun;         /* are the stages at work, whose results in cells of the bed are given up? */
     double longest;     /* s: the step that was planned; 0: the next step is explicit */
     status failed;      /* why an attempt could not be made, other than that dt was too long */
 };
