@@ -6,7 +6,10 @@ enum {
     ROOT_MOST = 30,   /* iterations for the root of (*) */
     LINEAR_MOST = 200
 };
-static const double CLOSE = 1e-8;           /* residual over diagonal times p at which Newton's method ends */
+static const double CLOSE = 1e-8; /* residual over diagonal times p at which Newton's method ends */
+/* Residuals are differences of numbers around 1: so much of one is rounding. Close to packing, where a density that is
+ * off by its last digit is off by far more in p, no iteration goes below it. */
+static const double NOISE = 8 * 0x1p-52;
 static const double REDUCTION = 1e-4;       /* of the linear residual in one iteration of Newton's method */
 static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in one iteration */
 
@@ -108,8 +111,8 @@ static void find_root(struct bed *b, int at, int n) {
     bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);
 }
 
-/* Finds the residual and the diagonal of the Jacobian; returns the largest residual over diagonal times p, of all
- * ranks. */
+/* Finds the residual and the diagonal of the Jacobian; returns the largest residual above rounding over diagonal times
+ * p, of all ranks. */
 static double find_residual(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double worst = 0;
@@ -126,7 +129,7 @@ static double find_residual(struct bed *b, double dt) {
         }
         x->residual[i] = (x->rho[i] / x->root[i] - 1) - out;
         x->diagonal[i] = x->rho[i] * x->slack[i] + weights;
-        const double off = fabs(x->residual[i]) / (x->diagonal[i] * x->p[i]);
+        const double off = (fabs(x->residual[i]) - NOISE) / (x->diagonal[i] * x->p[i]);
         worst = off <= worst ? worst : off; /* also if it is no number */
     }
     comm_max(b->comm, &worst, 1);

@@ -375,20 +375,22 @@ static double fall_of(const struct scene *s) {
 }
 
 static double longest_step(const struct scene *s, const struct scheme *scheme, const struct gas_speed *speed,
-                           double fall) {
-    const char *limit;
+                           double fall, const char **limit) {
+    *limit = "sound";
     const double stable = smaller(scheme->courant / speed->rate, fall);
-    const double bed = gas_bed_step(s->gas, scheme->courant, speed, fall, &limit);
+    const double bed = gas_bed_step(s->gas, scheme->courant, speed, fall, limit);
     return bed > 0 ? bed : stable;
 }
 
-static void print_step(const struct scene *s, int step, double t, double dt, double stable) {
+static void print_step(const struct scene *s, int step, double t, double dt, double stable, const char *limit) {
     struct gas_budget b = {0};
     const struct gas_counts c = gas_counts(s->gas);
     if (s->gas->audit) status_free(gas_budget(s->gas, &b));
     if (!comm_root(s->comm)) return;
-    printf("  step %d t %.6g dt %.4g of %.4g, rejected %ld", step, t, dt, stable, c.rejected);
-    if (s->gas->dense) printf(", implicit %ld of %ld cells, lost %.3g, lift %.3g, limited %ld, floored %ld", c.beds, c.bed_cells, b.lost[1], c.lift, c.cells, c.floored);
+    printf("  step %d t %.6g dt %.4g of %.4g by %s, rejected %ld", step, t, dt, stable, limit, c.rejected);
+    if (s->gas->dense)
+        printf(", implicit %ld of %ld cells, lost %.3g, lift %.3g, limited %ld, floored %ld", c.beds, c.bed_cells,
+               b.lost[1], c.lift, c.cells, c.floored);
     printf("\n");
 }
 
@@ -396,6 +398,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
                       struct outcome *out) {
     struct gas *g = s->gas;
     struct gas_speed speed;
+    const char *limit;
     double t = 0;
     gas_speed(g, &speed);
     const double end = out->end = s->problem->end > 0 ? s->problem->end : s->problem->duration / speed.rate;
@@ -409,14 +412,14 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     for (out->steps = 0; !is_end(t, end) && out->steps < cap; out->steps++) {
         gas_speed(g, &speed);
         if (!(speed.rate > 0)) return fail(ERR_STATE, "wave speed %g", speed.rate);
-        double stable = longest_step(s, scheme, &speed, fall), dt = smaller(stable, end - t), asked = dt;
+        double stable = longest_step(s, scheme, &speed, fall, &limit), dt = smaller(stable, end - t), asked = dt;
         TRY(gas_step(g, t, &dt, scheme->courant, 0, fraction, &speed));
         if (dt == 0) break;
         bool fine = o->bare || watch_step_finish(w, g);
         status seen = fine ? OK : fail(ERR_STATE, "step %d from t = %.9g: %s", out->steps, t, w->why);
         TRY(comm_agree(s->comm, seen));
         out->least = smaller(out->least, dt / asked);
-        if (o->verbose) print_step(s, out->steps, t, dt, stable);
+        if (o->verbose) print_step(s, out->steps, t, dt, stable, limit);
         t = t + dt > t ? t + dt : end;
     }
     out->reached = t / end;
