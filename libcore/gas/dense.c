@@ -15,6 +15,9 @@
 /* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
  * step that falling gas is given by the explicit scheme. */
 static const double THIN = 0.5, FLOW = 0.4, FALL = 0.5;
+/* A gas that can collapse, whose cooling holds dt, takes explicit steps once these are so many times as short as those
+ * of its calm cells, so that gas_step sees the collapse: else dt would go on falling. */
+static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
 static const double HARD = 0.98;
@@ -86,7 +89,8 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
         find_limits(g, maxCo, plain, fall, false, step);
     }
     const int least = least_of(step);
-    if (!(step[least] >= gain * plain)) return 0;
+    if (!(step[least] >= gain * plain && step[least] > plain)) return 0;
+    if (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->calm) return 0;
     *limit = cause_name[least];
     return d->longest = step[least];
 }
