@@ -1,6 +1,8 @@
 /* Transport in a bed: what the face velocities U carry (bed.h, part 3 and the theorem). */
 #include "libcore/acoustics/bed_private.h"
 
+static const double LEFT = 0.1;
+
 /* A face as a cell sees it: the volume that leaves through it, as a part of the cell. */
 static double leaving(const struct bed *b, double dt, int axis, int face, bool above) {
     return (above ? 1 : -1) * (dt / b->width[axis]) * b->lines->U[face];
@@ -116,6 +118,30 @@ static void carry(struct bed *b, double dt, int axis) {
             b->U[v][i] -= lambda * (b->kept[v][b->high[axis][i]] - b->kept[v][b->low[axis][i]]);
 }
 
+static bool is_beside_rest(const struct bed *b, int i) {
+    bool beside = false;
+    for (int k = 0; k < b->dim; k++) beside |= b->kind[b->low[k][i]] == BED_KEPT || b->kind[b->high[k][i]] == BED_KEPT;
+    return beside;
+}
+
+/* The fluxes that were kept are those of other velocities than U. In cold gas that is faster than sound they may take
+ * more of E than the cell can spare; then eps is lifted to a share LEFT of what it was before the remap. */
+static void lift_beside_rest(struct bed *b) {
+    const int last = b->dim + 1;
+    for (int block = 0; block < b->blocks; block++)
+        for (int i = b->first[block]; i < b->first[block + 1]; i++) {
+            const double rho = b->U[0][i], least = LEFT * rho * b->lines->after[last][i];
+            double square = 0;
+            if (!(rho > 0) || !is_beside_rest(b, i)) continue;
+            for (int k = b->dim; k >= 1; k--) square += b->U[k][i] * b->U[k][i];
+            const double internal = b->U[last][i] - 0.5 * square / rho;
+            if (!(internal < least)) continue;
+            b->U[last][i] += least - internal;
+            b->lift[block] += least - internal;
+            b->lifted++;
+        }
+}
+
 bool bed_remap(struct bed *b, double dt) {
     bool fine = true;
     for (int k = 0; k < b->dim; k++) find_slopes(b, k);
@@ -123,5 +149,6 @@ bool bed_remap(struct bed *b, double dt) {
     for (int k = 0; k < b->dim; k++) bed_fill(b, b->dim + 2, b->lines->slope[k]);
     for (int i = 0; i < b->cells; i++) start_cell(b, i);
     for (int k = 0; k < b->dim; k++) carry(b, dt, k);
+    lift_beside_rest(b);
     return fine;
 }

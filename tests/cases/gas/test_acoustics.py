@@ -1,0 +1,118 @@
+"""Implicit acoustics of dense cells on lattices: rest across their border, the bits of the explicit scheme until a cell is dense and on any
+number of ranks, restarts, bounds and budgets in one to three dimensions, and what is refused."""
+import os
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import harness
+from tests.cases.gas import test_layers
+
+IMPLICIT = "acoustics { type implicit; }\n"
+SLIP = ("xLow", "xHigh", "yLow", "yHigh", "zLow", "zHigh")
+LIMIT = 0.65  # alphaMax of GoldshteinShapiro
+
+
+class Acoustics(harness.Folder, unittest.TestCase):
+    def block(self, name, n, end, acoustics=IMPLICIT, interval=None, e=0.9, **options):
+        """A block of dense gas falls in a corner of a box of walls and breaks; gravity 10 along -y."""
+        case = os.path.join(self.folder, name)
+        size = tuple(0.25 * k for k in n)
+        at = harness.boxes.centres(n, size)
+        inside = (at[:, 0] <= 0.5 * size[0]) & (at[:, 1] < 0.7 * size[1]) & (at[:, 2] <= 0.6 * size[2])
+        rho = np.where(inside, 0.55, 1e-4) / (np.pi / 6 * 0.1 ** 3)
+        options = {"eos": "GoldshteinShapiro", "reconstruct": "WPENO5", **options}
+        harness.box_case(case, n, size, rho, np.zeros((len(at), 3)), 1e-3 * rho, end, gravity=(0.0, -10.0, 0.0), slip=SLIP, e=e,
+                         cooling="none" if e == 1 else "Haff", interval=interval or end, **options)
+        harness.edit(case, "constant/granularProperties", diameter=0.1)
+        with open(os.path.join(case, "constant", "granularProperties")) as f:
+            text = f.read()
+        with open(os.path.join(case, "constant", "granularProperties"), "w") as f:
+            f.write(re.sub(r"grain\s*\{", "grain { thresholdSpeed 0.03; ", text))
+        self.solution(case, acoustics)
+        return case
+
+    def solution(self, case, text):
+        harness.write_dictionary(case, "system", "fvSolution", text)
+
+    def run_case(self, case, ranks=1):
+        done = harness.program("granularGas", "-case", case, ranks=ranks)
+        return harness.haff.Case(case), done.stdout
+
+    def same(self, a, b, time):
+        for name in ("rho", "rhoU", "rhoE"):
+            np.testing.assert_array_equal(a.field(name, time), b.field(name, time))
+
+    def test_rest_across_the_border(self):
+        """A layer, cold and packed below, warm above: the bed and the rest keep still, with steps far beyond those of sound."""
+        case = test_layers.Layers.case(self, "rest", "settledLayer { depth 8; packing 0.6; background 1e-30; }", n=(1, 40, 1),
+                                       size=(0.5, 10.0, 0.5), T="y < 4 ? 0.05 : 60", eos="TorquatoSpheres", end=2.0)
+        self.solution(case, IMPLICIT)
+        harness.edit(case, "system/controlDict", deltaT=1e-3)
+        start, log = self.run_case(case)
+        self.assertIn("implicit acoustics", log)
+        self.assertGreater(start.field("alpha").max(), 0.95 * 0.64)
+        self.assertLess(np.abs(start.field("U")).max(), 1e-11 * np.sqrt(60))
+        steps = int(re.findall(r"(\d+) steps in", log)[-1])
+        self.assertGreater(steps, 1000)
+
+    def test_explicit_until_a_cell_is_dense(self):
+        explicit, _ = self.run_case(self.block("explicit", (24, 16, 1), 0.2, "", interval=0.05))
+        implicit, log = self.run_case(self.block("implicit", (24, 16, 1), 0.2, interval=0.05))
+        self.assertIn("implicit acoustics", log)
+        self.same(explicit, implicit, "0.05")
+        self.assertGreater(explicit.field("alpha", "0.05").max(), 0.551)
+        self.assertNotEqual(list(explicit.field("rho")), list(implicit.field("rho")))
+
+    def test_bits_on_ranks_and_over_restarts(self):
+        """Two tiles side by side, with the bed across their border; uniform gas skipped or not."""
+        whole, log = self.run_case(self.block("whole", (70, 14, 1), 0.8, interval=0.2))
+        self.assertIn("implicit acoustics", log)
+        for ranks in (2, 3):
+            self.same(whole, self.run_case(self.block(f"ranks{ranks}", (70, 14, 1), 0.8, interval=0.2), ranks)[0], "0.8")
+        self.same(whole, self.run_case(self.block("all", (70, 14, 1), 0.8, IMPLICIT + "skipUniform no;\n", interval=0.2))[0], "0.8")
+        again = os.path.join(self.folder, "again")
+        shutil.copytree(whole.path, again)
+        for time in ("0.6", "0.8"):
+            shutil.rmtree(os.path.join(again, time))
+        self.same(whole, self.run_case(again, 2)[0], "0.8")
+
+    def test_bounds_and_budget(self):
+        """In one, two and three dimensions: packing is a bound, no mass is lost, and energy comes from named causes."""
+        for n in ((1, 40, 1), (24, 16, 1), (12, 14, 10)):
+            with self.subTest(n):
+                case = self.block("budget" + "x".join(map(str, n)), n, 0.8)
+                with open(os.path.join(case, "system", "controlDict"), "a") as f:
+                    f.write("functions { energy { type energyBudget; } }\n")
+                mass = harness.haff.Case(case).field("rho", "0").sum()
+                result, log = self.run_case(case)
+                self.assertIn("implicit acoustics", log)
+                self.assertLess(result.field("alpha").max(), LIMIT)
+                self.assertGreater(result.field("alpha").max(), 0.95 * LIMIT)
+                self.assertGreater(result.field("T").min(), 0)
+                self.assertAlmostEqual(result.field("rho").sum() / mass, 1, delta=1e-12)
+                rejected = re.findall(r"rejected: .*in all (\d+)", log)
+                steps = int(re.findall(r"(\d+) steps in", log)[-1])
+                self.assertLessEqual(int(rejected[-1]) if rejected else 0, 1 + 0.05 * steps)
+
+    def test_refused(self):
+        for name, text, options, says in (
+                ("perfect", IMPLICIT, {"eos": "perfectGas"}, "has no alphaMax"),
+                ("word", "acoustics { type implict; }\n", {}, "implicit"),
+                ("range", "acoustics { type implicit; implicitCoeffs { dense 2; } }\n", {}, "dense")):
+            with self.subTest(name):
+                done = harness.program("granularGas", "-case", self.block(name, (8, 8, 1), 0.1, text, **options), check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(says, done.stderr)
+        case = self.block("cells", (8, 8, 1), 0.1)
+        with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
+            f.write("meshEngine polyhedral;\n")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("for lattices as yet", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
