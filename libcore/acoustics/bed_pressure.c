@@ -7,6 +7,9 @@ enum {
     LINEAR_MOST = 200
 };
 static const double CLOSE = 1e-8; /* residual over diagonal times p at which Newton's method ends */
+/* Newton's method ends only where residuals, parts of a cell's volume, are below CLOSE/VOLUME too: where kept faces
+ * bring in more than there is room for, p rises without end, and any residual is small beside it. */
+static const double VOLUME = 1e-2;
 /* Residuals are differences of numbers around 1: so much of one is rounding. Close to packing, where a density that is
  * off by its last digit is off by far more in p, no iteration goes below it. */
 static const double NOISE = 8 * 0x1p-52;
@@ -112,7 +115,7 @@ static void find_root(struct bed *b, int at, int n) {
 }
 
 /* Finds the residual and the diagonal of the Jacobian; returns the largest residual above rounding over diagonal times
- * p, of all ranks. */
+ * p, or times VOLUME, of all ranks. */
 static double find_residual(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double worst = 0;
@@ -129,7 +132,8 @@ static double find_residual(struct bed *b, double dt) {
         }
         x->residual[i] = (x->rho[i] / x->root[i] - 1) - out;
         x->diagonal[i] = x->rho[i] * x->slack[i] + weights;
-        const double off = (fabs(x->residual[i]) - NOISE) / (x->diagonal[i] * x->p[i]);
+        const double above = fabs(x->residual[i]) - NOISE, change = above / (x->diagonal[i] * x->p[i]),
+                     off = larger(VOLUME * above, change);
         worst = off <= worst ? worst : off; /* also if it is no number */
     }
     comm_max(b->comm, &worst, 1);

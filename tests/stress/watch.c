@@ -445,6 +445,12 @@ bool watch_step_finish(struct watch *w, struct gas *g) {
     if (g->dense) w->bad = 0;
     look_on(w, g, &g->U);
     if (w->bad) return false;
+    if (g->counts.lift - w->lift > (double)w->budget.magnitude[2]) {
+        snprintf(w->why, sizeof w->why, "a bed was lifted by %.3g, all energy was %.3Lg", g->counts.lift - w->lift,
+                 w->budget.magnitude[2]);
+        return false;
+    }
+    w->lift = g->counts.lift;
     w->source = fmax(w->source, w->trial);
     for (int v = 0; v < g->nvar; v++) {
         w->budget.gain[v] += w->budget.gained[0][v] + w->budget.gained[1][v];

@@ -23,6 +23,7 @@ struct watch {
     struct budget budget;
     long double *before; /* [cells][MAX_VAR] what a source step, or a step of Runge-Kutta, starts from */
     bool *falls;         /* [cells] does gravity act in the half steps, and not in the stages? */
+    double lift;         /* J: what beds were lifted by so far */
     bool *flagged;       /* [cells] are its faces limited in the stage in hand? */
     int stage;           /* the one in hand */
     long double kick[2][MAX_DIM], impulse[MAX_DIM]; /* m/s: what gravity gives in both half steps; in all stages */
