@@ -1,0 +1,50 @@
+"""The heap at five times: packing over a floor without friction (above) and over a rough one; prints centre of mass and energies."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+
+import numpy as np  # noqa: E402
+
+import figures  # noqa: E402
+import haff  # noqa: E402
+
+MOMENTS = 0, 0.03, 0.05, 0.07, 0.1
+
+
+def start(case):
+    """The block of 0/alpha, which is an expression."""
+    x, y = case.centres[:, :2].T
+    return np.where((x < 0.016) & (y < 0.016), 0.5, 1e-5)
+
+
+def numbers(name, case):
+    for t in case.times:
+        if not float(t):
+            continue
+        alpha, U, T = (case.field(n, t) for n in ("alpha", "U", "T"))
+        m = alpha * case.volumes / (alpha @ case.volumes)
+        x, y = 1e3 * m @ case.centres[:, :2]
+        print(f"{name} {t} s: centre of mass ({x:.3f} {y:.3f}) mm, energy of motion {m @ (U ** 2).sum(axis=1) / 2:.4e} m^2/s^2, heat "
+              f"{1.5 * m @ T:.3e}, greatest alpha {alpha.max():.7f}", file=sys.stderr)
+
+
+def main(folder):
+    fig, axes = figures.panels(2, len(MOMENTS), width=9, height=1.45)
+    for row, (line, name, case) in enumerate(zip(axes, ("smooth", "rough"), (haff.Case(folder), haff.Case(os.path.join(folder, "rough"))))):
+        numbers(name, case)
+        order = np.lexsort(np.round(case.centres[:, :2].T, 9))
+        low, high = 1e3 * case.mesh.points.min(axis=0), 1e3 * case.mesh.points.max(axis=0)
+        n = len(np.unique(np.round(case.centres[:, 0], 9)))
+        for ax, t in zip(line, MOMENTS):
+            alpha = start(case) if t == 0 else case.field("alpha", case.time(t))
+            image = ax.imshow(alpha[order].reshape(-1, n), origin="lower", extent=(low[0], high[0], low[1], high[1]), vmin=0, vmax=0.64,
+                              cmap="magma_r")
+            figures.label(ax, "$x$ (mm)" if row else "", f"{name} floor\n$y$ (mm)" if t == 0 else "",
+                          f"$t$ = {1e3 * t:g} ms" if not row else None)
+    fig.colorbar(image, ax=axes, shrink=0.8, label=r"$\alpha$")
+    figures.save(fig, os.path.join(folder, "heap2D.png"))
+
+
+if __name__ == "__main__":
+    main(figures.folder())
