@@ -1,0 +1,106 @@
+"""Coarse and short forms of the cases settlingColumn, heap2D and hopper, with implicit acoustics: as many steps as the flow needs, the
+centre of mass of explicit steps, mass, packing as a bound, and the same bits on two ranks, after a restart and under a budget."""
+import re
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.runtime import test_energyBudget as audit
+
+PACKING = 0.64
+
+
+class Dense:
+    """What holds for all of them. Each has: name, cells, end (s), most (steps of the implicit run), less (times fewer than explicit ones),
+    near (m: of the centres of mass), closed (does no mass leave?)."""
+
+    def make(self, acoustics="implicit", end=None, change=None):
+        case = harness.copy(self.name, self.folder)
+        harness.mesh(case, self.cells)
+        with open(case + "/system/fvSolution") as f:
+            text = f.read()
+        with open(case + "/system/fvSolution", "w") as f:
+            f.write(re.sub(r"type \w+;", f"type {acoustics};", text, count=1))
+        harness.edit(case, "system/controlDict", endTime=end or self.end, writeInterval=self.end / 2)
+        if change:
+            change(case)
+        return case
+
+    def steps(self, case, ranks=1):
+        """Runs it and returns its steps."""
+        done = harness.program("granularGas", "-case", case, ranks=ranks)
+        return int(re.search(r"^end at time .*: (\d+) steps", done.stdout, re.M).group(1))
+
+    def centre(self, case):
+        case = harness.haff.Case(case)
+        mass = case.field("alpha", case.times[-1]) * case.volumes
+        return mass @ case.centres / mass.sum()
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        test = cls()
+        cls.case = test.make()
+        cls.count = test.steps(cls.case)
+
+    def test_beside_explicit(self):
+        other = self.make("explicit")
+        steps = self.steps(other)
+        self.assertLess(self.count, self.most)
+        self.assertGreater(steps, self.less * self.count)
+        np.testing.assert_allclose(self.centre(self.case), self.centre(other), atol=self.near, rtol=0)
+
+    def test_bounds(self):
+        """Packed, but below packing; T > 0; no mass is lost where none can leave."""
+        result, most, masses = harness.haff.Case(self.case), 0, []
+        for t in result.times[1:]:
+            alpha = result.field("alpha", t)
+            most = max(most, alpha.max())
+            masses.append(alpha @ result.volumes)
+            self.assertGreater(min(alpha.min(), result.field("T", t).min()), 0)
+        self.assertTrue(0.98 * PACKING < most < PACKING, most)
+        if self.closed:
+            self.assertLess(abs(masses[-1] / masses[0] - 1), 1e-12)
+        else:
+            self.assertLess(masses[-1], masses[0])
+
+    def test_two_ranks(self):
+        other = self.make()
+        self.steps(other, ranks=2)
+        runs.same(self, runs.results(self.case), runs.results(other))
+
+    def test_restart(self):
+        other = self.make(end=self.end / 2)
+        self.steps(other)
+        harness.edit(other, "system/controlDict", endTime=self.end)
+        self.steps(other)
+        last = runs.times(self.case)[-1]
+        runs.same(self, runs.contents(f"{self.case}/{last}"), runs.contents(f"{other}/{last}"))
+
+    def test_budget(self):
+        """It closes, and the gas has the same bits with it."""
+        other = self.make(change=audit.ask)
+        self.steps(other)
+        last = runs.times(self.case)[-1]
+        runs.same(self, runs.contents(f"{self.case}/{last}"), {k: v for k, v in runs.contents(f"{other}/{last}").items() if "udget" not in k})
+        b = audit.budget(harness.haff.Case(other))
+        scale = max(np.abs(b[name]).max() for name in audit.COLUMNS[5:12])
+        self.assertLess(np.abs(b["residual"]).max(), 1e-12 * scale)
+
+
+class SettlingColumn(Dense, harness.Folder, unittest.TestCase):
+    """Packed and at rest: measured 16 cells."""
+    name, cells, end, most, less, near, closed = "settlingColumn", 16, 0.3, 600, 20, 3e-5, True
+
+
+class Heap(Dense, harness.Folder, unittest.TestCase):
+    name, cells, end, most, less, near, closed = "heap2D", 32, 0.03, 400, 1.2, 8e-5, True
+
+
+class Hopper(Dense, harness.Folder, unittest.TestCase):
+    name, cells, end, most, less, near, closed = "hopper", 24, 0.06, 1000, 1.2, 1e-3, False
+
+
+if __name__ == "__main__":
+    unittest.main()
