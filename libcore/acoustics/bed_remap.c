@@ -136,8 +136,9 @@ static void lift_beside_rest(struct bed *b) {
             for (int k = b->dim; k >= 1; k--) square += b->U[k][i] * b->U[k][i];
             const double internal = b->U[last][i] - 0.5 * square / rho;
             if (!(internal < least)) continue;
+            const double before = b->U[last][i];
             b->U[last][i] += least - internal;
-            b->lift[block] += least - internal;
+            b->lift[block] += b->U[last][i] - before;
             b->lifted++;
         }
 }

@@ -117,6 +117,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     double bad = (double)g->engine->bed.put(g, to);
     comm_max(g->comm, &bad, 1);
     g->share = 1;
+    d->begun = false; /* what the floors raise from here on is counted */
     if (bad > 0 && guarded) bad = (double)floors_apply(g, to);
     comm_max(g->comm, &bad, 1);
     return bad == 0;
