@@ -294,8 +294,9 @@ static bool may_collapse(const struct problem *p, const struct outcome *out) {
            1 - out->packed < 0.1 * (1 - out->packed_at_first) && out->steps >= 10;
 }
 
-/* Beds are judged by their mass between walls, and by the energy that their own budget cannot account for. */
-enum { BED_ROUNDINGS = 64 };
+/* Beds are judged by their mass between walls, and by the energy that their own budget cannot account for. Four stages
+ * of the flow, some sixteen of diffusion, and a bed's acoustics and remap round it about ten times each in a step. */
+enum { BED_ROUNDINGS = 256 };
 static void judge_bed(const struct scene *s, const struct watch *w, struct outcome *out) {
     struct gas_budget b;
     char why[200];

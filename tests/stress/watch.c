@@ -104,20 +104,17 @@ static void tally_visit(void *context, long cell, double volume, const double U[
     t->magnitude[2] += (long double)volume * (U[g->dim + 1] + p);
 }
 
-/* Stages are counted with room for the two ends of a super step in each half of a step; more ends round more. A bed's
- * acoustics and remap round some BED times: the powers of two faces along each axis, kinetic energy forth and back. */
-enum { FEW = 4, BED = 8 };
+/* Stages are counted with room for the two ends of a super step in each half of a step; more ends round more. */
+enum { FEW = 4 };
 
 static void tally(struct watch *w, const struct gas *g) {
     struct tally t = {.g = g};
-    const int bed = g->dense && g->dense->longest > 0 ? BED : 0;
     watch_cells(g, &g->U, tally_visit, &t);
     memcpy(w->budget.now, t.sum, sizeof t.sum);
     for (int i = 0; i < 3; i++) {
         w->budget.magnitude[i] = t.magnitude[i];
         w->budget.largest = t.magnitude[2] > w->budget.largest ? t.magnitude[2] : w->budget.largest;
-        w->budget.rounding[i] +=
-            (g->models.stepper->stages + bed + (w->ends > FEW ? w->ends - FEW : 0)) * t.magnitude[i];
+        w->budget.rounding[i] += (g->models.stepper->stages + (w->ends > FEW ? w->ends - FEW : 0)) * t.magnitude[i];
     }
 }
 
