@@ -147,12 +147,32 @@ static void find_primitives(struct bed *b) {
     }
 }
 
+static double energy_of(const struct bed *b, int i) {
+    const struct bed_lines *x = b->lines;
+    double square = 0;
+    for (int k = b->dim - 1; k >= 0; k--) square += x->u[k][i] * x->u[k][i];
+    return x->rho[i] * (x->eps[i] + 0.5 * square);
+}
+
+static double energy_across(const struct bed *b, int face, int cell) {
+    const int other = b->left[face] == cell ? b->right[face] : b->left[face];
+    if (b->kind[face] == BED_WALL) return 0;
+    return other >= 0 ? energy_of(b, other) : b->outside[b->dim + 1][face];
+}
+
+double bed_energy_near(const struct bed *b, int cell) {
+    double sum = energy_of(b, cell);
+    for (int k = 0; k < b->dim; k++)
+        sum += energy_across(b, b->low[k][cell], cell) + energy_across(b, b->high[k][cell], cell);
+    return sum;
+}
+
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     find_primitives(b);
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
-    bed_update(b, dt, gravity);
-    double failed = !bed_remap(b, dt);
+    const bool updated = bed_update(b, dt, gravity), moved = bed_remap(b, dt);
+    double failed = !updated || !moved;
     comm_max(b->comm, &failed, 1);
     *done = failed == 0;
     return OK;

@@ -25,8 +25,9 @@
  * 2 and V_f its face values. If lambda sum_in |U_f| < 1 this is a convex combination. Face values with minmod-like
  * slopes lie between those of two cells, component by component of (rho, u, eps), so they are admissible; B is V if the
  * slopes are 0, and the slopes of a cell are set to 0 where its B is not admissible. The step fails, and must be done
- * with a shorter dt, if more than MOST_OUT of a cell is carried in or out. Cells with kept faces are checked by the
- * caller. */
+ * with a shorter dt, if more than MOST_OUT of a cell is carried in or out, or a cell is lifted by more energy than it
+ * and its neighbours had. Cells with kept faces are lifted where they would have no energy left; their densities are
+ * checked by the caller. */
 #ifndef LIBCORE_BED_H
 #define LIBCORE_BED_H
 

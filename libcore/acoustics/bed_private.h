@@ -29,8 +29,11 @@ struct bed_lines {
 void bed_fill(const struct bed *b, int n, double *const *line);
 /* Finds p, U and root of the step; *done as bed_step. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
-/* Finds p_face and the state `after` acoustics. */
-void bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
+/* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that
+ * the step is far too long for what hits it. */
+double bed_energy_near(const struct bed *b, int cell);
+/* Finds p_face and the state `after` acoustics. Returns whether no cell of this rank was lifted too much. */
+bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* Carries the state with U and puts the result into b->U. Returns whether no cell of this rank gains or loses too
  * much. */
 bool bed_remap(struct bed *b, double dt);

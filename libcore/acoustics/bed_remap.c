@@ -125,9 +125,11 @@ static bool is_beside_rest(const struct bed *b, int i) {
 }
 
 /* The fluxes that were kept are those of other velocities than U. In cold gas that is faster than sound they may take
- * more of E than the cell can spare; then eps is lifted to a share LEFT of what it was before the remap. */
-static void lift_beside_rest(struct bed *b) {
+ * more of E than the cell can spare; then eps is lifted to a share LEFT of what it was before the remap. Returns
+ * whether no cell was lifted by more than all its energy. */
+static bool lift_beside_rest(struct bed *b) {
     const int last = b->dim + 1;
+    bool fine = true;
     for (int block = 0; block < b->blocks; block++)
         for (int i = b->first[block]; i < b->first[block + 1]; i++) {
             const double rho = b->U[0][i], least = LEFT * rho * b->lines->after[last][i];
@@ -140,7 +142,9 @@ static void lift_beside_rest(struct bed *b) {
             b->U[last][i] += least - internal;
             b->lift[block] += b->U[last][i] - before;
             b->lifted++;
+            fine &= least - internal <= bed_energy_near(b, i);
         }
+    return fine;
 }
 
 bool bed_remap(struct bed *b, double dt) {
@@ -150,6 +154,5 @@ bool bed_remap(struct bed *b, double dt) {
     for (int k = 0; k < b->dim; k++) bed_fill(b, b->dim + 2, b->lines->slope[k]);
     for (int i = 0; i < b->cells; i++) start_cell(b, i);
     for (int k = 0; k < b->dim; k++) carry(b, dt, k);
-    lift_beside_rest(b);
-    return fine;
+    return lift_beside_rest(b) && fine;
 }

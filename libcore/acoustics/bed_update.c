@@ -109,7 +109,8 @@ static double update_cell(const struct bed *b, double dt, const double gravity[M
     return eps < least ? rho * (least - eps) : 0;
 }
 
-void bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    bool fine = true;
     find_tilts(b);
     find_face_pressures(b, dt, gravity);
     b->lifted = 0;
@@ -119,7 +120,9 @@ void bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
             const double lift = update_cell(b, dt, gravity, i, &b->work[block]);
             b->lift[block] += lift;
             b->lifted += lift > 0;
+            fine &= lift == 0 || lift <= bed_energy_near(b, i);
         }
     }
     bed_fill(b, b->dim + 2, b->lines->after);
+    return fine;
 }
