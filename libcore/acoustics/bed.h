@@ -54,7 +54,7 @@ struct bed {
     struct acoustics_params params;
     int dim;
     double width[MAX_DIM]; /* m, along the axes */
-    double least, limit;   /* kg/m^3: densities stay between them */
+    double limit;          /* kg/m^3: densities stay below it */
     /* Copies lines of this rank's cells to the ghosts of the same lines; collective. NULL: there is one rank. */
     void (*fill)(void *context, int n, double *const *line);
     void *context;

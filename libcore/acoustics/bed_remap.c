@@ -104,8 +104,8 @@ static void start_cell(struct bed *b, int i) {
     b->U[b->dim + 1][i] = x->rho[i] * (x->after[b->dim + 1][i] + 0.5 * square);
 }
 
-/* The fluxes of the faces along an axis, then the differences in the cells. The lines of `after` are free by then only
- * for faces' own memory, so the fluxes go to `kept`. */
+/* Carries along one axis: the fluxes of its faces, then the differences in the cells. The fluxes go to the lines of
+ * `kept`, each of which was read for its own face before. */
 static void carry(struct bed *b, double dt, int axis) {
     const double lambda = dt / b->width[axis];
     for (int f = b->axis_first[axis]; f < b->axis_first[axis + 1]; f++) {

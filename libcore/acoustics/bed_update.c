@@ -1,7 +1,7 @@
 /* Velocities and energies of a bed after acoustics (bed.h, part 2). */
 #include "libcore/acoustics/bed_private.h"
 
-/* The largest z h-independent part of sound: z = STIFF rho h/dt at most, so that q is stable at any dt. */
+/* z is STIFF rho h/dt at most, so that q is stable at any dt: it takes less than all of a difference of velocities. */
 static const double STIFF = 0.4;
 
 /* The difference of u across a face of cell i along an axis, as the slope sees it. A wall mirrors u; beyond other faces
@@ -25,7 +25,8 @@ static void find_tilts(struct bed *b) {
     bed_fill(b, b->dim, x->tilt);
 }
 
-/* q = -z du/2 of a face between two sides of a cell's density, impedance and speed. */
+/* Returns q = -z du/2 of a face, from the densities and impedances of its two sides, the sum of their speeds, and
+ * stiff = h/dt. z is small where both are slow, so that slow flow is not braked (bed.h: soft). */
 static double friction(double rho_l, double rho_r, double z_l, double z_r, double speeds, double du, double stiff,
                        double soft) {
     const double rho = smaller(rho_l, rho_r), sound = 2 * z_l * z_r / (z_l + z_r);
