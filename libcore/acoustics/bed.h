@@ -22,7 +22,7 @@
  * that of (*). In 3 a cell's new state, of density, momentum and energy, is
  *     (1 - lambda sum_in |U_f|) B + lambda sum_in |U_f| (state of the face, upwind),
  * where B = [L V - lambda sum_out U_f V_f]/(1 - lambda sum_in |U_f|) is what stays behind, V is the cell's state after
- * 2 and V_f its face values. If lambda sum_in |U_f| < 1 this is a convex combination. Face values with minmod-like
+ * 2 and V_f its face values. If lambda sum_in |U_f| < 1 this is a convex combination. Face values with limited
  * slopes lie between those of two cells, component by component of (rho, u, eps), so they are admissible; B is V if the
  * slopes are 0, and the slopes of a cell are set to 0 where its B is not admissible. The step fails, and must be done
  * with a shorter dt, if more than MOST_OUT of a cell is carried in or out, or a cell is lifted by more energy than it

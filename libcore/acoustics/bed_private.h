@@ -7,7 +7,6 @@
 
 #define MOST_OUT 0.95 /* most of a cell's volume that may flow in, or out, in a step */
 
-enum { CELL_LINES = 40, FACE_LINES = 8 };
 struct bed_lines {
     double *memory_cells, *memory_faces;
     int *whole_cells, *whole_faces, *whole_links; /* memory of the lists of integers */
