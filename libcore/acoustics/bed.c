@@ -18,12 +18,12 @@ static void free_lines(struct bed *b) {
     free(x->memory_faces);
     free(x->whole_cells);
     free(x->whole_faces);
-    free(x->whole_links);
+    free(x->whole_sides);
     free(b->first);
     free(b->kind);
     free(b->lift);
     x->memory_cells = x->memory_faces = NULL;
-    x->whole_cells = x->whole_faces = x->whole_links = b->first = NULL;
+    x->whole_cells = x->whole_faces = x->whole_sides = b->first = NULL;
     b->kind = NULL;
     b->lift = NULL;
 }
@@ -40,69 +40,67 @@ static int deal_cells(struct bed *b, double *memory, long n) {
     int used = 0;
     double **single[] = {&x->rho, &x->eps, &x->p, &x->c, &x->root, &x->slack, &x->residual, &x->diagonal, &x->change};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
-    for (int v = 0; v < b->dim + 2; v++) {
+    for (int v = 0; v < b->components + 2; v++) {
         b->U[v] = memory + used++ * n;
         x->after[v] = memory + used++ * n;
         for (int k = 0; k < b->dim; k++) x->slope[k][v] = memory + used++ * n;
     }
-    for (int k = 0; k < b->dim; k++) {
-        x->u[k] = memory + used++ * n;
-        x->tilt[k] = memory + used++ * n;
-    }
+    for (int k = 0; k < b->components; k++) x->u[k] = memory + used++ * n;
     return used;
 }
 
 static int deal_faces(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
-    double **single[] = {&x->drift, &x->give, &x->beyond, &x->U, &x->p_face};
+    double **single[] = {&x->drift, &x->give, &x->beyond, &x->U, &x->p_face, &x->heat[0], &x->heat[1]};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
-    for (int v = 0; v < b->dim + 2; v++) {
+    for (int v = 0; v < b->components + 2; v++) {
         b->kept[v] = memory + used++ * n;
         b->outside[v] = memory + used++ * n;
     }
     return used;
 }
 
-static void deal_lists(struct bed *b, long blocks, long cells, long faces) {
+static void deal_lists(struct bed *b, const long room[4]) {
     struct bed_lines *x = b->lines;
-    b->number = b->first + blocks + 1;
-    for (int k = 0; k < b->dim; k++) {
-        b->low[k] = x->whole_cells + 2 * k * cells;
-        b->high[k] = x->whole_cells + (2 * k + 1) * cells;
-    }
-    b->left = x->whole_faces;
-    b->right = b->left + faces;
-    x->link_first = x->whole_links;
-    x->link = x->link_first + cells + 1;
-    b->work = b->lift + blocks;
+    b->number = b->first + room[0] + 1;
+    b->work = b->lift + room[0];
+    b->body = x->whole_cells;
+    b->face_start = b->body + room[1];
+    x->link_first = b->face_start + room[1] + 1;
+    b->shape = x->whole_faces;
+    b->left = b->shape + room[2];
+    b->right = b->left + room[2];
+    b->face_of_cell = x->whole_sides;
+    x->link = b->face_of_cell + room[3];
 }
 
 /* Makes room for half as much again as is asked for, so that a growing bed seldom asks. */
-static status grow(struct bed *b, const long wanted[3]) {
+static status grow(struct bed *b, const long wanted[4]) {
     struct bed_lines *x = b->lines;
-    long room[3];
+    long room[4];
     free_lines(b);
-    for (int i = 0; i < 3; i++) room[i] = b->room[i] = wanted[i] + wanted[i] / 2 + 16;
-    const long links = 2L * b->dim * room[1];
-    TRY(allocate(&x->memory_cells, (deal_cells(b, NULL, 0)) * room[1] + links, sizeof(double), "the bed"));
+    for (int i = 0; i < 4; i++) room[i] = b->room[i] = wanted[i] + wanted[i] / 2 + 16;
+    const long cells = deal_cells(b, NULL, 0) * room[1];
+    TRY(allocate(&x->memory_cells, cells + room[3], sizeof(double), "the bed"));
     TRY(allocate(&x->memory_faces, deal_faces(b, NULL, 0) * room[2], sizeof(double), "the bed"));
-    TRY(allocate(&x->whole_cells, 2L * b->dim * room[1], sizeof(int), "the bed"));
-    TRY(allocate(&x->whole_faces, 2 * room[2], sizeof(int), "the bed"));
-    TRY(allocate(&x->whole_links, room[1] + 1 + links, sizeof(int), "the bed"));
+    TRY(allocate(&x->whole_cells, 3 * room[1] + 2, sizeof(int), "the bed"));
+    TRY(allocate(&x->whole_faces, 3 * room[2], sizeof(int), "the bed"));
+    TRY(allocate(&x->whole_sides, 2 * room[3], sizeof(int), "the bed"));
     TRY(allocate(&b->first, 2 * room[0] + 1, sizeof(int), "the bed"));
     TRY(allocate(&b->kind, room[2], 1, "the bed"));
     TRY(allocate(&b->lift, 2 * room[0], sizeof(double), "the bed"));
-    x->weight = x->memory_cells + deal_cells(b, x->memory_cells, room[1]) * room[1];
+    (void)deal_cells(b, x->memory_cells, room[1]);
     (void)deal_faces(b, x->memory_faces, room[2]);
-    deal_lists(b, room[0], room[1], room[2]);
+    x->weight = x->memory_cells + cells;
+    deal_lists(b, room);
     return OK;
 }
 
-status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces) {
-    const long wanted[3] = {blocks, (long)cells + ghosts, faces};
+status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int sides) {
+    const long wanted[4] = {blocks, (long)cells + ghosts, faces, sides};
     bool fits = b->kind != NULL;
-    for (int i = 0; i < 3; i++) fits &= wanted[i] <= b->room[i];
+    for (int i = 0; i < 4; i++) fits &= wanted[i] <= b->room[i];
     if (!fits) TRY(grow(b, wanted));
     b->blocks = blocks;
     b->cells = cells;
@@ -115,10 +113,10 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces) {
 /* Finds velocity and eps of n states from place `at` on. */
 KERNEL static void bed_velocities(const struct bed *b, int at, int n) {
     const struct bed_lines *x = b->lines;
-    const double *restrict rho = b->U[0] + at, *restrict E = b->U[b->dim + 1] + at;
+    const double *restrict rho = b->U[0] + at, *restrict E = b->U[b->components + 1] + at;
     double square[BATCH];
     for (int i = 0; i < n; i++) square[i] = 0;
-    for (int k = b->dim - 1; k >= 0; k--) {
+    for (int k = b->components - 1; k >= 0; k--) {
         const double *restrict mom = b->U[k + 1] + at;
         double *restrict u = x->u[k] + at;
         for (int i = 0; i < n; i++) {
@@ -135,7 +133,7 @@ KERNEL static void bed_velocities(const struct bed *b, int at, int n) {
 static void find_primitives(struct bed *b) {
     const struct bed_lines *x = b->lines;
     double gruneisen[BATCH];
-    bed_fill(b, b->dim + 2, b->U);
+    bed_fill(b, b->components + 2, b->U);
     for (int at = 0; at < b->cells + b->ghosts; at += BATCH) {
         const int n = b->cells + b->ghosts - at < BATCH ? b->cells + b->ghosts - at : BATCH;
         bed_velocities(b, at, n);
@@ -150,20 +148,18 @@ static void find_primitives(struct bed *b) {
 static double energy_of(const struct bed *b, int i) {
     const struct bed_lines *x = b->lines;
     double square = 0;
-    for (int k = b->dim - 1; k >= 0; k--) square += x->u[k][i] * x->u[k][i];
+    for (int k = b->components - 1; k >= 0; k--) square += x->u[k][i] * x->u[k][i];
     return x->rho[i] * (x->eps[i] + 0.5 * square);
-}
-
-static double energy_across(const struct bed *b, int face, int cell) {
-    const int other = b->left[face] == cell ? b->right[face] : b->left[face];
-    if (b->kind[face] == BED_WALL) return 0;
-    return other >= 0 ? energy_of(b, other) : b->outside[b->dim + 1][face];
 }
 
 double bed_energy_near(const struct bed *b, int cell) {
     double sum = energy_of(b, cell);
-    for (int k = 0; k < b->dim; k++)
-        sum += energy_across(b, b->low[k][cell], cell) + energy_across(b, b->high[k][cell], cell);
+    for (int j = b->face_start[cell]; j < b->face_start[cell + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const int other = bed_across(b, &s);
+        if (b->kind[s.face] == BED_WALL) continue;
+        sum += other >= 0 ? energy_of(b, other) : b->outside[b->components + 1][s.face];
+    }
     return sum;
 }
 

@@ -16,16 +16,18 @@ static const double NOISE = 8 * 0x1p-52;
 static const double REDUCTION = 1e-4;       /* of the linear residual in one iteration of Newton's method */
 static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in one iteration */
 
-/* The velocity of the gas beyond a face and its density. */
-static double beyond_speed(const struct bed *b, int face, int axis) {
-    return b->outside[axis + 1][face] / b->outside[0][face];
+/* u.n of the gas beyond a face. */
+static double beyond_speed(const struct bed *b, int face) {
+    double u[MAX_DIM];
+    for (int k = 0; k < b->dim; k++) u[k] = b->outside[k + 1][face] / b->outside[0][face];
+    return bed_along(b, b->shapes->normal, b->shape[face], u);
 }
 
 static double pressure_beyond(const struct bed *b, int face) {
     double square = 0, p, c2, gruneisen;
     const double rho = b->outside[0][face];
-    for (int k = b->dim; k >= 1; k--) square += b->outside[k][face] * b->outside[k][face];
-    const double eps = (b->outside[b->dim + 1][face] - 0.5 * square / rho) / rho;
+    for (int k = b->components; k >= 1; k--) square += b->outside[k][face] * b->outside[k][face];
+    const double eps = (b->outside[b->components + 1][face] - 0.5 * square / rho) / rho;
     b->eos->state(b->material, 1, &rho, &eps, &p, &c2, &gruneisen);
     return p;
 }
@@ -38,24 +40,32 @@ static double kept_speed(const struct bed *b, int face) {
     return mass / (from_bed ? b->lines->rho[left >= 0 ? left : right] : b->outside[0][face]);
 }
 
-/* U_f = drift - give (p_R - p_L) */
+/* U_f = drift - give (p_R - p_L), with the weights of P_R - P_L in drift. */
+static void find_open_drift(struct bed *b, int f, double dt, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    const int l = b->left[f], r = b->right[f], shape = b->shape[f];
+    const bool inner = b->kind[f] == BED_INNER;
+    const double rho_l = l >= 0 ? x->rho[l] : b->outside[0][f], rho_r = r >= 0 ? x->rho[r] : b->outside[0][f];
+    const double u_l = l >= 0 ? bed_normal_speed(b, x->u, l, shape) : beyond_speed(b, f);
+    const double u_r = r >= 0 ? bed_normal_speed(b, x->u, r, shape) : beyond_speed(b, f);
+    const double both = rho_l + rho_r, apart = b->shapes->depth[0][shape] + b->shapes->depth[1][shape];
+    const double weight = rho_l * bed_along(b, b->shapes->arm[0], shape, gravity) -
+                          rho_r * bed_along(b, b->shapes->arm[1], shape, gravity);
+    const double give = dt / (0.5 * both * apart);
+    x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + give * weight;
+    if (inner ? l != r : b->kind[f] == BED_HELD) x->give[f] = give;
+    if (!inner) x->beyond[f] = b->kind[f] == BED_HELD ? pressure_beyond(b, f) : x->p[l >= 0 ? l : r];
+}
+
 static void find_drift(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    for (int k = 0; k < b->dim; k++)
-        for (int f = b->axis_first[k]; f < b->axis_first[k + 1]; f++) {
-            const int l = b->left[f], r = b->right[f], inside = l >= 0 ? l : r;
-            x->give[f] = x->beyond[f] = x->drift[f] = 0;
-            if (b->kind[f] == BED_KEPT) x->drift[f] = kept_speed(b, f);
-            if (b->kind[f] == BED_KEPT || b->kind[f] == BED_WALL) continue;
-            const bool inner = b->kind[f] == BED_INNER;
-            const double rho_l = l >= 0 ? x->rho[l] : b->outside[0][f], rho_r = r >= 0 ? x->rho[r] : b->outside[0][f];
-            const double u_l = l >= 0 ? x->u[k][l] : beyond_speed(b, f, k);
-            const double u_r = r >= 0 ? x->u[k][r] : beyond_speed(b, f, k);
-            const double both = rho_l + rho_r;
-            x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + dt * gravity[k];
-            if (inner ? l != r : b->kind[f] == BED_HELD) x->give[f] = dt / (0.5 * both * b->width[k]);
-            if (!inner) x->beyond[f] = b->kind[f] == BED_HELD ? pressure_beyond(b, f) : x->p[inside];
-        }
+    for (int f = 0; f < b->faces; f++) {
+        x->give[f] = x->beyond[f] = x->drift[f] = 0;
+        if (b->kind[f] == BED_KEPT)
+            x->drift[f] = kept_speed(b, f);
+        else if (b->kind[f] != BED_WALL)
+            find_open_drift(b, f, dt, gravity);
+    }
 }
 
 static void find_speeds(struct bed *b) {
@@ -114,8 +124,8 @@ static void find_root(struct bed *b, int at, int n) {
     bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);
 }
 
-/* Finds the residual and the diagonal of the Jacobian; returns the largest residual above rounding over diagonal times
- * p, or times VOLUME, of all ranks. */
+/* Finds the residual and the diagonal of the Jacobian, times V; returns the largest residual above rounding over
+ * diagonal times p, or times VOLUME, of all ranks. */
 static double find_residual(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double worst = 0;
@@ -124,39 +134,36 @@ static double find_residual(struct bed *b, double dt) {
     for (int at = 0; at < b->cells; at += BATCH) find_root(b, at, b->cells - at < BATCH ? b->cells - at : BATCH);
     for (int i = 0; i < b->cells; i++) {
         double out = 0, weights = 0;
-        for (int k = 0; k < b->dim; k++) {
-            const int low = b->low[k][i], high = b->high[k][i];
-            const double lambda = dt / b->width[k];
-            out += lambda * (x->U[high] - x->U[low]);
-            weights += lambda * (x->give[high] + x->give[low]);
+        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            const double swept = dt * b->shapes->area[s.shape];
+            out += s.sign * swept * x->U[s.face];
+            weights += swept * x->give[s.face];
         }
-        x->residual[i] = (x->rho[i] / x->root[i] - 1) - out;
-        x->diagonal[i] = x->rho[i] * x->slack[i] + weights;
-        const double above = fabs(x->residual[i]) - NOISE, change = above / (x->diagonal[i] * x->p[i]),
-                     off = larger(VOLUME * above, change);
+        const double V = b->shapes->volume[b->body[i]];
+        x->residual[i] = V * (x->rho[i] / x->root[i] - 1) - out;
+        x->diagonal[i] = V * x->rho[i] * x->slack[i] + weights;
+        const double above = fabs(x->residual[i]) - NOISE * V, change = above / (x->diagonal[i] * x->p[i]),
+                     off = larger(VOLUME * above / V, change);
         worst = off <= worst ? worst : off; /* also if it is no number */
     }
     comm_max(b->comm, &worst, 1);
     return worst;
 }
 
-static int add_link(const struct bed *b, int links, int face, int cell) {
-    const struct bed_lines *x = b->lines;
-    const int other = b->left[face] == cell ? b->right[face] : b->left[face];
-    if (b->kind[face] != BED_INNER || other == cell) return links;
-    x->link[links] = other;
-    return links + 1;
+static bool is_link(const struct bed *b, const struct bed_side *s, int cell) {
+    return b->kind[s->face] == BED_INNER && bed_across(b, s) != cell;
 }
 
-/* The links of a cell: below and above along each axis. */
+/* The links of a cell, in the order of its faces. */
 static void find_links(struct bed *b) {
     const struct bed_lines *x = b->lines;
     int links = 0;
     for (int i = 0; i < b->cells; i++) {
         x->link_first[i] = links;
-        for (int k = 0; k < b->dim; k++) {
-            links = add_link(b, links, b->low[k][i], i);
-            links = add_link(b, links, b->high[k][i], i);
+        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (is_link(b, &s, i)) x->link[links++] = bed_across(b, &s);
         }
     }
     x->link_first[b->cells] = links;
@@ -166,10 +173,9 @@ static void find_weights(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     int links = 0;
     for (int i = 0; i < b->cells; i++)
-        for (int k = 0; k < b->dim; k++) {
-            const int side[2] = {b->low[k][i], b->high[k][i]};
-            for (int s = 0; s < 2; s++)
-                if (add_link(b, links, side[s], i) > links) x->weight[links++] = dt / b->width[k] * x->give[side[s]];
+        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (is_link(b, &s, i)) x->weight[links++] = dt * b->shapes->area[s.shape] * x->give[s.face];
         }
 }
 

@@ -9,20 +9,58 @@
 
 struct bed_lines {
     double *memory_cells, *memory_faces;
-    int *whole_cells, *whole_faces, *whole_links; /* memory of the lists of integers */
+    int *whole_cells, *whole_faces, *whole_sides; /* memory of the lists of integers */
     /* [cells + ghosts] of the start */
     double *rho, *u[MAX_DIM], *eps, *p, *c;
-    /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual, diagonal, change of p */
+    /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual and diagonal times V, change of p */
     double *root, *slack, *residual, *diagonal, *change;
-    /* [cells + ghosts] after acoustics; state of rho, u, eps; slopes of u along its own axis */
-    double *after[MAX_VAR], *tilt[MAX_DIM];
-    double *slope[MAX_DIM][MAX_VAR]; /* [cells + ghosts] of rho, u, eps over a cell, along each axis */
-    /* [faces] U without pressures; dt/(rho_f h), 0 where U does not depend on p; pressure beyond the face; U; p_f */
-    double *drift, *give, *beyond, *U, *p_face;
+    /* [cells + ghosts] after acoustics: rho, u, eps */
+    double *after[MAX_VAR];
+    double *slope[MAX_DIM][MAX_VAR]; /* [cells + ghosts] limited derivatives of rho, u, eps along each axis, 1/m */
+    /* [faces] U without pressures; dt/(rho_f d_f), 0 where U does not depend on p; pressure beyond the face; U;
+     * p_f; the heat of the cells on the left and on the right, J/(m^2 s) */
+    double *drift, *give, *beyond, *U, *p_face, *heat[2];
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
 };
+
+/* A face as one of its cells sees it. */
+struct bed_side {
+    int face, shape, right; /* right: is the cell on the right of the face? */
+    double sign;            /* of what leaves the cell through the face, against what flows from left to right */
+};
+ALWAYS_INLINE struct bed_side bed_side(const struct bed *b, int entry) {
+    const int listed = b->face_of_cell[entry], right = listed < 0, face = right ? ~listed : listed;
+    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
+}
+ALWAYS_INLINE int bed_across(const struct bed *b, const struct bed_side *s) {
+    return s->right ? b->left[s->face] : b->right[s->face];
+}
+
+/* Returns a.b of a vector of each shape, such as a normal, and b[dim]. On a lattice most components are 0. */
+ALWAYS_INLINE double bed_along(const struct bed *b, double *const *vector, int shape, const double *with) {
+    double sum = 0;
+    for (int k = 0; k < b->dim; k++)
+        if (vector[k][shape] != 0) sum += vector[k][shape] * with[k];
+    return sum;
+}
+
+/* Returns u.n of a cell. */
+ALWAYS_INLINE double bed_normal_speed(const struct bed *b, double *const *u, int cell, int shape) {
+    double *const *normal = b->shapes->normal, sum = 0;
+    for (int k = 0; k < b->dim; k++)
+        if (normal[k][shape] != 0) sum += normal[k][shape] * u[k][cell];
+    return sum;
+}
+
+/* Returns the difference between a variable's value at a face and in the cell, by the cell's slopes. */
+ALWAYS_INLINE double bed_reach(const struct bed *b, const struct bed_side *s, int cell, int variable) {
+    double *const *arm = b->shapes->arm[s->right], sum = 0;
+    for (int k = 0; k < b->dim; k++)
+        if (arm[k][s->shape] != 0) sum += arm[k][s->shape] * b->lines->slope[k][variable][cell];
+    return sum;
+}
 
 /* Calls the caller's fill, if there are other ranks. */
 void bed_fill(const struct bed *b, int n, double *const *line);
@@ -31,17 +69,14 @@ status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM]
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that
  * the step is far too long for what hits it. */
 double bed_energy_near(const struct bed *b, int cell);
+/* Finds the limited slopes of the variables first <= v < end of `of`, in the cells of this rank: mirrored at walls; 0 in
+ * cells beside faces that lead out of the bed otherwise. On boxes `own` asks for the derivatives of velocities along
+ * their own axes only. */
+void bed_slopes(struct bed *b, double *const *of, int first, int end, bool own);
 /* Finds p_face and the state `after` acoustics. Returns whether no cell of this rank was lifted too much. */
 bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* Carries the state with U and puts the result into b->U. Returns whether no cell of this rank gains or loses too
  * much. */
 bool bed_remap(struct bed *b, double dt);
-
-/* The limited difference over a cell, of the differences below and above it (van Leer's monotonised central). */
-ALWAYS_INLINE double limited(double below, double above) {
-    const double least = 2 * smaller(fabs(below), fabs(above)), mean = 0.5 * (below + above);
-    const double size = smaller(least, fabs(mean));
-    return below * above > 0 ? (mean > 0 ? size : -size) : 0;
-}
 
 #endif

@@ -4,29 +4,28 @@
 /* z is STIFF rho h/dt at most, so that q is stable at any dt: it takes less than all of a difference of velocities. */
 static const double STIFF = 0.4;
 
-/* The difference of u across a face of cell i along an axis, as the slope sees it. A wall mirrors u; beyond other faces
- * of the bed u is not known: *known is false. */
-static double difference(const struct bed *b, int axis, int cell, int face, bool above, bool *known) {
-    const double *u = b->lines->u[axis];
-    if (b->kind[face] == BED_WALL) return above ? -2 * u[cell] : 2 * u[cell];
-    if (b->kind[face] != BED_INNER) *known = false;
-    return b->kind[face] == BED_INNER ? u[b->right[face]] - u[b->left[face]] : 0;
-}
-
+/* Slopes of the velocities, for q. */
 static void find_tilts(struct bed *b) {
     const struct bed_lines *x = b->lines;
+    double *velocity[MAX_VAR] = {NULL, x->u[0], x->u[1], x->u[2]};
+    bed_slopes(b, velocity, 1, b->dim + 1, true);
+    if (!b->fill) return;
     for (int k = 0; k < b->dim; k++)
-        for (int i = 0; i < b->cells; i++) {
-            bool known = true;
-            const double below = difference(b, k, i, b->low[k][i], false, &known);
-            const double above = difference(b, k, i, b->high[k][i], true, &known);
-            x->tilt[k][i] = known ? limited(below, above) : 0;
-        }
-    bed_fill(b, b->dim, x->tilt);
+        bed_fill(b, b->shapes->boxes ? 1 : b->dim, &x->slope[k][b->shapes->boxes ? k + 1 : 1]);
+}
+
+/* u.n at a face, as its cell has it there. */
+static double speed_at(const struct bed *b, const struct bed_side *s, int cell) {
+    double sum = 0;
+    for (int k = 0; k < b->dim; k++) {
+        const double n = b->shapes->normal[k][s->shape];
+        if (n != 0) sum += n * (b->lines->u[k][cell] + bed_reach(b, s, cell, k + 1));
+    }
+    return sum;
 }
 
 /* Returns q = -z du/2 of a face, from the densities and impedances of its two sides, the sum of their speeds, and
- * stiff = h/dt. z is small where both are slow, so that slow flow is not braked (bed.h: soft). */
+ * stiff = d_f/dt. z is small where both are slow, so that slow flow is not braked (bed.h: soft). */
 static double friction(double rho_l, double rho_r, double z_l, double z_r, double speeds, double du, double stiff,
                        double soft) {
     const double rho = smaller(rho_l, rho_r), sound = 2 * z_l * z_r / (z_l + z_r);
@@ -34,96 +33,212 @@ static double friction(double rho_l, double rho_r, double z_l, double z_r, doubl
     return -0.5 * du * smaller(smaller(sound, STIFF * stiff * rho), slow);
 }
 
-static double inner_pressure(const struct bed *b, int face, int axis, double stiff) {
-    const struct bed_lines *x = b->lines;
-    const int l = b->left[face], r = b->right[face];
-    const double *u = x->u[axis], *tilt = x->tilt[axis], rho_l = x->rho[l], rho_r = x->rho[r];
-    const double du = (u[r] - 0.5 * tilt[r]) - (u[l] + 0.5 * tilt[l]);
-    return (rho_r * x->p[l] + rho_l * x->p[r]) / (rho_l + rho_r) +
-           friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], fabs(u[l]) + fabs(u[r]), du, stiff, b->params.soft);
+/* P of a cell at a face */
+static double pressure_at(const struct bed *b, const struct bed_side *s, int cell, const double gravity[MAX_DIM]) {
+    const double weight = b->lines->rho[cell] * bed_along(b, b->shapes->arm[s->right], s->shape, gravity);
+    return b->lines->p[cell] + weight;
 }
 
-/* A wall carries the weight of half a cell, and mirrors its velocity. */
-static double wall_pressure(const struct bed *b, int face, int axis, double stiff, double gravity) {
+static double inner_pressure(const struct bed *b, int face, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    const bool low = b->left[face] < 0;
-    const int i = low ? b->right[face] : b->left[face];
-    const double rho = x->rho[i], weight = 0.5 * rho * gravity * b->width[axis], z = rho * x->c[i];
-    const double u = x->u[axis][i], at = low ? u - 0.5 * x->tilt[axis][i] : -(u + 0.5 * x->tilt[axis][i]);
-    return (low ? x->p[i] - weight : x->p[i] + weight) +
-           friction(rho, rho, z, z, 2 * fabs(u), 2 * at, stiff, b->params.soft);
+    const int l = b->left[face], r = b->right[face], shape = b->shape[face];
+    const struct bed_side left = {face, shape, 0, 1}, right = {face, shape, 1, -1};
+    const double rho_l = x->rho[l], rho_r = x->rho[r];
+    const double speeds = fabs(bed_normal_speed(b, x->u, l, shape)) + fabs(bed_normal_speed(b, x->u, r, shape));
+    const double du = speed_at(b, &right, r) - speed_at(b, &left, l);
+    const double stiff = (b->shapes->depth[0][shape] + b->shapes->depth[1][shape]) / dt;
+    return (rho_r * pressure_at(b, &left, l, gravity) + rho_l * pressure_at(b, &right, r, gravity)) / (rho_l + rho_r) +
+           friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
 }
 
-static double open_pressure(const struct bed *b, int face) {
+static struct bed_side side_within(const struct bed *b, int face) {
+    const int right = b->left[face] < 0;
+    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
+}
+
+/* A wall carries the weight of the gas before it, and mirrors its velocity. */
+static double wall_pressure(const struct bed *b, int face, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    const int i = b->left[face] >= 0 ? b->left[face] : b->right[face];
+    const struct bed_side s = side_within(b, face);
+    const int i = s.right ? b->right[face] : b->left[face];
+    const double rho = x->rho[i], z = rho * x->c[i], speed = bed_normal_speed(b, x->u, i, s.shape);
+    return pressure_at(b, &s, i, gravity) + friction(rho, rho, z, z, 2 * fabs(speed),
+                                                     -2 * s.sign * speed_at(b, &s, i),
+                                                     2 * b->shapes->depth[s.right][s.shape] / dt, b->params.soft);
+}
+
+static double open_pressure(const struct bed *b, int face, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    const struct bed_side s = side_within(b, face);
+    const int i = s.right ? b->right[face] : b->left[face];
     const double rho = x->rho[i], outside = b->outside[0][face];
-    const double beyond = b->kind[face] == BED_FREE ? x->p[i] : x->beyond[face];
-    return (outside * x->p[i] + rho * beyond) / (rho + outside);
+    const double weight = outside * bed_along(b, b->shapes->arm[!s.right], s.shape, gravity);
+    const double beyond = (b->kind[face] == BED_FREE ? x->p[i] : x->beyond[face]) + weight;
+    return (outside * pressure_at(b, &s, i, gravity) + rho * beyond) / (rho + outside);
+}
+
+static double kept_pressure(const struct bed *b, int face) {
+    double momentum[MAX_DIM];
+    for (int k = 0; k < b->dim; k++) momentum[k] = b->kept[k + 1][face];
+    return bed_along(b, b->shapes->normal, b->shape[face], momentum) - b->kept[0][face] * b->lines->U[face];
 }
 
 static void find_face_pressures(struct bed *b, double dt, const double gravity[MAX_DIM]) {
-    const struct bed_lines *x = b->lines;
-    for (int k = 0; k < b->dim; k++) {
-        const double stiff = b->width[k] / dt;
-        for (int f = b->axis_first[k]; f < b->axis_first[k + 1]; f++) switch (b->kind[f]) {
-            case BED_INNER:
-                x->p_face[f] = inner_pressure(b, f, k, stiff);
-                break;
-            case BED_WALL:
-                x->p_face[f] = wall_pressure(b, f, k, stiff, gravity[k]);
-                break;
-            case BED_KEPT:
-                x->p_face[f] = b->kept[k + 1][f] - b->kept[0][f] * x->U[f];
-                break;
-            default:
-                x->p_face[f] = open_pressure(b, f);
-            }
-    }
+    double *p = b->lines->p_face;
+    for (int f = 0; f < b->faces; f++) switch (b->kind[f]) {
+        case BED_INNER:
+            p[f] = inner_pressure(b, f, dt, gravity);
+            break;
+        case BED_WALL:
+            p[f] = wall_pressure(b, f, dt, gravity);
+            break;
+        case BED_KEPT:
+            p[f] = kept_pressure(b, f);
+            break;
+        default:
+            p[f] = open_pressure(b, f, gravity);
+        }
 }
 
-/* The state of a cell after acoustics. Gravity works on what crosses the cell, the mean of its faces' velocities:
- * then the hydrostatic parts of p_f do no work on the internal energy. The gas of a cell at the surface of a bed has
- * room to fall within the cell, and (*) presses it together; so eps is compared with that of (*) or of the start,
- * whichever is less. Returns the J/m^3 that lifting eps added; *work: those of gravity. */
-static double update_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i, double *work) {
+/* Density and velocity of a cell after acoustics, all but what the theorem of bed.h says of eps. */
+static void move_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
-    double growth = 0, power = 0, given = 0, before = 0, now = 0;
-    for (int k = b->dim - 1; k >= 0; k--) {
-        const int low = b->low[k][i], high = b->high[k][i];
-        const double lambda = dt / b->width[k], U_low = x->U[low], U_high = x->U[high], u = x->u[k][i];
-        const double force = lambda * (x->p_face[high] - x->p_face[low]) / x->rho[i],
-                     moved = u + (dt * gravity[k] - force);
-        growth += lambda * (U_high - U_low);
-        power += lambda * (x->p_face[high] * U_high - x->p_face[low] * U_low);
-        given += dt * gravity[k] * (0.5 * (U_low + U_high));
-        before += u * u;
-        now += moved * moved;
-        x->after[k + 1][i] = moved;
+    const double per = dt / b->shapes->volume[b->body[i]], rho = x->rho[i];
+    double growth = 0, force[MAX_DIM] = {0};
+    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double swept = s.sign * per * b->shapes->area[s.shape], push = swept * x->p_face[s.face];
+        growth += swept * x->U[s.face];
+        for (int k = 0; k < b->dim; k++)
+            if (b->shapes->normal[k][s.shape] != 0) force[k] += push * b->shapes->normal[k][s.shape];
     }
-    const double rho = x->rho[i],
-                 least = (1 - b->params.keep) * (x->eps[i] - larger(x->p[i] * (1 / x->root[i] - 1 / rho), 0));
-    const double eps = x->eps[i] + 0.5 * (before - now) - power / rho + given;
     x->after[0][i] = rho / (1 + growth);
-    x->after[b->dim + 1][i] = larger(eps, least);
-    *work += rho * given;
-    return eps < least ? rho * (least - eps) : 0;
+    for (int k = 0; k < b->components; k++)
+        x->after[k + 1][i] = x->u[k][i] + (dt * gravity[k] - (k < b->dim ? force[k] / rho : 0));
 }
 
-bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+/* The heat (J/(m^2 s)) that a cell gains at a face, where p_f moves the gas with U but the cell with the mean of its
+ * velocities before and behind: -(p_f - P) (U - u.n), outwards. */
+static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    const double mean = 0.5 * (bed_normal_speed(b, x->u, cell, s->shape) +
+                               bed_normal_speed(b, x->after + 1, cell, s->shape));
+    return -s->sign * (x->p_face[s->face] - pressure_at(b, s, cell, gravity)) * (x->U[s->face] - mean);
+}
+
+static void find_heat(struct bed *b, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    for (int f = 0; f < b->faces; f++) {
+        const int l = b->left[f], r = b->right[f], shape = b->shape[f];
+        const struct bed_side left = {f, shape, 0, 1}, right = {f, shape, 1, -1};
+        x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l, gravity) : 0;
+        x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r, gravity) : 0;
+    }
+}
+
+/* The heat (J/kg) of the faces of a cell in the step. */
+static double heat_of_cell(const struct bed *b, double dt, int i) {
+    double sum = 0;
+    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        sum += b->shapes->area[s.shape] * b->lines->heat[s.right][s.face];
+    }
+    return dt / b->shapes->volume[b->body[i]] * sum / b->lines->rho[i];
+}
+
+/* What the cell across a face could give to one that the face cools. */
+static double spare(const struct bed *b, int face, int right) {
+    const double mine = b->lines->heat[right][face], others = b->lines->heat[!right][face];
+    return b->kind[face] == BED_INNER && mine < 0 && others > 0 ? smaller(-mine, others) : 0;
+}
+
+/* The eps that a cell keeps. The gas of a cell at the surface of a bed has room to fall within the cell, and (*)
+ * presses it together; so the bound is that of (*) or of the start, whichever is less. */
+static double least_of(const struct bed *b, int i) {
+    const struct bed_lines *x = b->lines;
+    return (1 - b->params.keep) * (x->eps[i] - larger(x->p[i] * (1 / x->root[i] - 1 / x->rho[i]), 0));
+}
+
+/* eps = eps^n - p (tau - tau^n) + heat */
+static double eps_after(const struct bed *b, double dt, int i) {
+    const struct bed_lines *x = b->lines;
+    return x->eps[i] - x->p[i] * (1 / x->after[0][i] - 1 / x->rho[i]) + heat_of_cell(b, dt, i);
+}
+
+/* The heat of both cells at a face is U_p (U_p - [change of u.n]/2) rho_f d_f/dt + z du^2/2, U_p the part of U that the
+ * pressures make, which is hardly ever negative; but that of one of them may be, and a cold cell has nothing to spare.
+ * So where a cell would fall below its bound, those across the faces that cool it give it as much as it lacks, of the
+ * heat that they have of the same faces. */
+static void share_heat(struct bed *b, double dt) {
+    const struct bed_lines *x = b->lines;
+    double *lacks = x->change; /* part of what could be given to the cell */
+    for (int i = 0; i < b->cells; i++) {
+        const double lack = least_of(b, i) - eps_after(b, dt, i);
+        double all = 0;
+        lacks[i] = 0;
+        if (!(lack > 0)) continue;
+        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            all += b->shapes->area[s.shape] * spare(b, s.face, s.right);
+        }
+        all *= dt / b->shapes->volume[b->body[i]] / x->rho[i];
+        lacks[i] = all > lack ? lack / all : all > 0;
+    }
+    bed_fill(b, 1, &lacks);
+    for (int f = 0; f < b->faces; f++)
+        for (int right = 0; right < 2; right++) {
+            const double give = spare(b, f, right);
+            if (!(give > 0)) continue;
+            const double given = give * lacks[right ? b->right[f] : b->left[f]];
+            x->heat[right][f] += given;
+            x->heat[!right][f] -= given;
+            break;
+        }
+}
+
+/* Gravity works on what crosses the cell, the mean of its faces' velocities: then the hydrostatic parts of p_f do no
+ * work on eps. Returns J/m^3. */
+static double work_on_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
+    const struct bed_lines *x = b->lines;
+    double sum = 0;
+    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double fall = bed_along(b, b->shapes->arm[s.right], s.shape, gravity);
+        sum += s.sign * b->shapes->area[s.shape] * x->U[s.face] * fall;
+    }
+    sum /= b->shapes->volume[b->body[i]];
+    for (int k = b->dim; k < b->components; k++) sum += 0.5 * gravity[k] * (x->u[k][i] + x->after[k + 1][i]);
+    return dt * x->rho[i] * sum;
+}
+
+/* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
+static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    double *after = b->lines->after[b->components + 1];
     bool fine = true;
-    find_tilts(b);
-    find_face_pressures(b, dt, gravity);
     b->lifted = 0;
     for (int block = 0; block < b->blocks; block++) {
         b->lift[block] = b->work[block] = 0;
         for (int i = b->first[block]; i < b->first[block + 1]; i++) {
-            const double lift = update_cell(b, dt, gravity, i, &b->work[block]);
-            b->lift[block] += lift;
+            const double V = b->shapes->volume[b->body[i]], eps = eps_after(b, dt, i), least = least_of(b, i);
+            const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
+            after[i] = larger(eps, least);
+            b->work[block] += V * work_on_cell(b, dt, gravity, i);
+            b->lift[block] += V * lift;
             b->lifted += lift > 0;
             fine &= lift == 0 || lift <= bed_energy_near(b, i);
         }
     }
-    bed_fill(b, b->dim + 2, b->lines->after);
+    return fine;
+}
+
+bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    find_tilts(b);
+    find_face_pressures(b, dt, gravity);
+    for (int i = 0; i < b->cells; i++) move_cell(b, dt, gravity, i);
+    bed_fill(b, b->dim, b->lines->after + 1);
+    find_heat(b, gravity);
+    share_heat(b, dt);
+    const bool fine = find_eps(b, dt, gravity);
+    bed_fill(b, b->components + 2, b->lines->after);
     return fine;
 }

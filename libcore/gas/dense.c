@@ -32,6 +32,7 @@ status dense_make(struct gas *g) {
                           .comm = g->comm,
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
+                          .components = g->dim,
                           .limit = g->limit};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
@@ -46,6 +47,35 @@ void dense_free(struct gas *g) {
     bed_free(&g->dense->bed);
     status_free(g->dense->failed);
     free(g->dense);
+}
+
+/* The rate at which impacts cool dense cells, as their law has it over dt. */
+static double rate_of_cooling(const struct gas *g, double dt, const struct bed_row *row) {
+    const struct gas_models *m = &g->models;
+    double cooled[BATCH], most = 0;
+    if (!source_cools(&m->source, &m->material)) return 0;
+    memcpy(cooled, row->eps, (size_t)row->n * sizeof(double));
+    m->source.cooling->step(&m->source.cooling_params, m->eos, &m->material, dt, row->n, row->rho, cooled);
+    for (int i = 0; i < row->n; i++)
+        if (row->part[i] >= BED_DENSE) most = larger(most, (row->eps[i] - cooled[i]) / (cooled[i] * dt));
+    return most;
+}
+
+void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most) {
+    const struct material *m = &g->models.material;
+    const double grain = m->diameter / sqrt(packing_per_density(m)); /* sigma sqrt(rho of a grain) */
+    bool dense = false;
+    for (int i = 0; i < row->n; i++) {
+        const double part = row->part ? row->part[i] : 0;
+        const bool near_void = row->rho[i] < thin;
+        most->flow = larger(most->flow, row->flow[i]);
+        most->thin = larger(most->thin, part < BED_FROZEN ? row->thin[i] : 0);
+        most->solid = larger(most->solid, part < BED_FROZEN && !near_void ? row->thin[i] : 0);
+        dense |= part >= BED_DENSE;
+        if (part >= BED_DENSE && !near_void)
+            most->inertia = larger(most->inertia, row->flow[i] * grain / sqrt(row->p[i]));
+    }
+    if (dense) most->cooling = larger(most->cooling, rate_of_cooling(g, dt, row));
 }
 
 /* The limits of dt by their causes. */

@@ -130,6 +130,12 @@ status implicit_first(const struct gas *g, int cells, long *first);
 
 status dense_make(struct gas *g);
 void dense_free(struct gas *g);
+struct bed_row { /* n <= BATCH cells: rates as in struct bed_rates; part NULL: none is a bed's */
+    int n;
+    const double *rho, *eps, *p, *thin, *flow, *part;
+};
+/* Raises `most` to the rates of a row, those of cooling over dt; thin: as in the hook `parts`. */
+void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most);
 /* Lists and takes the bed from the state in which a step starts. Collective. */
 status dense_begin(struct gas *g, const struct state *from);
 /* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
@@ -176,9 +182,12 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
  * and rho u.g; not where falls is 1 (NULL: it is 0 everywhere) or flag is above 0. */
 void advance_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag);
 /* Lets the states that advance_row advanced fall where it left gravity out for their flags: there W falls over dt at
- * its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more than by advance_row. */
+ * its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more than by advance_row, but for
+ * cells of a bed (part, enum bed_part, or NULL), which are given back their start. */
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
-              double *dropped);
+              const double *part, double *dropped);
+/* Gives the frozen cells of a bed the state U0. */
+void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
 /* Takes from the energy E of n <= BATCH states of a block what the law's term of dilation takes over dt where div u is

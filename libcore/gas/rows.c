@@ -136,7 +136,7 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
 }
 
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
-              double *dropped) {
+              const double *part, double *dropped) {
     const long size = g->size;
     const double a = s->a, dt = s->dt;
     for (int i = 0; i < n; i++) {
@@ -150,7 +150,15 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
             more += kick * (moved + 0.5 * rho * kick);
         }
         s->to[(g->dim + 1) * size + i] += (1 - a) * work;
-        dropped[i * g->raised_step] += more;
+        if (!(part && part[i] > 0)) dropped[i * g->raised_step] += more;
+    }
+}
+
+void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part) {
+    for (int v = 0; v < g->nvar; v++) {
+        const double *U0 = s->U0 + v * g->size;
+        double *to = s->to + v * g->size;
+        for (int i = 0; i < n; i++) to[i] = part[i] >= BED_FROZEN ? U0[i] : to[i];
     }
 }
 

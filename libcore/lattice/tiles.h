@@ -170,8 +170,6 @@ bool tiles_hold_bed(const struct gas *g, int tile);
 /* The span of a row of such a tile, `row` being the offset of its first cell, outside of which its n cells are
  * frozen. */
 struct span tiles_moving_span(const struct gas *g, int tile, long row, int n);
-/* Gives the frozen ones of n cells of such a tile the state U0. */
-void tiles_freeze_row(const struct gas *g, int tile, const double *U0, double *to, long offset, int n);
 /* Notes the fluxes through a strip of such a tile. */
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 

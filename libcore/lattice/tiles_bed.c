@@ -17,14 +17,34 @@ struct tiles_bed {
     double **fluxes;
     struct seat *seat; /* [cells], then [ghosts], then [faces] */
     long room;
+    /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
+    struct bed_shapes shapes;
+    double one, area[MAX_DIM], half[MAX_DIM], to[2][MAX_DIM][MAX_DIM], normal[MAX_DIM][MAX_DIM];
 };
+
+static void make_shapes(const struct gas *g, struct tiles_bed *b) {
+    struct bed_shapes *s = &b->shapes;
+    *s = (struct bed_shapes){.boxes = true, .volume = &b->one, .area = b->area, .depth = {b->half, b->half}};
+    b->one = 1;
+    for (int k = 0; k < g->dim; k++) {
+        s->normal[k] = b->normal[k];
+        b->normal[k][k] = 1;
+        b->area[k] = 1 / g->forest->width[k];
+        b->half[k] = 0.5 * g->forest->width[k];
+        for (int side = 0; side < 2; side++) {
+            s->arm[side][k] = b->to[side][k];
+            b->to[side][k][k] = side ? -b->half[k] : b->half[k];
+        }
+    }
+    g->dense->bed.shapes = s;
+}
 
 status tiles_bed_make(struct gas *g) {
     struct tiles_bed *b;
-    for (int k = 0; k < g->dim; k++) g->dense->bed.width[k] = g->forest->width[k];
     TRY(blocks_make(g->forest, 1, &g->dense->part));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
+    make_shapes(g, b);
     TRY(blocks_make(g->forest, 1, &b->listed));
     TRY(allocate(&b->holds, g->forest->ntiles, sizeof(bool), "tiles"));
     return allocate(&b->fluxes, g->forest->ntiles, sizeof(double *), "tiles");
@@ -135,29 +155,14 @@ struct rating { /* finds the rates of a tile */
     struct gas *g;
     const double *U, *part; /* part: NULL in tiles without a bed */
     double dt, thin;
-    double grain; /* sigma sqrt(rho of a grain) */
     struct bed_rates most;
 };
-
-/* The rate at which impacts cool the cells, as their law has it over dt. */
-static void rate_cooling(struct rating *r, long offset, int n) {
-    const struct gas_models *m = &r->g->models;
-    const double *eps = r->g->tiles->work.eps + offset;
-    double cooled[BATCH];
-    if (!source_cools(&m->source, &m->material)) return;
-    memcpy(cooled, eps, (size_t)n * sizeof(double));
-    m->source.cooling->step(&m->source.cooling_params, m->eos, &m->material, r->dt, n, r->U + offset, cooled);
-    for (int i = 0; i < n; i++)
-        if (r->part[offset + i] >= BED_DENSE)
-            r->most.cooling = larger(r->most.cooling, (eps[i] - cooled[i]) / (cooled[i] * r->dt));
-}
 
 static void rate_visit(void *rating, long offset, int n) {
     struct rating *r = rating;
     const struct gas *g = r->g;
     const struct work *w = &g->tiles->work;
     double thin[BATCH] = {0}, flow[BATCH] = {0};
-    bool dense = false;
     primitives_of_row(g, r->U, offset, n);
     for (int k = 0; k < g->dim; k++) {
         const double inverse = 1 / g->forest->width[k], *u = w->velocity[k] + offset, *c = w->c + offset;
@@ -166,23 +171,15 @@ static void rate_visit(void *rating, long offset, int n) {
             thin[i] += (fabs(u[i]) + c[i]) * inverse;
         }
     }
-    for (int i = 0; i < n; i++) {
-        const double part = r->part ? r->part[offset + i] : 0;
-        r->most.flow = larger(r->most.flow, flow[i]);
-        r->most.thin = larger(r->most.thin, part < BED_FROZEN ? thin[i] : 0);
-        r->most.solid = larger(r->most.solid, part < BED_FROZEN && !(r->U[offset + i] < r->thin) ? thin[i] : 0);
-        dense |= part >= BED_DENSE;
-        if (part >= BED_DENSE && !(r->U[offset + i] < r->thin))
-            r->most.inertia = larger(r->most.inertia, flow[i] * r->grain / sqrt(w->p[offset + i]));
-    }
-    if (dense) rate_cooling(r, offset, n);
+    const struct bed_row row = {
+        n, r->U + offset, w->eps + offset, w->p + offset, thin, flow, r->part ? r->part + offset : NULL};
+    dense_rates(g, r->dt, r->thin, &row, &r->most);
 }
 
 /* No cell is left out as uniform in a step with a bed. */
 void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine) {
     const struct forest *f = g->forest;
-    const struct material *m = &g->models.material;
-    struct rating r = {.g = g, .dt = dt, .thin = thin, .grain = m->diameter / sqrt(packing_per_density(m))};
+    struct rating r = {.g = g, .dt = dt, .thin = thin};
     find_rings(g);
     for (int t = 0; t < f->ntiles; t++) {
         activity_unfold(g, t, &g->U);
@@ -347,6 +344,11 @@ static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int
     return patch_is_wall(&g->rules[patch]) ? BED_WALL : BED_HELD;
 }
 
+/* The place of a cell's lower or upper face along an axis in the list of the cells' faces. */
+static int side_entry(const struct bed *bed, int cell, int axis, bool above) {
+    return 2 * (bed->dim * cell + axis) + above;
+}
+
 static void add_face(struct weaving *w, int i, int axis, bool above, int neighbour) {
     struct bed *bed = &w->g->dense->bed;
     const struct seat s = w->g->tiles->bed->seat[i];
@@ -355,8 +357,9 @@ static void add_face(struct weaving *w, int i, int axis, bool above, int neighbo
     bed->left[f] = above ? i : neighbour;
     bed->right[f] = above ? neighbour : i;
     bed->kind[f] = (unsigned char)kind_of(w->g, s, axis, above, neighbour);
-    (above ? bed->high : bed->low)[axis][i] = f;
-    if (neighbour >= 0 && neighbour < bed->cells) bed->low[axis][neighbour] = f;
+    bed->shape[f] = axis;
+    bed->face_of_cell[side_entry(bed, i, axis, above)] = above ? f : ~f;
+    if (neighbour >= 0 && neighbour < bed->cells) bed->face_of_cell[side_entry(bed, neighbour, axis, false)] = ~f;
     w->g->tiles->bed->seat[bed->cells + bed->ghosts + f] =
         (struct seat){s.tile, above ? s.at : s.at - w->g->forest->stride[axis]};
 }
@@ -365,8 +368,7 @@ static void add_face(struct weaving *w, int i, int axis, bool above, int neighbo
 static void weave(struct weaving *w) {
     struct bed *bed = &w->g->dense->bed;
     w->ghosts = w->faces = 0;
-    for (int k = 0; k < bed->dim; k++) {
-        bed->axis_first[k] = w->faces;
+    for (int k = 0; k < bed->dim; k++)
         for (int i = 0; i < bed->cells; i++) {
             add_face(w, i, k, true, neighbour_of(w, i, k, true));
             const int before = w->ghosts, below = neighbour_of(w, i, k, false);
@@ -375,8 +377,6 @@ static void weave(struct weaving *w) {
             else
                 w->ghosts = before;
         }
-        bed->axis_first[k + 1] = w->faces;
-    }
 }
 
 static void fill_ghosts(void *gas, int n, double *const *line);
@@ -396,8 +396,7 @@ static status list_here(struct gas *g) {
     const long faces = (long)g->dim * cells * 2;
     TRY(make_fluxes(g));
     TRY(make_seats(g, cells + 2 * faces));
-    TRY(bed_size(bed, blocks, cells, (int)faces, (int)faces));
-    return OK;
+    return bed_size(bed, blocks, cells, (int)faces, (int)faces, (int)faces);
 }
 
 struct moving { /* looks for cells that the stages move */
@@ -437,6 +436,8 @@ status tiles_bed_list(struct gas *g) {
     weave(&w);
     bed->ghosts = w.ghosts;
     bed->faces = w.faces;
+    for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
+    for (int i = 0; i < bed->cells; i++) bed->body[i] = 0;
     w.count = false;
     weave(&w);
     bed->fill = comm_size(g->comm) > 1 ? fill_ghosts : NULL;
@@ -468,17 +469,16 @@ static bool same_state(const struct gas *g, const double *U, long a, long b) {
 static void take_beyond(struct gas *g, const struct state *from) {
     struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
-    for (int k = 0; k < g->dim; k++)
-        for (int f = bed->axis_first[k]; f < bed->axis_first[k + 1]; f++) {
-            const double *U = from->block[seat[f].tile];
-            const long below = seat[f].at, above = below + g->forest->stride[k];
-            if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_WALL) continue;
-            if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, below, above) ? BED_FREE : BED_HELD;
-            for (int v = 0; v < g->nvar; v++) {
-                bed->outside[v][f] = U[v * g->forest->size + (bed->left[f] < 0 ? below : above)];
-                bed->kept[v][f] = 0;
-            }
+    for (int f = 0; f < bed->faces; f++) {
+        const double *U = from->block[seat[f].tile];
+        const long below = seat[f].at, above = below + g->forest->stride[bed->shape[f]];
+        if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_WALL) continue;
+        if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, below, above) ? BED_FREE : BED_HELD;
+        for (int v = 0; v < g->nvar; v++) {
+            bed->outside[v][f] = U[v * g->forest->size + (bed->left[f] < 0 ? below : above)];
+            bed->kept[v][f] = 0;
         }
+    }
 }
 
 void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
@@ -506,12 +506,12 @@ void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH
 void tiles_bed_keep(struct gas *g, double weight) {
     struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
-    for (int k = 0; k < g->dim; k++)
-        for (int f = bed->axis_first[k]; f < bed->axis_first[k + 1]; f++) {
-            const double *from = g->tiles->bed->fluxes[seat[f].tile] + (long)k * g->nvar * g->forest->size + seat[f].at;
-            if (bed->kind[f] != BED_KEPT) continue;
-            for (int v = 0; v < g->nvar; v++) bed->kept[v][f] += weight * from[v * g->forest->size];
-        }
+    for (int f = 0; f < bed->faces; f++) {
+        if (bed->kind[f] != BED_KEPT) continue;
+        const long line = (long)bed->shape[f] * g->nvar;
+        const double *from = g->tiles->bed->fluxes[seat[f].tile] + line * g->forest->size + seat[f].at;
+        for (int v = 0; v < g->nvar; v++) bed->kept[v][f] += weight * from[v * g->forest->size];
+    }
 }
 
 long tiles_bed_put(struct gas *g, const struct state *to) {
@@ -543,12 +543,4 @@ struct span tiles_moving_span(const struct gas *g, int tile, long row, int n) {
     while (s.low < n && part[s.low] >= BED_FROZEN) s.low++;
     while (s.high > s.low && part[s.high - 1] >= BED_FROZEN) s.high--;
     return span_empty(s) ? SPAN_EMPTY : s;
-}
-
-void tiles_freeze_row(const struct gas *g, int tile, const double *U0, double *to, long offset, int n) {
-    const double *part = g->dense->part[tile] + offset;
-    for (int v = 0; v < g->nvar; v++) {
-        const long at = v * g->forest->size + offset;
-        for (int i = 0; i < n; i++) to[at + i] = part[i] >= BED_FROZEN ? U0[at + i] : to[at + i];
-    }
 }

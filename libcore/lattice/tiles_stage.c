@@ -166,31 +166,11 @@ struct update {
     int bad;
 };
 
-/* Lets flagged cells fall (drop_row). Cells of a bed that the stages advance are given back their start: what falling
- * adds to them is not booked. */
-static void drop_cells(const struct update *u, long offset, int n, const struct advance *s, const double *falls,
-                       const double *flag) {
-    const struct gas *g = u->g;
-    if (!tiles_hold_bed(g, u->tile)) {
-        drop_row(g, n, s, falls, flag, u->dropped);
-        return;
-    }
-    for (int i = 0; i < n; i++) {
-        struct advance one = *s;
-        double undone = 0;
-        one.U0 += i;
-        one.from += i;
-        one.residual += i;
-        one.to += i;
-        drop_row(g, 1, &one, falls ? falls + i : NULL, flag + i,
-                 g->dense->part[u->tile][offset + i] > 0 ? &undone : u->dropped);
-    }
-}
-
 static void update_visit(void *context, long offset, int n) {
     struct update *u = context;
     const struct gas *g = u->g;
     const double *falls = u->falls ? u->falls + offset : NULL, *flag = u->dropped ? u->flag + offset : NULL;
+    const double *part = tiles_hold_bed(g, u->tile) ? g->dense->part[u->tile] + offset : NULL;
     const struct advance s = {.U0 = u->U0 + offset,
                               .from = u->from + offset,
                               .residual = g->tiles->work.residual[0] + offset,
@@ -199,8 +179,8 @@ static void update_visit(void *context, long offset, int n) {
                               .a = u->a,
                               .dt = u->dt};
     advance_row(g, n, &s, falls, flag);
-    if (g->falls && u->dropped) drop_cells(u, offset, n, &s, falls, flag);
-    if (tiles_hold_bed(g, u->tile)) tiles_freeze_row(g, u->tile, u->U0, u->to, offset, n);
+    if (g->falls && u->dropped) drop_row(g, n, &s, falls, flag, part, u->dropped);
+    if (part) freeze_row(g, n, &s, part);
     u->bad += row_limited(g, n, u->from + offset, u->to + offset, u->flag + offset);
     u->g->computed += n;
 }

@@ -198,11 +198,7 @@ static status cells_field(const struct gas *g, enum gas_field field, double *con
     return s;
 }
 
-struct primitives { /* of a batch of cells */
-    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
-};
-
-static void find_primitives(const struct gas *g, int n, const double *U, struct primitives *q) {
+void cells_primitives(const struct gas *g, int n, const double *U, struct cells_primitives *q) {
     double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
     velocity_row(n, g->dim, g->size, U, velocity, q->eps);
     g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
@@ -211,7 +207,7 @@ static void find_primitives(const struct gas *g, int n, const double *U, struct 
 
 /* rate = sum_k |u_k| girth_k + c total_girth, which is no less than the sum over the faces of (|u_n| + c) A / (2 V),
  * and on boxes the rate of the lattice; fast = |u| + c */
-KERNEL static void rate_line(int n, int dim, const struct primitives *q, double *const girth[MAX_DIM],
+KERNEL static void rate_line(int n, int dim, const struct cells_primitives *q, double *const girth[MAX_DIM],
                              const double *restrict total, double *restrict rate, double *restrict fast) {
     for (int i = 0; i < n; i++) {
         rate[i] = q->c[i] * total[i];
@@ -229,10 +225,10 @@ KERNEL static void rate_line(int n, int dim, const struct primitives *q, double 
 
 static void rate_batch(const struct gas *g, int from, int n, double *rate, double *fast) {
     const struct cells *c = g->cells;
-    struct primitives q;
+    struct cells_primitives q;
     double *girth[MAX_DIM];
     for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
-    find_primitives(g, n, g->U.block[0] + from, &q);
+    cells_primitives(g, n, g->U.block[0] + from, &q);
     rate_line(n, g->dim, &q, girth, c->total_girth + from, rate, fast);
 }
 
@@ -340,4 +336,14 @@ const struct engine engine_polyhedral = {
                   .cross = cells_diffusion_cross,
                   .dilate = cells_diffusion_dilate,
                   .flags = cells_diffusion_flags},
+    .bed = {.make = cells_bed_make,
+            .free = cells_bed_free,
+            .find = cells_bed_find,
+            .parts = cells_bed_parts,
+            .include = cells_bed_include,
+            .list = cells_bed_list,
+            .take = cells_bed_take,
+            .keep = cells_bed_keep,
+            .put = cells_bed_put,
+            .spread = cells_bed_spread},
     .implicit = {.pattern = cells_implicit_pattern, .matrix = cells_implicit_matrix, .move = cells_implicit_move}};

@@ -34,7 +34,14 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double **by_block;      /* [nblocks] into `line` */
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
+    struct cells_bed *bed;           /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
+
+struct cells_primitives { /* of a batch of cells */
+    double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
+};
+/* Finds those of n <= BATCH cells, whose variables lie g->size apart from U on. */
+void cells_primitives(const struct gas *g, int n, const double *U, struct cells_primitives *q);
 
 /* line[v] <- the line of variable v of a state */
 void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]);
@@ -84,6 +91,19 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
  * gravity. */
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]);
+
+/* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
+
+status cells_bed_make(struct gas *g);
+void cells_bed_free(struct gas *g);
+long cells_bed_find(struct gas *g, double above);
+void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
+void cells_bed_include(struct gas *g, double thin, double rate);
+status cells_bed_list(struct gas *g);
+void cells_bed_take(struct gas *g, const struct state *from, bool again);
+void cells_bed_keep(struct gas *g, double weight);
+long cells_bed_put(struct gas *g, const struct state *to);
+void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);

@@ -261,7 +261,7 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
     for (int at = 0; at < m->nown; at += BATCH) {
         int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         const double *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL,
-                     *flag = c->flagged ? c->flag + at : NULL;
+                     *flag = c->flagged ? c->flag + at : NULL, *part = g->hybrid ? g->dense->part[0] + at : NULL;
         const struct advance s = {.U0 = U0->block[0] + at,
                                   .from = from->block[0] + at,
                                   .residual = residuals[0],
@@ -279,7 +279,8 @@ static long update_cells(struct gas *g, const struct state *U0, const struct sta
         if (g->falls) weigh_row(g, n, in, falls, flag, residual);
         if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
         update_rows(g, n, &s);
-        if (g->falls && flag) drop_row(g, n, &s, falls, flag, g->dropped + at);
+        if (g->falls && flag) drop_row(g, n, &s, falls, flag, part, g->dropped + at);
+        if (part) freeze_row(g, n, &s, part);
         count += row_limited(g, n, s.from, s.to, c->flag + at);
     }
     g->computed += m->nown;

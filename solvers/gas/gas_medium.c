@@ -122,9 +122,6 @@ static status gas_read_state(struct setup *s) {
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
-    if (s->grid->polyhedra && models->acoustics->implicit)
-        return dict_fail(g->models->solution, "acoustics",
-                         "implicit acoustics are for lattices as yet, and this mesh is none; say  type explicit;");
     if (s->grid->polyhedra && models->polynomial->degree > 1)
         return initial_average(g->initial, &place, s->dim, s->axis, models);
     return OK;

@@ -106,12 +106,6 @@ class Acoustics(harness.Folder, unittest.TestCase):
                 done = harness.program("granularGas", "-case", self.block(name, (8, 8, 1), 0.1, text, **options), check=False)
                 self.assertEqual(done.returncode, 1)
                 self.assertIn(says, done.stderr)
-        case = self.block("cells", (8, 8, 1), 0.1)
-        with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
-            f.write("meshEngine polyhedral;\n")
-        done = harness.program("granularGas", "-case", case, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("for lattices as yet", done.stderr)
 
 
 if __name__ == "__main__":
