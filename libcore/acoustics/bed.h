@@ -91,6 +91,10 @@ struct bed {
     double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
     double *kept[MAX_VAR];    /* [faces] BED_KEPT: the fluxes of U, from left to right, mean over the step */
     double *outside[MAX_VAR]; /* [faces] BED_KEPT, BED_HELD, BED_FREE: U of the gas beyond the face, at the start */
+    /* Where a state is known to be at rest, though its P_L and P_R are not equal: [left or right][faces] what is added
+     * to P, so that they are in that state. */
+    bool balanced;
+    double *balance[2];
 
     /* Results of bed_step */
     int newton, linear, lifted; /* iterations of Newton's method, of its linear solver; cells of this rank lifted */

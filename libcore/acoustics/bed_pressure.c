@@ -49,8 +49,7 @@ static void find_open_drift(struct bed *b, int f, double dt, const double gravit
     const double u_l = l >= 0 ? bed_normal_speed(b, x->u, l, shape) : beyond_speed(b, f);
     const double u_r = r >= 0 ? bed_normal_speed(b, x->u, r, shape) : beyond_speed(b, f);
     const double both = rho_l + rho_r, apart = b->shapes->depth[0][shape] + b->shapes->depth[1][shape];
-    const double weight = rho_l * bed_along(b, b->shapes->arm[0], shape, gravity) -
-                          rho_r * bed_along(b, b->shapes->arm[1], shape, gravity);
+    const double weight = bed_weight(b, f, 0, rho_l, gravity) - bed_weight(b, f, 1, rho_r, gravity);
     const double give = dt / (0.5 * both * apart);
     x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + give * weight;
     if (inner ? l != r : b->kind[f] == BED_HELD) x->give[f] = give;

@@ -18,8 +18,8 @@ struct bed_lines {
     double *after[MAX_VAR];
     double *slope[MAX_DIM][MAX_VAR]; /* [cells + ghosts] limited derivatives of rho, u, eps along each axis, 1/m */
     /* [faces] U without pressures; dt/(rho_f d_f), 0 where U does not depend on p; pressure beyond the face; U;
-     * p_f; the heat of the cells on the left and on the right, J/(m^2 s) */
-    double *drift, *give, *beyond, *U, *p_face, *heat[2];
+     * p_f; of the cells on the left and on the right: P, and their heat, J/(m^2 s) */
+    double *drift, *give, *beyond, *U, *p_face, *P[2], *heat[2];
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
@@ -44,6 +44,12 @@ ALWAYS_INLINE double bed_along(const struct bed *b, double *const *vector, int s
     for (int k = 0; k < b->dim; k++)
         if (vector[k][shape] != 0) sum += vector[k][shape] * with[k];
     return sum;
+}
+
+/* Returns P - p of a cell at a face. */
+ALWAYS_INLINE double bed_weight(const struct bed *b, int face, int right, double rho, const double gravity[MAX_DIM]) {
+    const double weight = rho * bed_along(b, b->shapes->arm[right], b->shape[face], gravity);
+    return b->balanced ? weight + b->balance[right][face] : weight;
 }
 
 /* Returns u.n of a cell. */

@@ -33,13 +33,22 @@ static double friction(double rho_l, double rho_r, double z_l, double z_r, doubl
     return -0.5 * du * smaller(smaller(sound, STIFF * stiff * rho), slow);
 }
 
-/* P of a cell at a face */
-static double pressure_at(const struct bed *b, const struct bed_side *s, int cell, const double gravity[MAX_DIM]) {
-    const double weight = b->lines->rho[cell] * bed_along(b, b->shapes->arm[s->right], s->shape, gravity);
-    return b->lines->p[cell] + weight;
+static struct bed_side side_within(const struct bed *b, int face) {
+    const int right = b->left[face] < 0;
+    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
 }
 
-static double inner_pressure(const struct bed *b, int face, double dt, const double gravity[MAX_DIM]) {
+/* P of the cells at their faces. */
+static void find_pressures(struct bed *b, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    for (int f = 0; f < b->faces; f++)
+        for (int right = 0; right < 2; right++) {
+            const int cell = right ? b->right[f] : b->left[f];
+            if (cell >= 0) x->P[right][f] = x->p[cell] + bed_weight(b, f, right, x->rho[cell], gravity);
+        }
+}
+
+static double inner_pressure(const struct bed *b, int face, double dt) {
     const struct bed_lines *x = b->lines;
     const int l = b->left[face], r = b->right[face], shape = b->shape[face];
     const struct bed_side left = {face, shape, 0, 1}, right = {face, shape, 1, -1};
@@ -47,24 +56,19 @@ static double inner_pressure(const struct bed *b, int face, double dt, const dou
     const double speeds = fabs(bed_normal_speed(b, x->u, l, shape)) + fabs(bed_normal_speed(b, x->u, r, shape));
     const double du = speed_at(b, &right, r) - speed_at(b, &left, l);
     const double stiff = (b->shapes->depth[0][shape] + b->shapes->depth[1][shape]) / dt;
-    return (rho_r * pressure_at(b, &left, l, gravity) + rho_l * pressure_at(b, &right, r, gravity)) / (rho_l + rho_r) +
+    return (rho_r * x->P[0][face] + rho_l * x->P[1][face]) / (rho_l + rho_r) +
            friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
 }
 
-static struct bed_side side_within(const struct bed *b, int face) {
-    const int right = b->left[face] < 0;
-    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
-}
-
 /* A wall carries the weight of the gas before it, and mirrors its velocity. */
-static double wall_pressure(const struct bed *b, int face, double dt, const double gravity[MAX_DIM]) {
+static double wall_pressure(const struct bed *b, int face, double dt) {
     const struct bed_lines *x = b->lines;
     const struct bed_side s = side_within(b, face);
     const int i = s.right ? b->right[face] : b->left[face];
     const double rho = x->rho[i], z = rho * x->c[i], speed = bed_normal_speed(b, x->u, i, s.shape);
-    return pressure_at(b, &s, i, gravity) + friction(rho, rho, z, z, 2 * fabs(speed),
-                                                     -2 * s.sign * speed_at(b, &s, i),
-                                                     2 * b->shapes->depth[s.right][s.shape] / dt, b->params.soft);
+    const double stiff = 2 * b->shapes->depth[s.right][s.shape] / dt;
+    return x->P[s.right][face] +
+           friction(rho, rho, z, z, 2 * fabs(speed), -2 * s.sign * speed_at(b, &s, i), stiff, b->params.soft);
 }
 
 static double open_pressure(const struct bed *b, int face, const double gravity[MAX_DIM]) {
@@ -72,9 +76,9 @@ static double open_pressure(const struct bed *b, int face, const double gravity[
     const struct bed_side s = side_within(b, face);
     const int i = s.right ? b->right[face] : b->left[face];
     const double rho = x->rho[i], outside = b->outside[0][face];
-    const double weight = outside * bed_along(b, b->shapes->arm[!s.right], s.shape, gravity);
-    const double beyond = (b->kind[face] == BED_FREE ? x->p[i] : x->beyond[face]) + weight;
-    return (outside * pressure_at(b, &s, i, gravity) + rho * beyond) / (rho + outside);
+    const double beyond = (b->kind[face] == BED_FREE ? x->p[i] : x->beyond[face]) +
+                          outside * bed_along(b, b->shapes->arm[!s.right], s.shape, gravity);
+    return (outside * x->P[s.right][face] + rho * beyond) / (rho + outside);
 }
 
 static double kept_pressure(const struct bed *b, int face) {
@@ -87,10 +91,10 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
     double *p = b->lines->p_face;
     for (int f = 0; f < b->faces; f++) switch (b->kind[f]) {
         case BED_INNER:
-            p[f] = inner_pressure(b, f, dt, gravity);
+            p[f] = inner_pressure(b, f, dt);
             break;
         case BED_WALL:
-            p[f] = wall_pressure(b, f, dt, gravity);
+            p[f] = wall_pressure(b, f, dt);
             break;
         case BED_KEPT:
             p[f] = kept_pressure(b, f);
@@ -100,39 +104,41 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
         }
 }
 
-/* Density and velocity of a cell after acoustics, all but what the theorem of bed.h says of eps. */
+/* Density and velocity of a cell after acoustics. As sum_f A n = 0 and sum_f A n (x_f - x) = V, the forces of p_f - P
+ * are those of p_f and gravity, but exactly 0 at rest. */
 static void move_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
     const double per = dt / b->shapes->volume[b->body[i]], rho = x->rho[i];
     double growth = 0, force[MAX_DIM] = {0};
     for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
-        const double swept = s.sign * per * b->shapes->area[s.shape], push = swept * x->p_face[s.face];
+        const double swept = s.sign * per * b->shapes->area[s.shape],
+                     push = swept * (x->p_face[s.face] - x->P[s.right][s.face]);
         growth += swept * x->U[s.face];
         for (int k = 0; k < b->dim; k++)
             if (b->shapes->normal[k][s.shape] != 0) force[k] += push * b->shapes->normal[k][s.shape];
     }
     x->after[0][i] = rho / (1 + growth);
     for (int k = 0; k < b->components; k++)
-        x->after[k + 1][i] = x->u[k][i] + (dt * gravity[k] - (k < b->dim ? force[k] / rho : 0));
+        x->after[k + 1][i] = x->u[k][i] + (k < b->dim ? -force[k] / rho : dt * gravity[k]);
 }
 
 /* The heat (J/(m^2 s)) that a cell gains at a face, where p_f moves the gas with U but the cell with the mean of its
  * velocities before and behind: -(p_f - P) (U - u.n), outwards. */
-static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell, const double gravity[MAX_DIM]) {
+static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell) {
     const struct bed_lines *x = b->lines;
     const double mean = 0.5 * (bed_normal_speed(b, x->u, cell, s->shape) +
                                bed_normal_speed(b, x->after + 1, cell, s->shape));
-    return -s->sign * (x->p_face[s->face] - pressure_at(b, s, cell, gravity)) * (x->U[s->face] - mean);
+    return -s->sign * (x->p_face[s->face] - x->P[s->right][s->face]) * (x->U[s->face] - mean);
 }
 
-static void find_heat(struct bed *b, const double gravity[MAX_DIM]) {
+static void find_heat(struct bed *b) {
     const struct bed_lines *x = b->lines;
     for (int f = 0; f < b->faces; f++) {
         const int l = b->left[f], r = b->right[f], shape = b->shape[f];
         const struct bed_side left = {f, shape, 0, 1}, right = {f, shape, 1, -1};
-        x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l, gravity) : 0;
-        x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r, gravity) : 0;
+        x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l) : 0;
+        x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r) : 0;
     }
 }
 
@@ -196,19 +202,17 @@ static void share_heat(struct bed *b, double dt) {
         }
 }
 
-/* Gravity works on what crosses the cell, the mean of its faces' velocities: then the hydrostatic parts of p_f do no
- * work on eps. Returns J/m^3. */
+/* Gravity, and what balances a state at rest, work on what crosses the cell, P - p at each face: then the hydrostatic
+ * parts of p_f do no work on eps. Returns J/m^3. */
 static double work_on_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
-    double sum = 0;
+    double sum = 0, carried = 0;
     for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
-        const double fall = bed_along(b, b->shapes->arm[s.right], s.shape, gravity);
-        sum += s.sign * b->shapes->area[s.shape] * x->U[s.face] * fall;
+        sum += s.sign * b->shapes->area[s.shape] * x->U[s.face] * (x->P[s.right][s.face] - x->p[i]);
     }
-    sum /= b->shapes->volume[b->body[i]];
-    for (int k = b->dim; k < b->components; k++) sum += 0.5 * gravity[k] * (x->u[k][i] + x->after[k + 1][i]);
-    return dt * x->rho[i] * sum;
+    for (int k = b->dim; k < b->components; k++) carried += gravity[k] * (x->u[k][i] + x->after[k + 1][i]);
+    return dt * (sum / b->shapes->volume[b->body[i]] + 0.5 * x->rho[i] * carried);
 }
 
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
@@ -233,10 +237,11 @@ static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
 
 bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_tilts(b);
+    find_pressures(b, gravity);
     find_face_pressures(b, dt, gravity);
     for (int i = 0; i < b->cells; i++) move_cell(b, dt, gravity, i);
     bed_fill(b, b->dim, b->lines->after + 1);
-    find_heat(b, gravity);
+    find_heat(b);
     share_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);
     bed_fill(b, b->components + 2, b->lines->after);

@@ -92,6 +92,10 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]);
 
+/* Returns, for an own cell or a near ghost, what the mean pressure of U* on a face is above p* + rho* fall, fall being
+ * g.(x_f - x), times the w of the last cells_rest_find. */
+double cells_rest_miss(const struct gas *g, int face, int cell, double fall);
+
 /* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
 
 status cells_bed_make(struct gas *g);

@@ -295,6 +295,22 @@ static void take_beyond(struct gas *g, double *const U[MAX_VAR]) {
     }
 }
 
+/* A state at rest has the pressures of the explicit scheme on its faces. */
+static void take_balance(struct gas *g, const double *const U[MAX_VAR]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    struct bed *bed = &g->dense->bed;
+    bed->balanced = g->cells->rest != NULL;
+    if (!bed->balanced) return;
+    cells_rest_find(g, 0, m->nnear, U);
+    for (int f = 0; f < bed->faces; f++)
+        for (int side = 0; side < 2; side++) {
+            const int face = bed->shape[f], cell = side ? m->face.right[face] : m->face.left[face];
+            double fall = 0;
+            for (int k = 0; k < g->dim; k++) fall += g->models.source.gravity[k] * bed->shapes->arm[side][k][face];
+            bed->balance[side][f] = cell < m->nnear ? cells_rest_miss(g, face, cell, fall) : 0;
+        }
+}
+
 void cells_bed_take(struct gas *g, const struct state *from, bool again) {
     const struct polyhedra *m = g->cells->polyhedra;
     struct bed *bed = &g->dense->bed;
@@ -306,6 +322,7 @@ void cells_bed_take(struct gas *g, const struct state *from, bool again) {
     fill_lines(g, g->nvar, U);
     cells_mirrors(g, 0, m->face.n - m->face.ninternal, U);
     take_beyond(g, U);
+    take_balance(g, (const double *const *)U);
 }
 
 void cells_bed_keep(struct gas *g, double weight) {

@@ -18,6 +18,7 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *cross;                       /* -cross d rho/dn times the area, left to right; NULL: no such term */
     double *dilation;                    /* coefficients of div u; NULL: no such term */
     double *mark;                        /* > 0 in cells that were not admissible */
+    double *alike, *keep;                /* of cells_find_keep, for the fluxes of heat; NULL where no r is not 0 */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */
     double *share;         /* fraction of the way from the left centre to the right one that lies before the face */

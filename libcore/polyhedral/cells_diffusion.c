@@ -93,6 +93,8 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(&d->inverse, 1, faces));
     TRY(lines_allocate(&d->share, 1, faces));
     measure_faces(m, d);
+    if (d->skewed) TRY(lines_allocate(&d->alike, 1, size));
+    if (d->skewed) TRY(lines_allocate(&d->keep, 1, faces));
     return cells_gradient_weights(g, &d->weights);
 }
 
@@ -116,6 +118,8 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->cross);
     free(d->dilation);
     free(d->mark);
+    free(d->alike);
+    free(d->keep);
     free(d->inverse);
     free(d->share);
     rows_free(&d->weights);
@@ -210,6 +214,7 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     cell_coefficients(g, U[0]);
     mix_coefficients(m->face.n, trace_share(&g->models.material), m->face.left, m->face.right, m->face.area, d->share,
                      d->cell, d->face);
+    if (d->keep) cells_find_keep(g, U[0], d->T, d->alike, d->keep);
     if (d->cross) cells_cross_coefficients(g, U[0]);
     cells_wall_shares(g, U, d->T, d->cell, d->cross ? d->start[0] : NULL, &d->wall);
     if (d->cross) cells_cross_faces(g, U[0]);
@@ -363,8 +368,10 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
         for (int v = 0; v <= g->dim; v++) out[v] = c->flux[v] + at;
-        for (int i = 0; i < f.n && c->flagged; i++) keep[i] = c->flag[f.left[i]] + c->flag[f.right[i]] > 0 ? 0 : 1;
-        if (c->flagged) f.keep = keep;
+        const bool heat = what == HEAT && d->keep;
+        for (int i = 0; i < f.n && (c->flagged || heat); i++)
+            keep[i] = c->flagged && c->flag[f.left[i]] + c->flag[f.right[i]] > 0 ? 0 : heat ? d->keep[at + i] : 1;
+        if (c->flagged || heat) f.keep = keep;
         (g->dim == 1   ? faces_1
          : g->dim == 2 ? faces_2
                        : faces_3)(what, &f, d->sum[d->last],

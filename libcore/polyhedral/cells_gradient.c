@@ -9,6 +9,8 @@
 
 #include <stdlib.h>
 
+/* Ratio of two cells' T, or rho, up to which they are not alike at all, and from which on they are. */
+static const double UNLIKE = 0.0625, ALIKE = 0.25;
 static const double TWISTED = 0.2; /* determinant of C below which least squares are taken */
 
 /* The member of cell i's stencil across entry j of its list of faces. */
@@ -151,4 +153,28 @@ void cells_gradients(int dim, const struct rows *r, int lines, int from, int to,
         (dim == 1   ? gradients_1
          : dim == 2 ? gradients_2
                     : gradients_3)(lines, r, from / LANES, (to - 1) / LANES + 1, q, gradient);
+}
+
+static double alike_of(double a, double b) {
+    const double ratio = smaller(a, b) / larger(a, b);
+    return smaller(larger((ratio - UNLIKE) / (ALIKE - UNLIKE), 0), 1);
+}
+
+/* The gradient of T in a cold cell beside hot gas is that of the jump between them, but across its other faces all is
+ * cold. There a flux by the gradient would take heat from cells that have none. */
+void cells_find_keep(struct gas *g, const double *rho, const double *T, double *alike, double *keep) {
+    struct polyhedra *m = g->cells->polyhedra;
+    for (int i = 0; i < m->nown; i++) {
+        alike[i] = 1;
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+            const int face = m->face_of_cell[j], other = face < 0 ? m->face.left[~face] : m->face.right[face];
+            alike[i] = smaller(alike[i], smaller(alike_of(T[i], T[other]), alike_of(rho[i], rho[other])));
+        }
+    }
+    polyhedra_fill_start(m, 1, &alike);
+    polyhedra_fill_finish(m);
+    for (int f = 0; f < m->face.n; f++) {
+        const double left = alike[m->face.left[f]];
+        keep[f] = f < m->face.ninternal ? smaller(left, alike[m->face.right[f]]) : left;
+    }
 }

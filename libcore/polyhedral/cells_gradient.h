@@ -13,4 +13,8 @@ status cells_gradient_weights(const struct gas *g, struct rows *r);
 void cells_gradients(int dim, const struct rows *r, int lines, int from, int to, double *const *q,
                      double *const *gradient);
 
+/* Finds what part of the gradients of T and rho a face may take, keep[faces], 1 where these are alike in both cells and
+ * all their neighbours, 0 where no mesh resolves them; alike[size] is scratch. Fills the ghosts of alike. */
+void cells_find_keep(struct gas *g, const double *rho, const double *T, double *alike, double *keep);
+
 #endif

@@ -26,6 +26,7 @@ struct cells_rest {
     double *near;           /* [nnear] w of the state in hand */
     double *at[2];          /* [points] rho*(x) and E*(x) */
     double *force[MAX_DIM]; /* [nown] r, N/m^dim */
+    double *on_face;        /* [faces] mean of p(U*(x)) */
     int finds;              /* KNOWN, or what is being found */
 };
 
@@ -39,6 +40,7 @@ static status make(const struct gas *g, struct cells_rest **out) {
         TRY(allocate(&r->at[i], m->point.n, sizeof(double), "gas at rest"));
     }
     TRY(allocate(&r->p, m->nnear, sizeof(double), "gas at rest"));
+    TRY(allocate(&r->on_face, m->face.n, sizeof(double), "gas at rest"));
     TRY(allocate(&r->near, m->nnear, sizeof(double), "gas at rest"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&r->force[k], m->nown, sizeof(double), "gas at rest"));
     return allocate(&r->rests, m->nnear, sizeof *r->rests, "gas at rest");
@@ -52,6 +54,7 @@ void cells_rest_free(struct cells_rest *r) {
     }
     for (int k = 0; k < MAX_DIM; k++) free(r->force[k]);
     free(r->p);
+    free(r->on_face);
     free(r->near);
     free(r->rests);
     free(r);
@@ -110,6 +113,21 @@ void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, c
         }
 }
 
+double cells_rest_miss(const struct gas *g, int face, int cell, double fall) {
+    const struct cells_rest *r = g->cells->rest;
+    return r->near[cell] * (r->on_face[face] - (r->p[cell] + r->U[0][cell] * fall));
+}
+
+/* The fluxes of U* are those of its pressure. */
+static void note_faces(const struct gas *g) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    for (int i = 0; i < f->n; i++) {
+        double sum = 0;
+        for (int k = 0; k < g->dim; k++) sum += f->normal[k][i] * g->cells->flux[k + 1][i];
+        g->cells->rest->on_face[i] = sum / f->area[i];
+    }
+}
+
 /* What flows through an open patch, or stands against it, is no error of the scheme. */
 static void leave_open(const struct gas *g) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
@@ -149,6 +167,7 @@ status cells_rest(struct gas *g, const bool *rests) {
     fit_rest(c->fit, r->U[0], r->U[1], r->near);
     for (r->finds = VALUES; r->finds <= FORCES; r->finds++) (void)cells_stage(g, &g->U, &g->U, &g->W, 0, 0);
     r->finds = KNOWN;
+    note_faces(g);
     cells_clear_flags(g);
     leave_open(g);
     g->computed = computed;

@@ -198,10 +198,10 @@ static double gas_memory(const struct medium *medium) {
     double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
            sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
     const bool transport = g->transport != NULL;
-    const double diffuser = transport ? 8. * (dim * (dim + 3) + 4) + (dim + 1.) * (8 * dim + 4) : 0;
+    const double diffuser = transport ? 8. * (dim * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
     double cell =
         diffuser + (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 5 + terms.cross) : 0) +
+    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
                                              sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
