@@ -153,15 +153,21 @@ static double energy_of(const struct bed *b, int i) {
     return x->rho[i] * (x->eps[i] + 0.5 * square);
 }
 
+static double volume_of(const struct bed *b, int cell) {
+    return b->shapes->volume[b->body[cell]];
+}
+
+/* Beyond the bed volumes are taken to be those of boxes. */
 double bed_energy_near(const struct bed *b, int cell) {
-    double sum = energy_of(b, cell);
+    double sum = volume_of(b, cell) * energy_of(b, cell);
     for (int j = b->face_start[cell]; j < b->face_start[cell + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
         const int other = bed_across(b, &s);
+        const double box = 2 * b->shapes->depth[!s.right][s.shape] * b->shapes->area[s.shape];
         if (b->kind[s.face] == BED_WALL) continue;
-        sum += other >= 0 ? energy_of(b, other) : b->outside[b->components + 1][s.face];
+        sum += other < 0 ? box * b->outside[b->components + 1][s.face] : volume_of(b, other) * energy_of(b, other);
     }
-    return sum;
+    return sum / volume_of(b, cell);
 }
 
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {

@@ -82,7 +82,7 @@ struct bed {
      * bed_size whenever the set changes. */
     int blocks, cells, ghosts, faces;
     int *first, *number;               /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
-    int *body, *shape;                 /* [cells], [faces] shapes */
+    int *body, *shape;                 /* [cells + ghosts], [faces] shapes */
     int *left, *right;                 /* [faces] cell or ghost on either side; -1: none of the bed */
     unsigned char *kind;               /* [faces] enum bed_kind */
     int *face_start, *face_of_cell;    /* [cells + 1] into the lists of the cells' faces; ~face if the cell is right */

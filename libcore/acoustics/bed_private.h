@@ -68,6 +68,14 @@ ALWAYS_INLINE double bed_reach(const struct bed *b, const struct bed_side *s, in
     return sum;
 }
 
+/* Returns the difference between a variable's mean over dt at a place that gas of the velocity u passes, and its value
+ * there at the start, by the cell's slopes. */
+ALWAYS_INLINE double bed_drift(const struct bed *b, double *const *u, double dt, int cell, int variable) {
+    double sum = 0;
+    for (int k = 0; k < b->dim; k++) sum += u[k][cell] * b->lines->slope[k][variable][cell];
+    return -0.5 * dt * sum;
+}
+
 /* Calls the caller's fill, if there are other ranks. */
 void bed_fill(const struct bed *b, int n, double *const *line);
 /* Finds p, U and root of the step; *done as bed_step. */
@@ -75,10 +83,10 @@ status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM]
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that
  * the step is far too long for what hits it. */
 double bed_energy_near(const struct bed *b, int cell);
-/* Finds the limited slopes of the variables first <= v < end of `of`, in the cells of this rank: mirrored at walls; 0 in
- * cells beside faces that lead out of the bed otherwise. On boxes `own` asks for the derivatives of velocities along
- * their own axes only. */
-void bed_slopes(struct bed *b, double *const *of, int first, int end, bool own);
+/* Finds the limited slopes of the variables first <= v < end of `of` (rho, u, eps), in the cells of this rank: mirrored
+ * at walls; 0 in cells beside faces that lead out of the bed otherwise. dt > 0: the slopes are for what flows out over
+ * dt (bed_drift); else, on boxes, derivatives of velocities along their own axes are all that is found. */
+void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt);
 /* Finds p_face and the state `after` acoustics. Returns whether no cell of this rank was lifted too much. */
 bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* Carries the state with U and puts the result into b->U. Returns whether no cell of this rank gains or loses too

@@ -8,21 +8,27 @@ static double leaving(const struct bed *b, double dt, const struct bed_side *s, 
     return s->sign * dt * b->shapes->area[s->shape] / b->shapes->volume[b->body[cell]] * b->lines->U[s->face];
 }
 
-/* The conserved state that leaves a cell through a face: the mean over the gas that leaves, which reaches |U| dt into
- * the cell. (On boxes that is the exact mean of a linear state.) */
-static void face_state(const struct bed *b, double dt, const struct bed_side *s, int cell, double V[MAX_VAR]) {
+/* The difference between a cell's value and the mean over dt at one of its faces. On boxes what leaves is |U| dt deep,
+ * of which this is the mean along the axis. */
+static double change_at(const struct bed *b, double dt, const struct bed_side *s, int cell, int v) {
     const struct bed_lines *x = b->lines;
-    const double deep = 2 * b->shapes->depth[s->right][s->shape], share = 1 - dt * fabs(x->U[s->face]) / deep;
-    const double part = larger(share, 0);
+    const double reach = bed_reach(b, s, cell, v);
+    if (!b->shapes->boxes) return reach + bed_drift(b, x->after + 1, dt, cell, v);
+    return reach * (1 - dt * fabs(x->U[s->face]) / (2 * b->shapes->depth[s->right][s->shape]));
+}
+
+/* The conserved state that leaves a cell through a face. */
+static void face_state(const struct bed *b, double dt, const struct bed_side *s, int cell, double V[MAX_VAR]) {
+    double *const *after = b->lines->after;
     const int last = b->components + 1;
     double square = 0;
-    V[0] = x->after[0][cell] + part * bed_reach(b, s, cell, 0);
+    V[0] = after[0][cell] + change_at(b, dt, s, cell, 0);
     for (int k = b->components; k >= 1; k--) {
-        V[k] = x->after[k][cell] + part * bed_reach(b, s, cell, k);
+        V[k] = after[k][cell] + change_at(b, dt, s, cell, k);
         square += V[k] * V[k];
         V[k] *= V[0];
     }
-    V[last] = V[0] * (x->after[last][cell] + part * bed_reach(b, s, cell, last) + 0.5 * square);
+    V[last] = V[0] * (after[last][cell] + change_at(b, dt, s, cell, last) + 0.5 * square);
 }
 
 static bool admissible(const struct bed *b, const double V[MAX_VAR], double volume) {
@@ -139,7 +145,7 @@ static bool lift_beside_rest(struct bed *b) {
 bool bed_remap(struct bed *b, double dt) {
     const int n = b->components + 2;
     bool fine = true;
-    bed_slopes(b, b->lines->after, 0, n, false);
+    bed_slopes(b, b->lines->after, 0, n, dt);
     for (int i = 0; i < b->cells; i++) fine &= settle_cell(b, dt, i);
     for (int k = 0; k < b->dim && b->fill; k++) bed_fill(b, n, b->lines->slope[k]);
     carry(b, dt);

@@ -84,7 +84,13 @@ static double value_across(const struct bed *b, const struct around *a, int j, i
     return of[v][i] - 2 * b->shapes->normal[v - 1][s->shape] * bed_normal_speed(b, of + 1, i, s->shape);
 }
 
-static void slope_of_cell(struct bed *b, const struct around *a, double *const *of, int v, int i) {
+/* Lowers `share` until a reach stays between least and most. */
+static void bound(double reach, double least, double most, double *share) {
+    if (reach > most) *share = smaller(*share, most / reach);
+    if (reach < least) *share = smaller(*share, least / reach);
+}
+
+static void slope_of_cell(struct bed *b, const struct around *a, double *const *of, int v, int i, double dt) {
     const double q = of[v][i];
     double most = 0, least = 0, sum[MAX_DIM] = {0}, share = 1;
     for (int j = 0; j < a->n; j++) {
@@ -100,25 +106,25 @@ static void slope_of_cell(struct bed *b, const struct around *a, double *const *
     }
     for (int j = 0; j < a->n; j++) {
         const double reach = bed_reach(b, &a->side[j], i, v);
-        if (reach > most) share = smaller(share, most / reach);
-        if (reach < least) share = smaller(share, least / reach);
+        bound(reach, least, most, &share);
+        if (dt > 0) bound(reach + bed_drift(b, of + 1, dt, i, v), least, most, &share);
     }
     for (int k = 0; k < b->dim; k++) b->lines->slope[k][v][i] *= share;
 }
 
-void bed_slopes(struct bed *b, double *const *of, int first, int end, bool own) {
+void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt) {
     struct around a;
     if (b->shapes->boxes) {
         for (int k = 0; k < b->dim; k++)
             for (int i = 0; i < b->cells; i++)
-                slopes_of_box(b, of, own ? k + 1 : first, own ? k + 2 : end, k, i);
+                slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
         return;
     }
     for (int i = 0; i < b->cells; i++) {
         const bool sloped = look_around(b, i, &a);
         for (int v = first; v < end; v++) {
             for (int k = 0; k < b->dim; k++) b->lines->slope[k][v][i] = 0;
-            if (sloped) slope_of_cell(b, &a, of, v, i);
+            if (sloped) slope_of_cell(b, &a, of, v, i, dt);
         }
     }
 }

@@ -437,7 +437,7 @@ status tiles_bed_list(struct gas *g) {
     bed->ghosts = w.ghosts;
     bed->faces = w.faces;
     for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
-    for (int i = 0; i < bed->cells; i++) bed->body[i] = 0;
+    for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
     w.count = false;
     weave(&w);
     bed->fill = comm_size(g->comm) > 1 ? fill_ghosts : NULL;

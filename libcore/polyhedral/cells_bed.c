@@ -208,7 +208,7 @@ static void seat_cells(struct gas *g) {
         if (part[i] > 0) b->seat[n++] = i;
     for (int i = 0; i < m->ncells; i++) b->index[i] = -1;
     for (int i = 0; i < n; i++) b->index[b->seat[i]] = i;
-    for (int i = 0; i < bed->cells; i++) bed->body[i] = b->seat[i];
+    for (int i = 0; i < n; i++) bed->body[i] = b->seat[i];
 }
 
 static int kind_of(const struct gas *g, int face, int left, int right) {

@@ -1,4 +1,4 @@
-/* Dense gas with implicit acoustics (libcore/acoustics/bed.h) on lattices: beds at rest, falling, hit, sheared,
+/* Dense gas with implicit acoustics (libcore/acoustics/bed.h) on lattices and on polyhedra: beds at rest, falling, hit, sheared,
  * drained, cooled to collapse, and shaken, of every equation of state that has a packing limit. */
 #include "tests/stress/problem.h"
 
@@ -21,6 +21,21 @@ static void implicit_box(struct problem *p, struct seed *s) {
         p->n[k] = k < dim ? n : 1;
         p->cells *= p->n[k];
         p->direction[k] = k == 0;
+    }
+}
+
+/* Triangles or quads, tetrahedra or hexahedra, perturbed. */
+static void implicit_cells(struct problem *p, struct seed *s) {
+    const bool simplices = seed_below(s, 4) > 0, disks = p->material.disks;
+    p->dim = disks || seed_below(s, 4) ? 2 : 3;
+    p->polyhedral = true;
+    p->shape = p->dim == 2 ? (simplices ? TRIANGLES : QUADS) : simplices ? TETS : HEXES;
+    p->noise = seed_uniform(s, 0, p->dim == 2 ? 0.3 : 0.15);
+    p->cells = 1;
+    for (int k = 0; k < 3; k++) {
+        const int n = p->dim == 2 ? 9 + seed_below(s, 4) : 4;
+        p->n[k] = k < p->dim ? n : 1;
+        p->cells *= p->n[k];
     }
 }
 
@@ -108,8 +123,9 @@ static void implicit_scene(struct problem *p, struct seed *s, double pull) {
     p->end = falls * sqrt(2 * p->size / pull);
 }
 
-void implicit_draw(struct problem *p, struct seed *s) {
+static void draw(struct problem *p, struct seed *s, bool cells) {
     implicit_box(p, s);
+    if (cells) implicit_cells(p, s);
     implicit_material(p, s);
     if (seed_chance(s, 0.3)) {
         p->material.restitution = larger(p->material.restitution, 0.2);
@@ -123,6 +139,14 @@ void implicit_draw(struct problem *p, struct seed *s) {
     implicit_acoustics(p, s);
     p->patience = 60;
     p->stated = true;
+}
+
+void implicit_draw(struct problem *p, struct seed *s) {
+    draw(p, s, false);
+}
+
+void implicit_cells_draw(struct problem *p, struct seed *s) {
+    draw(p, s, true);
 }
 
 /* A ripple of period 1 between -1 and 1. */

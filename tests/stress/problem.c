@@ -258,6 +258,8 @@ const struct family family_table[FAMILIES] = {
     {"settled", "beds that have settled, between all walls, over long times", settled_draw, settled_at},
     {"implicit", "beds with implicit acoustics: at rest, falling, hit, sheared, drained, collapsing, shaken",
      implicit_draw, implicit_at},
+    {"implicitCells", "the same on perturbed triangles, quads, tetrahedra or warped hexahedra", implicit_cells_draw,
+     implicit_at},
 };
 
 int family_find(const char *name) {

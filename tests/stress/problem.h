@@ -64,7 +64,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 19 };
+enum { FAMILIES = 20 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -89,8 +89,9 @@ void extreme_draw(struct problem *p, struct seed *s);
 void extreme_at(const struct problem *p, const struct place *where, struct point *out);
 void settled_draw(struct problem *p, struct seed *s);
 void settled_at(const struct problem *p, const struct place *where, struct point *out);
-/* A row with implicit acoustics (tests/stress/implicit.c). */
+/* Rows with implicit acoustics (tests/stress/implicit.c). */
 void implicit_draw(struct problem *p, struct seed *s);
+void implicit_cells_draw(struct problem *p, struct seed *s);
 void implicit_at(const struct problem *p, const struct place *where, struct point *out);
 
 struct problem problem_draw(int family, uint64_t seed);

@@ -1,5 +1,6 @@
 #include "tests/stress/run.h"
 
+#include "libcore/polyhedral/cells.h"
 #include "solvers/gas/linear.h"
 #include "tests/box.h"
 #include "tests/stress/watch.h"
@@ -369,9 +370,15 @@ static bool is_end(double t, double end) {
 /* The longest step that gravity allows, as solvers/gas/gas_medium.c has it for dense gas; HUGE_VAL: any. */
 static double fall_of(const struct scene *s) {
     const struct sources *q = &s->problem->source;
+    const struct cells *cells = s->problem->polyhedral ? s->gas->cells : NULL;
     double most = 0;
-    for (int k = 0; k < s->problem->dim && s->problem->acoustics; k++)
-        most += fabs(q->gravity[k]) * (1 + fabs(q->amplitude)) / s->forest->width[k];
+    for (int i = 0; i < (cells ? cells->polyhedra->nown : 1) && s->problem->acoustics; i++) {
+        double pull = 0;
+        for (int k = 0; k < s->problem->dim; k++)
+            pull += fabs(q->gravity[k]) * (1 + fabs(q->amplitude)) *
+                    (cells ? cells->girth[k][i] : 1 / s->forest->width[k]);
+        most = larger(most, pull);
+    }
     return most > 0 ? 0.2 * sqrt(2 / most) : HUGE_VAL;
 }
 

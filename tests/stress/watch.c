@@ -441,25 +441,29 @@ status watch_start(struct watch *w, struct gas *g) {
     return OK;
 }
 
+/* The gas may have been heated before its bed was lifted. */
+static bool lifts_much(struct watch *w, double lift, double before) {
+    const double most = fmax(before, (double)w->budget.magnitude[2] - lift);
+    if (!(lift > most)) return false;
+    snprintf(w->why, sizeof w->why, "a bed was lifted by %.3g, all other energy was %.3g", lift, most);
+    return true;
+}
+
 bool watch_step_finish(struct watch *w, struct gas *g) {
     if (g->dense) w->bad = 0;
     look_on(w, g, &g->U);
     if (w->bad) return false;
-    if (g->counts.lift - w->lift > (double)w->budget.magnitude[2]) {
-        snprintf(w->why, sizeof w->why, "a bed was lifted by %.3g, all energy was %.3Lg", g->counts.lift - w->lift,
-                 w->budget.magnitude[2]);
-        return false;
-    }
-    w->lift = g->counts.lift;
     w->source = fmax(w->source, w->trial);
     for (int v = 0; v < g->nvar; v++) {
         w->budget.gain[v] += w->budget.gained[0][v] + w->budget.gained[1][v];
         for (int i = 0; i < g->models.stepper->stages; i++) w->budget.gain[v] += w->budget.weighed[i][v];
         w->budget.gained[0][v] = w->budget.gained[1][v] = 0;
     }
+    const double lift = g->counts.lift - w->lift, before = (double)w->budget.magnitude[2];
     tally(w, g);
+    w->lift = g->counts.lift;
     w->ends = 0;
-    return true;
+    return !lifts_much(w, lift, before);
 }
 
 void watch_free(struct watch *w) {
