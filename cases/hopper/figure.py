@@ -1,5 +1,6 @@
-"""The silo at four times, and what flows through its orifice over time beside Torricelli's law; with implicit acoustics and, if Allrun
-has made the folder explicit, with explicit ones (then explicit.csv is written anew; else they are taken from it). Prints the flow."""
+"""The silo at four times, and what flows through its orifice over time beside Torricelli's law; with implicit acoustics, with explicit
+ones, and on triangles. What Allrun has made in the folders explicit and triangles goes to explicit.csv and triangles.csv, from which it
+is taken where there are no such folders. Prints the flow."""
 import os
 import sys
 
@@ -10,7 +11,7 @@ import numpy as np  # noqa: E402
 import figures  # noqa: E402
 import haff  # noqa: E402
 
-WIDTH, ORIFICE, PACKING, GRAVITY, CELL = 32.0, 8.0, 0.64, 9810.0, 1.0  # mm, s
+WIDTH, HEIGHT, ORIFICE, PACKING, GRAVITY, CELL = 32.0, 40.0, 8.0, 0.64, 9810.0, 1.0  # mm, s
 MOMENTS = 0.01, 0.1, 0.2, 0.3
 
 
@@ -19,7 +20,7 @@ def held(case):
     times = [t for t in case.times if float(t) > 0]
     above = case.centres[:, 1] > 0
     volume = case.volumes[above]
-    left = [case.field("alpha", t)[above] @ volume / volume[0] * CELL ** 2 / PACKING for t in times]
+    left = [case.field("alpha", t)[above] @ volume / volume.sum() * WIDTH * HEIGHT / PACKING for t in times]
     return np.array([float(t) for t in times]), np.array(left)
 
 
@@ -40,13 +41,19 @@ def picture(ax, case, t):
     return shown
 
 
-def main(folder):
-    case, kept = haff.Case(folder), os.path.join(folder, "explicit.csv")
-    if os.path.isdir(os.path.join(folder, "explicit", "0.06")):
-        with open(kept, "w") as f:
+def kept(folder, copy, end):
+    """held() of a copy of the case, by way of its .csv file."""
+    table = os.path.join(folder, copy + ".csv")
+    if os.path.isdir(os.path.join(folder, copy, end)):
+        with open(table, "w") as f:
             f.write("time,left\n")
-            f.writelines(f"{t:g},{v:.6g}\n" for t, v in zip(*held(haff.Case(os.path.join(folder, "explicit")))))
-    explicit = np.genfromtxt(kept, delimiter=",", names=True)
+            f.writelines(f"{t:g},{v:.6g}\n" for t, v in zip(*held(haff.Case(os.path.join(folder, copy)))))
+    read = np.genfromtxt(table, delimiter=",", names=True)
+    return read["time"], read["left"]
+
+
+def main(folder):
+    case = haff.Case(folder)
     t, rate, head = flow(*held(case))
     fig, axes = figures.panels(1, len(MOMENTS) + 1, width=9, height=2.6)
     for ax, moment in zip(axes[0], MOMENTS):
@@ -55,12 +62,16 @@ def main(folder):
     ideal = ORIFICE * np.sqrt(2 * GRAVITY * head)
     for moment, q, h, one in zip(t, rate, head, rate / ideal):
         print(f"{moment:.3f} s: {q:.0f} mm^2/s, head {h:.2f} mm, {one:.3f} of Torricelli's", file=sys.stderr)
-    middle, other, _ = flow(explicit["time"], explicit["left"])
+    others = [(word, *flow(*kept(folder, copy, end))) for word, copy, end in
+              (("explicit", "explicit", "0.06"), ("on triangles", "triangles", "0.2"))]
     late = t > 0.05
     share = float((rate / ideal)[late].mean())
     ax = axes[0][-1]
     ax.plot(t, rate, label="implicit")
-    ax.plot(middle, other, ".", label="explicit")
+    for marker, (word, middle, other, left) in zip(".+", others):
+        ax.plot(middle, other, marker, label=word)
+        for moment, q, h in zip(middle, other, left):
+            print(f"{word}, {moment:.3f} s: {q:.0f} mm^2/s, head {h:.2f} mm", file=sys.stderr)
     ax.plot(t[late], share * ideal[late], ":", label=rf"{share:.2f} $D\sqrt{{2 g h}}$")
     ax.set_ylim(0, None)
     ax.legend(fontsize=7, loc="lower left")

@@ -1,5 +1,7 @@
 // A silo of 32 x 40 mm over a plate, 4 mm thick, with an orifice of 8 mm, and the room below, 12 mm high and open downwards. N cells across.
 DefineConstant[ N = {32, Min 24, Step 8, Name "cells across (a multiple of 8)"} ];
+// 1: free triangles whose sides are 0.75/N of the width
+DefineConstant[ triangles = {0, Choices{0, 1}, Name "triangles"} ];
 W = 0.016; D = 0.004; H = 0.04; P = 0.004; R = 0.016;
 
 Point(1) = {-W, -R, 0};   Point(2) = {-D, -R, 0};   Point(3) = {D, -R, 0};   Point(4) = {W, -R, 0};
@@ -26,13 +28,18 @@ Curve Loop(5) = {21, 122, -31, -121};    Plane Surface(5) = {5};
 Curve Loop(6) = {22, 123, -32, -122};    Plane Surface(6) = {6};
 Curve Loop(7) = {23, 124, -33, -123};    Plane Surface(7) = {7};
 
-Transfinite Curve {1, 11, 21, 31, 3, 13, 23, 33} = 3*N/8 + 1;
-Transfinite Curve {2, 12, 22, 32} = N/4 + 1;
-Transfinite Curve {101:104} = 3*N/8 + 1;
-Transfinite Curve {112, 113} = N/8 + 1;
-Transfinite Curve {121:124} = 5*N/4 + 1;
-Transfinite Surface {1:7};
-Recombine Surface {1:7};
+If (triangles == 0)
+  Transfinite Curve {1, 11, 21, 31, 3, 13, 23, 33} = 3*N/8 + 1;
+  Transfinite Curve {2, 12, 22, 32} = N/4 + 1;
+  Transfinite Curve {101:104} = 3*N/8 + 1;
+  Transfinite Curve {112, 113} = N/8 + 1;
+  Transfinite Curve {121:124} = 5*N/4 + 1;
+  Transfinite Surface {1:7};
+  Recombine Surface {1:7};
+Else
+  Mesh.MeshSizeMax = 0.75 * 2*W/N;
+  Mesh.MeshSizeMin = 0.75 * 2*W/N;
+EndIf
 
 Physical Curve("outlet") = {1, 2, 3};
 Physical Curve("wall") = {101, 104, 11, 13, 112, 113, 21, 23, 121, 124};

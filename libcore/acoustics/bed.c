@@ -38,7 +38,8 @@ void bed_free(struct bed *b) {
 static int deal_cells(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
-    double **single[] = {&x->rho, &x->eps, &x->p, &x->c, &x->root, &x->slack, &x->residual, &x->diagonal, &x->change};
+    double **single[] = {&x->rho,   &x->eps,      &x->p,        &x->c,      &x->root,
+                         &x->slack, &x->residual, &x->diagonal, &x->change, &x->growth};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
     for (int v = 0; v < b->components + 2; v++) {
         b->U[v] = memory + used++ * n;
@@ -52,8 +53,8 @@ static int deal_cells(struct bed *b, double *memory, long n) {
 static int deal_faces(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
-    double **single[] = {&x->drift, &x->give, &x->beyond, &x->U, &x->p_face, &x->P[0],
-                         &x->P[1], &x->heat[0], &x->heat[1], &b->balance[0], &b->balance[1]};
+    double **single[] = {&x->drift, &x->give,    &x->beyond,  &x->U,          &x->p_face,    &x->P[0],
+                         &x->P[1],  &x->heat[0], &x->heat[1], &b->balance[0], &b->balance[1]};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
     for (int v = 0; v < b->components + 2; v++) {
         b->kept[v] = memory + used++ * n;

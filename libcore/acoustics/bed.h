@@ -2,10 +2,9 @@
  *
  * Near packing sound is 100 to 10,000 times as fast as the flow. So in a bed the step is split into acoustics and
  * transport (Lagrange-projection: Chalons, Kestener, Kokh & Stauffert, Commun. Comput. Phys. 20, 188, 2016; here the
- * acoustics is nonlinear). Let V be the volume of a cell K, A and n the area and the normal of a face f between L and R,
- * d_f = (x_R - x_L).n the distance of the centres along it, tau = 1/rho, and let
- *     P_K = p_K + rho_K g.(x_f - x_K)
- * be the pressure of cell K at the face, under its own weight.
+ * acoustics is nonlinear). Let V be the volume of a cell K, A and n the area and the normal of a face f between L and
+ * R, d_f = (x_R - x_L).n the distance of the centres along it, tau = 1/rho, and let P_K = p_K + rho_K g.(x_f - x_K) be
+ * the pressure of cell K at the face, under its own weight.
  *
  * 1. Acoustics, implicit in the pressures p of the cells:
  *        U_f   = (rho_L u_L + rho_R u_R).n/(rho_L + rho_R) - dt (P_R - P_L)/(rho_f d_f),  rho_f = (rho_L + rho_R)/2
@@ -56,8 +55,8 @@ struct bed_shapes {
     double *volume;          /* [shapes of cells] m^dim */
     double *area;            /* [shapes of faces] m^(dim-1) */
     double *normal[MAX_DIM]; /* [shapes of faces] unit, from left to right */
-    /* [left or right][shapes of faces] m: from the centre of the cell on that side to the face's; beyond patches that of
-     * the mirror image of the cell within */
+    /* [left or right][shapes of faces] m: from the centre of the cell on that side to the face's; beyond patches that
+     * of the mirror image of the cell within */
     double *arm[2][MAX_DIM];
     double *depth[2]; /* [left or right][shapes of faces] m: distance of the cell's centre from the face, > 0 */
 };
@@ -81,11 +80,11 @@ struct bed {
     /* The cells of this rank, block by block (tile by tile), then ghosts: cells of other ranks. Set by the caller after
      * bed_size whenever the set changes. */
     int blocks, cells, ghosts, faces;
-    int *first, *number;               /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
-    int *body, *shape;                 /* [cells + ghosts], [faces] shapes */
-    int *left, *right;                 /* [faces] cell or ghost on either side; -1: none of the bed */
-    unsigned char *kind;               /* [faces] enum bed_kind */
-    int *face_start, *face_of_cell;    /* [cells + 1] into the lists of the cells' faces; ~face if the cell is right */
+    int *first, *number; /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
+    int *body, *shape;   /* [cells + ghosts], [faces] shapes */
+    int *left, *right;   /* [faces] cell or ghost on either side; -1: none of the bed */
+    unsigned char *kind; /* [faces] enum bed_kind */
+    int *face_start, *face_of_cell; /* [cells + 1] into the lists of the cells' faces; ~face if the cell is right */
 
     /* Set by the caller in every step; SI units, per volume: */
     double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
@@ -110,8 +109,8 @@ status bed_make(struct bed *b);
 void bed_free(struct bed *b);
 /* Makes room for a set of so many blocks, cells, ghosts and faces of this rank, whose cells have so many sides. */
 status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int sides);
-/* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must be done
- * again with a shorter dt; then U is lost. Collective. */
+/* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
+ * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 
 #endif

@@ -14,8 +14,8 @@ struct bed_lines {
     double *rho, *u[MAX_DIM], *eps, *p, *c;
     /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual and diagonal times V, change of p */
     double *root, *slack, *residual, *diagonal, *change;
-    /* [cells + ghosts] after acoustics: rho, u, eps */
-    double *after[MAX_VAR];
+    /* [cells + ghosts] after acoustics: rho, u, eps; L - 1 */
+    double *after[MAX_VAR], *growth;
     double *slope[MAX_DIM][MAX_VAR]; /* [cells + ghosts] limited derivatives of rho, u, eps along each axis, 1/m */
     /* [faces] U without pressures; dt/(rho_f d_f), 0 where U does not depend on p; pressure beyond the face; U;
      * p_f; of the cells on the left and on the right: P, and their heat, J/(m^2 s) */

@@ -114,8 +114,7 @@ static void carry(struct bed *b, double dt) {
 
 static bool is_beside_rest(const struct bed *b, int i) {
     bool beside = false;
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++)
-        beside |= b->kind[bed_side(b, j).face] == BED_KEPT;
+    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) beside |= b->kind[bed_side(b, j).face] == BED_KEPT;
     return beside;
 }
 

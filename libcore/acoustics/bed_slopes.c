@@ -35,8 +35,9 @@ enum { SIDES = 64 }; /* of one cell; a cell with more has no slopes */
 struct around {
     int n;
     struct bed_side side[SIDES];
-    double to[SIDES][MAX_DIM]; /* m: from the cell's centre to that of its neighbour, or of its mirror image at a wall */
-    double weight[SIDES];      /* 1/m^2 */
+    double to[SIDES]
+             [MAX_DIM];   /* m: from the cell's centre to that of its neighbour, or of its mirror image at a wall */
+    double weight[SIDES]; /* 1/m^2 */
     double inverse[MAX_DIM][MAX_DIM]; /* of sum_j weight to_a to_b */
 };
 
@@ -116,8 +117,7 @@ void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt)
     struct around a;
     if (b->shapes->boxes) {
         for (int k = 0; k < b->dim; k++)
-            for (int i = 0; i < b->cells; i++)
-                slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
+            for (int i = 0; i < b->cells; i++) slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
         return;
     }
     for (int i = 0; i < b->cells; i++) {

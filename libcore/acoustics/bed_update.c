@@ -118,6 +118,7 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
         for (int k = 0; k < b->dim; k++)
             if (b->shapes->normal[k][s.shape] != 0) force[k] += push * b->shapes->normal[k][s.shape];
     }
+    x->growth[i] = growth;
     x->after[0][i] = rho / (1 + growth);
     for (int k = 0; k < b->components; k++)
         x->after[k + 1][i] = x->u[k][i] + (k < b->dim ? -force[k] / rho : dt * gravity[k]);
@@ -127,8 +128,8 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
  * velocities before and behind: -(p_f - P) (U - u.n), outwards. */
 static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell) {
     const struct bed_lines *x = b->lines;
-    const double mean = 0.5 * (bed_normal_speed(b, x->u, cell, s->shape) +
-                               bed_normal_speed(b, x->after + 1, cell, s->shape));
+    const double mean =
+        0.5 * (bed_normal_speed(b, x->u, cell, s->shape) + bed_normal_speed(b, x->after + 1, cell, s->shape));
     return -s->sign * (x->p_face[s->face] - x->P[s->right][s->face]) * (x->U[s->face] - mean);
 }
 
@@ -168,7 +169,7 @@ static double least_of(const struct bed *b, int i) {
 /* eps = eps^n - p (tau - tau^n) + heat */
 static double eps_after(const struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
-    return x->eps[i] - x->p[i] * (1 / x->after[0][i] - 1 / x->rho[i]) + heat_of_cell(b, dt, i);
+    return x->eps[i] - x->p[i] * x->growth[i] / x->rho[i] + heat_of_cell(b, dt, i);
 }
 
 /* The heat of both cells at a face is U_p (U_p - [change of u.n]/2) rho_f d_f/dt + z du^2/2, U_p the part of U that the

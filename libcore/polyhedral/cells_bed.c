@@ -1,4 +1,5 @@
-/* The bed of implicit acoustics on polyhedra: which cells it holds, their lists, and what goes to and from the cells. */
+/* The bed of implicit acoustics on polyhedra: which cells it holds, their lists, and what goes to and from the cells.
+ */
 #include "libcore/gas/patch.h"
 #include "libcore/polyhedral/cells.h"
 
@@ -16,7 +17,8 @@ struct cells_bed {
     int *seat;                /* [ncells] the cells of the bed, then its ghosts */
 };
 
-/* The centre of a face is the mean of its points. A mirror's centre is the cell's, reflected in the plane of the face. */
+/* The centre of a face is the mean of its points. A mirror's centre is the cell's, reflected in the plane of the face.
+ */
 static void measure_face(const struct polyhedra *m, struct bed_shapes *s, int f) {
     double sum[2][MAX_DIM] = {{0}}, across = 0;
     for (int i = m->face.point_start[f]; i < m->face.point_start[f + 1]; i++)

@@ -295,8 +295,17 @@ static bool may_collapse(const struct problem *p, const struct outcome *out) {
            1 - out->packed < 0.1 * (1 - out->packed_at_first) && out->steps >= 10;
 }
 
-/* Beds are judged by their mass between walls, and by the energy that their own budget cannot account for. Four stages
- * of the flow, some sixteen of diffusion, and a bed's acoustics and remap round it about ten times each in a step. */
+/* The largest entry of a budget: hot walls may give, and impacts take, a million times what the gas holds. */
+static double booked(const struct gas_budget *b) {
+    double most = 0;
+    for (int i = 0; i < source_count; i++) most = larger(most, fabs(b->sourced[i]));
+    for (int i = 0; i < GAS_CAUSES; i++) most = larger(most, fabs(b->gained[i]));
+    return most;
+}
+
+/* Beds are judged by their mass between walls, and by the energy that their own budget cannot account for, beside the
+ * largest energy there was or that the budget booked. Four stages of the flow, some sixteen of diffusion, and a bed's
+ * acoustics and remap round it about ten times each in a step. */
 enum { BED_ROUNDINGS = 256 };
 static void judge_bed(const struct scene *s, const struct watch *w, struct outcome *out) {
     struct gas_budget b;
@@ -309,7 +318,7 @@ static void judge_bed(const struct scene *s, const struct watch *w, struct outco
         return;
     }
     const long double mass = w->budget.now[0] - w->budget.start[0] - b.filled - b.flowed;
-    const double steps = BED_ROUNDINGS * EPS * (out->steps + 1.), scale = (double)w->budget.largest;
+    const double steps = BED_ROUNDINGS * EPS * (out->steps + 1.), scale = larger((double)w->budget.largest, booked(&b));
     out->relative[MASS] = (double)(fabsl(mass) / w->budget.start[0]);
     out->relative[ENERGY] = fabs(b.lost[1]) / scale;
     out->drift[MASS] = out->relative[MASS] / smaller(steps, 1e-12);
@@ -375,8 +384,8 @@ static double fall_of(const struct scene *s) {
     for (int i = 0; i < (cells ? cells->polyhedra->nown : 1) && s->problem->acoustics; i++) {
         double pull = 0;
         for (int k = 0; k < s->problem->dim; k++)
-            pull += fabs(q->gravity[k]) * (1 + fabs(q->amplitude)) *
-                    (cells ? cells->girth[k][i] : 1 / s->forest->width[k]);
+            pull +=
+                fabs(q->gravity[k]) * (1 + fabs(q->amplitude)) * (cells ? cells->girth[k][i] : 1 / s->forest->width[k]);
         most = larger(most, pull);
     }
     return most > 0 ? 0.2 * sqrt(2 / most) : HUGE_VAL;

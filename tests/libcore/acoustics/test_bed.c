@@ -126,8 +126,8 @@ static int make_triangles(struct box *x) {
         b->face_start[i] = 3 * i;
         for (int j = 0; j < 3; j++)
             b->face_of_cell[3 * i + j] = add_edge(x, middle, &faces, i, p[j], p[(j + 1) % 3], c);
-        x->shapes.volume[i] = 0.5 * ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) -
-                                     (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]));
+        x->shapes.volume[i] =
+            0.5 * ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]));
     }
     b->face_start[b->cells] = 3 * b->cells;
     free(middle);
