@@ -57,7 +57,7 @@ status gas_audit(struct gas *g) {
     TRY(gas_totals(g, a->now.totals));
     a->start = a->now;
     a->first[0] = a->now.totals[0];
-    a->first[1] = a->now.totals[g->dim + 1];
+    a->first[1] = a->now.totals[g->components + 1];
     return OK;
 }
 
@@ -89,9 +89,9 @@ static void note_status(struct audit *a, status e) {
 /* Takes the totals of a state; returns the change of energy since the last look. */
 static double look(struct gas *g, const struct state *now) {
     struct audit *a = g->audit;
-    const double before = a->now.totals[g->dim + 1];
+    const double before = a->now.totals[g->components + 1];
     note_status(a, g->engine->state.totals(g, now, a->now.totals));
-    return a->now.totals[g->dim + 1] - before;
+    return a->now.totals[g->components + 1] - before;
 }
 
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
@@ -139,7 +139,7 @@ static double energy_beside(struct gas *g, const struct state *s) {
     double totals[MAX_VAR];
     g->engine->state.rows(g, EACH_STATE, s, beside_row, &(struct warm){g, s});
     totals_of_scratch(g, s, totals);
-    return totals[g->dim + 1];
+    return totals[g->components + 1];
 }
 
 static void book_weight(struct gas *g, double work) {
@@ -152,7 +152,7 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
     if (!g->audit || !g->falls) return;
     g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
     totals_of_scratch(g, from, totals);
-    for (int k = 0; k < g->dim; k++) work += part * g->gravity[k] * totals[k + 1];
+    for (int k = 0; k < g->components; k++) work += part * g->gravity[k] * totals[k + 1];
     book_weight(g, work);
 }
 
@@ -232,7 +232,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     *out = (struct gas_budget){0};
     TRY(gas_totals(g, totals));
     floors_of(g, floors);
-    const double now[2] = {totals[0], totals[g->dim + 1]};
+    const double now[2] = {totals[0], totals[g->components + 1]};
     for (int i = 0; i < GAS_CAUSES; i++) out->gained[i] = a->known[i] ? a->start.gained[i] : 0;
     /* the energy booked under the stages contains what the floors added in them */
     const double seen = a->start.gained[GAS_FLOORS], all = floors[1] - a->floors[1];

@@ -33,9 +33,9 @@ struct flooring { /* context of floor_row */
 static void floor_bed_row(const struct gas *g, double *U, const double *part, int n) {
     double bad[BATCH], raised, added[2][BATCH];
     for (int i = 0; i < n; i++) {
-        if (part[i] == 0 || !find_bad(1, g->dim, g->size, g->least, g->limit, U + i, bad)) continue;
-        if (g->least > 0) (void)raise_density(1, g->dim, g->size, g->least, g->limit, U + i, bad, added);
-        (void)raise_energy(1, g->dim, g->size, g->least, g->limit, U + i, bad, &raised);
+        if (part[i] == 0 || !find_bad(1, g->components, g->size, g->least, g->limit, U + i, bad)) continue;
+        if (g->least > 0) (void)raise_density(1, g->components, g->size, g->least, g->limit, U + i, bad, added);
+        (void)raise_energy(1, g->components, g->size, g->least, g->limit, U + i, bad, &raised);
     }
 }
 
@@ -45,13 +45,13 @@ static void floor_row(void *flooring, const struct row *row) {
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
     const int n = row->n, step = g->raised_step, place = row->block + step * (int)row->at;
     if (g->hybrid && g->dense->begun) floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
-    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U, bad)) return;
+    if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
     if (g->least > 0) {
-        g->filled += raise_density(n, g->dim, g->size, g->least, g->limit, U, bad, added);
+        g->filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);
         for (int v = 0; v < 2; v++)
             for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
     }
-    g->floored += raise_energy(n, g->dim, g->size, g->least, g->limit, U, bad, raised);
+    g->floored += raise_energy(n, g->components, g->size, g->least, g->limit, U, bad, raised);
     for (int i = 0; i < n; i++) {
         g->raised[place + i * step] += raised[i];
         f->bad += bad[i] > 0;

@@ -7,7 +7,8 @@ static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
     *g = *like;
-    g->nvar = g->dim + 2;
+    if (g->components < g->dim) g->components = g->dim;
+    g->nvar = g->components + 2;
     g->first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;
     g->terms = transport_terms(g->models.transport, &g->models.transport_params);
@@ -31,6 +32,7 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .forest = f,
                           .comm = f->comm,
                           .dim = f->dim,
+                          .components = models->components,
                           .ncells_all = f->ncells_all,
                           .images = f->images,
                           .models = *models,
@@ -45,6 +47,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .grid = grid,
                           .comm = grid->comm,
                           .dim = grid->dim,
+                          .components = models->components,
                           .ncells_all = grid->ncells_all,
                           .images = 1,
                           .models = *models,
@@ -88,12 +91,12 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
     for (int v = 0; v < g->nvar; v++) U[v] = all + v * n;
     for (long i = 0; i < n; i++) {
         double square = 0;
-        for (int k = g->dim - 1; k >= 0; k--) {
+        for (int k = g->components - 1; k >= 0; k--) {
             U[k + 1][i] = rho[i] * u[k][i];
             square += u[k][i] * u[k][i];
         }
         U[0][i] = rho[i];
-        U[g->dim + 1][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
+        U[g->components + 1][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
     }
     gas_set_conserved(g, (const double *const *)U);
     free(all);

@@ -1,8 +1,12 @@
 /* The granular gas on a lattice or on polyhedra: its state, its time step, and all that the outside may ask of it.
  *
- * Variables are rho, rho u (dim components, computational axes of struct forest), E = rho (eps + |u|^2/2). A step is
- * half the sources (exact) | Runge-Kutta stages of the fluxes | half the sources; with transport, half the diffusion
- * stands on both sides of the stages. Nothing is allocated after gas_make. */
+ * Variables are rho, rho u, E = rho (eps + |u|^2/2). u has a component along each of the dim computational axes of the
+ * mesh (struct forest) and, behind these, along further axes that the mesh does not resolve, if it is asked for them:
+ * nothing varies along such an axis, but gas moves along it. Its momentum is carried with the gas; of the stress it has
+ * the shear on the faces of the other axes, with its work and the drag of walls, and of gravity its part. There are no
+ * fluxes, ghosts or gradients along that axis, and no part of div u. A step is half the sources (exact) | Runge-Kutta
+ * stages of the fluxes | half the sources; with transport, half the diffusion stands on both sides of the stages.
+ * Nothing is allocated after gas_make. */
 #ifndef LIBCORE_GAS_H
 #define LIBCORE_GAS_H
 
@@ -32,6 +36,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     const struct linear_module *linear;  /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
     const struct acoustics *acoustics;   /* NULL: explicit */
     struct own_params acoustics_params;  /* parameters of the row */
+    int components;                      /* of u, if more than the mesh has axes; 0: as many */
     double alpha_floor;                  /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport: are cells in exactly uniform surroundings left out (libcore/lattice/tiles_activity.c)? The
      * bits stay the same */
@@ -76,11 +81,10 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
 status gas_make_polyhedral(const struct grid *grid, const struct gas_models *models, int npatches,
                            const struct patch_rules *rules, struct gas **out);
 void gas_free(struct gas *g);
-int gas_variables(const struct gas *g); /* 2 + dim */
+int gas_variables(const struct gas *g); /* 2 + components of u */
 
 /* The state from or to arrays in polyMesh order [ncells_all]. set: every rank holds the arrays; get: the root's arrays
- * are filled. Conserved variables restart a run bit by bit. Velocities and momenta: one array per computational
- * axis. */
+ * are filled. Conserved variables restart a run bit by bit. Velocities and momenta: one array per component. */
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T);
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
@@ -92,7 +96,7 @@ status gas_rest(struct gas *g, const bool *rests);
 
 enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_LIMITED, GAS_FIELDS };
 /* gas_block_field writes the values of one field in the cells of one of this rank's blocks (struct grid; on a
- * lattice axis 0 is fastest), out[component][cells], with dim components for GAS_U, else 1. gas_field gathers a whole
+ * lattice axis 0 is fastest), out[component][cells], with all components for GAS_U, else 1. gas_field gathers a whole
  * field to the root in polyMesh order. */
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);

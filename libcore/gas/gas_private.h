@@ -35,7 +35,9 @@ struct gas {
     struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
     struct transport_terms terms; /* what the transport law asks for */
-    int dim, nvar, npatches, ncells_all;
+    int dim, npatches, ncells_all;
+    int components;                  /* of u: those along the dim axes of the mesh, then those it does not resolve */
+    int nvar;                        /* components + 2: rho, rho u, E */
     long images;                     /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
     long size;                       /* numbers in a line of a block: the distance from one variable to the next */
     const struct patch_rules *rules; /* [npatches] */

@@ -100,7 +100,7 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     struct problem *p = &m->problem[what];
     struct linear_system *s = &p->system;
     const struct links *l = &m->links;
-    const int unknowns = what == VISCOUS ? g->dim : 1, links = l->first[l->cells];
+    const int unknowns = what == VISCOUS ? g->components : 1, links = l->first[l->cells];
     p->gas = g;
     p->what = what;
     *s = (struct linear_system){.comm = comm_handle(g->comm),
@@ -140,8 +140,8 @@ static status make_parts(struct implicit *m, struct gas *g) {
     if (!m->module)
         return fail(ERR_INPUT, "diffusion implicit: it wants a solver of linear systems, and none was given");
     TRY(g->engine->implicit.pattern(g, &m->links));
-    const long cells = m->links.cells, rows = cells * g->dim;
-    TRY(allocate(&m->weight, m->links.first[cells] * (long)g->dim, sizeof(double), "a linear system"));
+    const long cells = m->links.cells, rows = cells * g->components;
+    TRY(allocate(&m->weight, m->links.first[cells] * (long)g->components, sizeof(double), "a linear system"));
     TRY(allocate(&m->mass, cells, sizeof(double), "a linear system"));
     TRY(allocate(&m->limit, cells, sizeof(double), "a linear system"));
     double **lines[] = {&m->q, &m->moved, &m->f, &m->mean, &m->b, &m->d, &m->source};

@@ -15,8 +15,8 @@ static void apply(const struct rule *rule, const struct patch_line *l, int compo
 
 /* Turns rho, rho u, E into rho, u, T (or p), in place. */
 static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->dim + 1];
-    for (int k = 1; k <= g->dim; k++)
+    double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->components + 1];
+    for (int k = 1; k <= g->components; k++)
         for (int i = 0; i < n; i++) {
             q[k][i] /= q[0][i];
             kinetic[i] += 0.5 * q[k][i] * q[k][i];
@@ -27,32 +27,32 @@ static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[
 }
 
 static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double p[BATCH], c2[BATCH], gruneisen[BATCH], one[BATCH] = {0}, *energy = q[g->dim + 1];
+    double p[BATCH], c2[BATCH], gruneisen[BATCH], one[BATCH] = {0}, *energy = q[g->components + 1];
     for (int i = 0; i < n; i++) one[i] = 1;
     g->models.eos->state(&g->models.material, n, q[0], one, p, c2, gruneisen);
     for (int i = 0; i < n; i++) {
         double eps = pressure ? energy[i] / p[i] : eps_of(&g->models.material, energy[i]); /* p is linear in eps */
         double kinetic = 0;
-        for (int k = 1; k <= g->dim; k++) kinetic += 0.5 * q[k][i] * q[k][i];
+        for (int k = 1; k <= g->components; k++) kinetic += 0.5 * q[k][i] * q[k][i];
         energy[i] = q[0][i] * (eps + kinetic);
-        for (int k = 1; k <= g->dim; k++) q[k][i] *= q[0][i];
+        for (int k = 1; k <= g->components; k++) q[k][i] *= q[0][i];
     }
 }
 
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]) {
-    int last = g->dim + 1;
+    int last = g->components + 1;
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
         const struct rule mirror = {.type = boundary_mirror};
-        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->dim, l->normal, inner + 1,
+        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->components, l->normal, inner + 1,
               ghost + 1);
         memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
         return;
     }
     to_primitive(g, r->pressure, l->n, inner);
     apply(&r->density, l, 1, -1, inner, ghost);
-    apply(&r->velocity, l, g->dim, l->normal, inner + 1, ghost + 1);
+    apply(&r->velocity, l, g->components, l->normal, inner + 1, ghost + 1);
     apply(&r->temperature, l, 1, -1, inner + last, ghost + last);
     to_conserved(g, r->pressure, l->n, ghost);
 }

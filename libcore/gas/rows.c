@@ -97,7 +97,8 @@ void advance_row(const struct gas *g, int n, const struct advance *s, const doub
     double line[BATCH], *share = falls || flag ? line : NULL;
     for (int i = 0; i < n && share; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
     if (g->falls)
-        update_falling(n, g->dim, g->size, s->each, s->a, s->dt, g->gravity, share, s->U0, s->from, s->residual, s->to);
+        update_falling(n, g->components, g->size, s->each, s->a, s->dt, g->gravity, share, s->U0, s->from, s->residual,
+                       s->to);
     else
         update_rows(g, n, s);
 }
@@ -127,12 +128,12 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
     double share[BATCH], power[BATCH] = {0}; /* summed from the last axis, so that two axes of three commute */
     const bool some = falls || flag;
     for (int i = 0; i < n && some; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
-    for (int k = g->dim - 1; k >= 0; k--)
+    for (int k = g->components - 1; k >= 0; k--)
         if (some)
             weigh_some(n, g->gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
         else if (g->models.source.gravity[k] != 0)
             weigh_all(n, g->gravity[k], U[0], U[k + 1], residual[k + 1], power);
-    add_power(n, power, residual[g->dim + 1]);
+    add_power(n, power, residual[g->components + 1]);
 }
 
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
@@ -143,13 +144,13 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
         if ((falls && falls[i] > 0) || !(flag[i] > 0)) continue;
         const double rho = s->from[i] + dt * s->residual[i];
         double work = 0, more = 0;
-        for (int k = g->dim - 1; k >= 0; k--) {
+        for (int k = g->components - 1; k >= 0; k--) {
             const double kick = dt * g->gravity[k], moved = dt * s->residual[(k + 1) * s->each + i];
             s->to[(k + 1) * size + i] += (1 - a) * (rho * kick);
             work += kick * (s->from[(k + 1) * size + i] + moved + 0.5 * rho * kick);
             more += kick * (moved + 0.5 * rho * kick);
         }
-        s->to[(g->dim + 1) * size + i] += (1 - a) * work;
+        s->to[(g->components + 1) * size + i] += (1 - a) * work;
         if (!(part && part[i] > 0)) dropped[i * g->raised_step] += more;
     }
 }
@@ -177,7 +178,7 @@ KERNEL static void take_dilation(int n, double dt, const double *restrict dilati
 void dilate_row(const struct gas *g, int n, double dt, const double *dilation, const double *spread, const double *U,
                 double *E) {
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    velocity_row(n, g->dim, g->size, U, u, eps);
+    velocity_row(n, g->components, g->size, U, u, eps);
     take_dilation(n, dt, dilation, spread, U, eps, E);
 }
 
@@ -192,20 +193,20 @@ static int raise_marks(int n, const double *bad, double *marks) {
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
     double bad[BATCH];
-    if (!find_bad(n, g->dim, g->size, g->least, g->limit, U + offset, bad)) return 0;
+    if (!find_bad(n, g->components, g->size, g->least, g->limit, U + offset, bad)) return 0;
     return raise_marks(n, bad, marks ? marks + offset : NULL);
 }
 
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags) {
     double bad[BATCH];
-    const bool out = find_bad(n, g->dim, g->size, g->least, g->limit, to, bad);
+    const bool out = find_bad(n, g->components, g->size, g->least, g->limit, to, bad);
     const bool crowded = g->parts && find_crowded(n, g->limit, from, to, bad);
     return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 
 void temperature_row(const struct gas *g, int n, const double *U, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    velocity_row(n, g->dim, g->size, U, u, T);
+    velocity_row(n, g->components, g->size, U, u, T);
     for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, T[i]);
 }
 
@@ -214,15 +215,15 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
     const struct material *m = &g->models.material;
     double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
     double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    if (field >= GAS_U) velocity_row(n, g->dim, size, U, u, eps);
+    if (field >= GAS_U) velocity_row(n, g->components, size, U, u, eps);
     if (field >= GAS_P) {
         g->models.eos->state(m, n, U, eps, p, c, gruneisen);
         root_row(n, c);
     }
-    for (int k = 0; k < g->dim && field == GAS_U; k++) memcpy(out[k], u[k], (size_t)n * sizeof(double));
+    for (int k = 0; k < g->components && field == GAS_U; k++) memcpy(out[k], u[k], (size_t)n * sizeof(double));
     for (int i = 0; i < n; i++) {
         double square = 0;
-        for (int k = 0; k < g->dim && field == GAS_MACH; k++) square += u[k][i] * u[k][i];
+        for (int k = 0; k < g->components && field == GAS_MACH; k++) square += u[k][i] * u[k][i];
         if (field == GAS_RHO) out[0][i] = U[i];
         if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * U[i];
         if (field == GAS_T) out[0][i] = temperature_of(m, eps[i]);
@@ -256,7 +257,7 @@ static void find_falling_row(void *falling, const struct row *row) {
     const double *U = f->s->block[row->block] + row->at, *part = g->dense->part[row->block] + row->at;
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     double *falls = g->falls[row->block] + row->at;
-    if (f->warm >= 0) velocity_row(row->n, g->dim, g->size, U, u, eps);
+    if (f->warm >= 0) velocity_row(row->n, g->components, g->size, U, u, eps);
     for (int i = 0; i < row->n; i++) {
         if (f->warm < 0)
             falls[i] = part[i] > 0 ? 0 : falls[i];

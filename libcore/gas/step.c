@@ -44,7 +44,7 @@ static void set_gravity(struct gas *g, double t, double dt, int stage) {
 static double warm_of(const struct gas *g, double t, double dt) {
     double gravity[2][MAX_DIM], square = 0;
     for (int end = 0; end < 2; end++) source_gravity(&g->models.source, t, dt, end, gravity[end]);
-    for (int k = 0; k < g->dim; k++) {
+    for (int k = 0; k < g->components; k++) {
         const double most = dt * larger(fabs(gravity[0][k]), fabs(gravity[1][k]));
         square += most * most;
     }
@@ -55,7 +55,7 @@ static double warm_of(const struct gas *g, double t, double dt) {
  * backwards. */
 static void plan_all(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
     const struct gas_models *m = &g->models;
-    source_plan(&m->source, m->eos, &m->material, g->dim, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
+    source_plan(&m->source, m->eos, &m->material, g->components, second ? t + 0.5 * dt : t, 0.5 * dt, second, out);
 }
 
 /* In a step with a bed gravity is not among the sources. */
@@ -181,7 +181,7 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
 static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          bool second, long bad) {
     const struct gas_models *m = &g->models;
-    source_pull(&m->source, m->eos, &m->material, g->dim, t, 0.5 * dt, g->pull);
+    source_pull(&m->source, m->eos, &m->material, g->components, t, 0.5 * dt, g->pull);
     return diffuse(g, from, to, 0.5 * dt, second, bad);
 }
 

@@ -25,13 +25,14 @@ static status make_work(struct gas *g) {
     struct work *w = &g->tiles->work;
     double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
-    for (int k = 0; k < g->dim; k++) TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
+    for (int k = 0; k < g->components; k++)
+        TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
     TRY(allocate(&w->residual[0], g->nvar * g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int v = 0; v < g->nvar; v++) {
         TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
         w->residual[v] = w->residual[0] + v * g->forest->size;
     }
-    if (!source_falls(&g->models.source, g->dim)) return OK;
+    if (!source_falls(&g->models.source, g->components)) return OK;
     double **const balance[] = {&w->rise, &w->on, &w->face, &w->base[0], &w->base[1]};
     for (int i = 0; i < 5; i++) TRY(allocate(balance[i], g->forest->size + SLACK, sizeof(double), "scratch"));
     return allocate(&w->taken, g->tiles->activity.nspans, sizeof(bool), "scratch");
@@ -39,7 +40,7 @@ static status make_work(struct gas *g) {
 
 /* Gravity needs to know which cells it acts on in the stages. */
 static status make_falls(struct gas *g) {
-    if (!source_falls(&g->models.source, g->dim)) return OK;
+    if (!source_falls(&g->models.source, g->components)) return OK;
     TRY(blocks_make(g->forest, 1, &g->falls));
     TRY(allocate(&g->dropped, g->nraised, sizeof(double), "tiles"));
     return allocate(&g->falling, g->forest->ntiles, sizeof(bool), "tiles");
@@ -209,7 +210,7 @@ static void place_visit(void *context, long offset, int n) {
 }
 
 static void tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
-    int components = field == GAS_U ? g->dim : 1;
+    int components = field == GAS_U ? g->components : 1;
     const int *n = g->forest->tile[tile].n;
     double background[3];
     if (field == GAS_LIMITED) {
@@ -247,13 +248,13 @@ static void spread_over(const struct forest_block *b, const int n[3], double *va
 static void tiles_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
     const struct forest_block *b = &g->forest->block[block];
     tile_field(g, b->tile, field, out);
-    for (int c = 0; c < (field == GAS_U ? g->dim : 1) && g->forest->images > 1; c++)
+    for (int c = 0; c < (field == GAS_U ? g->components : 1) && g->forest->images > 1; c++)
         spread_over(b, g->forest->tile[b->tile].n, out[c]);
 }
 
 static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
     const struct forest *f = g->forest;
-    int components = field == GAS_U ? g->dim : 1;
+    int components = field == GAS_U ? g->components : 1;
     double *values;
     TRY(allocate(&values, f->size * components, sizeof(double), "a field"));
     for (int t = 0; t < f->ntiles; t++) { /* W is free between steps: it carries the values to the gather */

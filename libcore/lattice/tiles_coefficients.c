@@ -12,7 +12,7 @@ status tiles_diffuser_make(struct gas *g) {
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
     g->tiles->diffuser = d;
     double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
-    for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->dim, blocks[i]));
+    for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->components, blocks[i]));
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, g->dim, &d->keep));
@@ -194,8 +194,8 @@ void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *conte
 /* Square of the velocity of the gas along a wall, less the wall's own. Velocities are still in the workspace. */
 static double slip_at(const struct gas *g, const struct edge *e, int i) {
     double w[MAX_DIM], square = 0;
-    wall_velocity(e->rules, g->dim, e->face[i], w);
-    for (int k = 0; k < g->dim; k++) {
+    wall_velocity(e->rules, g->components, e->face[i], w);
+    for (int k = 0; k < g->components; k++) {
         const double s = g->tiles->work.velocity[k][e->from + i * e->step] - w[k];
         if (k != e->normal) square += s * s;
     }

@@ -14,8 +14,8 @@ enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
 enum { DRAG, STAYS, WALL_LINES };
 
 struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
-    double **sum[2];   /* dim: S of the last stage, with one layer of ghosts, and S of the stage before */
-    double **start;    /* dim: q_0, with one layer of ghosts */
+    double **sum[2];   /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
+    double **start;    /* components of u: q_0, with one layer of ghosts */
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
     double **face;     /* FACE_LINES * dim: coefficients of the face below a cell */
     double **cross;    /* dim: cross/h d rho/dx on the face below a cell, then 1: cross of cells; NULL: no such term */
@@ -32,7 +32,7 @@ struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins w
 
 /* Components of u, or T alone. */
 static inline int lines_of(const struct gas *g, enum diffusing what) {
-    return what == VISCOUS ? g->dim : 1;
+    return what == VISCOUS ? g->components : 1;
 }
 
 /* Half of a central difference of the width h of cells; quarter: 1/(4 h) */

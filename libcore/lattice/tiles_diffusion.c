@@ -32,7 +32,7 @@ KERNEL static void moved_row(int n, double factor, const double *restrict from, 
 static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     struct gas *g = s->g;
     const long size = g->forest->size;
-    const int lines = lines_of(g, s->what), energy = g->dim + 1;
+    const int lines = lines_of(g, s->what), energy = g->components + 1;
     double moved[BATCH];
     for (int v = 0; v < g->nvar; v++) {
         const bool line = s->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;
@@ -124,8 +124,9 @@ ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, 
 /* Through the faces below n cells along `axis`, over the width h of a cell there: stress of S (the flux of momentum
  * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face; low, high: the
  * gradients on both sides. With a = (lambda + 2 mu)/h^2, b = mu/h^2, the difference d of u, and the tangential
- * derivative s/h of v the normal stress is a d + (a - 2 b) s. */
-ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, double h, long step, long size,
+ * derivative s/h of v the normal stress is a d + (a - 2 b) s. Of the m components of u those from dim on lie along axes
+ * without derivatives: their stress is b d alone. */
+ALWAYS_INLINE void viscous_faces(int n, int dim, int m, int axis, bool ends, double h, long step, long size,
                                  const double *restrict face, const double *restrict keep, const double *restrict low,
                                  const double *restrict high, const double *restrict S, double (*restrict out)[LINE]) {
     const double *u = S + axis * size;
@@ -147,7 +148,12 @@ ALWAYS_INLINE void viscous_faces(int n, int dim, int axis, bool ends, double h, 
             work += shear * (0.5 * (v[-step] + v[0]));
             out[t][i] = shear;
         }
-        if (ends) out[dim][i] = work;
+        for (int t = dim; t < m; t++) {
+            const double *v = S + t * size + i, shear = b * (v[0] - v[-step]);
+            work += shear * (0.5 * (v[-step] + v[0]));
+            out[t][i] = shear;
+        }
+        if (ends) out[m][i] = work;
     }
 }
 
@@ -177,10 +183,10 @@ ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const doub
 
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
  * rows in turn. */
-ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain) {
+ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;
-    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = dim + ends;
+    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = m + ends;
     const long size = f->size, *stride = f->stride;
     _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
     _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
@@ -191,20 +197,20 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
-                viscous_faces(padded(n[0] + 1), dim, 0, ends, h[0], 1, size, face + at, plain ? keep + at : NULL,
+                viscous_faces(padded(n[0] + 1), dim, m, 0, ends, h[0], 1, size, face + at, plain ? keep + at : NULL,
                               here + EDGE - 1, here + EDGE, s->S + at, x);
             else
                 row_gradients(f, n, dim, j, k, s->S, ghosts, here);
             if (dim > 1) {
                 row_gradients(f, n, dim, j + 1, k, s->S, ghosts, next);
-                viscous_faces(vectors, dim, 1, ends, h[1], stride[1], size, face + FACE_LINES * size + above,
+                viscous_faces(vectors, dim, m, 1, ends, h[1], stride[1], size, face + FACE_LINES * size + above,
                               plain ? keep + size + above : NULL, here + EDGE, next + EDGE, s->S + above, high);
             }
             if (j < 0) continue;
             for (int i = 0; dim > 2 && i < 2; i++) {
                 const long top = at + i * stride[2];
                 row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, outer[i]);
-                viscous_faces(vectors, dim, 2, ends, h[2], stride[2], size, face + 2 * FACE_LINES * size + top,
+                viscous_faces(vectors, dim, m, 2, ends, h[2], stride[2], size, face + 2 * FACE_LINES * size + top,
                               plain ? keep + 2 * size + top : NULL, (i ? here : outer[0]) + EDGE,
                               (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
             }
@@ -218,24 +224,32 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, bool ends, bool plain
         }
 }
 
-#define SWEEP(dim)                                                                                                     \
-    KERNEL static void sweep_##dim##d(struct sweep *s, bool plain) {                                                   \
+#define SWEEP(dim, m)                                                                                                  \
+    KERNEL static void sweep_##dim##d_##m(struct sweep *s, bool plain) {                                               \
         if (s->what == HEAT)                                                                                           \
             heat_sweep(s, dim);                                                                                        \
         else if (plain)                                                                                                \
-            s->c ? viscous_sweep(s, dim, false, true) : viscous_sweep(s, dim, true, true);                             \
+            s->c ? viscous_sweep(s, dim, m, false, true) : viscous_sweep(s, dim, m, true, true);                       \
         else                                                                                                           \
-            s->c ? viscous_sweep(s, dim, false, false) : viscous_sweep(s, dim, true, false);                           \
+            s->c ? viscous_sweep(s, dim, m, false, false) : viscous_sweep(s, dim, m, true, false);                     \
     }
-SWEEP(1)
-SWEEP(2)
-SWEEP(3)
+SWEEP(1, 1)
+SWEEP(1, 2)
+SWEEP(1, 3)
+SWEEP(2, 2)
+SWEEP(2, 3)
+SWEEP(3, 3)
+
+typedef void sweep_function(struct sweep *s, bool plain);
+/* By the dimension and the components of u beyond it. */
+static sweep_function *const sweeps[3][3] = {
+    {sweep_1d_1, sweep_1d_2, sweep_1d_3}, {sweep_2d_2, sweep_2d_3, NULL}, {sweep_3d_3, NULL, NULL}};
 
 static void sweep_tile(struct sweep *s) {
     const struct diffuser *d = s->g->tiles->diffuser;
     s->S = d->sum[d->last][s->tile];
     s->next = d->sum[1 - d->last][s->tile];
-    (s->g->dim == 1 ? sweep_1d : s->g->dim == 2 ? sweep_2d : sweep_3d)(s, d->plain);
+    sweeps[s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -265,8 +279,8 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
         const long at = e->from + i * e->step, beyond = e->to + i * e->step;
         const double a = wall[DRAG * size + beyond];
         double w[MAX_DIM], square = 0;
-        wall_velocity(e->rules, g->dim, e->face[i], w);
-        for (int k = 0; k < g->dim; k++) {
+        wall_velocity(e->rules, g->components, e->face[i], w);
+        for (int k = 0; k < g->components; k++) {
             const double jump = ending->weight * w[k] - S[k * size + at];
             if (k != e->normal) square += jump * jump;
         }
@@ -286,7 +300,7 @@ static bool slides_anywhere(const struct gas *g, const struct tile *t) {
 static const double *energy_of(struct gas *g, enum diffusing what, int tile, const double *Y0,
                                const struct ending_sums *ending) {
     const long size = g->forest->size;
-    const double *E = Y0 + (g->dim + 1) * size;
+    const double *E = Y0 + (g->components + 1) * size;
     if (what != VISCOUS || !slides_anywhere(g, &g->forest->tile[tile])) return E;
     memcpy(g->tiles->work.p, E, (size_t)size * sizeof *E);
     edges_visit(g, tile, slide_edge, ending);

@@ -81,7 +81,7 @@ static double beyond_one(const struct filling *v, int tile, long offset, int sid
     const long beyond = offset + (side % 2 ? f->stride[side / 2] : -f->stride[side / 2]);
     double inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
     const struct sum_line line = {.n = 1,
-                                  .components = v->what == VISCOUS ? g->dim : 1,
+                                  .components = lines_of(g, v->what),
                                   .normal = v->what == VISCOUS ? side / 2 : -1,
                                   .face = s->face,
                                   .share = g->tiles->diffuser->wall[tile] + DRAG * f->size + beyond,
@@ -100,7 +100,7 @@ static void weigh_cell(void *context, int tile, long offset, const int i[3]) {
     struct filling *v = context;
     const struct forest *f = v->g->forest;
     const struct tile *t = &f->tile[tile];
-    *v->E++ = v->Y0->block[tile][(f->dim + 1) * f->size + offset];
+    *v->E++ = v->Y0->block[tile][(v->g->components + 1) * f->size + offset];
     double *self = v->weight++, sum = *v->rho++ = v->Y0->block[tile][offset];
     for (int face = 0; face < 2 * f->dim; face++) {
         const int axis = face / 2;
@@ -121,7 +121,7 @@ void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
                            double *E, double *weight) {
     struct filling v = {.g = g, .what = what, .Y0 = Y0, .weight = weight};
     v.per = what == HEAT ? temperature_of(&g->models.material, factor) : factor;
-    for (v.unknown = 0; v.unknown < (what == VISCOUS ? g->dim : 1); v.unknown++) {
+    for (v.unknown = 0; v.unknown < lines_of(g, what); v.unknown++) {
         v.rho = rho;
         v.E = E;
         cells_visit(g->forest, weigh_cell, &v);
@@ -130,7 +130,7 @@ void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
 
 void tiles_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums) {
     const struct forest *f = g->forest;
-    const int unknowns = what == VISCOUS ? g->dim : 1;
+    const int unknowns = lines_of(g, what);
     for (int t = 0; t < f->ntiles; t++)
         for (int k = 0; k < f->tile[t].n[2]; k++)
             for (int j = 0; j < f->tile[t].n[1]; j++) {

@@ -17,8 +17,8 @@ void runs_visit(const struct forest *f, const struct tile *tile, int margin, run
 
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n) {
     double *velocity[MAX_DIM];
-    for (int k = 0; k < g->dim; k++) velocity[k] = g->tiles->work.velocity[k] + offset;
-    velocity_row(n, g->dim, g->forest->size, U + offset, velocity, g->tiles->work.eps + offset);
+    for (int k = 0; k < g->components; k++) velocity[k] = g->tiles->work.velocity[k] + offset;
+    velocity_row(n, g->components, g->forest->size, U + offset, velocity, g->tiles->work.eps + offset);
 }
 
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n) {
@@ -64,8 +64,8 @@ static void nodal_visit(void *context, long offset, int n) {
     const struct gas *g = pass->g;
     double *flux[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) flux[v] = g->tiles->work.flux[v] + offset;
-    nodal_row(n, g->dim, pass->axis, g->forest->size, pass->U + offset, g->tiles->work.velocity[pass->axis] + offset,
-              g->tiles->work.p + offset, flux);
+    nodal_row(n, g->components, pass->axis, g->forest->size, pass->U + offset,
+              g->tiles->work.velocity[pass->axis] + offset, g->tiles->work.p + offset, flux);
 }
 
 /* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order, filled
@@ -74,7 +74,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
                              int column) {
     const struct work *w = &g->tiles->work;
     struct faces f = {.n = whole_vectors(n),
-                      .dim = g->dim,
+                      .dim = g->components,
                       .stride = g->forest->stride[axis],
                       .eps = w->eps + offset,
                       .c = w->c + offset,
@@ -82,11 +82,11 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
                       .fastest = g->fastest[axis]};
     for (int v = 0; v < g->nvar; v++) {
         int from = v; /* normal component first, the others in their order */
-        if (v >= 1 && v <= g->dim) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
+        if (v >= 1 && v <= g->components) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
         f.state[v] = U + from * g->forest->size + offset;
         f.flux[v] = w->flux[from] + offset;
         f.out[v] = out[from] + column;
-        if (v >= 1 && v <= g->dim) f.velocity[v - 1] = w->velocity[from - 1] + offset;
+        if (v >= 1 && v <= g->components) f.velocity[v - 1] = w->velocity[from - 1] + offset;
     }
     return f;
 }

@@ -27,7 +27,7 @@ static void begin_visit(void *context, long offset, int n) {
     const struct gas *g = b->g;
     const long size = g->forest->size;
     velocities_of_row(g, b->U, offset, n);
-    for (int v = 0; b->what == VISCOUS && v < g->dim; v++)
+    for (int v = 0; b->what == VISCOUS && v < g->components; v++)
         memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
         b->start[offset + i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]) -

@@ -24,7 +24,7 @@ static void cross_visit(void *term, const struct row *row) {
     const struct term *t = term;
     const struct forest *f = t->g->forest;
     cross_row(row->n, f->dim, f->stride, f->size, t->dt, t->g->tiles->diffuser->cross[row->block] + row->at,
-              t->to->block[row->block] + (f->dim + 1) * f->size + row->at);
+              t->to->block[row->block] + (t->g->components + 1) * f->size + row->at);
 }
 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
@@ -52,7 +52,7 @@ static void dilate_visit(void *term, const struct row *row) {
     add_half_spread(row->n, f->dim, f->stride, f->width, f->size, from, spread);
     add_half_spread(row->n, f->dim, f->stride, f->width, f->size, to, spread);
     dilate_row(t->g, row->n, t->dt, t->g->tiles->diffuser->dilation[row->block] + row->at, spread, from,
-               to + (f->dim + 1) * f->size);
+               to + (t->g->components + 1) * f->size);
 }
 
 void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt) {

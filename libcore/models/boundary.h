@@ -91,7 +91,7 @@ struct rule {
 };
 struct patch_rules {         /* the rules of one patch; an empty or cyclic patch has none (type NULL) */
     struct rule density;     /* its values are rho */
-    struct rule velocity;    /* its values are u along computational axes (dim components, struct forest's axis[]) */
+    struct rule velocity;    /* its values are u, with all components that the gas has (libcore/gas/gas.h) */
     struct rule temperature; /* its values are T, or p */
     bool pressure;           /* are they p? */
 };

@@ -15,7 +15,7 @@
 enum {
     BATCH = 64,  /* faces or cells in a line */
     MAX_DIM = 3, /* components of a vector */
-    MAX_VAR = 5  /* rho, rho u (dim of them), E */
+    MAX_VAR = 5  /* rho, the components of rho u, E */
 };
 
 /* KERNEL makes one clone of a function per instruction set, chosen when the program starts; sums stay in program order,

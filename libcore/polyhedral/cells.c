@@ -26,7 +26,7 @@ static status make_lines(struct gas *g) {
     double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &c->held};
     for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
-    if (source_falls(&g->models.source, g->dim)) {
+    if (source_falls(&g->models.source, g->components)) {
         TRY(allocate(&g->falls, 1, sizeof(double *), "cells"));
         TRY(allocate(&g->falls[0], m->nown, sizeof(double), "cells"));
         TRY(allocate(&g->dropped, m->nown, sizeof(double), "cells"));
@@ -61,13 +61,13 @@ static status make_fit(struct gas *g) {
     const struct polyhedra *m = c->polyhedra;
     bool *unknown;
     if (!g->models.transport || g->models.polynomial->degree < 2)
-        return fit_make(m, g->models.polynomial, NULL, &c->fit);
+        return fit_make(m, g->models.polynomial, g->components, NULL, &c->fit);
     TRY(allocate(&unknown, m->mirror.n, sizeof *unknown, "mirrors"));
     for (int i = 0; i < m->mirror.n; i++) {
         const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
         unknown[i] = wall_drags(r) || wall_conducts(r);
     }
-    const status s = fit_make(m, g->models.polynomial, unknown, &c->fit);
+    const status s = fit_make(m, g->models.polynomial, g->components, unknown, &c->fit);
     free(unknown);
     return s;
 }
@@ -172,7 +172,7 @@ static void cells_block_field(const struct gas *g, int block, enum gas_field fie
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < n; i++) U[v][i] = line[v][m->block_cell[from + i]];
         double *at[3] = {out[0] + (from - start), NULL, NULL};
-        for (int k = 1; k < 3 && field == GAS_U && k < g->dim; k++) at[k] = out[k] + (from - start);
+        for (int k = 1; k < 3 && field == GAS_U && k < g->components; k++) at[k] = out[k] + (from - start);
         field_row(g, field, n, BATCH, U[0], at);
     }
 }
@@ -180,7 +180,7 @@ static void cells_block_field(const struct gas *g, int block, enum gas_field fie
 static status cells_field(const struct gas *g, enum gas_field field, double *const out[3]) {
     const struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
-    int components = field == GAS_U ? g->dim : 1;
+    int components = field == GAS_U ? g->components : 1;
     double *values[3] = {NULL, NULL, NULL};
     status s = OK;
     for (int k = 0; k < components && !s; k++) s = allocate(&values[k], m->nown, sizeof(double), "a field");
@@ -200,7 +200,7 @@ static status cells_field(const struct gas *g, enum gas_field field, double *con
 
 void cells_primitives(const struct gas *g, int n, const double *U, struct cells_primitives *q) {
     double *velocity[MAX_DIM] = {q->velocity[0], q->velocity[1], q->velocity[2]};
-    velocity_row(n, g->dim, g->size, U, velocity, q->eps);
+    velocity_row(n, g->components, g->size, U, velocity, q->eps);
     g->models.eos->state(&g->models.material, n, U, q->eps, q->p, q->c, q->gruneisen);
     root_row(n, q->c);
 }

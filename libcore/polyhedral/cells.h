@@ -63,7 +63,7 @@ struct cells_walls {     /* [mirrors] what wall_shares says; 0 where a patch is 
 /* U, T, cell (bulk, shear, heat), cross: [size]; cross may be NULL */
 void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
                        const double *cross, const struct cells_walls *out);
-/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k dim + c, likewise. share: of
+/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k components + c, likewise. share: of
  * wall_shares. Beyond walls that conduct S is such that the jump to it times the coefficient is the heat that enters,
  * and weight lift more. */
 void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,

@@ -8,7 +8,7 @@
 struct cells_diffuser {                  /* lines of [size], a batch longer, or of [faces] */
     double *sum[2][MAX_DIM];             /* S of the last stage, and of the one before */
     double *start[MAX_DIM];              /* q_0 */
-    double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k dim + c */
+    double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k lines + c, lines: components of u, or 1 */
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* T at which the coefficients were taken */
     double *warm;                        /* T of the coefficients, then T(to)/T (diffusion_hooks.ahead) */

@@ -13,7 +13,7 @@ static const double MOST_RISE = 4;  /* T is extrapolated by at most this factor:
 static const double CLOSEST = 0.05; /* least distance of a centre to the face, over that of both centres */
 
 static int lines_of(const struct gas *g, enum diffusing what) {
-    return what == VISCOUS ? g->dim : 1;
+    return what == VISCOUS ? g->components : 1;
 }
 
 static status lines_allocate(double **line, int count, long n) {
@@ -66,9 +66,9 @@ status cells_diffuser_make(struct gas *g) {
     struct cells_diffuser *d;
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
     g->cells->diffuser = d;
-    for (int i = 0; i < 2; i++) TRY(lines_allocate(d->sum[i], g->dim, size));
-    TRY(lines_allocate(d->start, g->dim, size));
-    TRY(lines_allocate(d->gradient, g->dim * g->dim, size));
+    for (int i = 0; i < 2; i++) TRY(lines_allocate(d->sum[i], g->components, size));
+    TRY(lines_allocate(d->start, g->components, size));
+    TRY(lines_allocate(d->gradient, g->dim * g->components, size));
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
@@ -244,7 +244,7 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     fill_state(g, Y0, U);
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
-        velocity_row(n, g->dim, size, U[0] + at, u, eps);
+        velocity_row(n, g->components, size, U[0] + at, u, eps);
         for (int v = 0; v < lines_of(g, what); v++) {
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
@@ -294,35 +294,43 @@ ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, do
 }
 
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
- * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. */
-ALWAYS_INLINE void viscous_faces(int dim, const struct sides *f, double *const *S, double *const *gradient,
+ * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. The components c of u from dim on, up to
+ * m, lie along axes without derivatives: their force is -mu a_c alone. */
+ALWAYS_INLINE void viscous_faces(int dim, int m, const struct sides *f, double *const *S, double *const *gradient,
                                  double *const *out) {
     double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
     double stretch[BATCH] = {0}, trace[BATCH] = {0};
     const struct sides g = *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
-    for (int c = 0; c < dim; c++) take_jumps(f, S[c], a[c], at[c]);
-    for (int i = 0; i < dim * dim && dim > 1; i++) take_mean(f, gradient[i], M[i]);
+    for (int c = 0; c < m; c++) take_jumps(f, S[c], a[c], at[c]);
+    for (int i = 0; i < dim * m && dim > 1; i++) take_mean(f, gradient[i], M[i]);
     for (int c = 0; c < dim; c++) /* short loops, or compilers do not unroll the inner ones */
         for (int i = 0; i < g.n; i++) {
             double along = 0;
             a[c][i] *= g.inverse[i];
             for (int k = 0; k < dim && dim > 1; k++) {
-                a[c][i] += g.rest[k][i] * M[k * dim + c][i];
-                along += g.normal[k][i] * M[k * dim + c][i];
+                a[c][i] += g.rest[k][i] * M[k * m + c][i];
+                along += g.normal[k][i] * M[k * m + c][i];
             }
             stretch[i] += g.normal[c][i] * (a[c][i] - along);
-            if (dim > 1) trace[i] += M[c * dim + c][i];
+            if (dim > 1) trace[i] += M[c * m + c][i];
         }
-    for (int i = 0; i < g.n; i++) found[dim][i] = 0;
+    for (int i = 0; i < g.n; i++) found[m][i] = 0;
     for (int k = 0; k < dim; k++)
         for (int i = 0; i < g.n; i++) {
             double across = g.normal[k][i] * stretch[i];
-            for (int c = 0; c < dim && dim > 1; c++) across += g.normal[c][i] * M[k * dim + c][i];
+            for (int c = 0; c < dim && dim > 1; c++) across += g.normal[c][i] * M[k * m + c][i];
             const double spread = (trace[i] + stretch[i]) * g.normal[k][i];
             found[k][i] = -(g.face[0][i] * spread + g.face[1][i] * (a[k][i] + across));
-            found[dim][i] += found[k][i] * at[k][i];
+            found[m][i] += found[k][i] * at[k][i];
         }
-    for (int k = 0; k <= dim; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
+    for (int c = dim; c < m; c++)
+        for (int i = 0; i < g.n; i++) {
+            double slope = a[c][i] * g.inverse[i];
+            for (int k = 0; k < dim && dim > 1; k++) slope += g.rest[k][i] * M[k * m + c][i];
+            found[c][i] = -(g.face[1][i] * slope);
+            found[m][i] += found[c][i] * at[c][i];
+        }
+    for (int k = 0; k <= m; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
 }
 
 ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, double *const *gradient,
@@ -337,17 +345,26 @@ ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, d
     for (int i = 0; i < f->n; i++) out[i] *= -f->face[2][i];
 }
 
-#define FACES(dim)                                                                                                     \
-    KERNEL static void faces_##dim(enum diffusing what, const struct sides *f, double *const *S,                       \
-                                   double *const *gradient, double *const *out) {                                      \
+#define FACES(dim, m)                                                                                                  \
+    KERNEL static void faces_##dim##_##m(enum diffusing what, const struct sides *f, double *const *S,                 \
+                                         double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
-            viscous_faces(dim, f, S, gradient, out);                                                                   \
+            viscous_faces(dim, m, f, S, gradient, out);                                                                \
         else                                                                                                           \
             heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
     }
-FACES(1)
-FACES(2)
-FACES(3)
+FACES(1, 1)
+FACES(1, 2)
+FACES(1, 3)
+FACES(2, 2)
+FACES(2, 3)
+FACES(3, 3)
+
+typedef void faces_function(enum diffusing what, const struct sides *f, double *const *S, double *const *gradient,
+                            double *const *out);
+/* By the dimension and the components of u beyond it. */
+static faces_function *const faces_of[3][3] = {
+    {faces_1_1, faces_1_2, faces_1_3}, {faces_2_2, faces_2_3, NULL}, {faces_3_3, NULL, NULL}};
 
 /* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
 static void find_fluxes(struct gas *g, enum diffusing what, int first, int last) {
@@ -367,15 +384,13 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
             f.rest[k] = d->rest[k] + at;
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
-        for (int v = 0; v <= g->dim; v++) out[v] = c->flux[v] + at;
+        for (int v = 0; v <= g->components; v++) out[v] = c->flux[v] + at;
         const bool heat = what == HEAT && d->keep;
         for (int i = 0; i < f.n && (c->flagged || heat); i++)
             keep[i] = c->flagged && c->flag[f.left[i]] + c->flag[f.right[i]] > 0 ? 0 : heat ? d->keep[at + i] : 1;
         if (c->flagged || heat) f.keep = keep;
-        (g->dim == 1   ? faces_1
-         : g->dim == 2 ? faces_2
-                       : faces_3)(what, &f, d->sum[d->last],
-                                  what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
+        faces_of[g->dim - 1][g->components - g->dim](
+            what, &f, d->sum[d->last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
 }
 
@@ -442,7 +457,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
 /* to = Y_0 + div of the flux of S in the cells from `at` on; the work of the stress of S on S/dt makes the energy. */
 static void end_batch(struct gas *g, enum diffusing what, double *const *from, double *const *to, double dt, int at,
                       int n) {
-    const int energy = g->dim + 1;
+    const int energy = g->components + 1;
     double M[BATCH];
     for (int v = 0; v < g->nvar; v++) {
         const bool line = what == VISCOUS && v > 0 && v < energy;
@@ -451,7 +466,7 @@ static void end_batch(struct gas *g, enum diffusing what, double *const *from, d
             continue;
         }
         const double factor = v == energy && what == VISCOUS ? 1 / dt : 1;
-        cells_residuals(g->cells, at, n, g->cells->flux[line ? v - 1 : what == VISCOUS ? g->dim : 0], M);
+        cells_residuals(g->cells, at, n, g->cells->flux[line ? v - 1 : what == VISCOUS ? g->components : 0], M);
         for (int i = 0; i < n; i++) to[v][at + i] = from[v][at + i] + factor * M[i];
     }
 }
@@ -469,7 +484,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);
-        if (!find_bad(n, g->dim, m->size, g->least, g->limit, out[0] + at, bad)) continue;
+        if (!find_bad(n, g->components, m->size, g->least, g->limit, out[0] + at, bad)) continue;
         for (int i = 0; i < n; i++) {
             d->mark[at + i] += bad[i];
             count += bad[i] > 0;

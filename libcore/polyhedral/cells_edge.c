@@ -67,13 +67,13 @@ static void held_run(const struct gas *g, int from, int n, double *const U[MAX_V
         const int cell = m->mirror.cell[i], mirror = m->ncells + i;
         const double rho = U[0][cell];
         double work = 0, w[MAX_DIM];
-        wall_velocity(&g->rules[m->mirror.patch[from]], g->dim, m->mirror.place[i], w);
-        for (int k = 0; k < g->dim; k++) {
+        wall_velocity(&g->rules[m->mirror.patch[from]], g->components, m->mirror.place[i], w);
+        for (int k = 0; k < g->components; k++) {
             work += w[k] * (rho * w[k] - U[k + 1][cell]);
             U[k + 1][mirror] = 2 * rho * w[k] - U[k + 1][cell];
         }
         U[0][mirror] = rho;
-        U[g->dim + 1][mirror] = U[g->dim + 1][cell] + 2 * work;
+        U[g->components + 1][mirror] = U[g->components + 1][cell] + 2 * work;
     }
 }
 
@@ -121,11 +121,11 @@ static double slip_at(const struct gas *g, const struct patch_rules *r, int mirr
     const struct polyhedra *m = g->cells->polyhedra;
     const int cell = m->mirror.cell[mirror];
     double w[MAX_DIM], square = 0, across = 0;
-    wall_velocity(r, g->dim, m->mirror.place[mirror], w);
-    for (int k = 0; k < g->dim; k++) {
+    wall_velocity(r, g->components, m->mirror.place[mirror], w);
+    for (int k = 0; k < g->components; k++) {
         const double s = U[k + 1][cell] / U[0][cell] - w[k];
         square += s * s;
-        across += s * m->mirror.normal[k][mirror];
+        if (k < g->dim) across += s * m->mirror.normal[k][mirror];
     }
     return larger(square - across * across, 0);
 }
@@ -185,7 +185,7 @@ static void mirror_sums_run(const struct gas *g, enum diffusing what, double wei
                             const double *share, const double *lift, const double *const *start, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    const int lines = what == VISCOUS ? g->dim : 1;
+    const int lines = what == VISCOUS ? g->components : 1;
     const bool turn = patch_is_wall(r) && what == VISCOUS;
     double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
     const struct sum_line line = {
@@ -225,16 +225,17 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
 /* Gives mirrors their derivatives along the wall; those across the wall are the cell's. Derivatives of velocities along
  * the wall are the cell's, too. Those of the velocity across the wall are turned where gas slips, as that velocity is 0
  * on the wall; where gas is held they are the cell's, which keeps the operator symmetric
- * (libcore/polyhedral/cells_gradient.c); between these two the share of drag decides. */
+ * (libcore/polyhedral/cells_gradient.c); between these two the share of drag decides. Components beyond dim lie along
+ * every wall. */
 static void mirror_gradients_run(const struct gas *g, int from, int n, const double *share, double *const *gradient) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
-    const int dim = g->dim;
+    const int dim = g->dim, lines = g->components;
     double in[MAX_DIM][MAX_DIM][BATCH], along[MAX_DIM][MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
     for (int i = 0; i < n; i++) {
         const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
         for (int k = 0; k < dim; k++) {
-            for (int c = 0; c < dim; c++) in[k][c][i] = gradient[k * dim + c][m->mirror.cell[from + i]];
+            for (int c = 0; c < dim; c++) in[k][c][i] = gradient[k * lines + c][m->mirror.cell[from + i]];
             into_frame(dim, &f, in[k], i);
         }
         for (int t = 0; t < dim; t++)
@@ -253,7 +254,9 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
                 for (int t = 0; t < dim; t++) ghost[c][i] += f.axis[t][k] * along[t][c][i];
             }
             out_of_frame(dim, &f, ghost, i);
-            for (int c = 0; c < dim; c++) gradient[k * dim + c][m->ncells + from + i] = ghost[c][i];
+            for (int c = 0; c < dim; c++) gradient[k * lines + c][m->ncells + from + i] = ghost[c][i];
+            for (int c = dim; c < lines; c++)
+                gradient[k * lines + c][m->ncells + from + i] = gradient[k * lines + c][m->mirror.cell[from + i]];
         }
     }
 }
@@ -267,10 +270,10 @@ void cells_slide(const struct gas *g, double weight, const double *stays, double
         const int face = m->face.ninternal + i;
         double w[MAX_DIM], rest = 0;
         if (!wall_slides(r)) continue;
-        wall_velocity(r, g->dim, m->mirror.place[i], w);
-        for (int k = 0; k < g->dim; k++)
+        wall_velocity(r, g->components, m->mirror.place[i], w);
+        for (int k = 0; k < g->components; k++)
             rest += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
-        g->cells->flux[g->dim][face] += stays[i] * rest;
+        g->cells->flux[g->components][face] += stays[i] * rest;
     }
 }
 

@@ -48,6 +48,7 @@ static double passed(const struct gas *g, enum diffusing what, int i, int c, con
     double *const *normal = g->cells->polyhedra->face.normal, along = 0;
     if (what == HEAT) return d->face[2][i] * d->inverse[i] * jump[0];
     for (int k = 0; k < g->dim; k++) along += normal[k][i] * jump[k];
+    if (c >= g->dim) return d->face[1][i] * jump[c] * d->inverse[i];
     return (d->face[1][i] * jump[c] + (d->face[0][i] + d->face[1][i]) * normal[c][i] * along) * d->inverse[i];
 }
 
@@ -63,7 +64,7 @@ static double *weigh_links(const struct gas *g, enum diffusing what, int c, doub
             const bool inside = face < m->face.ninternal;
             double jump[MAX_DIM] = {0};
             jump[c] = 1;
-            for (int k = 0; k < (what == VISCOUS ? g->dim : 1) && !inside; k++) jump[k] -= S[k][other];
+            for (int k = 0; k < (what == VISCOUS ? g->components : 1) && !inside; k++) jump[k] -= S[k][other];
             const double w = per * passed(g, what, face, c, jump);
             *self += w;
             if (inside) *weight++ = -w;
@@ -77,13 +78,13 @@ void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
                            double *E, double *weight) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
-    const int unknowns = what == VISCOUS ? g->dim : 1;
+    const int unknowns = what == VISCOUS ? g->components : 1;
     const double per = what == HEAT ? temperature_of(&g->models.material, factor) : factor;
     double *const *S = d->sum[d->last], *U[MAX_VAR];
     cells_lines(g, Y0, U);
     for (int i = 0; i < m->nown; i++) {
         mass[i] = m->volume[i] * U[0][i];
-        E[i] = m->volume[i] * U[g->dim + 1][i];
+        E[i] = m->volume[i] * U[g->components + 1][i];
     }
     for (int c = 0; c < unknowns; c++) {
         for (int k = 0; k < unknowns; k++)
@@ -96,7 +97,7 @@ void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct stat
 
 void cells_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums) {
     const struct cells_diffuser *d = g->cells->diffuser;
-    const int unknowns = what == VISCOUS ? g->dim : 1, nown = g->cells->polyhedra->nown;
+    const int unknowns = what == VISCOUS ? g->components : 1, nown = g->cells->polyhedra->nown;
     for (int c = 0; c < unknowns; c++) {
         double *S = d->sum[d->last][c];
         for (int i = 0; i < nown; i++) {

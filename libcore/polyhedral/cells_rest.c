@@ -66,7 +66,7 @@ void cells_rest_find(const struct gas *g, int from, int to, const double *const 
     double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     for (int at = from, n; at < to; at += n) {
         n = to - at < BATCH ? to - at : BATCH;
-        velocity_row(n, g->dim, g->size, U[0] + at, u, eps);
+        velocity_row(n, g->components, g->size, U[0] + at, u, eps);
         g->models.eos->state(&g->models.material, n, U[0] + at, eps, p, c, gruneisen);
         if (r->finds == VALUES) memcpy(r->p + at, p, (size_t)n * sizeof *p);
         for (int i = 0; i < n; i++) {
@@ -81,7 +81,7 @@ void cells_rest_find(const struct gas *g, int from, int to, const double *const 
 void cells_rest_add(const struct gas *g, int from, int n, const int *cell, double (*at)[BATCH]) {
     const struct cells_rest *r = g->cells->rest;
     for (int v = 0; v < 2; v++) {
-        double *q = at[v * (g->dim + 1)];
+        double *q = at[v * (g->components + 1)];
         for (int i = 0; i < n; i++) {
             const double w = r->near[cell[i]];
             q[i] = (q[i] - w * r->U[v][cell[i]]) + w * r->at[v][from + i];
@@ -95,7 +95,7 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
     for (int i = 0; i < n && r->finds == VALUES; i++) {
         const bool left = r->rests[f->left[face[i]]], right = side && r->rests[f->right[face[i]]];
         for (int v = 0; v < 2; v++) {
-            const double here = at[v * (g->dim + 1)][i];
+            const double here = at[v * (g->components + 1)][i];
             double *q = &r->at[v][from + i];
             *q = side && left && right ? 0.5 * (*q + here) : side && left ? *q : here;
         }
@@ -142,14 +142,15 @@ static void take_state(struct gas *g) {
     double *U[MAX_VAR];
     cells_lines(g, &g->U, U);
     for (int i = 0; i < m->nown; i++)
-        for (int k = 0; k < g->dim; k++) {
-            U[g->dim + 1][i] -= 0.5 * U[k + 1][i] * U[k + 1][i] / U[0][i];
+        for (int k = 0; k < g->components; k++) {
+            U[g->components + 1][i] -= 0.5 * U[k + 1][i] * U[k + 1][i] / U[0][i];
             U[k + 1][i] = 0;
         }
     polyhedra_fill_start(m, g->nvar, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, 0, m->mirror.n, U);
-    for (int v = 0; v < 2; v++) memcpy(g->cells->rest->U[v], U[v * (g->dim + 1)], (size_t)m->size * sizeof(double));
+    for (int v = 0; v < 2; v++)
+        memcpy(g->cells->rest->U[v], U[v * (g->components + 1)], (size_t)m->size * sizeof(double));
 }
 
 status cells_rest(struct gas *g, const bool *rests) {

@@ -27,7 +27,7 @@ static struct turn turn_of(const struct polyhedra_faces *f, int dim, bool back) 
     return t;
 }
 
-/* Turns the momentum of n states q. */
+/* Turns the momentum of n states q; its components beyond dim are the same in every frame. */
 KERNEL static void turn_momentum(int n, int dim, const struct turn *t, const int *restrict face,
                                  double (*restrict q)[BATCH]) {
     double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
@@ -116,7 +116,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     fit_points(c->fit, side, from, p->n, U, out);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
-    limit_towards(p->n, g->dim, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
+    limit_towards(p->n, g->components, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
@@ -149,23 +149,23 @@ static struct faces point_primitives(const struct gas *g, struct points *p) {
     const struct gas_models *m = &g->models;
     const long size = STENCIL * BATCH;
     const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
-    struct faces f = {.n = n, .dim = g->dim, .stride = BATCH, .fastest = g->fastest[0]};
+    struct faces f = {.n = n, .dim = g->components, .stride = BATCH, .fastest = g->fastest[0]};
     for (int v = 0; v < g->nvar; v++)
         for (int side = LEFT; side <= RIGHT; side++)
             for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
     for (int side = LEFT; side <= RIGHT; side++) {
         double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
-        velocity_row(n, g->dim, size, p->state[0][side], velocity, p->eps[side]);
+        velocity_row(n, g->components, size, p->state[0][side], velocity, p->eps[side]);
         m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
         root_row(n, p->c[side]);
-        nodal_line(n, g->dim, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
+        nodal_line(n, g->components, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
     }
     for (int v = 0; v < g->nvar; v++) {
         f.state[v] = p->state[v][LEFT];
         f.flux[v] = p->flux[v][LEFT];
         f.out[v] = p->out[v];
     }
-    for (int k = 0; k < g->dim; k++) f.velocity[k] = p->velocity[k][LEFT];
+    for (int k = 0; k < g->components; k++) f.velocity[k] = p->velocity[k][LEFT];
     f.eps = p->eps[LEFT];
     f.c = p->c[LEFT];
     f.gruneisen = p->gruneisen[LEFT];

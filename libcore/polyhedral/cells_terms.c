@@ -72,7 +72,7 @@ void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     cells_lines(g, to, U);
     for (int at = 0; at < nown; at += BATCH) {
         const int n = nown - at < BATCH ? nown - at : BATCH;
-        double *E = U[g->dim + 1] + at;
+        double *E = U[g->components + 1] + at;
         cells_residuals(g->cells, at, n, g->cells->diffuser->cross, sum);
         for (int i = 0; i < n; i++) E[i] += dt * sum[i];
     }
@@ -115,6 +115,6 @@ void cells_diffusion_dilate(struct gas *g, const struct state *from, const struc
             }
             spread[i] = 0.5 * c->inverse_volume[at + i] * sum;
         }
-        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, U[0][0] + at, U[1][g->dim + 1] + at);
+        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, U[0][0] + at, U[1][g->components + 1] + at);
     }
 }

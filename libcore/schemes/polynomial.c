@@ -43,28 +43,28 @@ struct frame {
     double velocity[MAX_DIM][LANES], half_square[LANES];
     double square[MAX_VAR][LANES]; /* squares of the scales rho, rho sqrt(2 eps), rho eps */
 };
-ALWAYS_INLINE void find_frame(int dim, double (*restrict own)[LANES], struct frame *restrict f) {
+ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct frame *restrict f) {
     EACH_LANE {
         double rho = own[0][l], sum = 0;
-        for (int k = 0; k < dim; k++) {
+        for (int k = 0; k < m; k++) {
             f->velocity[k][l] = own[k + 1][l] / rho;
             sum += f->velocity[k][l] * f->velocity[k][l];
         }
-        double energy = own[dim + 1][l] - 0.5 * rho * sum;
+        double energy = own[m + 1][l] - 0.5 * rho * sum;
         f->half_square[l] = 0.5 * sum;
         f->square[0][l] = rho * rho;
-        for (int k = 0; k < dim; k++) f->square[k + 1][l] = fabs(2 * rho * energy);
-        f->square[dim + 1][l] = energy * energy;
+        for (int k = 0; k < m; k++) f->square[k + 1][l] = fabs(2 * rho * energy);
+        f->square[m + 1][l] = energy * energy;
     }
 }
 /* Moves lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
-ALWAYS_INLINE void boost(int dim, double sign, const struct frame *restrict f, double *const *line) {
-    double *restrict rho = line[0], *restrict E = line[dim + 1], dot[LANES] = {0};
-    for (int k = 0; k < dim; k++) {
-        double *restrict m = line[k + 1];
+ALWAYS_INLINE void boost(int m, double sign, const struct frame *restrict f, double *const *line) {
+    double *restrict rho = line[0], *restrict E = line[m + 1], dot[LANES] = {0};
+    for (int k = 0; k < m; k++) {
+        double *restrict q = line[k + 1];
         EACH_LANE {
-            dot[l] += f->velocity[k][l] * m[l];
-            m[l] = fma(sign * f->velocity[k][l], rho[l], m[l]);
+            dot[l] += f->velocity[k][l] * q[l];
+            q[l] = fma(sign * f->velocity[k][l], rho[l], q[l]);
         }
     }
     EACH_LANE E[l] = fma(f->half_square[l], rho[l], E[l] + sign * dot[l]);
@@ -117,24 +117,24 @@ struct batch {
     struct bounds bounds[MAX_VAR]; /* in their frames */
 };
 /* Adds to a the coefficients of the polynomials of the whole stencils, in the frames of the cells. */
-ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batch, const double *const *U,
+ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, const double *const *U,
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     double d[MAX_VAR][LANES], *line[MAX_VAR];
     struct calm calm[MAX_VAR];
-    for (int v = 0; v < dim + 2; v++) {
+    for (int v = 0; v < m + 2; v++) {
         own_values(f, batch, U[v], c->own[v]);
         find_calm(f, batch, v, &calm[v]);
         line[v] = d[v];
     }
-    find_frame(dim, c->own, &c->frame);
+    find_frame(m, c->own, &c->frame);
     for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
         const double *w = f->member.data + (long)j * ncoef * LANES;
-        for (int v = 0; v < dim + 2; v++) {
+        for (int v = 0; v < m + 2; v++) {
             differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
             take_calm(f->member.cell + (long)j * LANES, &calm[v], d[v]);
         }
-        boost(dim, -1, &c->frame, line);
-        for (int v = 0; v < dim + 2; v++) {
+        boost(m, -1, &c->frame, line);
+        for (int v = 0; v < m + 2; v++) {
             extend(&c->bounds[v], d[v]);
             for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = fma(w[k * LANES + l], d[v][l], a[v][k][l]);
         }
@@ -142,13 +142,13 @@ ALWAYS_INLINE void add_members(int dim, int ncoef, const struct fit *f, int batc
 }
 
 /* Turns changes at face points, in the frame of the cell, into values. */
-ALWAYS_INLINE void finish_points(int dim, const struct fit *f, int batch, double (*restrict own)[LANES],
+ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, double (*restrict own)[LANES],
                                  const struct frame *restrict frame) {
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
         double *line[MAX_VAR];
-        for (int v = 0; v < dim + 2; v++) line[v] = f->value + v * f->nvalues + (long)j * LANES;
-        boost(dim, 1, frame, line);
-        for (int v = 0; v < dim + 2; v++) EACH_LANE line[v][l] += own[v][l];
+        for (int v = 0; v < m + 2; v++) line[v] = f->value + v * f->nvalues + (long)j * LANES;
+        boost(m, 1, frame, line);
+        for (int v = 0; v < m + 2; v++) EACH_LANE line[v][l] += own[v][l];
     }
 }
 
@@ -165,15 +165,15 @@ ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, const
     }
 }
 
-ALWAYS_INLINE void linear(int dim, const struct fit *f, int batch, const double *const *U) {
+ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const double *const *U) {
     double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
     struct batch c = {.bounds = {{{0}, {0}}}};
-    add_members(dim, dim, f, batch, U, &c, a);
-    for (int v = 0; v < dim + 2; v++) {
+    add_members(m, dim, f, batch, U, &c, a);
+    for (int v = 0; v < m + 2; v++) {
         limit(dim, &f->halfway, batch, c.frame.square[v], &c.bounds[v], a[v]);
         linear_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
     }
-    finish_points(dim, f, batch, c.own, &c.frame);
+    finish_points(m, f, batch, c.own, &c.frame);
 }
 
 /* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000) with the quadratic of the whole stencil as the optimal
@@ -194,19 +194,19 @@ ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, 
 }
 
 /* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
-ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int sectors, const double *const *U,
+ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int batch, int sectors, const double *const *U,
                                     double (*restrict own)[LANES], const struct frame *restrict frame,
                                     double (*restrict g)[LANES]) {
     const int each = sectors * dim;
     double d[LANES], *line[MAX_VAR];
-    for (int v = 0; v < dim + 2; v++) {
+    for (int v = 0; v < m + 2; v++) {
         int j = f->sector.start[batch];
         struct calm calm;
         find_calm(f, batch, v, &calm);
         for (int s = 0; s < sectors; s++) {
             double(*restrict at)[LANES] = g + v * each + s * dim;
             for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
-            for (int m = 0; m < f->sector_members[batch]; m++, j++) {
+            for (int i = 0; i < f->sector_members[batch]; i++, j++) {
                 const double *w = f->sector.data + (long)j * dim * LANES;
                 differences(f->sector.cell + (long)j * LANES, U[v], own[v], d);
                 take_calm(f->sector.cell + (long)j * LANES, &calm, d);
@@ -215,8 +215,8 @@ ALWAYS_INLINE void sector_gradients(int dim, const struct fit *f, int batch, int
         }
     }
     for (int i = 0; i < each; i++) {
-        for (int v = 0; v < dim + 2; v++) line[v] = g[v * each + i];
-        boost(dim, -1, frame, line);
+        for (int v = 0; v < m + 2; v++) line[v] = g[v * each + i];
+        boost(m, -1, frame, line);
     }
 }
 
@@ -264,18 +264,18 @@ ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double
 
 /* Turns a, the coefficients of P_opt, into those of P with the gradients g of the sectors; w is room for their
  * weights. */
-ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, const struct frame *restrict frame,
-                           double (*restrict g)[LANES], double (*restrict w)[LANES],
+ALWAYS_INLINE void combine(int dim, int m, const double *restrict share, int sectors,
+                           const struct frame *restrict frame, double (*restrict g)[LANES], double (*restrict w)[LANES],
                            double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     const int each = sectors * dim;
     double I[LANES] = {0}, central[LANES], inverse[MAX_VAR][LANES];
-    for (int v = 0; v < dim + 2; v++) {
+    for (int v = 0; v < m + 2; v++) {
         EACH_LANE inverse[v][l] = 1 / larger(frame->square[v][l], TINY);
         add_smoothness(dim, a[v], inverse[v], I);
     }
     for (int s = 0; s < sectors; s++) {
         EACH_LANE w[s][l] = 0;
-        for (int v = 0; v < dim + 2; v++) {
+        for (int v = 0; v < m + 2; v++) {
             double(*restrict at)[LANES] = g + v * each + s * dim;
             EACH_LANE {
                 double sum = 0;
@@ -285,7 +285,7 @@ ALWAYS_INLINE void combine(int dim, const double *restrict share, int sectors, c
         }
     }
     weigh(share, sectors, I, w, central);
-    for (int v = 0; v < dim + 2; v++) {
+    for (int v = 0; v < m + 2; v++) {
         for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[v][k][l] *= central[l];
         for (int s = 0; s < sectors; s++)
             for (int k = 0; k < dim; k++) EACH_LANE a[v][k][l] = fma(w[s][l], g[v * each + s * dim + k][l], a[v][k][l]);
@@ -319,24 +319,29 @@ ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, co
     }
 }
 
-ALWAYS_INLINE void cweno3(int dim, const struct fit *f, int batch, const double *const *U) {
+ALWAYS_INLINE void cweno3(int dim, int m, const struct fit *f, int batch, const double *const *U) {
     const int sectors = f->share.start[batch + 1] - f->share.start[batch];
     double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
     double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
     struct batch c = {.bounds = {{{0}, {0}}}};
-    add_members(dim, dim + quadratics(dim), f, batch, U, &c, a);
-    sector_gradients(dim, f, batch, sectors, U, c.own, &c.frame, gradient);
-    combine(dim, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
-    for (int v = 0; v < dim + 2; v++) quadratic_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
-    finish_points(dim, f, batch, c.own, &c.frame);
+    add_members(m, dim + quadratics(dim), f, batch, U, &c, a);
+    sector_gradients(dim, m, f, batch, sectors, U, c.own, &c.frame, gradient);
+    combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
+    for (int v = 0; v < m + 2; v++) quadratic_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
+    finish_points(m, f, batch, c.own, &c.frame);
 }
 
-/* One function for every dimension: loops over coefficients unroll. */
+/* One function for every dimension and every number of components of u: loops over coefficients unroll. */
+#define EACH(kind, axes, components)                                                                                   \
+    if (f->polyhedra->dim == (axes) && f->nvar == (components) + 2) kind(axes, components, f, batch, U)
 #define CELLS(kind)                                                                                                    \
     KERNEL static void kind##_cells(struct fit *f, int batch, const double *const *U) {                                \
-        if (f->polyhedra->dim == 1) kind(1, f, batch, U);                                                              \
-        if (f->polyhedra->dim == 2) kind(2, f, batch, U);                                                              \
-        if (f->polyhedra->dim == 3) kind(3, f, batch, U);                                                              \
+        EACH(kind, 1, 1);                                                                                              \
+        EACH(kind, 1, 2);                                                                                              \
+        EACH(kind, 1, 3);                                                                                              \
+        EACH(kind, 2, 2);                                                                                              \
+        EACH(kind, 2, 3);                                                                                              \
+        EACH(kind, 3, 3);                                                                                              \
     }
 CELLS(linear)
 CELLS(cweno3)

@@ -20,7 +20,8 @@ struct polynomial { /* a way to fit */
     struct model model;
     int rings;  /* rings of the stencils (polyhedra_make) */
     int degree; /* 0, 1, 2 */
-    /* Fits a batch of cells to the averages U[dim + 2][size], mirrors included; NULL: the averages are the values. */
+    /* Fits a batch of cells to the averages U[components + 2][size], mirrors included; NULL: the averages are the
+     * values. */
     void (*cells)(struct fit *f, int batch, const double *const *U);
 };
 extern const struct polynomial polynomial_table[]; /* firstOrder, linear (limited), CWENO3 */
@@ -28,16 +29,18 @@ extern const int polynomial_count;
 const struct polynomial *polynomial_find(const char *name); /* NULL: none */
 
 /* Makes the weights of a fit. The polyhedra must outlive it. unknown[mirror.n] marks mirrors that are left out of fits
- * (NULL: none is); they count for limits all the same. */
-status fit_make(const struct polyhedra *m, const struct polynomial *p, const bool *unknown, struct fit **out);
+ * (NULL: none is); they count for limits all the same. components: of u, no less than the mesh has axes. */
+status fit_make(const struct polyhedra *m, const struct polynomial *p, int components, const bool *unknown,
+                struct fit **out);
 void fit_free(struct fit *f);
 
 /* From now on fits are of U less what `near` [nnear] (0 .. 1) of each cell takes of a state without velocity, whose rho
  * and E [size] are given; all are borrowed. fit_points then leaves that state's change within the cell out. */
 void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
 
-/* Fits cells from <= i < to (< nnear) to dim + 2 lines U[v][size]. Cells are fitted batch by batch: cells that share a
- * batch with the first or the last one are fitted, too, from whatever U holds, and again when their own turn comes. */
+/* Fits cells from <= i < to (< nnear) to the lines U[v][size] of the variables. Cells are fitted batch by batch: cells
+ * that share a batch with the first or the last one are fitted, too, from whatever U holds, and again when their own
+ * turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);
 /* Copies values at the face points from <= i < from + n, n <= BATCH, in the cells on side 0 (left) or 1 (right; not for
  * boundary faces), to out[v][n]. */

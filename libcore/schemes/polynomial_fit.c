@@ -357,9 +357,10 @@ status fit_gradients(const struct fit *f, struct rows *r) {
     return s;
 }
 
-status fit_make(const struct polyhedra *m, const struct polynomial *p, const bool *unknown, struct fit **out) {
+status fit_make(const struct polyhedra *m, const struct polynomial *p, int components, const bool *unknown,
+                struct fit **out) {
     TRY(allocate(out, 1, sizeof **out, "a fit"));
-    **out = (struct fit){.polyhedra = m, .kind = p, .nvar = m->dim + 2, .nbatches = (m->nnear + LANES - 1) / LANES};
+    **out = (struct fit){.polyhedra = m, .kind = p, .nvar = components + 2, .nbatches = (m->nnear + LANES - 1) / LANES};
     status s = fill(*out, unknown);
     if (s) {
         fit_free(*out);

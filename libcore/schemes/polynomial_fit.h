@@ -19,7 +19,7 @@ struct rows {
 struct fit {
     const struct polyhedra *polyhedra; /* borrowed */
     const struct polynomial *kind;
-    int nvar, nbatches;  /* nvar = dim + 2 */
+    int nvar, nbatches;  /* nvar = components of u + 2 */
     struct rows member;  /* members of the stencil, with the weights of their values in every coefficient */
     struct rows halfway; /* linear: half the offsets to first-ring members, over h; no cells */
     struct rows sector;  /* CWENO3: the members of each sector with their weights in its gradient */

@@ -44,7 +44,7 @@ status setup_grid(struct setup *s, bool polyhedral, int rings) {
 static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
     TRY(read_mesh(s));
-    s->dim = polymesh_axes(s->mesh, s->axis);
+    s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
     return type->check_control ? type->check_control(s->medium, s->control) : OK;
 }

@@ -21,7 +21,8 @@ struct setup { /* the same on every rank, but for the grid */
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
     unsigned long checksum;
-    int dim, axis[3];        /* the solved axes */
+    int dim, axis[3];        /* the solved axes; behind them those along which the medium moves all the same */
+    int components;          /* of a vector, along axis[]; dim unless the medium sets it in `state` */
     struct lattice *lattice; /* NULL: the mesh is no lattice, and `why` says the reason */
     char why[256];
     /* a forest (the lattice cut into tiles) if the mesh is a lattice and the medium does not ask for polyhedra; else

@@ -22,10 +22,10 @@ static status extremes_make(struct function *f, struct dict *d) {
 }
 
 /* Replaces a vector's first component by its magnitude. */
-static void magnitudes(int dim, int n, double *const lines[3]) {
+static void magnitudes(int components, int n, double *const lines[3]) {
     for (int i = 0; i < n; i++) {
         double square = 0;
-        for (int k = 0; k < dim; k++) square += lines[k][i] * lines[k][i];
+        for (int k = 0; k < components; k++) square += lines[k][i] * lines[k][i];
         lines[0][i] = sqrt(square);
     }
 }
@@ -72,7 +72,7 @@ static void find_extremes(const struct function *f, int field, double value[2], 
     for (int b = 0; b < grid->nblocks; b++) {
         const struct grid_block *block = &grid->block[b];
         function_block(f, b, field, lines);
-        if (vector) magnitudes(grid->dim, block->ncells, lines);
+        if (vector) magnitudes(f->setup->components, block->ncells, lines);
         range_of(block->ncells, lines[0], range);
         for (int end = 0; end < 2; end++) {
             const double w = end ? -range[1] : range[0];

@@ -51,7 +51,7 @@ static status reduce(const struct function *f, int field, double out[3]) {
     const struct grid *grid = f->setup->grid;
     const int operation = ((const struct integral *)f->own)->operation;
     bool vector = quantity_of(f, field)->components == 3;
-    int m = vector ? grid->dim : 1;
+    int m = vector ? f->setup->components : 1;
     double *per_block, sum[4] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     TRY(allocate(&per_block, (m + 1L) * (grid->nblocks + 1), sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++) {
@@ -65,10 +65,10 @@ static status reduce(const struct function *f, int field, double out[3]) {
     if (operation > SUM) comm_min(f->setup->comm, result, m);
     for (int x = 0; x < 3; x++) out[x] = 0;
     for (int c = 0; c < m; c++)
-        out[vector ? grid->axis[c] : 0] = operation == VOL_AVERAGE ? sum[c] / sum[m]
-                                          : operation <= SUM       ? sum[c]
-                                          : operation == MAXIMUM   ? -result[c]
-                                                                   : result[c];
+        out[vector ? f->setup->axis[c] : 0] = operation == VOL_AVERAGE ? sum[c] / sum[m]
+                                              : operation <= SUM       ? sum[c]
+                                              : operation == MAXIMUM   ? -result[c]
+                                                                       : result[c];
     return s;
 }
 

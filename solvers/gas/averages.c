@@ -13,7 +13,7 @@ struct averager { /* what the functions below share: the averages so far, and th
     const struct field_place *place;
     const struct gas_models *models;
     struct quadrature *quadrature;
-    int dim, axis[3];
+    int dim;
     long n;                                            /* points of the present cells */
     int *cell;                                         /* [n] the cell of a point */
     double (*x)[3], *weight, *values, *rho, *T, *u[3]; /* [n]: of the points; values[n][3]: of a field */
@@ -51,8 +51,8 @@ static status take_states(struct averager *a) {
     TRY(take_range(a, field[thermal ? FIELD_T : FIELD_P], HUGE_VAL));
     for (long i = 0; i < a->n; i++) a->T[i] = thermal ? a->values[i] : a->values[i] / a->T[i];
     TRY(take_values(a, field[FIELD_U]));
-    for (int k = 0; k < a->dim; k++)
-        for (long i = 0; i < a->n; i++) a->u[k][i] = a->values[3 * i + a->axis[k]];
+    for (int k = 0; k < a->s->components; k++)
+        for (long i = 0; i < a->n; i++) a->u[k][i] = a->values[3 * i + a->s->axis[k]];
     return OK;
 }
 
@@ -61,18 +61,18 @@ static void add_states(struct averager *a) {
     for (long i = 0; i < a->n; i++) {
         const double w = a->weight[i] * a->rho[i];
         double square = 0;
-        for (int k = 0; k < a->dim; k++) {
+        for (int k = 0; k < a->s->components; k++) {
             a->s->conserved[1 + k][a->cell[i]] += w * a->u[k][i];
             square += a->u[k][i] * a->u[k][i];
         }
         a->s->conserved[0][a->cell[i]] += w;
-        a->s->conserved[1 + a->dim][a->cell[i]] += w * (eps_of(&a->models->material, a->T[i]) + 0.5 * square);
+        a->s->conserved[1 + a->s->components][a->cell[i]] += w * (eps_of(&a->models->material, a->T[i]) + 0.5 * square);
     }
 }
 
 static status run(struct averager *a) {
     const int ncells = a->place->mesh->ncells;
-    TRY(quadrature_make(a->place->mesh, a->place->centre, a->dim, a->axis, &a->quadrature));
+    TRY(quadrature_make(a->place->mesh, a->place->centre, a->dim, a->s->axis, &a->quadrature));
     const long room = (long)CHUNK * a->quadrature->most;
     TRY(allocate(&a->x, room, sizeof *a->x, "points of the cells"));
     TRY(allocate(&a->cell, room, sizeof *a->cell, "points of the cells"));
@@ -81,7 +81,8 @@ static status run(struct averager *a) {
     a->T = a->rho + room;
     for (int k = 0; k < 3; k++) a->u[k] = a->T + (k + 1) * room;
     a->values = a->u[2] + room;
-    for (int v = 0; v < a->dim + 2; v++) TRY(allocate(&a->s->conserved[v], ncells, sizeof(double), "averages"));
+    for (int v = 0; v < a->s->components + 2; v++)
+        TRY(allocate(&a->s->conserved[v], ncells, sizeof(double), "averages"));
     for (int from = 0; from < ncells; from += CHUNK) {
         a->n = 0;
         for (int c = from; c < ncells && c < from + CHUNK; c++) {
@@ -94,13 +95,11 @@ static status run(struct averager *a) {
     return OK;
 }
 
-status initial_average(struct initial *s, const struct field_place *place, int dim, const int axis[3],
-                       const struct gas_models *models) {
+status initial_average(struct initial *s, const struct field_place *place, int dim, const struct gas_models *models) {
     struct averager a = {.s = s, .place = place, .models = models, .dim = dim};
     bool any = false;
     for (int i = 0; i < FIELD_COUNT; i++) any = any || (s->field[i] && field_has_expression(s->field[i]));
     if (!any || s->conserved[0]) return OK;
-    for (int k = 0; k < dim; k++) a.axis[k] = axis[k];
     status e = run(&a);
     quadrature_free(a.quadrature);
     free(a.x);

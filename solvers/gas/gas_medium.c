@@ -104,12 +104,35 @@ static status find_fall(const struct setup *s, const struct sources *q, double *
     return OK;
 }
 
+/* Reads the state to start from, which says the components of the velocity. */
+static status read_initial(struct setup *s, struct gas_state *g, const struct field_place *place) {
+    struct case_models *m = g->models;
+    bool moved[3];
+    models_move(m, moved);
+    TRY(initial_read(s->dir, &s->start, place, s->dim, s->axis, moved, &m->gas, &g->initial));
+    m->gas.components = s->components = g->initial->components;
+    memcpy(s->axis, g->initial->axis, sizeof s->axis);
+    models_turn(m, s->components, s->axis);
+    if (m->gas.material.disks && s->components == 3)
+        return dict_fail(
+            m->properties, "equationOfState",
+            "%s is for disks, which move in a plane, but U, a wall or a source in the case leads along %c, "
+            "out of it: take that component away, or choose spheres",
+            m->gas.eos->model.name, "xyz"[s->axis[2]]);
+    if (m->gas.acoustics->implicit && s->components > s->dim)
+        return dict_fail(m->solution, "acoustics",
+                         "implicit acoustics carry no velocity along %c, an axis that the mesh does not resolve, as "
+                         "yet: say  type explicit;  or give the mesh three periodic cells along it",
+                         "xyz"[s->axis[s->dim]]);
+    return OK;
+}
+
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
     TRY(find_fall(s, &models->source, &g->fall));
     const struct field_place place = {s->mesh, s->centre, s->start.t};
-    TRY(initial_read(s->dir, &s->start, &place, s->dim, s->axis, models, &g->initial));
+    TRY(read_initial(s, g, &place));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
@@ -123,7 +146,7 @@ static status gas_read_state(struct setup *s) {
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
     if (s->grid->polyhedra && models->polynomial->degree > 1)
-        return initial_average(g->initial, &place, s->dim, s->axis, models);
+        return initial_average(g->initial, &place, s->dim, models);
     return OK;
 }
 
@@ -158,7 +181,10 @@ static void gas_medium_free(struct medium *m) {
 }
 
 static void gas_describe(const struct medium *m, FILE *f) {
-    models_print(f, of(m)->models, m->setup->grid->polyhedra != NULL);
+    const struct setup *s = m->setup;
+    models_print(f, of(m)->models, s->grid->polyhedra != NULL);
+    for (int k = s->dim; k < s->components; k++)
+        fprintf(f, "    %-22s along %c, too, an axis without cells\n", "velocity", "xyz"[s->axis[k]]);
     if (of(m)->unknown)
         fprintf(f,
                 "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
@@ -187,20 +213,20 @@ static double gas_memory(const struct medium *medium) {
     const struct transport_terms terms = transport_terms(g->transport, &g->transport_params);
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
-        const int diffuser = g->transport ? f->dim * (3 + f->dim + 5) + 5 + further : 0;
+        const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
         const int nvar = f->dim + 2, lines = 9 + nvar * (2 + f->dim) + 6 * f->dim, faces = f->dim * (5 + 2 * nvar);
         const double bed =
             g->acoustics->implicit ? 2 + f->dim * nvar + 1.5 * (lines + faces) : 0; /* if all are dense */
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
     }
-    const int dim = m->dim, degree = g->polynomial->degree;
+    const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
     double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
            sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
     const bool transport = g->transport != NULL;
-    const double diffuser = transport ? 8. * (dim * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
+    const double diffuser = transport ? 8. * (u * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
     double cell =
-        diffuser + (2 + dim) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
+        diffuser + (2 + u) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
     return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
                                              sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
@@ -263,7 +289,7 @@ static const char *word_for(const struct gas_state *g, bool energy) {
 }
 
 static void print_totals(FILE *f, const struct gas_state *g, const double now[MAX_VAR]) {
-    int dim = g->base.setup->grid->dim;
+    int dim = g->base.setup->components;
     const double *was = g->totals;
     fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(g, false), now[0] / was[0] - 1);
     for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);

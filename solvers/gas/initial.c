@@ -18,8 +18,7 @@ struct reader { /* what the functions below share */
     const char *case_dir;
     const struct instant *at;
     const struct field_place *place;
-    int dim;
-    const int *axis;
+    int dim, components, axis[3];
     const struct gas_models *models;
     struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
 };
@@ -91,20 +90,44 @@ static status check_values(const struct reader *r, const struct initial *s) {
     return OK;
 }
 
+/* Does U lead along axis x, in a cell or on a patch? */
+static bool leads_along(const struct field *U, const struct polymesh *m, int x) {
+    for (int i = 0; i < m->ncells; i++)
+        if (U->values[3 * (long)i + x] != 0) return true;
+    for (int p = 0; p < m->npatches; p++) {
+        const struct patch_field *q = &U->patch[p];
+        const struct boundary_type *type = boundary_find(q->type);
+        for (int i = 0; type && i < type->model.nparam; i++)
+            if (type->model.param[i].kind == PARAM_VECTOR &&
+                q->params.room[type->model.param[i].offset / sizeof(double) + (size_t)x] != 0)
+                return true;
+        if (!boundary_value(type, 3)) continue;
+        if (!q->values && q->uniform[x] != 0) return true;
+        for (int i = 0; q->values && i < m->patch[p].nfaces; i++)
+            if (q->values[3 * (long)i + x] != 0) return true;
+    }
+    return false;
+}
+
+/* Finds the axes that the mesh lacks along which gas moves. */
+static void find_components(struct reader *r, const struct field *U, const bool moved[3]) {
+    r->components = r->dim;
+    for (int x = 0; x < 3; x++) {
+        bool solved = false;
+        for (int k = 0; k < r->dim; k++) solved |= r->axis[k] == x;
+        if (!solved && (moved[x] || leads_along(U, r->place->mesh, x))) r->axis[r->components++] = x;
+    }
+}
+
 static status take_velocity(const struct reader *r, struct initial *s) {
     const struct field *U = s->field[FIELD_U];
     int n = r->place->mesh->ncells;
-    bool solved[3] = {false, false, false};
-    for (int k = 0; k < r->dim; k++) {
+    s->components = r->components;
+    memcpy(s->axis, r->axis, sizeof s->axis);
+    for (int k = 0; k < r->components; k++) {
         TRY(allocate(&s->u[k], n, sizeof(double), "velocity"));
-        solved[r->axis[k]] = true;
         for (int i = 0; i < n; i++) s->u[k][i] = U->values[3 * (long)i + r->axis[k]];
     }
-    for (int x = 0; x < 3; x++)
-        for (int i = 0; i < n && !solved[x]; i++)
-            if (U->values[3 * (long)i + x] != 0)
-                return field_fail(U, r->place, i, "its %c component must be 0: 'empty' patches take that axis away",
-                                  "xyz"[x]);
     return OK;
 }
 
@@ -132,10 +155,10 @@ static status check_agreement(const struct reader *r, const struct initial *s) {
     double tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
     int n = r->place->mesh->ncells;
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < r->dim; k++) fastest = fmax(fastest, fabs(q[1 + k][i] / q[0][i]));
+        for (int k = 0; k < r->components; k++) fastest = fmax(fastest, fabs(q[1 + k][i] / q[0][i]));
     for (int i = 0; i < n; i++) {
         double kinetic = 0;
-        for (int k = 0; k < r->dim; k++) {
+        for (int k = 0; k < r->components; k++) {
             double u = q[1 + k][i] / q[0][i];
             kinetic += u * u / 2;
             if (fabs(u - s->u[k][i]) > tolerance * fastest)
@@ -143,7 +166,7 @@ static status check_agreement(const struct reader *r, const struct initial *s) {
                                   "rhoU/rho is %g along %c; to start from a changed U remove rhoU and rhoE", u,
                                   "xyz"[r->axis[k]]);
         }
-        double E = q[1 + r->dim][i] / q[0][i], T = temperature_of(&r->models->material, E - kinetic);
+        double E = q[1 + r->components][i] / q[0][i], T = temperature_of(&r->models->material, E - kinetic);
         if (s->field[FIELD_T] && fabs(T - s->T[i]) > tolerance * T + 1e-13 * E)
             return field_fail(s->field[FIELD_T], r->place, i,
                               "rhoE says %g; to start from a changed T remove rhoU and rhoE", T);
@@ -169,10 +192,10 @@ static status take_conserved(const struct reader *r, struct initial *s) {
     if (!continued(r)) return OK;
     int n = r->place->mesh->ncells;
     double *momentum = NULL;
-    TRY(read_raw(r, "rhoE", 1, &s->conserved[1 + r->dim]));
+    TRY(read_raw(r, "rhoE", 1, &s->conserved[1 + r->components]));
     TRY(read_raw(r, "rhoU", 3, &momentum));
     status e = OK;
-    for (int k = 0; !e && k < 1 + r->dim; k++) {
+    for (int k = 0; !e && k < 1 + r->components; k++) {
         e = allocate(&s->conserved[k], n, sizeof(double), "conserved variables");
         for (int i = 0; !e && i < n; i++) s->conserved[k][i] = k ? momentum[3 * (long)i + r->axis[k - 1]] : s->rho[i];
     }
@@ -181,23 +204,24 @@ static status take_conserved(const struct reader *r, struct initial *s) {
     return check_agreement(r, s);
 }
 
-/* Returns the parameters of a type as a rule has them, with vectors in computational axes. */
+/* Returns the parameters of a type as a rule has them, with vectors along the components of u. */
 static struct own_params take_parameters(const struct reader *r, const struct patch_field *q,
                                          const struct boundary_type *type) {
     struct own_params own = q->params;
     for (int i = 0; type && i < type->model.nparam; i++) {
         const size_t at = type->model.param[i].offset / sizeof(double);
-        for (int k = 0; k < r->dim && type->model.param[i].kind == PARAM_VECTOR; k++)
+        for (int k = 0; k < r->components && type->model.param[i].kind == PARAM_VECTOR; k++)
             own.room[at + (size_t)k] = q->params.room[at + (size_t)r->axis[k]];
     }
     return own;
 }
 
-/* Takes the rule of one field on one patch, with values multiplied by `scale`, and vectors in computational axes. */
+/* Takes the rule of one field on one patch, with values multiplied by `scale`, and vectors along the components of
+ * u. */
 static status take_rule(const struct reader *r, const struct field *f, int p, double scale, struct rule *rule,
                         double **values) {
     const struct patch_field *q = &f->patch[p];
-    int m = f->kind->components == 3 ? r->dim : 1, nfaces = r->place->mesh->patch[p].nfaces;
+    int m = f->kind->components == 3 ? r->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
     rule->type = boundary_find(q->type);
     rule->params = take_parameters(r, q, rule->type);
     for (int k = 0; k < m; k++)
@@ -226,27 +250,20 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
                 s->field[a] && s->field[b] ? " or in " : "", s->field[a] && s->field[b] ? field_kinds[b].name : "");
 }
 
-/* Fails if the velocity u of a wall leads through the face with this centre (m) and area vector or, if area is NULL,
- * along an axis that is not solved. */
+/* Fails if the velocity u of a wall leads through the face with this centre (m) and area vector. */
 static status check_motion(const struct reader *r, const struct field *U, int p, const double u[3],
                            const double centre[3], const double area[3]) {
-    const char *file = dict_path(U->dict), *patch = r->place->mesh->patch[p].name;
-    const int line = U->patch[p].value_line;
     const double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    double solved = 0, size = 0, through = 0;
-    for (int k = 0; k < r->dim; k++) solved += u[r->axis[k]] * u[r->axis[k]];
-    for (int k = 0; k < 3 && area; k++) {
+    double size = 0, through = 0;
+    for (int k = 0; k < 3; k++) {
         size += area[k] * area[k];
         through += u[k] * area[k];
     }
-    if (fabs(through) > 1e-6 * speed * sqrt(size))
-        return fail(ERR_INPUT,
-                    "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
-                    file, line, patch, u[0], u[1], u[2], centre[0], centre[1], centre[2]);
-    if (!area && solved < 0.999999 * speed * speed)
-        return fail(ERR_INPUT, "%s:%d: patch %s: U (%g %g %g): 'empty' patches take away an axis it leads along", file,
-                    line, patch, u[0], u[1], u[2]);
-    return OK;
+    if (fabs(through) <= 1e-6 * speed * sqrt(size)) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
+                dict_path(U->dict), U->patch[p].value_line, r->place->mesh->patch[p].name, u[0], u[1], u[2], centre[0],
+                centre[1], centre[2]);
 }
 
 /* Fails unless a wall that moves leads along each face of its patch. */
@@ -261,10 +278,10 @@ static status check_tangential(const struct reader *r, const struct field *U, in
     TRY(allocate(&geometry, 6L * m->nfaces, sizeof *geometry, "face geometry"));
     areas = geometry + 3L * m->nfaces;
     polymesh_face_geometry(m, geometry, areas);
-    for (int i = 0; i < 2 * patch->nfaces && !s; i++) {
-        const long face = patch->start + i % patch->nfaces;
-        wall_velocity(&given, 3, i % patch->nfaces, u);
-        s = check_motion(r, U, p, u, geometry + 3 * face, i < patch->nfaces ? areas + 3 * face : NULL);
+    for (int i = 0; i < patch->nfaces && !s; i++) {
+        const long face = patch->start + i;
+        wall_velocity(&given, 3, i, u);
+        s = check_motion(r, U, p, u, geometry + 3 * face, areas + 3 * face);
     }
     free(geometry);
     return s;
@@ -347,8 +364,9 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     return check_rules(r, s, p, thermal, &rules->temperature);
 }
 
-static status read_all(const struct reader *r, struct initial *s) {
+static status read_all(struct reader *r, const bool moved[3], struct initial *s) {
     TRY(read_files(r, s));
+    find_components(r, s->field[FIELD_U], moved);
     TRY(check_values(r, s));
     TRY(take_state(r, s));
     TRY(take_conserved(r, s));
@@ -360,13 +378,13 @@ static status read_all(const struct reader *r, struct initial *s) {
 }
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
-                    const int axis[3], const struct gas_models *models, struct initial **out) {
-    const struct reader r = {case_dir, at, place, dim, axis, models, NULL};
+                    const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out) {
+    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
     s->npatches = place->mesh->npatches;
-    status e = read_all(&r, s);
+    status e = read_all(&r, moved, s);
     if (e) {
         initial_free(s);
         return e;
@@ -384,13 +402,13 @@ static status read_rest(const struct reader *r, struct initial *s) {
     TRY(allocate(&s->rests, n, sizeof *s->rests, "state at rest"));
     const double per = packing_per_density(&r->models->material), least = r->calm->background * (1 + 1e-12);
     for (int i = 0; i < n; i++) s->rests[i] = per * s->rho[i] > least;
-    return r->models->polynomial->degree > 1 ? initial_average(s, r->place, r->dim, r->axis, r->models) : OK;
+    return r->models->polynomial->degree > 1 ? initial_average(s, r->place, r->dim, r->models) : OK;
 }
 
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
-                    const int axis[3], const struct gas_models *models, struct initial **out) {
+                    int components, const int axis[3], const struct gas_models *models, struct initial **out) {
     struct calm calm = {0};
-    const struct reader r = {case_dir, at, place, dim, axis, models, &calm};
+    const struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "state at rest"));

@@ -12,28 +12,29 @@
 struct initial {                      /* the same on every rank */
     struct field *field[FIELD_COUNT]; /* NULL: there is no such file */
     enum field_id (*from)[3];         /* [npatches] the fields that give a patch's rules: rho or alpha, U, T or p */
-    double *rho, *T, *u[3];           /* [ncells] kg/m^3, m^2/s^2, m/s along computational axes */
-    double *conserved[MAX_VAR];       /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
-    bool *rests;                      /* [ncells] of initial_rest: is the cell at rest? else NULL */
+    int components, axis[3];    /* of the velocity: the axes of the mesh, then those it lacks but gas moves along */
+    double *rho, *T, *u[3];     /* [ncells] kg/m^3, m^2/s^2, m/s along axis[] */
+    double *conserved[MAX_VAR]; /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
+    bool *rests;                /* [ncells] of initial_rest: is the cell at rest? else NULL */
     int npatches;
     struct patch_rules *rules; /* [npatches] */
     double **values;           /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
 };
 /* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
- * them to at->digits. */
+ * them to at->digits. dim, axis: of the mesh; along other axes u has a component if U is not 0 along them, in a cell or
+ * on a patch, or if they are `moved` (physical axes: models_move). */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
-                    const int axis[3], const struct gas_models *models, struct initial **out);
+                    const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out);
 /* Reads the state of a folder that no run has written as it would be at rest: its hydrostatic settledLayer without
  * waves, averaged as initial_average does, without patches. It is not at rest in the layer's background, which falls.
  * *out is NULL if there is no such layer. */
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
-                    const int axis[3], const struct gas_models *models, struct initial **out);
+                    int components, const int axis[3], const struct gas_models *models, struct initial **out);
 void initial_free(struct initial *s);
 /* For engines whose cells hold averages: if fields are given by expressions, sets s->conserved to the averages of the
  * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a
  * state that has conserved fields. */
-status initial_average(struct initial *s, const struct field_place *place, int dim, const int axis[3],
-                       const struct gas_models *models);
+status initial_average(struct initial *s, const struct field_place *place, int dim, const struct gas_models *models);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);
 

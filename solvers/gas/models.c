@@ -205,23 +205,12 @@ static status read_solution(struct dict *d, struct case_models *m) {
     return dict_check_used(d);
 }
 
-/* Turns a vector to computational axes; it must have no component along the others. key: where it was read. */
-static status turn_vector(const struct dict *d, const char *key, int dim, const int axis[3], const double physical[3],
-                          double turned[3]) {
-    for (int x = 0; x < 3; x++) {
-        bool solved = false;
-        for (int k = 0; k < dim; k++)
-            if (axis[k] == x) {
-                turned[k] = physical[x];
-                solved = true;
-            }
-        if (!solved && physical[x] != 0)
-            return dict_fail(d, key, "its %c component must be 0: 'empty' patches take that axis away", "xyz"[x]);
-    }
-    return OK;
+/* Turns a vector to computational axes. */
+static void turn_vector(int components, const int axis[3], const double physical[3], double turned[3]) {
+    for (int k = 0; k < 3; k++) turned[k] = k < components ? physical[axis[k]] : 0;
 }
 
-static status read_gravity(struct dict *d, int dim, const int axis[3], struct forces *m) {
+static status read_gravity(struct dict *d, struct forces *m) {
     static const signed char unit[3] = {0, 1, -2}, expected[7] = {0, 1, -2, 0, 0, 0, 0};
     signed char dimensions[7];
     if (dict_has(d, "dimensions")) {
@@ -229,7 +218,6 @@ static status read_gravity(struct dict *d, int dim, const int axis[3], struct fo
         if (memcmp(dimensions, expected, 7)) return dict_fail(d, "dimensions", "gravity needs [0 1 -2 0 0 0 0]");
     }
     TRY(dict_vector(d, "value", unit, m->gravity));
-    TRY(turn_vector(d, "value", dim, axis, m->gravity, m->source.gravity));
     return dict_check_used(d);
 }
 
@@ -254,11 +242,23 @@ static status open_in(const char *case_dir, const char *name, bool optional, str
     return dict_read(path, out);
 }
 
-status forces_read(const char *dir, int dim, const int axis[3], struct forces *m) {
+static status read_forces(const char *dir, struct forces *m) {
     TRY(open_in(dir, "constant/g", true, &m->g));
-    if (m->g) TRY(read_gravity(m->g, dim, axis, m));
+    if (m->g) TRY(read_gravity(m->g, m));
     TRY(open_in(dir, "constant/shaking", true, &m->shaking));
     return m->shaking ? read_shaking(m->shaking, m) : OK;
+}
+
+status forces_read(const char *dir, int dim, const int axis[3], struct forces *m) {
+    bool solved[3] = {false, false, false};
+    TRY(read_forces(dir, m));
+    turn_vector(dim, axis, m->gravity, m->source.gravity);
+    for (int k = 0; k < dim; k++) solved[axis[k]] = true;
+    for (int x = 0; x < 3; x++)
+        if (!solved[x] && m->gravity[x] != 0)
+            return dict_fail(m->g, "value", "its %c component must be 0: 'empty' patches take that axis away",
+                             "xyz"[x]);
+    return OK;
 }
 
 void forces_free(struct forces *f) {
@@ -266,35 +266,33 @@ void forces_free(struct forces *f) {
     dict_free(f->shaking);
 }
 
-/* Turns the vectors among the parameters of a row of source_table to computational axes. */
-static status turn_params(const struct case_models *m, int row, int dim, const int axis[3], struct own_params *own) {
-    const struct model *r = &source_table[row].model;
-    struct dict *coeffs;
-    char name[128];
-    snprintf(name, sizeof name, "%sCoeffs", r->name);
-    TRY(dict_sub_optional(m->properties, name, &coeffs));
-    for (int i = 0; i < r->nparam; i++) {
-        double physical[3], turned[3] = {0, 0, 0};
-        char *member = (char *)own + r->param[i].offset;
-        if (r->param[i].kind != PARAM_VECTOR) continue;
-        memcpy(physical, member, sizeof physical);
-        TRY(turn_vector(coeffs ? coeffs : m->properties, r->param[i].name, dim, axis, physical, turned));
-        memcpy(member, turned, sizeof turned);
-    }
-    return OK;
+/* Returns where parameter i of a row, a vector, begins in own_params.room; -1: it is none. */
+static int vector_at(const struct model *row, int i) {
+    return row->param[i].kind == PARAM_VECTOR ? (int)(row->param[i].offset / sizeof(double)) : -1;
 }
 
-/* Joins the sources of the gas: gravity and shaking with those of constant/granularProperties. */
-static status join_sources(struct case_models *m, int dim, const int axis[3]) {
+void models_turn(struct case_models *m, int components, const int axis[3]) {
     struct sources *all = &m->gas.source;
     *all = m->forces.source;
+    turn_vector(components, axis, m->forces.gravity, all->gravity);
     all->cooling = m->source.cooling;
     all->cooling_params = m->source.cooling_params;
     memcpy(all->on, m->source.on, sizeof all->on);
     memcpy(all->params, m->source.params, sizeof all->params);
     for (int row = 0; row < source_count; row++)
-        if (all->on[row]) TRY(turn_params(m, row, dim, axis, &all->params[row]));
-    return OK;
+        for (int i = 0; i < source_table[row].model.nparam && all->on[row]; i++) {
+            const int at = vector_at(&source_table[row].model, i);
+            if (at >= 0) turn_vector(components, axis, m->source.params[row].room + at, all->params[row].room + at);
+        }
+}
+
+void models_move(const struct case_models *m, bool along[3]) {
+    for (int x = 0; x < 3; x++) along[x] = m->forces.gravity[x] != 0;
+    for (int row = 0; row < source_count; row++)
+        for (int i = 0; i < source_table[row].model.nparam && m->source.on[row]; i++) {
+            const int at = vector_at(&source_table[row].model, i);
+            for (int x = 0; x < 3 && at >= 0; x++) along[x] |= m->source.params[row].room[at + x] != 0;
+        }
 }
 
 static status read_all(const char *dir, int dim, const int axis[3], struct case_models *m) {
@@ -308,8 +306,9 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(read_schemes(m->schemes, m));
     TRY(open_in(dir, SOLUTION, false, &m->solution));
     TRY(read_solution(m->solution, m));
-    TRY(forces_read(dir, dim, axis, &m->forces));
-    return join_sources(m, dim, axis);
+    TRY(read_forces(dir, &m->forces));
+    models_turn(m, dim, axis);
+    return OK;
 }
 
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out) {

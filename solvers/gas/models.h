@@ -27,13 +27,17 @@ struct case_models {
 /* Reads all these files. dim and axis are those of the mesh, for gravity in computational axes. Misspelt keys are
  * errors. */
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out);
+/* Marks the physical axes along which gravity or another source moves the gas. */
+void models_move(const struct case_models *m, bool along[3]);
+/* Turns the vectors of all sources to the axes of the velocity's components. */
+void models_turn(struct case_models *m, int components, const int axis[3]);
 void models_free(struct case_models *m);
 
 /* Marks all that constant/granularProperties says of these models as known, for programs that have no use for it. */
 status models_leave(struct dict *properties);
 
 /* Reads constant/g and constant/shaking into *out, which is zeroed before; also after an error its dictionaries must be
- * freed. */
+ * freed. Gravity may act along the axes of the mesh only. */
 status forces_read(const char *case_dir, int dim, const int axis[3], struct forces *out);
 void forces_free(struct forces *f);
 void forces_list(FILE *f);

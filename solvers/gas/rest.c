@@ -43,7 +43,7 @@ static status read_rest(const struct setup *s, const struct instant *at, const s
     const struct field_place place = {s->mesh, s->centre, at->t};
     bool layer;
     TRY(finds_layer(s, at, &layer));
-    return layer ? initial_rest(s->dir, at, &place, s->dim, s->axis, models, out) : OK;
+    return layer ? initial_rest(s->dir, at, &place, s->dim, s->components, s->axis, models, out) : OK;
 }
 
 status rest_lay(const struct setup *s, const struct gas_models *models, struct gas *g, bool *missing) {

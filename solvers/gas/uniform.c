@@ -15,7 +15,7 @@ static int list_state(const struct initial *s, const double *out[MAX_VAR]) {
 }
 
 /* Are two faces inside the mesh, or on one patch with the same values? */
-static bool same_faces(const struct polymesh *m, const struct initial *s, int dim, long a, long b) {
+static bool same_faces(const struct polymesh *m, const struct initial *s, long a, long b) {
     if (a < m->ninternal) return b < m->ninternal;
     int p = 0;
     while (a >= m->patch[p].start + m->patch[p].nfaces) p++;
@@ -23,7 +23,7 @@ static bool same_faces(const struct polymesh *m, const struct initial *s, int di
     if (b < start || b >= start + m->patch[p].nfaces) return false;
     for (int i = 0; i < 3; i++) {
         const double *values = s->values[3 * p + i];
-        const long n = i == 1 ? dim : 1;
+        const long n = i == 1 ? s->components : 1;
         if (values && memcmp(values + (a - start) * n, values + (b - start) * n, (size_t)n * sizeof *values))
             return false;
     }
@@ -40,8 +40,7 @@ static bool is_uniform(const struct polymesh *m, const struct initial *s, const 
         for (int v = 0; v < nstate; v++)
             if (memcmp(&state[v][a], &state[v][b], sizeof(double))) return false;
         for (int side = 0; side < 2 * l->dim; side++)
-            if (side / 2 != axis && !same_faces(m, s, l->dim, l->face[6 * a + side], l->face[6 * b + side]))
-                return false;
+            if (side / 2 != axis && !same_faces(m, s, l->face[6 * a + side], l->face[6 * b + side])) return false;
     }
     return true;
 }

@@ -85,14 +85,14 @@ static void interleave(const struct setup *s, double *const *line, bool vector, 
         return;
     }
     memset(out, 0, (size_t)n * 3 * sizeof *out);
-    for (int k = 0; k < s->grid->dim; k++)
-        for (long i = 0; i < n; i++) out[3 * i + s->grid->axis[k]] = line[k][i];
+    for (int k = 0; k < s->components; k++)
+        for (long i = 0; i < n; i++) out[3 * i + s->axis[k]] = line[k][i];
 }
 
 status output_gather(const struct setup *s, int quantity, double *out) {
     double *line[3] = {NULL, NULL, NULL};
     const bool vector = s->medium->type->quantity[quantity].components == 3;
-    int components = vector ? s->grid->dim : 1;
+    int components = vector ? s->components : 1;
     status e = OK;
     for (int k = 0; !e && k < components && comm_root(s->comm); k++)
         e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");

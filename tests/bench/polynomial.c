@@ -25,7 +25,7 @@ static status time_fit(const struct polyhedra *m, enum shape shape, const struct
     double *all, *seconds[2], made = cpu_seconds();
     const double *U[MAX_VAR];
     const int nvar = m->dim + 2;
-    TRY(fit_make(m, kind, NULL, &f));
+    TRY(fit_make(m, kind, m->dim, NULL, &f));
     made = cpu_seconds() - made;
     TRY(allocate(&all, (long)nvar * m->size, sizeof *all, "averages"));
     for (int k = 0; k < 2; k++) TRY(allocate(&seconds[k], rounds, sizeof(double), "times"));

@@ -63,7 +63,7 @@ static void subject_make(struct subject *s, enum shape shape, int n, double leng
     ok(sample_make(&s->sample, shape, (int[3]){n, n, sample_flat(shape) ? 1 : n}, (double[3]){length, length, length},
                    noise));
     ok(polyhedra_make(s->sample.mesh, comm, p->rings, &s->polyhedra));
-    ok(fit_make(s->polyhedra, p, NULL, &s->fit));
+    ok(fit_make(s->polyhedra, p, s->polyhedra->dim, NULL, &s->fit));
     for (int v = 0; v < MAX_VAR; v++) {
         ok(allocate(&s->average[v], s->polyhedra->size, sizeof(double), "averages"));
         for (int k = 0; k < 2; k++) ok(allocate(&s->value[k][v], s->polyhedra->point.n, sizeof(double), "values"));
