@@ -76,9 +76,14 @@ static inline void manufactured_derivative(manufactured_function *f, const void 
     }
 }
 
+/* Components of u: more than axes if the models ask for them. */
+static inline int manufactured_components(const struct gas_models *models, int dim) {
+    return models->components > dim ? models->components : dim;
+}
+
 struct manufactured { /* what a flux needs */
     const struct gas_models *models;
-    int dim, axis;
+    int dim, components, axis;
     enum manufactured_part parts;
 };
 
@@ -100,15 +105,15 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
     const struct gas_models *models = m->models;
     const struct transport_terms terms = transport_terms(models->transport, &models->transport_params);
     const struct material *grains = &models->material;
-    const int k = m->axis, energy = m->dim + 1;
+    const int k = m->axis, energy = m->components + 1;
     double rho, u[3], T, bulk, shear, heat, cross, steep, spread = 0;
     manufactured_fields(x, &rho, u, &T);
     models->transport->coefficients(&models->transport_params, models->eos, grains, 1, &rho, &T, &bulk, &shear, &heat);
     for (int a = 0; a < m->dim; a++) spread += a == k || !terms.diagonal ? d[a][a] : 0;
-    for (int c = 0; c < m->dim; c++) {
+    for (int c = 0; c < m->components; c++) {
         const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
-        const double stress =
-            shear * (d[k][c] + (c == k || !terms.diagonal ? d[c][k] : 0)) + (c == k ? lambda * spread : 0);
+        const double stress = shear * (d[k][c] + (c < m->dim && (c == k || !terms.diagonal) ? d[c][k] : 0)) +
+                              (c == k ? lambda * spread : 0);
         out[1 + c] -= stress;
         out[energy] -= stress * u[c];
     }
@@ -123,16 +128,16 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
 static inline void manufactured_flux(const void *context, const double x[3], double *out) {
     const struct manufactured *m = context;
     const struct material *grains = &m->models->material;
-    const int dim = m->dim, k = m->axis, energy = dim + 1;
+    const int dim = m->dim, k = m->axis, energy = m->components + 1;
     double rho, u[3] = {0}, T, d[3][4], square = 0, p, c2, gruneisen;
     manufactured_fields(x, &rho, u, &T);
     for (int v = 0; v <= energy; v++) out[v] = 0;
-    for (int a = 0; a < dim; a++) square += u[a] * u[a];
+    for (int a = 0; a < m->components; a++) square += u[a] * u[a];
     if (m->parts & OF_CONVECTION) {
         const double eps = T / (grains->gamma - 1), E = rho * (eps + 0.5 * square);
         m->models->eos->state(grains, 1, &rho, &eps, &p, &c2, &gruneisen);
         out[0] = rho * u[k];
-        for (int c = 0; c < dim; c++) out[1 + c] = rho * u[k] * u[c] + (c == k ? p : 0);
+        for (int c = 0; c < m->components; c++) out[1 + c] = rho * u[k] * u[c] + (c == k ? p : 0);
         out[energy] = (E + p) * u[k];
     }
     if (!(m->parts & OF_DIFFUSION)) return;
@@ -154,29 +159,30 @@ static inline double manufactured_dilated(const struct gas_models *models, int d
     return dilation * spread;
 }
 
-/* d/dt of mass, momentum (dim) and energy at x, all per volume. */
+/* d/dt of mass, momentum and energy at x, all per volume. */
 static inline void manufactured_rates(const struct gas_models *models, int dim, enum manufactured_part parts,
                                       const double x[3], double out[MAX_VAR]) {
     const struct sources *s = &models->source;
-    for (int v = 0; v < dim + 2; v++) out[v] = 0;
+    const int components = manufactured_components(models, dim), energy = components + 1;
+    for (int v = 0; v <= energy; v++) out[v] = 0;
     for (int axis = 0; axis < dim; axis++) {
         double change[MAX_VAR];
-        const struct manufactured m = {models, dim, axis, parts};
-        manufactured_derivative(manufactured_flux, &m, dim + 2, axis, x, change);
-        for (int v = 0; v < dim + 2; v++) out[v] -= change[v];
+        const struct manufactured m = {models, dim, components, axis, parts};
+        manufactured_derivative(manufactured_flux, &m, energy + 1, axis, x, change);
+        for (int v = 0; v <= energy; v++) out[v] -= change[v];
     }
-    if (parts & OF_DIFFUSION) out[dim + 1] -= manufactured_dilated(models, dim, x);
+    if (parts & OF_DIFFUSION) out[energy] -= manufactured_dilated(models, dim, x);
     if (!(parts & OF_SOURCES)) return;
     const struct material *m = &models->material;
     double rho, u[3], T, contact;
     manufactured_fields(x, &rho, u, &T);
     models->eos->contact(m, 1, &rho, &contact);
-    for (int k = 0; k < dim; k++) {
+    for (int k = 0; k < components; k++) {
         out[1 + k] += rho * s->gravity[k];
-        out[dim + 1] += rho * s->gravity[k] * u[k];
+        out[energy] += rho * s->gravity[k] * u[k];
     }
     if (s->cooling)
-        out[dim + 1] -=
+        out[energy] -=
             cooling_factor(m) * (1 - m->restitution * m->restitution) * rho * T * sqrt(T) * contact / m->diameter;
 }
 

@@ -144,7 +144,7 @@ static inline void go(struct scene *s, int count, double dt) {
  * of all cells, and the mean over the cells of the worst variable. */
 static inline void drive(struct scene *s, const struct comm *c, enum manufactured_part parts, double time, int count,
                          double error[2]) {
-    const int nvar = s->dim + 2, numbers = nvar * s->cells;
+    const int nvar = gas_variables(s->gas), numbers = nvar * s->cells;
     start(s, manufactured_fields);
     double *begin = state_of(s, c), *rates = malloc((size_t)numbers * sizeof *rates);
     for (int i = 0; i < s->cells; i++) {
