@@ -33,7 +33,7 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     const struct own_params *params; /* parameters of the row */
     const struct eos *eos;
     const struct material *material;
-    int dim;
+    int dim;      /* components of velocity */
     double t, dt; /* s, from t to t + dt */
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */

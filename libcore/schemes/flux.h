@@ -10,7 +10,7 @@
 /* n faces between the cells "left" and "right". A pointer stands at the left cell of face 0; cell m of a face's stencil
  * (m = -2 .. 3; left is 0, right is 1) is `stride` further per m. Components of vectors: normal first. */
 struct faces {
-    int n, dim;
+    int n, dim; /* dim: components of velocity, as many as the gas has */
     long stride;
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
     const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */

@@ -47,9 +47,9 @@
 #define CROWDED 1e-8  /* share of rho_max within which of it a cell whose density rises is limited */
 #define ROUND   1e-13 /* share of the kinetic energy that an admissible internal energy exceeds */
 
-/* Limits fluxes: f->out is F_H (NaN is allowed) and becomes F_L + theta (F_H - F_L), exactly F_H where theta is 1 and
- * F_L where it is 0. rho stays above `least` and below `limit`, kg/m^3. theta[n] is an output. Only cells 0 and 1 of
- * the stencil of f are read. */
+/* Below dim is the number of components of velocity. limit_faces limits fluxes: f->out is F_H (NaN is allowed) and
+ * becomes F_L + theta (F_H - F_L), exactly F_H where theta is 1 and F_L where it is 0. rho stays above `least` and
+ * below `limit`, kg/m^3. theta[n] is an output. Only cells 0 and 1 of the stencil of f are read. */
 void limit_faces(const struct faces *f, double least, double limit, double *theta);
 
 /* Moves n states at[dim + 2] towards admissible averages until they keep a share KEPT of their distance from the edge

@@ -104,7 +104,7 @@ class RoughWalls(harness.Folder, unittest.TestCase):
                 ("0/U", LID, LID.replace("specularityCoefficient 1;", ""), ("'specularityCoefficient' is missing",)),
                 ("0/U", LID, LID.replace("value uniform ", "velocity uniform "), ("'value' is missing",)),
                 ("0/U", LID + "(2 0 0)", LID + "(2 0.1 0)", ("patch lid: U (2 0.1 0) leads through the wall",)),
-                ("0/U", LID + "(2 0 0)", LID + "(2 0 1)", ("'empty' patches take away",)),
+                ("0/U", LID + "(2 0 0)", LID + "(2 0 1)", ("is for disks, which move in a plane", "along z, out of it")),
                 ("0/U", LID + "(2 0 0)", "type noSlip", ("0/T:", "patch lid: T is 'JohnsonJacksonSlip'; U must be that, too",)),
                 ("0/T", LID, LID.replace("0.97", "0.98"), ("0/U:", "patch lid: U is 'JohnsonJacksonSlip'; T must be that, too, with the same")),
                 ("0/T", LID + "1", "type granularWall; restitution 0.97", ("T must be that, too, with the same coefficients, or fixedValue",)),

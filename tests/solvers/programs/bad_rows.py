@@ -112,10 +112,12 @@ def replace(path, old, new):
     return lambda case: Row("", (path, old, new)).spoil(case)
 
 
+OF_DISKS = replace(PROPERTIES, "equationOfState GoldshteinShapiro;", "equationOfState TorquatoDisks;")
+
+
 def disks(coefficients):
     """A gas of disks with transport and these coefficients."""
-    return both(replace(PROPERTIES, "equationOfState GoldshteinShapiro;", "equationOfState TorquatoDisks;"),
-                replace(PROPERTIES, "transport none;", "transport JenkinsRichman;\n" + coefficients))
+    return both(OF_DISKS, replace(PROPERTIES, "transport none;", "transport JenkinsRichman;\n" + coefficients))
 
 
 def garzo_dufty(coefficients, eos="TorquatoSpheres"):
@@ -315,7 +317,11 @@ DICTIONARIES = [
     Row("unit of a diameter", (PROPERTIES, "diameter 0.1;", "diameter [1 0 0 0 0 0 0] 0.1;"), "[0 1 0 0 0 0 0]"),
     Row("unit of a number without one", (PROPERTIES, "restitution 0.9;", "restitution [0 0 1 0 0 0 0] 0.9;"),
         "[0 0 0 0 0 0 0]"),
-    Row("gravity along an empty axis", (GRAVITY, "(1 -2 0)", "(1 -2 9.81)"), "z component must be 0", "'empty'"),
+    Row("gravity along an empty axis, of disks", both(OF_DISKS, replace(GRAVITY, "(1 -2 0)", "(1 -2 9.81)")),
+        "TorquatoDisks is for disks, which move in a plane", "along z, out of it", at="equationOfState T", where=PROPERTIES),
+    Row("gravity along an empty axis, implicit acoustics",
+        both(replace(GRAVITY, "(1 -2 0)", "(1 -2 9.81)"), append(SOLUTION, "acoustics\n{\n    type implicit;\n}\n")),
+        "carry no velocity along z", "type explicit;", at="acoustics", where=SOLUTION),
     # grammar
     Row("brace not closed", (PROPERTIES, "restitution 0.9;\n}", "restitution 0.9;\n"), "'{'", "not closed",
         at="{\n    diameter"),
@@ -398,8 +404,9 @@ FIELDS = [
     Row("neither uniform nor nonuniform", ("0/T", "uniform 25;\nboundary", "constant 25;\nboundary"), "'constant'",
         "uniform VALUE;"),
     Row("no internalField", ("0/T", "internalField uniform 25;\n", ""), "'internalField' is missing", at=""),
-    Row("velocity along an empty axis", ("0/U", "uniform (1 0.5 0);\nboundary", "uniform (1 0.5 3);\nboundary"),
-        "z component must be 0", "'empty'"),
+    Row("velocity along an empty axis, of disks",
+        both(OF_DISKS, replace("0/U", "uniform (1 0.5 0);\nboundary", "uniform (1 0.5 3);\nboundary")),
+        "TorquatoDisks is for disks, which move in a plane", "along z, out of it", at="equationOfState T", where=PROPERTIES),
     Row("field cut short", cut("0/alpha", 0.5), where="0/alpha"),
     Row("empty field file", write("0/T", ""), "'dimensions' is missing", where="0/T"),
     Row("no boundaryField", ("0/T", "boundaryField", "boundaryfield"), "'boundaryField' is missing",
