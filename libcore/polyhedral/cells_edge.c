@@ -225,8 +225,8 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
 /* Gives mirrors their derivatives along the wall; those across the wall are the cell's. Derivatives of velocities along
  * the wall are the cell's, too. Those of the velocity across the wall are turned where gas slips, as that velocity is 0
  * on the wall; where gas is held they are the cell's, which keeps the operator symmetric
- * (libcore/polyhedral/cells_gradient.c); between these two the share of drag decides. Components beyond dim lie along
- * every wall. */
+ * (libcore/polyhedral/cells_gradient.c); between these two the share of drag decides. Components beyond dim need
+ * none: on the faces of patches r is 0 (libcore/polyhedral/cells_diffusion.c). */
 static void mirror_gradients_run(const struct gas *g, int from, int n, const double *share, double *const *gradient) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
@@ -255,8 +255,6 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
             }
             out_of_frame(dim, &f, ghost, i);
             for (int c = 0; c < dim; c++) gradient[k * lines + c][m->ncells + from + i] = ghost[c][i];
-            for (int c = dim; c < lines; c++)
-                gradient[k * lines + c][m->ncells + from + i] = gradient[k * lines + c][m->mirror.cell[from + i]];
         }
     }
 }

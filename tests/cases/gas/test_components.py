@@ -100,7 +100,8 @@ class Components(harness.Folder, unittest.TestCase):
             for T in (tepid, lambda at: 1e-7 + 0 * at[:, 0]):
                 case = sections.make(os.path.join(self.folder, "fall%s%d" % (engine, T is tepid)), (24, 20, 0), bubble, lambda at: (0, 0, 0.5), T, 0.02,
                                      engine=engine, gravity=(0.0, 0.0, -7.0), viscous=False)
-                harness.program("granularGas", "-case", case)
+                log = harness.program("granularGas", "-case", case).stdout
+                self.assertNotRegex(log, "limited:|rejected:|floor:")
                 result = harness.haff.Case(case)
                 np.testing.assert_allclose(result.field("U")[:, 2], 0.5 - 7 * 0.02, rtol=1e-6)
                 start = (result.field("rho", "0") * result.volumes).sum()
@@ -162,6 +163,27 @@ class Components(harness.Folder, unittest.TestCase):
         with open(os.path.join(case, "postProcessing", "extreme", "0", "fieldMinMax.dat")) as f:
             rows = [line.split() for line in f if line.split()[1:2] == ["U"]]
         self.assertGreater(float(rows[-1][2]), 2.99)
+
+    def test_asked(self):
+        """A patch whose list of values leads along the missing axis brings the component in; an expression is averaged over cells."""
+        for engine in ("lattice", "polyhedral"):
+            case = sections.make(os.path.join(self.folder, "asked" + engine), (8, 8, 0), bubble, lambda at: (2, 0, 0), tepid, 0.2, engine=engine,
+                                 viscous=False, rules={"U": {"xLow": "fixedValue; value nonuniform List<vector> 8 (%s)" % ("(2 0 1) " * 8),
+                                                             "xHigh": "zeroGradient"}})
+            harness.program("granularGas", "-case", case)
+            w = harness.haff.Case(case).field("U")[:, 2].reshape(8, 8)
+            self.assertGreater(w[:, 0].min(), 0.5)
+            self.assertLess(w[:, -1].max(), 0.1)
+            case = sections.make(os.path.join(self.folder, "averaged" + engine), (8, 8, 0), tepid, lambda at: (0, 0, 0), tepid, 1e-9, engine=engine,
+                                 viscous=False, fit="CWENO3", step=1e-9)
+            with open(os.path.join(case, "0", "U")) as f:
+                text = f.read()
+            with open(os.path.join(case, "0", "U"), "w") as f:
+                f.write(text.replace("internalField", 'expression ("0" "0" "x^2");\ninternalField', 1))
+            harness.program("granularGas", "-case", case)
+            result = harness.haff.Case(case)
+            mean = 0.1**2 / 12 if engine == "polyhedral" else 0
+            np.testing.assert_allclose(result.field("U")[:, 2], result.centres[:, 0]**2 + mean, rtol=1e-6)
 
     def test_refused(self):
         """Disks do not leave their plane; implicit acoustics have no such component."""

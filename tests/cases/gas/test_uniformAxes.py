@@ -85,6 +85,9 @@ class UniformAxes(harness.Folder, unittest.TestCase):
         case = self.make("plane", n=(26, 70, 1), more="sources (uniformHeating); uniformHeatingCoeffs { rate 3; }\n")
         boxes.write_dictionary(case, "constant", "shaking", "type sinusoidal; frequency 60; amplitude 3;\n")
         self.pair(case, "x: 70 of 1820 cells", (2,))
+        for name, last, computed in (("lid", "(0 -1 3)", "x: 70 of 1820 cells"), ("torn", "(0 -1 3.5)", "")):
+            wall = "zeroGradient\nyHigh fixedValue; value nonuniform List<vector> 26 (%s)" % ("(0 -1 3) " * 25 + last)
+            self.pair(self.make(name, n=(26, 70, 1), wall=wall), computed, (1,))
 
     def test_limited(self):
         """Cells that are limited and filled are counted on the whole mesh. Only what the floors add is summed in another
