@@ -32,7 +32,7 @@ status dense_make(struct gas *g) {
                           .comm = g->comm,
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
-                          .components = g->dim,
+                          .components = g->components,
                           .limit = g->limit};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);

@@ -119,11 +119,6 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
             "%s is for disks, which move in a plane, but U, a wall or a source in the case leads along %c, "
             "out of it: take that component away, or choose spheres",
             m->gas.eos->model.name, "xyz"[s->axis[2]]);
-    if (m->gas.acoustics->implicit && s->components > s->dim)
-        return dict_fail(m->solution, "acoustics",
-                         "implicit acoustics carry no velocity along %c, an axis that the mesh does not resolve, as "
-                         "yet: say  type explicit;  or give the mesh three periodic cells along it",
-                         "xyz"[s->axis[s->dim]]);
     return OK;
 }
 
