@@ -26,6 +26,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct material material;
     const struct eos *eos;
     const struct flux *flux;
+    struct own_params flux_params; /* parameters of the row */
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
     struct sources source;

@@ -47,6 +47,7 @@ struct gas {
     struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
     struct state V, W;       /* results of stages, and scratch */
     double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
+    double dt;               /* s: the Runge-Kutta step in hand, for fluxes that depend on it */
     double least, limit;     /* admissible: least < rho < limit; least is 0, or the density floor less round-off */
     bool parts; /* are crowded cells limited (find_crowded)? Not where packing is what the gas collapses to */
     struct gas_speed speed; /* wave speeds of U, if speed_known */

@@ -296,6 +296,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     struct source_plan plan;
     struct ending ending = {.sources = sources ? &plan : NULL};
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
+    g->dt = dt;
     if (guarded && sources && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
     const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;

@@ -8,11 +8,12 @@
 
 struct work { /* scratch of the tile in hand, [size] each: it stays in L2 through a stage */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
-    double *flux[MAX_VAR];     /* nodal fluxes along the axis in turn */
-    double *residual[MAX_VAR]; /* -div F, with gravity */
-    double *rise, *on;         /* k and `on` of tiles_balance.c along that axis; NULL without gravity */
-    double *face, *base[2];    /* P, P_0 and P_1 of tiles_balance.c, likewise */
-    bool *taken;               /* [rows of activity_row] is anything of these not 0 in the row? */
+    double *flux[MAX_VAR];       /* nodal fluxes along the axis in turn */
+    double *residual[MAX_VAR];   /* -div F, with gravity */
+    double *rise, *on;           /* k and `on` of tiles_balance.c along that axis; NULL without gravity */
+    double *face, *base[2];      /* P, P_0 and P_1 of tiles_balance.c, likewise */
+    double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
+    bool *taken;                 /* [rows of activity_row] is anything of these not 0 in the row? */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;

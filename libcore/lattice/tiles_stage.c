@@ -79,7 +79,9 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
                       .eps = w->eps + offset,
                       .c = w->c + offset,
                       .gruneisen = w->gruneisen + offset,
-                      .fastest = g->fastest[axis]};
+                      .fastest = g->fastest[axis],
+                      .pace = w->pace[axis],
+                      .params = &g->models.flux_params};
     for (int v = 0; v < g->nvar; v++) {
         int from = v; /* normal component first, the others in their order */
         if (v >= 1 && v <= g->components) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
@@ -315,6 +317,12 @@ static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update
     }
 }
 
+/* Sets dt/dx of the faces along each axis. */
+static void set_paces(struct gas *g) {
+    for (int k = 0; k < g->dim; k++)
+        for (int i = 0; i < BATCH; i++) g->tiles->work.pace[k][i] = g->dt / g->forest->width[k];
+}
+
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
                   double a, double dt) {
     struct pass pass = {.g = g, .U = from->block[tile], .n = g->forest->tile[tile].n};
@@ -329,6 +337,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .dt = dt,
                             .tile = tile};
     struct activity *active = &g->tiles->activity;
+    if (g->models.flux->paced) set_paces(g);
     if (g->falls) balance_walls(g, tile, &pass.walls);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);

@@ -11,6 +11,7 @@ struct points { /* a batch of points, or of states on both sides of faces; norma
     double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
     double velocity[MAX_DIM][STENCIL][BATCH];
     double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
+    double pace[BATCH]; /* for fluxes that are paced */
     double out[MAX_VAR][BATCH];
 };
 
@@ -149,7 +150,12 @@ static struct faces point_primitives(const struct gas *g, struct points *p) {
     const struct gas_models *m = &g->models;
     const long size = STENCIL * BATCH;
     const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
-    struct faces f = {.n = n, .dim = g->components, .stride = BATCH, .fastest = g->fastest[0]};
+    struct faces f = {.n = n,
+                      .dim = g->components,
+                      .stride = BATCH,
+                      .fastest = g->fastest[0],
+                      .pace = p->pace,
+                      .params = &g->models.flux_params};
     for (int v = 0; v < g->nvar; v++)
         for (int side = LEFT; side <= RIGHT; side++)
             for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
@@ -172,6 +178,16 @@ static struct faces point_primitives(const struct gas *g, struct points *p) {
     return f;
 }
 
+/* dt/dx of each point's face: dt A (1/V_l + 1/V_r)/2, on a lattice dt over the width. */
+static void set_paces(const struct gas *g, struct points *p) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct polyhedra_faces *f = &m->face;
+    for (int i = 0; i < (p->n + 7) / 8 * 8; i++) {
+        const int face = p->face[i < p->n ? i : p->n - 1];
+        p->pace[i] = 0.5 * (g->dt * f->area[face]) * (1 / m->volume[f->left[face]] + 1 / m->volume[f->right[face]]);
+    }
+}
+
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
 static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
     struct cells *c = g->cells;
@@ -184,6 +200,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
         side_states(g, 1, from, U, p);
     else
         states_beyond(g, U, p);
+    if (g->models.flux->paced) set_paces(g, p);
     const struct faces faces = point_primitives(g, p);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
     out_of_frames(g, p, p->out);

@@ -2,7 +2,7 @@
  * states) of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The
  * fluxes below differ in the basis and in which fields are split; their sources are cited beside them. A batch is cut
  * into runs of faces that need the same work; the flux of a face does not depend on its run. */
-#include "libcore/schemes/characteristic.h"
+#include "libcore/schemes/flux_private.h"
 
 enum { GROUP = 8 }; /* faces that are kept in one run: a vector */
 
@@ -67,11 +67,6 @@ ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, 
 ALWAYS_INLINE double static_enthalpy(double eps, double g) {
     return fma(g, eps, eps);
 }
-
-struct face_states { /* states at n faces, from one side */
-    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
-    double good[BATCH];
-};
 
 ALWAYS_INLINE void state_bases_dim(const int dim, int n, const struct face_states *restrict s,
                                    struct bases *restrict b) {
@@ -203,9 +198,8 @@ static void reconstruct_line(const struct faces *f, const double *q, int side, c
     r->face(f->n, line, out);
 }
 
-/* Reconstructs states to the faces from one side, rho, u and T (as eps) by the same operator. */
-static void sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
-                         const struct reconstruct *r, struct face_states *s) {
+void flux_sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
+                       const struct reconstruct *r, struct face_states *s) {
     int n = f->n, dim = f->dim;
     long cell = side > 0 ? 0 : f->stride;
     const double *u[MAX_DIM] = {0};
@@ -239,7 +233,7 @@ static void two_bases_flux(const struct faces *f, const struct eos *eos, const s
     const struct bases *b = t->b;
     double a[MAX_VAR][BATCH];
     for (int s = 0; s < 2; s++) {
-        sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
+        flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
@@ -400,6 +394,13 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     tame(f->dim, f->n, &t, &mean, &e, f->out);
 }
 
+#define PARAM_STRUCT struct musta
+static const struct param musta_param[] = {
+    NUMBER("tolerance", tolerance, 0.01, FROM_TO(0, 1), NO_UNIT, "stops when the flux changes by less of itself"),
+    WHOLE("stages", stages, 4, FROM_TO(0, 1000), "most times that the states of a face are advanced; 0: FORCE"),
+};
+#undef PARAM_STRUCT
+
 /* Rusanov's flux (1961): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r). */
 KERNEL static void rusanov_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
                                 const double *restrict ul, const double *restrict ur, double *restrict out) {
@@ -427,14 +428,19 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 }
 
 const struct flux flux_table[] = {
-    {MODEL("common", "characteristic upwind on one eigenbasis a face"), common},
+    {MODEL("common", "characteristic upwind on one eigenbasis a face"), .through = common},
     {MODEL("Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas"),
-     marquina},
-    {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"), marquina_stable},
-    {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"), local_lax_friedrichs},
+     .through = marquina},
+    {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"),
+     .through = marquina_stable},
+    {MODEL("FORCE", "centred, from both face states and dt/dx (Toro 1996)"), .through = flux_force, .paced = true},
+    {MODEL_WITH("MUSTA", "FORCE in stages towards Godunov's flux (Titarev & Toro 2004; Shakeri et al.)", musta_param),
+     .through = flux_musta, .paced = true},
+    {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"),
+     .through = local_lax_friedrichs},
     {MODEL("globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed"),
-     global_lax_friedrichs},
-    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), flux_rusanov},
+     .through = global_lax_friedrichs},
+    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), .through = flux_rusanov},
 };
 const int flux_count = sizeof flux_table / sizeof *flux_table;
 

@@ -20,8 +20,10 @@ struct faces {
      * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. on [n]: 1,
      * or 0 where nothing is taken, and both base are 0. NULL: nothing is taken. */
     const double *base[2], *rise, *on;
-    double fastest;       /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
-    double *out[MAX_VAR]; /* [n] face fluxes */
+    double fastest;     /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
+    const double *pace; /* [n] dt/dx, dt that of the Runge-Kutta step, for fluxes that are `paced`; may be NULL else */
+    const struct own_params *params; /* of the flux; NULL: it has none */
+    double *out[MAX_VAR];            /* [n] face fluxes */
 };
 
 /* A row of the table: `through` computes f->out, the fluxes through f's faces, with the reconstruction r. */
@@ -29,6 +31,7 @@ struct flux {
     struct model model;
     void (*through)(const struct faces *f, const struct eos *eos, const struct material *m,
                     const struct reconstruct *r);
+    bool paced; /* does it depend on the time step? */
 };
 
 extern const struct flux flux_table[];

@@ -129,7 +129,7 @@ static const struct family families[FAMILIES] = {
     [SOURCES] = {PROPERTIES, "sources ( .. )", FAMILY_ROWS(source), .key = "sources", .list = true,
                  .offered = source_offered, .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
     [FLUX] = {SCHEMES, "system/fvSchemes: fluxScheme", FAMILY_ROWS(flux), .key = "fluxScheme", .standard = "common",
-              .chosen = MEMBER(gas.flux)},
+              .chosen = MEMBER(gas.flux), .params = MEMBER(gas.flux_params)},
     [RECONSTRUCT] = {SCHEMES, "system/fvSchemes: reconstruct", FAMILY_ROWS(reconstruct), .key = "reconstruct",
                      .standard = "WPENO5", .chosen = MEMBER(gas.reconstruct)},
     [STEPPER] = {SCHEMES, "system/fvSchemes: timeScheme", FAMILY_ROWS(stepper), .key = "timeScheme",

@@ -8,6 +8,7 @@
 #include "libcore/gas/gas.h"
 #include "tests/bench/clock.h"
 #include "tests/box.h"
+#include "tests/defaults.h"
 
 #include <stdio.h>
 
@@ -55,6 +56,7 @@ static status time_scheme(const struct comm *c, const char *eos, int dim, int si
         .material = {.diameter = 0.1, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find(eos),
         .flux = flux_find(flux),
+        .flux_params = own_defaults(&flux_find(flux)->model),
         .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = skip};

@@ -75,6 +75,7 @@ static struct gas_models models_of(const struct flux *flux) {
         .material = {.diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("GoldshteinShapiro"),
         .flux = flux,
+        .flux_params = own_defaults(&flux->model),
         .stepper = stepper_find("SSPRK3"),
         .source = {.cooling = cooling_find("Haff"), .gravity = {10, -20, 30}}};
 }

@@ -3,6 +3,7 @@
 #include "libcore/polyhedral/cells.h"
 #include "solvers/gas/linear.h"
 #include "tests/box.h"
+#include "tests/defaults.h"
 #include "tests/stress/watch.h"
 
 #include <stdio.h>
@@ -56,6 +57,7 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
                                     .eos = p->eos,
                                     .source = p->source,
                                     .flux = flux_find(scheme->flux),
+                                    .flux_params = own_defaults(&flux_find(scheme->flux)->model),
                                     .reconstruct = reconstruct_find(scheme->reconstruct),
                                     .stepper = stepper_find(scheme->stepper),
                                     .polynomial = polynomial_find(scheme->polynomial),

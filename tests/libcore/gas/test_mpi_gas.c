@@ -31,6 +31,7 @@ static void open_scene(struct scene *s, int dim, const int n[3], bool periodic, 
         .material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("GoldshteinShapiro"),
         .flux = flux_find(flux),
+        .flux_params = own_defaults(&flux_find(flux)->model),
         .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = true};

@@ -2,6 +2,7 @@
  * with K <= 1 is admissible everywhere, conserves, and has the same bits on all ranks; smooth flow keeps its order. */
 #include "libcore/lattice/tiles.h"
 #include "libcore/polyhedral/cells.h"
+#include "tests/defaults.h"
 
 #include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */
 
@@ -19,6 +20,7 @@ static void set_models(struct scene *s, const char *eos, const char *flux, const
         .material = {.diameter = 0.1, .mass = 1, .restitution = 0.9, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find(eos),
         .flux = flux_find(flux),
+        .flux_params = own_defaults(&flux_find(flux)->model),
         .reconstruct = reconstruct_find(scheme),
         .polynomial = polynomial_find(scheme),
         .stepper = stepper_find("SSPRK3"),
@@ -122,6 +124,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     struct gas_speed speed;
     gas_speed(g, &speed);
     for (int k = 0; k < 3; k++) g->fastest[k] = speed.axis[k];
+    g->dt = dt > 0 ? dt : largest_step(g);
     (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt);
     if (dt == 0) dt = largest_step(g);
     flag_all(g);

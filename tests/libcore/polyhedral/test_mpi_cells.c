@@ -1,5 +1,6 @@
 /* Whole steps of the gas on polyhedra: free stream, conservation, order, bits, the limiter; against the tiles. */
 #include "libcore/gas/gas.h"
+#include "tests/defaults.h"
 
 #include "tests/mesh/polyhedral/cells.h" /* last: cmocka.h defines fail() */
 
@@ -22,6 +23,7 @@ static void open_scene(struct scene *s, const struct cells_recipe *r, const char
         .material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find(eos),
         .flux = flux_find(flux),
+        .flux_params = own_defaults(&flux_find(flux)->model),
         .polynomial = polynomial_find(polynomial),
         .stepper = stepper_find("SSPRK3")};
     for (int p = 0; p < 6; p++) {

@@ -132,13 +132,18 @@ static void close_strip(struct strip *s) { /* from rho, u, eps */
 }
 
 static void flux_of(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n) {
+    const struct own_params params = own_defaults(&flux->model);
+    double pace[CELLS];
+    for (int i = 0; i < CELLS; i++) pace[i] = 0.7 / s->fastest; /* a Courant number of 0.7 */
     struct faces f = {.n = n,
                       .dim = s->dim,
                       .stride = 1,
                       .eps = s->eps + first,
                       .c = s->c + first,
                       .gruneisen = s->g + first,
-                      .fastest = s->fastest};
+                      .fastest = s->fastest,
+                      .pace = pace,
+                      .params = &params};
     for (int v = 0; v < s->dim + 2; v++) {
         f.state[v] = s->U[v] + first;
         f.flux[v] = s->F[v] + first;
