@@ -12,9 +12,9 @@
  * dt is that of the Runge-Kutta step, and k is no more than 1/s, s the larger |u| + c of both states: beyond nu = 1 the
  * part of Lax & Wendroff amplifies; there F damps as Rusanov's. Where U* is not admissible F is that of Lax &
  * Friedrichs, and states that would no longer be so are not advanced. U_l and U_r are reconstructed from rho, u and T.
- * On a lattice, whose cells hold values at their centres, F gets besides what the mean of both sides' reconstructions
- * of the nodal fluxes differs by from (f_l + f_r)/2: without that it would be of second order in more than one
- * dimension. At first order, and on polyhedra with their points of Gauss, that is nothing. */
+ * On a lattice, whose cells hold values at their centres, F gets besides what the reconstructions of the nodal fluxes
+ * differ by from f_l and f_r (force_add): without that it would be of second order. At first order, and on polyhedra
+ * with their Gauss points, there is no such difference. */
 #include "libcore/schemes/flux_private.h"
 
 struct riemann {                                       /* the states on both sides of n faces, left (0) and right (1) */
@@ -123,11 +123,15 @@ static void force_begin(const struct faces *f, const struct eos *eos, const stru
     force_flux(x, eos, m, x->F);
 }
 
-/* Adds to one variable of the flux what the mean of both sides' reconstructions of its nodal flux differs by from the
- * mean of the fluxes of both states. */
+/* Adds to one variable of the flux the correction of high order, of both sides' differences between reconstructed nodal
+ * fluxes and fluxes of reconstructed states the lesser, where they differ by less than that. Where the flow is smooth
+ * they differ by the error of the reconstruction alone; at shocks the mean of both would make the flow overshoot. */
 KERNEL static void force_add(int n, const double *restrict left, const double *restrict right,
-                             const double *restrict mean, double *restrict F) {
-    for (int i = 0; i < n; i++) F[i] += 0.5 * (left[i] + right[i]) - mean[i];
+                             const double *restrict fl, const double *restrict fr, double *restrict F) {
+    for (int i = 0; i < n; i++) {
+        double a = left[i] - fl[i], b = right[i] - fr[i], least = fabs(a) < fabs(b) ? a : b;
+        F[i] += fabs(a - b) < fabs(least) ? least : 0;
+    }
 }
 
 /* The nodal fluxes of momentum of the six cells of each stencil, less the pressure of gas at rest. */
@@ -138,15 +142,9 @@ KERNEL static void force_calm(const struct faces *f, double (*restrict out)[BATC
     }
 }
 
-/* (f_l + f_r)/2 */
-static void force_means(const struct riemann *x, double (*mean)[BATCH]) {
-    for (int v = 0; v < x->dim + 2; v++)
-        for (int i = 0; i < x->n; i++) mean[v][i] = 0.5 * (x->f[0][v][i] + x->f[1][v][i]);
-}
-
-/* Writes F to the faces, at high order on a lattice. mean: of the first states */
+/* Writes F to the faces, at high order on a lattice. first: the fluxes of the reconstructed states */
 static void force_end(const struct faces *f, const struct reconstruct *r, const struct riemann *x,
-                      const double (*mean)[BATCH]) {
+                      double (*const first[2])[BATCH]) {
     double calm[6][BATCH], left[BATCH], right[BATCH];
     if (f->rise && r->reach) force_calm(f, calm);
     for (int v = 0; v < f->dim + 2; v++) {
@@ -157,16 +155,14 @@ static void force_end(const struct faces *f, const struct reconstruct *r, const 
         for (int k = 0; k < 5; k++) back[k] = cell[5 - k];
         r->face(f->n, cell, left);
         r->face(f->n, back, right);
-        force_add(f->n, left, right, mean[v], f->out[v]);
+        force_add(f->n, left, right, first[0][v], first[1][v], f->out[v]);
     }
 }
 
 void flux_force(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r) {
     struct riemann x;
-    double mean[MAX_VAR][BATCH];
     force_begin(f, eos, m, r, &x);
-    force_means(&x, mean);
-    force_end(f, r, &x, (const double(*)[BATCH])mean);
+    force_end(f, r, &x, (double(*const[])[BATCH]){x.f[0], x.f[1]});
 }
 
 /* U -= side k (F - f) of one variable of the states on one side. */
@@ -217,15 +213,15 @@ KERNEL static bool musta_take(struct riemann *restrict x, double tolerance, cons
 void flux_musta(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r) {
     struct musta own;
     struct riemann x;
-    double mean[MAX_VAR][BATCH], next[MAX_VAR][BATCH], going[BATCH];
+    double first[2][MAX_VAR][BATCH], next[MAX_VAR][BATCH], going[BATCH];
     memcpy(&own, f->params, sizeof own);
     force_begin(f, eos, m, r, &x);
-    force_means(&x, mean);
+    memcpy(first, x.f, sizeof first);
     for (int i = 0; i < x.n; i++) going[i] = 1;
     for (int stage = 0; stage < own.stages; stage++) {
         musta_advance(&x, eos, m, going);
         force_flux(&x, eos, m, next);
         if (!musta_take(&x, own.tolerance, (const double(*)[BATCH])next, going)) break;
     }
-    force_end(f, r, &x, (const double(*)[BATCH])mean);
+    force_end(f, r, &x, (double(*const[])[BATCH]){first[0], first[1]});
 }
