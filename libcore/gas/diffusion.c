@@ -104,11 +104,16 @@ static void stage_rkj2(int stages, int j, double out[4]) {
 }
 
 const struct diffusion diffusion_table[] = {
-    {MODEL("RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes"), plan_rkj2,
-     stage_rkj2},
-    {MODEL("RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)"), plan_rkl2, stage_rkl2},
-    {MODEL("explicit", "as many steps of Heun's method as stability wants"), plan_explicit, stage_explicit},
-    {MODEL("implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc"), NULL, NULL},
+    {MODEL("RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes"), .plan = plan_rkj2,
+     .stage = stage_rkj2},
+    {MODEL("RKL2", "super time stepping, second order (Meyer, Balsara & Aslam 2014)"), .plan = plan_rkl2,
+     .stage = stage_rkl2},
+    {MODEL("explicit", "as many steps of Heun's method as stability wants"), .plan = plan_explicit,
+     .stage = stage_explicit},
+    {MODEL("implicit", "L-stable, second order (SDIRK of two stages), solved by PETSc"), .implicit = BY_SDIRK},
+    {MODEL("implicitMidpoint", "A-stable, second order, flips stiff modes; solved by PETSc"), .implicit = BY_MIDPOINT},
+    {MODEL("gaussLegendre", "A-stable, fourth order (two stages), keeps stiff modes; solved by PETSc"),
+     .implicit = BY_GAUSS},
 };
 const int diffusion_count = sizeof diffusion_table / sizeof *diffusion_table;
 

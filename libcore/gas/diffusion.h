@@ -16,12 +16,16 @@
 
 #include "libcore/models/param.h"
 
+/* The implicit schemes (libcore/gas/implicit.h). */
+enum implicit_scheme { BY_SDIRK, BY_MIDPOINT, BY_GAUSS };
+
 struct diffusion {
     struct model model;
     /* Returns into how many equal super steps to cut a time, ratio = time * rate, and sets the stages of one. NULL:
      * steps are implicit (libcore/gas/implicit.h). */
     long (*plan)(double ratio, int *stages);
     void (*stage)(int stages, int j, double out[4]); /* sets a, b, c, d of stage j; only c counts for j = 1 */
+    enum implicit_scheme implicit;                   /* where plan is NULL */
 };
 extern const struct diffusion diffusion_table[];
 extern const int diffusion_count;

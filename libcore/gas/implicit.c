@@ -7,7 +7,10 @@
 /* The error allowed in a solution, relative to a cell's T, or for velocities to the speed that the cell's energy
  * amounts to. */
 static const double TOLERANCE = 1e-6;
-enum { PASSES = 3 }; /* most passes of iterative refinement */
+enum {
+    PASSES = 3,      /* most passes of iterative refinement */
+    CORRECTIONS = 20 /* most iterations for the mean of two coupled stages; five are common */
+};
 
 struct problem { /* one of the two linear systems */
     struct gas *gas;
@@ -210,18 +213,75 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
     return true;
 }
 
-/* Does both stages, or the one of backward Euler if `monotone`; m->mean becomes S/dt. */
-static bool stages(struct implicit *m, struct problem *p, double gamma, bool monotone) {
+/* The stage q = q_0 + gamma (dt L q/rho + h), of which S/dt is q: the midpoint rule, or with gamma = 1 backward Euler.
+ */
+static bool one_stage(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
     for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + gamma * m->source[k];
     operate(p, m->q, true, m->moved);
     if (!stage(m, p, m->f, m->q)) return false;
     for (int k = 0; k < rows; k++) m->mean[k] = m->q[k];
-    if (monotone) return true;
+    return true;
+}
+
+/* Both stages of SDIRK. */
+static bool two_stages(struct implicit *m, struct problem *p, double gamma) {
+    const int rows = p->system.rows;
+    if (!one_stage(m, p, gamma)) return false;
     for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k] + (1 - gamma) * m->source[k];
     if (!stage(m, p, m->f, m->q)) return false;
     for (int k = 0; k < rows; k++) m->mean[k] += gamma * (m->q[k] - m->mean[k]);
     return true;
+}
+
+/* Does one iteration for m, which is m->q; s Z m is m->moved, q_0 m->mean. Returns whether it was good enough already;
+ * < 0: it was not solved. */
+static int correct_mean(struct implicit *m, struct problem *p, double s) {
+    const int rows = p->system.rows, unknowns = p->system.unknowns;
+    const double weight = 8 / (6 + sqrt(3));
+    for (int k = 0; k < rows; k++) {
+        const double e = m->moved[k] + s * m->source[k];
+        m->b[k] = m->mass[k / unknowns] * (m->mean[k] - m->q[k] + (sqrt(3) - 1) * e);
+    }
+    if (solve(m, p) < 0) return -1;
+    for (int k = 0; k < rows; k++) {
+        const double e = m->moved[k] + s * m->source[k];
+        m->b[k] = m->mass[k / unknowns] * (e + m->d[k]);
+        m->d[k] = 0;
+    }
+    if (error_of(p, m->d, m->b) <= 1) return true;
+    if (solve(m, p) < 0) return -1;
+    for (int k = 0; k < rows; k++) m->q[k] += weight * m->d[k];
+    operate(p, m->q, true, m->moved);
+    return false;
+}
+
+/* The two stages of Gauss & Legendre. The first guess is their mean by the midpoint rule with s for 1/2. */
+static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
+    const int rows = p->system.rows;
+    memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
+    for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + s * m->source[k];
+    operate(p, m->q, true, m->moved);
+    if (!stage(m, p, m->f, m->q)) return false;
+    for (int pass = 0; pass < CORRECTIONS; pass++) {
+        const int done = correct_mean(m, p, s);
+        if (done < 0 || p->gas->left) return false;
+        if (!done) continue;
+        memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
+        return true;
+    }
+    return false;
+}
+
+/* gamma of a scheme, the share of dt in its matrix. */
+static double share_of(enum implicit_scheme scheme) {
+    return scheme == BY_SDIRK ? 1 - sqrt(0.5) : scheme == BY_MIDPOINT ? 0.5 : sqrt(3) / 6;
+}
+
+/* Does the stages of a scheme; m->mean becomes S/dt. */
+static bool stages(struct implicit *m, struct problem *p, enum implicit_scheme scheme, double gamma) {
+    if (gamma == 1 || scheme == BY_MIDPOINT) return one_stage(m, p, gamma);
+    return scheme == BY_GAUSS ? gauss_stages(m, p, gamma) : two_stages(m, p, gamma);
 }
 
 /* Sets m->q to q_0, and m->source. */
@@ -239,11 +299,12 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
                    const struct lapse *l, bool monotone) {
     struct implicit *m = g->implicit;
     struct problem *p = &m->problem[what];
-    const double gamma = monotone ? 1 : 1 - sqrt(0.5);
+    const enum implicit_scheme scheme = g->models.diffusion->implicit;
+    const double gamma = monotone ? 1 : share_of(scheme);
     p->factor = gamma * l->dt;
     p->Y0 = Y0;
     take_start(m, p, l);
-    const bool solved = !prepare(m, p) && stages(m, p, gamma, monotone);
+    const bool solved = !prepare(m, p) && stages(m, p, scheme, gamma);
     for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? l->dt * m->mean[k] : NAN;
     g->engine->implicit.move(g, what, m->mean, true);
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, l->dt);

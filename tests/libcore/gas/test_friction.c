@@ -23,6 +23,14 @@ static bool can(int scheme, bool polyhedral) {
     return diffusion_table[scheme].plan || (!polyhedral && scheme_is_there(scheme));
 }
 
+/* What a scheme leaves of a mode that decays by exp(-40) over one step: R(-40), nothing to speak of but where a scheme
+ * is A-stable only. Of what a constant source gives such a mode, 1/40 of it a step, it leaves 1 - R times as much. */
+static double left_of_40(int scheme) {
+    const struct diffusion *d = &diffusion_table[scheme];
+    if (d->plan || d->implicit == BY_SDIRK) return 0;
+    return d->implicit == BY_MIDPOINT ? -19. / 21 : (1 - 20 + 1600. / 12) / (1 + 20 + 1600. / 12);
+}
+
 /* N x WIDE squares, from 0 to 1 along x: periodic, or between walls of T = 1 and 2 with gas that cools and is heated
  * (m^2/s^3). */
 static void open_models(struct scene *s, const struct transport *law, const char *diffusion, bool polyhedral,
@@ -81,7 +89,8 @@ static double wave_of(const struct scene *s, const double *all) {
 }
 
 /* One half step in which the wave of T would decay by exp(-40): a first half of friction and a second one of conduction
- * leave nothing of it, or what a scheme leaves of stiff modes. */
+ * leave nothing of it, or what a scheme leaves of stiff modes. Schemes that are A-stable only hold twice as much, or a
+ * quarter. */
 static void fast_conduction_holds_the_heat_of_friction(void **state) {
     (void)state;
     const double time = 40 / (4 * FAST * K * K);
@@ -90,7 +99,8 @@ static void fast_conduction_holds_the_heat_of_friction(void **state) {
             struct scene s;
             open_scene(&s, diffusion_table[scheme].model.name, polyhedral, shearing);
             double *all = after(&s, 1, time);
-            assert_close(wave_of(&s, all), exact_wave(time), 0.2, diffusion_table[scheme].model.name);
+            assert_close(wave_of(&s, all), (1 - left_of_40(scheme)) * exact_wave(time), 0.2,
+                         diffusion_table[scheme].model.name);
             free(all);
             close_scene(&s);
         }
@@ -146,7 +156,8 @@ static double excess(const struct scene *s, const double *all) {
 }
 
 /* A thin cell between dense ones loses heat so fast that it stays nearly as cold as they are, whatever friction brings
- * to it: also when the half step is done in parts, here as another one is hot and would be left below zero. */
+ * to it (with A-stable schemes 1 - R(-40) times as warm): also when the half step is done in parts, here as another one
+ * is hot and would be left below zero. */
 static void thin_cells_stay_cold(void **state) {
     (void)state;
     const double time = 40 / (2 * FAST * N * N / 0.01);
@@ -164,7 +175,9 @@ static void thin_cells_stay_cold(void **state) {
                 open_scene(&s, diffusion_table[scheme].model.name, polyhedral, thin_cells);
                 all = after(&s, 1, time);
                 repeated += gas_counts(s.gas).repeated;
-                assert_close(excess(&s, all), exact, 0.12, diffusion_table[scheme].model.name);
+                const bool again = gas_counts(s.gas).repeated > 0; /* in parts, by backward Euler if it is implicit */
+                assert_close(excess(&s, all), (again ? 1 : 1 - left_of_40(scheme)) * exact, 0.12,
+                             diffusion_table[scheme].model.name);
                 free(all);
                 close_scene(&s);
             }
