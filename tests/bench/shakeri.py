@@ -6,8 +6,8 @@
 prints one row a run: user seconds of the program alone, the least of the rounds, which go over all schemes in turn; its
 ratio to the defaults' on the same grid; errors. sedimentation: cases/sedimentation, relative L1 differences from the
 defaults on 800 cells. waves: inelastic spheres with transport in a periodic box, sound: the same without transport and
-sinks; relative L1 differences of rho, u, T at the cells' centres from the defaults on 72^3 cells, through which goes a Fourier series. bed: cases/bouncingBed, what the log counts and how much T and u change from
-cell to cell.
+sinks; relative L1 differences of rho, u, T at the cells' centres from the defaults on 72^3 cells, through which goes a Fourier series. bed: cases/bouncingBed with thinner and thinner gas, how much T and u
+alternate from cell to cell there.
 """
 import argparse
 import os
@@ -127,34 +127,43 @@ class Sound(Waves):
     transport, e = "none", 1.0
 
 
-class Bed:
-    """cases/bouncingBed to its end: six periods with thin gas above and below."""
-    grids, fine, name = (100,), None, "cells, maxCo"
-    columns = ("steps", "repeated", "mended", "T zigzag, alpha < 1e-3", "T zigzag, alpha > 0.1", "u zigzag, alpha < 1e-3", "centre of mass (mm)")
+def counted(log, word):
+    """The last count of a line of the log, over the whole run; 0: there is none."""
+    lines = re.findall(rf"^ *{word}: (\d+)(?:[^\n]*in all (\d+))?", log, flags=re.M)
+    return int(lines[-1][1] or lines[-1][0]) if lines else 0
 
-    def make(self, folder, cells, scheme, **control):
+
+def zigzag(q, scale, inner):
+    """The mean over cells of what alternates from cell to cell: third differences over 8 times the scale near by."""
+    near = np.max([scale[k:len(scale) - 3 + k] for k in range(4)], axis=0)
+    bend = np.abs(q[:-3] - 3 * q[1:-2] + 3 * q[2:-1] - q[3:]) / (8 * near)
+    inner = inner[:-3] & inner[3:]
+    return bend[inner].mean() if inner.any() else 0.0
+
+
+class Bed:
+    """cases/bouncingBed on 100 cells to its end, six periods, with thin gas above and below; the stiffer, the lower alphaMin."""
+    grids, fine, name = (1e-3, 1e-4, 0.0), None, "alphaMin, maxCo"
+    columns = ("half steps repeated", "T zigzag, alpha < 1e-3", "T, alpha > 0.1", "u/sqrt(T), alpha < 1e-3", "centre of mass (mm)")
+
+    def make(self, folder, least, scheme, **control):
         case = harness.copy("bouncingBed", folder)
-        harness.mesh(case, cells)
-        if control:
-            harness.edit(case, "system/controlDict", **control)
+        harness.mesh(case, 100)
+        harness.edit(case, "constant/granularProperties", alphaMin=repr(least))
+        harness.edit(case, "system/controlDict", **control)
         choose(case, scheme)
         return case
 
     def result(self, case):
-        run = haff.Case(case)
-        with open(os.path.join(case, "log")) as f:
-            log = f.read()
-        counted = [sum(int(n) for n in re.findall(pattern, log)[-1:]) for pattern in (r"repeated[^\n]*?(\d+)", r"in all \d+, (\d+)")]
-        zigzag = np.zeros(3)
-        late = [t for t in run.times if float(t) > 0.4]
-        for t in late:
+        run, parts = haff.Case(case), []
+        for t in [t for t in run.times if float(t) > 0.4]:
             alpha, T, u = run.field("alpha", t), run.field("T", t), run.field("U", t)[:, 1]
-            for i, (q, scale, where) in enumerate(((T, T, alpha < 1e-3), (T, T, alpha > 0.1), (u, np.sqrt(T), alpha < 1e-3))):
-                bend = np.abs(q[:-3] - 3 * q[1:-2] + 3 * q[2:-1] - q[3:]) / 8 / np.max([scale[:-3], scale[1:-2], scale[2:-1], scale[3:]], axis=0)
-                inner = where[:-3] & where[3:]
-                zigzag[i] += bend[inner].mean() / len(late) if inner.any() else 0
-        y = (np.arange(len(alpha)) + 0.5) * 100 / len(alpha)
-        return [steps(log), *counted, *zigzag, (alpha * y).sum() / alpha.sum()]
+            thin = alpha < 1e-3
+            parts.append((zigzag(T, T, thin), zigzag(T, T, alpha > 0.1), zigzag(u, np.sqrt(T), thin)))
+        with open(os.path.join(case, "log")) as f:
+            repeated = counted(f.read(), "repeated")
+        y = np.arange(0.5, 100)
+        return [repeated, *np.mean(parts, axis=0), (alpha * y).sum() / alpha.sum()]
 
     def errors(self, found, reference, cells):
         return found
@@ -163,7 +172,7 @@ class Bed:
 PROBLEMS = {"sedimentation": Column, "waves": Waves, "sound": Sound, "bed": Bed}
 
 
-def study(problem, schemes, courants, rounds, within, folder, grids):
+def study(problem, schemes, courants, rounds, within, folder, grids, control):
     reference = None
     if problem.fine:
         case = problem.make(folder, problem.fine, DEFAULTS, maxCo=0.5)
@@ -179,7 +188,7 @@ def study(problem, schemes, courants, rounds, within, folder, grids):
         for turn in range(rounds):
             for scheme in schemes:
                 for courant in courants:
-                    case = problem.make(folder, cells, scheme, maxCo=courant)
+                    case = problem.make(folder, cells, scheme, maxCo=courant, **control)
                     seconds, log = timed(case, within)
                     key = scheme, courant
                     if seconds is None:
@@ -198,16 +207,18 @@ def main():
     parser.add_argument("-rounds", type=int, default=3)
     parser.add_argument("-within", type=float, default=600)
     parser.add_argument("-courants", type=float, nargs="+", default=[1])
+    parser.add_argument("-longest", type=float, help="s: longest time step, of sedimentation and bed")
     parser.add_argument("-grids", type=int, nargs="+")
     parser.add_argument("-reference", type=int, help="cells of the reference")
     parser.add_argument("-schemes", nargs="+", help="numbers of the list in this file, from 0 on")
     o = parser.parse_args()
+    control = {"maxDeltaT": o.longest} if o.longest else {}
     schemes = [SCHEMES[int(i)] for i in o.schemes] if o.schemes else SCHEMES
     for name in o.problem:
         problem = PROBLEMS[name]()
         problem.fine = o.reference if o.reference and problem.fine else problem.fine
         with tempfile.TemporaryDirectory() as folder:
-            study(problem, schemes, o.courants, o.rounds, o.within, folder, o.grids)
+            study(problem, schemes, o.courants, o.rounds, o.within, folder, o.grids, control)
 
 
 if __name__ == "__main__":
