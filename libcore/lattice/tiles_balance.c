@@ -211,6 +211,7 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
     f.base[0] = w->base[0] + s->offset;
     f.base[1] = w->base[1] + s->offset;
     f.rise = w->rise + s->offset;
+    f.rest = w->face + s->offset;
     g->models.flux->through(&f, g->models.eos, &g->models.material, r);
     add_line(f.n, w->face + s->offset, f.out[1]);
 }

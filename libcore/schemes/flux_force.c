@@ -22,7 +22,7 @@ struct riemann {                                       /* the states on both sid
     double U[2][MAX_VAR][BATCH], f[2][MAX_VAR][BATCH]; /* conserved variables; physical fluxes less `base` */
     double F[MAX_VAR][BATCH];                          /* the flux of FORCE less `middle` */
     double pace[BATCH], inverse[BATCH], fastest[BATCH]; /* k, 1/k, s */
-    double base[2][BATCH], middle[BATCH];               /* of struct faces, or 0; their mean */
+    double base[2][BATCH], middle[BATCH];               /* pressures of force_bases; their mean */
     struct face_states s[2];
 };
 
@@ -105,15 +105,21 @@ static void force_flux(struct riemann *x, const struct eos *eos, const struct ma
         force_mean(n, x->inverse, s.good, x->U[0][v], x->U[1][v], x->f[0][v], x->f[1][v], f[v], F[v]);
 }
 
+/* The pressure of gas at rest that is taken from the fluxes of momentum of both sides: on the face, where the states
+ * are reconstructed to it, else in the cells. */
+static void force_bases(const struct faces *f, const struct reconstruct *r, struct riemann *x) {
+    for (int i = 0; i < f->n; i++) {
+        for (int side = 0; side < 2; side++) x->base[side][i] = !f->rise ? 0 : r->reach ? f->rest[i] : f->base[side][i];
+        x->middle[i] = 0.5 * (x->base[0][i] + x->base[1][i]);
+    }
+}
+
 /* Reconstructs the states of the faces f, with F. */
 static void force_begin(const struct faces *f, const struct eos *eos, const struct material *m,
                         const struct reconstruct *r, struct riemann *x) {
     x->n = f->n;
     x->dim = f->dim;
-    for (int i = 0; i < f->n; i++) {
-        for (int side = 0; side < 2; side++) x->base[side][i] = f->rise ? f->base[side][i] : 0;
-        x->middle[i] = 0.5 * (x->base[0][i] + x->base[1][i]);
-    }
+    force_bases(f, r, x);
     for (int side = 0; side < 2; side++) {
         flux_sided_states(f, eos, m, side ? -1 : 1, r, &x->s[side]);
         force_conserved(f->n, f->dim, &x->s[side], x->U[side]);

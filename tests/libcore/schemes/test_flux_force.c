@@ -12,6 +12,7 @@ struct strip { /* cells in a row, as the fluxes see them */
     int dim;
     double U[MAX_VAR][CELLS], F[MAX_VAR][CELLS], u[MAX_DIM][CELLS], eps[CELLS], p[CELLS], c[CELLS], g[CELLS];
     double out[MAX_VAR][CELLS]; /* through the right face of each cell */
+    double gravity;             /* times the cells' width; 0: no pressure of gas at rest is taken */
     double fastest;
 };
 
@@ -32,6 +33,25 @@ static void close_strip(struct strip *s) {
         s->F[s->dim + 1][i] += s->p[i] * s->u[0][i];
         s->fastest = larger(s->fastest, fabs(s->u[0][i]) + s->c[i]);
     }
+}
+
+struct rest { /* what a lattice takes at the faces behind the cells (libcore/lattice/tiles_balance.c) */
+    double base[2][CELLS], rise[CELLS], on[CELLS], P[CELLS];
+};
+
+static void take_rest(const struct strip *s, struct rest *r, struct faces *f, int first) {
+    for (int i = 0; i + 1 < CELLS; i++) {
+        const double low = 0.5 * s->gravity * s->U[0][i], high = 0.5 * s->gravity * s->U[0][i + 1];
+        r->P[i] = 0.5 * ((s->p[i] + low) + (s->p[i + 1] - high));
+        r->base[0][i] = r->P[i] - low;
+        r->base[1][i] = r->P[i] + high;
+        r->rise[i] = low + high;
+        r->on[i] = 1;
+    }
+    for (int side = 0; side < 2; side++) f->base[side] = r->base[side] + first;
+    f->rise = r->rise + first;
+    f->on = r->on + first;
+    f->rest = r->P + first;
 }
 
 /* The fluxes through the faces behind cells first .. first + n - 1, at a dt/dx. MUSTA: tolerance and stages. */
@@ -55,7 +75,10 @@ static void flux_at(struct strip *s, const char *name, const char *reconstruct, 
         f.out[v] = s->out[v] + first;
     }
     for (int k = 0; k < s->dim; k++) f.velocity[k] = s->u[k] + first;
+    struct rest rest;
+    if (s->gravity != 0) take_rest(s, &rest, &f, first);
     flux->through(&f, s->eos, &s->m, reconstruct_find(reconstruct));
+    for (int i = first; i < first + n && s->gravity != 0; i++) s->out[1][i] += rest.P[i];
 }
 
 static double drawn(int i, int k) {
@@ -337,7 +360,7 @@ static void musta_stops(void **state) {
 
 /* The largest error of the difference of two faces' fluxes over dx, where values at the centres of cells of width dx
  * are given, beside df/dx. */
-static double slope_error(const char *flux, double dx) {
+static double slope_error(const char *flux, double gravity, double dx) {
     struct strip s = strip_of("TorquatoSpheres", 2), ahead[2];
     double error = 0;
     for (int side = -1; side <= 1; side++) { /* ahead: the same a little to both sides, for df/dx */
@@ -352,7 +375,8 @@ static double slope_error(const char *flux, double dx) {
         }
         close_strip(t);
     }
-    flux_at(&s, flux, "WENO5", 0.5 / s.fastest, 0.01, 4, 2, CELLS - 5);
+    s.gravity = gravity * dx;
+    flux_at(&s, flux, "WENO5", 0.5 / s.fastest, 0, 4, 2, CELLS - 5);
     for (int i = LEFT - 3; i < LEFT + 3; i++)
         for (int v = 0; v < 4; v++) {
             const double known = (ahead[1].F[v][i] - ahead[0].F[v][i]) / 2e-4;
@@ -361,14 +385,16 @@ static double slope_error(const char *flux, double dx) {
     return error;
 }
 
-/* The difference of two faces' fluxes is -df/dx at the centre to the order of the reconstruction. */
+/* The difference of two faces' fluxes is df/dx at the centre to the order of the reconstruction. Where a lattice takes
+ * the pressure of gas at rest, its own trapezoidal rule leaves second order. */
 static void high_order_at_centres(void **state) {
     (void)state;
-    for (int k = 0; k < 2; k++) {
-        const char *name = k ? "MUSTA" : "FORCE";
-        const double error[2] = {slope_error(name, 0.1), slope_error(name, 0.05)};
-        print_message("%s: %.2e, %.2e\n", name, error[0], error[1]);
-        assert_true(log2(error[0] / error[1]) > 4.7);
+    for (int k = 0; k < 4; k++) {
+        const char *name = k % 2 ? "MUSTA" : "FORCE";
+        const double gravity = k < 2 ? 0 : -20, dx = k < 2 ? 0.1 : 0.05;
+        const double error[2] = {slope_error(name, gravity, dx), slope_error(name, gravity, dx / 2)};
+        print_message("%s, gravity %g: %.2e, %.2e\n", name, gravity, error[0], error[1]);
+        assert_true(log2(error[0] / error[1]) > (k < 2 ? 4.7 : 1.9));
     }
 }
 
