@@ -124,7 +124,7 @@ class Waves:
 
 
 class Sound(Waves):
-    transport, e = "none", 1.0
+    transport, e, end = "none", 1.0, 0.1
 
 
 def counted(log, word):

@@ -53,16 +53,18 @@ static const struct scheme {
 } SCHEME[] = {{"implicit", by_sdirk, 2}, {"implicitMidpoint", by_midpoint, 2}, {"gaussLegendre", by_gauss, 4}};
 
 /* Every implicit row leaves what its rational function says, to the solver's 1e-6 of T, or of the speed that the cell's
- * energy amounts to: stiff modes die, flip their sign, or stay. */
+ * energy amounts to: stiff modes die, flip their sign, or stay. On more ranks, where all iterations wait for all, T and
+ * two z only. */
 static void rational_functions(void **state) {
     (void)state;
-    static const double z[] = {0.5, 10, 100, 1e3, 5e4};
+    static const double z[] = {10, 5e4, 0.5, 100, 1e3};
+    const bool alone = comm_size(world) == 1;
     int found = 0;
     for (int i = 0; i < diffusion_count; i++) found += !diffusion_table[i].plan;
     assert_int_equal(found, 3); /* a new row needs its R here */
     for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 5; i++)
-            for (kind = 0; kind < 3; kind++) {
+        for (int i = 0; i < (alone ? 5 : 2); i++)
+            for (kind = 0; kind < (alone ? 3 : 1); kind++) {
                 const double R = left_of(SCHEME[k].name, z[i], 1);
                 if (kind == 0) print_message("%-17s z = -%-6g R = %9.6f\n", SCHEME[k].name, z[i], R);
                 assert_near(R, SCHEME[k].R(z[i]), kind ? 2e-5 : 1e-5);
@@ -72,6 +74,7 @@ static void rational_functions(void **state) {
 /* With frozen coefficients the error of a mode falls with dt to the order of the scheme. */
 static void orders(void **state) {
     (void)state;
+    if (comm_size(world) > 1) skip();
     for (int k = 0; k < 3; k++)
         for (kind = 0; kind < 3; kind++) {
             const double exact = exp(-4),
