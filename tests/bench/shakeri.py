@@ -4,10 +4,11 @@
     tests/bench/shakeri.py [-rounds 3] [-within SECONDS] PROBLEM ..      sedimentation, waves, sound, bed
 
 prints one row a run: user seconds of the program alone, the least of the rounds, which go over all schemes in turn; its
-ratio to the defaults' on the same grid; errors. sedimentation: cases/sedimentation, relative L1 differences from the
-defaults on 800 cells. waves: inelastic spheres with transport in a periodic box, sound: the same without transport and
-sinks; relative L1 differences of rho, u, T at the cells' centres from the defaults on 72^3 cells, through which goes a Fourier series. bed: cases/bouncingBed with thinner and thinner gas, how much T and u
-alternate from cell to cell there.
+ratio to the defaults' on the same grid; errors.
+sedimentation: cases/sedimentation, relative L1 differences from the defaults on 800 cells (-reference: another number).
+waves: inelastic spheres with transport in a periodic box; sound: the same without transport and sinks; relative L1
+differences at the cells' centres from the defaults on 72^3 cells, through which goes a Fourier series.
+bed: cases/bouncingBed with thinner and thinner gas, how much T and u alternate from cell to cell there.
 """
 import argparse
 import os
@@ -198,7 +199,8 @@ def study(problem, schemes, courants, rounds, within, folder, grids, control):
         base = least.get((DEFAULTS, courants[0]), (np.nan,))[0]
         for (scheme, courant), (seconds, taken, errors) in least.items():
             shown = [errors] if isinstance(errors, str) else [f"{e:.3g}" for e in errors]
-            print("| " + " | ".join((" ".join(scheme), f"{cells}, {courant:g}", str(taken), f"{seconds:.3g}", f"{seconds / base:.2f}", *shown)) + " |", flush=True)
+            row = (" ".join(scheme), f"{cells}, {courant:g}", str(taken), f"{seconds:.3g}", f"{seconds / base:.2f}", *shown)
+            print("| " + " | ".join(row) + " |", flush=True)
 
 
 def main():
