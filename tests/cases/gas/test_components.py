@@ -223,7 +223,7 @@ class Components(harness.Folder, unittest.TestCase):
                 with self.subTest(engine, viscous=viscous):
                     thin, thick = (self.block(f"acoustics{engine}{viscous}{kind}", viscous=viscous, engine=engine, thick=kind == "thick")
                                    for kind in ("thin", "thick"))
-                    self.assertLess(sections.difference(thin, thick, (12, 14, 0)), 1e-9)
+                    self.assertLess(sections.difference(thin, thick, (12, 14, 0)), 1e-6)
             result = harness.haff.Case(self.block(f"pulled{engine}", 4.0, viscous=False, engine=engine))
             mass = (result.field("rho") * result.volumes).sum()
             before = harness.haff.Case(os.path.join(self.folder, f"acoustics{engine}Falsethin"))

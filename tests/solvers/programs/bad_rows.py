@@ -319,9 +319,6 @@ DICTIONARIES = [
         "[0 0 0 0 0 0 0]"),
     Row("gravity along an empty axis, of disks", both(OF_DISKS, replace(GRAVITY, "(1 -2 0)", "(1 -2 9.81)")),
         "TorquatoDisks is for disks, which move in a plane", "along z, out of it", at="equationOfState T", where=PROPERTIES),
-    Row("gravity along an empty axis, implicit acoustics",
-        both(replace(GRAVITY, "(1 -2 0)", "(1 -2 9.81)"), append(SOLUTION, "acoustics\n{\n    type implicit;\n}\n")),
-        "carry no velocity along z", "type explicit;", at="acoustics", where=SOLUTION),
     # grammar
     Row("brace not closed", (PROPERTIES, "restitution 0.9;\n}", "restitution 0.9;\n"), "'{'", "not closed",
         at="{\n    diameter"),
