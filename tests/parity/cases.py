@@ -84,6 +84,7 @@ SHIPPED = {
     "heatedWalls": Row("heatedWalls", {"N": 20}, ended(60)),
     "hopper": Row("hopper", {"N": 24}, ended(0.02)),
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
+    "pile": Row("pile", {"N": 10}, ended(0.1)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),

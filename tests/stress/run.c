@@ -390,6 +390,7 @@ static double fall_of(const struct scene *s) {
                 fabs(q->gravity[k]) * (1 + fabs(q->amplitude)) * (cells ? cells->girth[k][i] : 1 / s->forest->width[k]);
         most = larger(most, pull);
     }
+    comm_max(s->comm, &most, 1);
     return most > 0 ? 0.2 * sqrt(2 / most) : HUGE_VAL;
 }
 
