@@ -100,7 +100,8 @@ class Cooling:
         self.gas, self.nu, self.c = gas, nu, np.sqrt(T0)
         rho = nu / gas.per
         self.beta = 0.5 * gas.cooling(nu) * self.c
-        self.shear, self.bulk, self.heat = (f(rho, T0) / rho for f in (gas.shear, gas.bulk, gas.heat))
+        self.shear, self.bulk = gas.shear(rho, T0) / rho, gas.bulk(rho, T0) / rho
+        self.heat, self.cross = 2 / gas.d * gas.heat(rho, T0) / rho, 2 / gas.d * gas.cross(rho, T0) / T0
 
     def tau(self, t):
         return np.log1p(self.beta * np.asarray(t)) / self.beta if self.beta else np.asarray(t)
@@ -112,10 +113,10 @@ class Cooling:
     def matrix(self, k):
         """d/dtau of (rho/rho0 - 1, u/sqrt T along the wave, T/T_h - 1)."""
         gas, nu, c, beta = self.gas, self.nu, self.c, self.beta
-        A, b, stiff = gas.A(nu), gas.slope(nu), gas.stiffness(nu)
+        A, b, stiff, d = gas.A(nu), gas.slope(nu), gas.stiffness(nu), gas.d
         return np.array([[0, -1j * k * c, 0],
-                         [-1j * k * c * stiff, beta - (self.bulk + self.shear) * k * k, -1j * k * c * A],
-                         [-2 * beta * b, -1j * k * c * A, -beta - self.heat * k * k]])
+                         [-1j * k * c * stiff, beta - (self.bulk + (2 - 2 / d) * self.shear) * k * k, -1j * k * c * A],
+                         [-2 * beta * b - self.cross * k * k, -2 / d * 1j * k * c * A, -beta - self.heat * k * k]])
 
     def growth(self, k):
         """Growth rates in tau of the three waves along k: most first."""

@@ -1,0 +1,12 @@
+"""Energy of the grains beside Haff's law and their impacts; spectra of this run beside the kept ones. Beside the gas: ../cooling3D."""
+import os
+import sys
+
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(here, "..", "..", "postprocessing"))
+
+import clustering  # noqa: E402
+import figures  # noqa: E402
+
+folder = figures.folder()
+clustering.draw_grains(folder, here, os.path.join(folder, "cooling3DMD.png"), (500, 3000, 20000))

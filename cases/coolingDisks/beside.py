@@ -1,0 +1,13 @@
+"""The gas that begins with the noise of the grains (fromGrains, made by Allrun) beside these grains, ../coolingDisksMD."""
+import os
+import sys
+
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(here, "..", "..", "postprocessing"))
+
+import clustering  # noqa: E402
+import figures  # noqa: E402
+
+folder = figures.folder()
+clustering.draw(os.path.join(folder, "fromGrains"), os.path.join(here, "..", "coolingDisksMD"), os.path.join(folder, "besideGrains.png"),
+                (100, 500, 4000))
