@@ -62,7 +62,7 @@ class Cube:
         return colour.reshape(thick.shape + (3,)), thick
 
 
-def picture(values, low, high, pixels=640, azimuth=32.0, height=24.0, steps=0.6, colours=colormaps["inferno"], **options):
+def picture(values, low, high, pixels=512, azimuth=32.0, height=24.0, steps=0.6, colours=colormaps["inferno"], **options):
     cube = Cube(values, low, high, **options)
     right, up, away = view(azimuth, height)
     lamp = np.array([0.45, 1.0, 0.55]) / np.linalg.norm([0.45, 1.0, 0.55])

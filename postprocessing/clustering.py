@@ -2,6 +2,7 @@
 
     clustering.py start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0/alpha, 0/T and 0/U
     clustering.py table GRAINS FOLDER TIME...          cooling.csv and spectra.csv of a run of granularMD
+    clustering.py alike GAS GRAINS TIME...             how alike density and momentum of the long waves are, phase by phase
     clustering.py density GRAINS TIME FILE.npz         counts of its grains in 32^3 cells
 
 Waves are exp(2 pi i n x/L) of whole n; the spectra are those of the density over its mean, and of the momentum over the mean density,
@@ -20,6 +21,7 @@ import grains
 import haff
 
 SIDE = {2: 160, 3: 64}  # cells a side in which grains are counted, those of the shipped gases
+LONGEST = {2: 62, 3: 13}  # |n|^2 of the shortest waves that the shipped gases begin with
 FIELDS = {"alpha": ("volScalarField", "[0 0 0 0 0 0 0]"), "T": ("volScalarField", "[0 2 -2 0 0 0 0]"), "U": ("volVectorField", "[0 1 -1 0 0 0 0]")}
 
 
@@ -218,6 +220,17 @@ def rates(box, t):
     return n, grown, grown + friction * np.where(abs(growth) > 1e-9, (grown - 1) / growth, tau)
 
 
+def excess(box, t, longest=None):
+    """Energy of motion over Haff's law in linear theory, by the waves across themselves alone: of grains, or of a gas that begins with the
+    noise of grains in waves of |n|^2 <= longest and makes none."""
+    size = sum(a * a for a in np.meshgrid(*(np.arange(-24, 25),) * box.d)).ravel()
+    k = 2 * np.pi / box.length * np.sqrt(size[size > 0])
+    tau, growth, friction = float(box.theory.tau(t)), 2 * box.theory.across(k), 2 * box.theory.shear * k * k
+    grown = np.exp(growth * tau)
+    energy = grown[size[size > 0] <= longest].sum() if longest else (grown - 1 + friction * (grown - 1) / growth).sum()
+    return 1 + (box.d - 1) / box.d / box.number * energy
+
+
 def draw(gas, kept, target, moments):
     """Energy of motion over Haff's law, impacts, and spectra at these times: lines of the gas in folder `gas`, dots of the grains whose
     tables lie in `kept`. Prints what the README quotes."""
@@ -234,6 +247,7 @@ def draw(gas, kept, target, moments):
     gone = [left(t, T, law), left(cooling["t"], cooling["T"], box.haff(cooling["t"]))]
     for x, colour in zip(gone, figures.COLOURS):
         energy.axvline(x, color=colour, linewidth=0.6, linestyle=":")
+    energy.set_xlim(0.5, 1.5 * t[-1])
     energy.legend()
     figures.label(energy, r"$t\,\sqrt{T_0}/\sigma$", rf"$2E/{box.d}NT_0$", "dotted: twice Haff's law")
     say(f"twice Haff's law: gas at t = {gone[0]:.0f}, grains at {gone[1]:.0f}")
@@ -254,10 +268,13 @@ def draw(gas, kept, target, moments):
             ax.loglog(rows["n"], rows[name] / unit, "o", markersize=2.2, fillstyle="none", color=colour)
         grains = {name: np.interp(t, cooling["t"], cooling[name]) for name in ("T", "impacts")}
         i = np.argmin(abs(t - moment))
-        say(f"t = {moment:g}: 2E/{box.d} gas {T[i]:.4g}, grains {grains['T'][i]:.4g}, over Haff's law {T[i] / law[i]:.3f}, {grains['T'][i] / law[i]:.3f}; "
+        alpha = box.case.field("alpha", box.case.time(moment))
+        heat = np.average(box.case.field("T", box.case.time(moment)), weights=alpha)
+        say(f"t = {moment:g}: T of the gas {heat / law[i]:.3f} of Haff's law; 2E/{box.d} gas {T[i]:.4g}, grains {grains['T'][i]:.4g}, over Haff's law {T[i] / law[i]:.3f}, {grains['T'][i] / law[i]:.3f}; "
             f"impacts {np.interp(moment, when, count):.1f}, {grains['impacts'][i]:.1f}; deviation of density in waves to n = 5: "
             + ", ".join(f"{deviation(box, x, y):.3f}" for x, y in ((n, power[0]), (rows["n"], rows["density"])))
-            + "; greatest alpha of the gas " + f"{box.alpha * rho.max():.3f}")
+            + f"; greatest alpha of the gas {box.alpha * rho.max():.3f}; linear theory of 2E over Haff's law: gas {excess(box, moment, LONGEST[box.d]):.3f}, "
+            + f"grains {excess(box, moment):.3f}")
     n, mine, noisy = rates(box, moments[0])
     across.loglog(n, mine, color="0.3", linewidth=0.6)
     across.loglog(n, noisy, color="0.3", linewidth=0.6, linestyle="--")
@@ -265,7 +282,7 @@ def draw(gas, kept, target, moments):
     density.set_ylim(1e-2)
     density.legend()
     figures.label(density, r"$L/\lambda$", r"$N\,|\rho_k/\rho_0|^2$", "density")
-    figures.label(across, r"$L/\lambda$", r"$N\,|j_k|^2/T_{Haff}$", f"momentum across; thin: linear theory at {moments[0]:g}")
+    figures.label(across, r"$L/\lambda$", r"$N\,|j_k|^2/T_\mathrm{Haff}$", f"momentum across; thin: linear theory at {moments[0]:g}")
     figures.save(fig, target)
 
 
@@ -304,6 +321,15 @@ def deviation(box, n, power, most=5.5):
     return float(np.sqrt((waves * power)[use].sum() / box.number))
 
 
+def compare(gas, path, times):
+    """Prints the likeness of density and momentum of gas and grains; waves to n = 4."""
+    box, other = Box(gas), Box(path)
+    for time in times:
+        rho, u = box.cells(box.case.time(time))
+        counted, j = other.put(*other.cloud(other.case.time(time)), len(rho))
+        print(f"t = {time:g}: " + ", ".join(f"{likeness(a, b):.2f}" for a, b in zip((rho, *(rho * u)), (counted, *j))))
+
+
 def density(path, time, file, side=32):
     box = Box(path)
     rho, _ = box.put(*box.cloud(box.case.time(time)), side)
@@ -320,12 +346,18 @@ def main():
     keep.add_argument("grains")
     keep.add_argument("folder")
     keep.add_argument("times", type=float, nargs="+")
+    alike = what.add_parser("alike")
+    for name in ("gas", "grains"):
+        alike.add_argument(name)
+    alike.add_argument("times", type=float, nargs="+")
     counts = what.add_parser("density")
     for name, kind in (("grains", str), ("time", float), ("file", str)):
         counts.add_argument(name, type=kind)
     o = parser.parse_args()
     if o.what == "start":
         start(o.grains, o.time, o.longest, o.folder)
+    elif o.what == "alike":
+        compare(o.gas, o.grains, o.times)
     elif o.what == "density":
         density(o.grains, o.time, o.file)
     else:

@@ -1,8 +1,6 @@
 // A periodic cube of 100 grain diameters in N^3 cells: gmsh -setnumber N 128 ...
-DefineConstant[
-    L = {100, Name "side in diameters"},
-    N = {64, Min 3, Name "cells per side"}
-];
+DefineConstant[ N = {64, Min 3, Name "cells per side"} ];
+DefineConstant[ L = {100, Name "side in diameters"} ];
 
 Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};   Point(3) = {L, L, 0};   Point(4) = {0, L, 0};
 Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};
