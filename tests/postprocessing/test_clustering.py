@@ -50,6 +50,10 @@ class Clustering(unittest.TestCase):
             self.assertAlmostEqual(found[part][shell] * waves * (2 if part == 1 else 1), 1000 * 2 * 0.05**2, places=9)
             found[part][shell] = 0
             self.assertLess(found.max(), 1e-20)
+        slanting = 0.1 * np.cos(2 * np.pi * (x - 2 * y + 2 * z))
+        _, _, across, along = box.spectra(np.ones_like(x), np.multiply.outer(np.array([1, -2, 2]) / 3, slanting))
+        self.assertAlmostEqual(along[shell] * waves, 1000 * 2 * 0.05**2, places=9)
+        self.assertLess(across.max(), 1e-15)
 
     def test_expression(self):
         """The text has the waves that it was made of, to the three digits it is printed with; each pair of waves counts once."""
