@@ -208,6 +208,11 @@ def read(path, name):
     return np.genfromtxt(os.path.join(path, name), delimiter=",", names=True)
 
 
+def at(rows, t):
+    """Impacts and energy of grains between the rows of cooling.csv, in the logarithm of time."""
+    return np.interp(np.log(t), np.log(rows["t"]), rows["impacts"]), np.exp(np.interp(np.log(t), np.log(rows["t"]), np.log(rows["T"])))
+
+
 # ---- the figure -----------------------------------------------------------------------------------------------------
 
 def rates(box, t):
@@ -222,12 +227,15 @@ def rates(box, t):
 
 def excess(box, t, longest=None):
     """Energy of motion over Haff's law in linear theory, by the waves across themselves alone: of grains, or of a gas that begins with the
-    noise of grains in waves of |n|^2 <= longest and makes none."""
-    size = sum(a * a for a in np.meshgrid(*(np.arange(-24, 25),) * box.d)).ravel()
-    k = 2 * np.pi / box.length * np.sqrt(size[size > 0])
+    noise of grains in waves of |n|^2 <= longest and makes none. Of waves longer than 8 diameters: the sum over those of grains does not
+    converge towards short ones, where hydrodynamics ends."""
+    reach = int(box.length / 8)
+    size = sum(a * a for a in np.meshgrid(*(np.arange(-reach, reach + 1),) * box.d)).ravel()
+    size = size[(size > 0) & (size <= (box.length / 8) ** 2)]
+    k = 2 * np.pi / box.length * np.sqrt(size)
     tau, growth, friction = float(box.theory.tau(t)), 2 * box.theory.across(k), 2 * box.theory.shear * k * k
     grown = np.exp(growth * tau)
-    energy = grown[size[size > 0] <= longest].sum() if longest else (grown - 1 + friction * (grown - 1) / growth).sum()
+    energy = grown[size <= longest].sum() if longest else (grown - 1 + friction * (grown - 1) / growth).sum()
     return 1 + (box.d - 1) / box.d / box.number * energy
 
 
@@ -266,12 +274,12 @@ def draw(gas, kept, target, moments):
         for ax, mine, name, unit in ((density, power[0], "density", 1), (across, power[1], "across", haff_)):
             ax.loglog(n[:here], mine[:here] / unit, color=colour, label=f"$t$ = {moment:g}")
             ax.loglog(rows["n"], rows[name] / unit, "o", markersize=2.2, fillstyle="none", color=colour)
-        grains = {name: np.interp(t, cooling["t"], cooling[name]) for name in ("T", "impacts")}
+        hits, energies = at(cooling, moment)
         i = np.argmin(abs(t - moment))
         alpha = box.case.field("alpha", box.case.time(moment))
         heat = np.average(box.case.field("T", box.case.time(moment)), weights=alpha)
-        say(f"t = {moment:g}: T of the gas {heat / law[i]:.3f} of Haff's law; 2E/{box.d} gas {T[i]:.4g}, grains {grains['T'][i]:.4g}, over Haff's law {T[i] / law[i]:.3f}, {grains['T'][i] / law[i]:.3f}; "
-            f"impacts {np.interp(moment, when, count):.1f}, {grains['impacts'][i]:.1f}; deviation of density in waves to n = 5: "
+        say(f"t = {moment:g}: T of the gas {heat / law[i]:.3f} of Haff's law; 2E/{box.d} gas {T[i]:.4g}, grains {energies:.4g}, over Haff's law {T[i] / law[i]:.3f}, {energies / law[i]:.3f}; "
+            f"impacts {np.interp(moment, when, count):.1f}, {hits:.1f}; deviation of density in waves to n = 5: "
             + ", ".join(f"{deviation(box, x, y):.3f}" for x, y in ((n, power[0]), (rows["n"], rows["density"])))
             + f"; greatest alpha of the gas {box.alpha * rho.max():.3f}; linear theory of 2E over Haff's law: gas {excess(box, moment, LONGEST[box.d]):.3f}, "
             + f"grains {excess(box, moment):.3f}")

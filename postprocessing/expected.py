@@ -173,7 +173,7 @@ def doubled_beside(case, *_):
 def cooled_beside(case, _, time):
     """Energy of motion over the grains', less 1."""
     box, rows = kept_box(case)
-    return float(np.interp(float(time), *box.budget()) / np.interp(float(time), rows["t"], rows["T"]) - 1)
+    return float(np.interp(float(time), *box.budget()) / clustering.at(rows, float(time))[1] - 1)
 
 
 def impacts(case, _, time):
@@ -184,7 +184,7 @@ def impacts(case, _, time):
 def impacts_beside(case, _, time):
     """Of each grain of the gas, by Enskog's rate, over those of the grains, less 1."""
     box, rows = kept_box(case)
-    return float(np.interp(float(time), *box.impacts()) / np.interp(float(time), rows["t"], rows["impacts"]) - 1)
+    return float(np.interp(float(time), *box.impacts()) / clustering.at(rows, float(time))[0] - 1)
 
 
 QUANTITIES = {
