@@ -207,8 +207,9 @@ void cells_primitives(const struct gas *g, int n, const double *U, struct cells_
 
 /* rate = sum_k |u_k| girth_k + c total_girth, which is no less than the sum over the faces of (|u_n| + c) A / (2 V),
  * and on boxes the rate of the lattice; fast = |u| + c, with all components of u, also those that pass no face */
-KERNEL static void rate_line(int n, int dim, int components, const struct cells_primitives *q, double *const girth[MAX_DIM],
-                             const double *restrict total, double *restrict rate, double *restrict fast) {
+KERNEL static void rate_line(int n, int dim, int components, const struct cells_primitives *q,
+                             double *const girth[MAX_DIM], const double *restrict total, double *restrict rate,
+                             double *restrict fast) {
     for (int i = 0; i < n; i++) {
         rate[i] = q->c[i] * total[i];
         fast[i] = 0;
