@@ -260,6 +260,8 @@ const struct family family_table[FAMILIES] = {
      implicit_draw, implicit_at},
     {"implicitCells", "the same on perturbed triangles, quads, tetrahedra or warped hexahedra", implicit_cells_draw,
      implicit_at},
+    {"sections", "the disks and spheres of `inelastic` in 1D and 2D that move along axes the mesh lacks, too",
+     sections_draw, sections_at},
 };
 
 int family_find(const char *name) {

@@ -33,6 +33,7 @@ struct problem {
     int family;
     uint64_t seed;
     int dim, n[3], cells;
+    int components; /* of the velocity, if more than dim; else 0 */
     bool polyhedral;
     enum edge edge;
     enum shape shape; /* polyhedral: */
@@ -64,7 +65,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 20 };
+enum { FAMILIES = 21 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -75,7 +76,9 @@ int family_find(const char *name); /* -1: none */
 /* Rows with transport (tests/stress/transport.c). */
 void disks_draw(struct problem *p, struct seed *s);
 void inelastic_draw(struct problem *p, struct seed *s);
+void sections_draw(struct problem *p, struct seed *s);
 void grains_at(const struct problem *p, const struct place *where, struct point *out);
+void sections_at(const struct problem *p, const struct place *where, struct point *out);
 /* Their parts, for others: what lies where; box; grains, equation of state and cooling; transport; walls. */
 void grains_scene(struct problem *p, struct seed *s);
 double grains_T(const struct problem *p); /* T that the others are measured by */

@@ -67,7 +67,8 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
                                     .acoustics = o->explicit ? NULL : p->acoustics,
                                     .acoustics_params = p->acoustics_params,
                                     .alpha_floor = p->alpha_floor,
-                                    .skip_uniform = !o->full};
+                                    .skip_uniform = !o->full,
+                                    .components = p->components};
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
@@ -271,8 +272,9 @@ static void judge_budget(const struct scene *s, const struct watch *w, struct ou
     const long double each = ROUNDINGS * EPS * (p->through > 0 ? p->through : 1);
     const long double bound[3] = {each * b->rounding[0], each * b->rounding[1], each * b->rounding[2]};
     for (int q = 0; q < CONSERVED; q++) out->drift[q] = out->relative[q] = -1;
-    for (int v = 0; v < p->dim + 2; v++) {
-        int q = v == 0 ? MASS : v <= p->dim ? MOMENTUM : ENERGY;
+    const int components = p->components ? p->components : p->dim;
+    for (int v = 0; v < components + 2; v++) {
+        int q = v == 0 ? MASS : v <= components ? MOMENTUM : ENERGY;
         if (!closed || (q == MOMENTUM && (!is_periodic(p, v - 1) || e.drag || out->counts.filled))) continue;
         if (q == ENERGY && e.work) continue;
         long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy + dilated(s) : 0); /* counts: of the floor */

@@ -224,3 +224,33 @@ void inelastic_draw(struct problem *p, struct seed *s) {
     inelastic_sources(p, s);
     grains_scene(p, s);
 }
+
+/* ---- the same on lines and in sections, with velocities along the axes that these lack */
+
+void sections_draw(struct problem *p, struct seed *s) {
+    inelastic_draw(p, s);
+    const int lines = 20 + seed_below(s, 31), most = p->material.disks ? 2 : 3;
+    const bool line = p->material.disks || p->dim == 1 || seed_below(s, 3) == 0;
+    p->dim = line ? 1 : 2;
+    p->components = p->dim + 1 + seed_below(s, most - p->dim);
+    p->polyhedral = p->polyhedral && p->dim == 2;
+    if (p->dim == 2) p->shape = seed_below(s, 2) ? TRIANGLES : QUADS;
+    p->n[0] = line ? lines : 9 + seed_below(s, 6);
+    p->n[1] = line ? 1 : 9 + seed_below(s, 6);
+    p->n[2] = 1;
+    p->cells = p->n[0] * p->n[1];
+    for (int k = 0; k < 3; k++) p->direction[k] = k >= p->dim ? 0 : k == 0;
+    const double fast = sqrt(grains_T(p)) * seed_power(s, -2, 2), pull = seed_power(s, -2, 1);
+    for (int k = p->dim; k < p->components; k++) {
+        p->wave[4][k] = fast * seed_sign(s);
+        if (p->source.gravity[0] != 0) p->source.gravity[k] = pull * p->source.gravity[0];
+    }
+}
+
+void sections_at(const struct problem *p, const struct place *where, struct point *out) {
+    grains_at(p, where, out);
+    for (int k = p->dim; k < p->components; k++) {
+        const double phase = 0.3 * k + 2 * where->along;
+        out->u[k] = p->wave[4][k] * (4 * fabs(phase - floor(phase) - 0.5) - 1);
+    }
+}

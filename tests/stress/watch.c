@@ -41,9 +41,9 @@ void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visi
     watch_places(g, read_place, &(struct reading){g, s, visit, context});
 }
 
-static long double kinetic(int dim, const double U[MAX_VAR]) {
+static long double kinetic(int components, const double U[MAX_VAR]) {
     long double square = 0;
-    for (int k = 1; k <= dim; k++) square += (long double)U[k] * U[k];
+    for (int k = 1; k <= components; k++) square += (long double)U[k] * U[k];
     return square / (2 * (long double)U[0]);
 }
 
@@ -65,11 +65,11 @@ static void look_visit(void *context, long cell, double volume, const double U[M
     long double nu = 3.14159265358979323846L / (2 * d) * U[0] * powl(m->diameter, d) / m->mass;
     /* the bound on rho is itself rounded, once or twice */
     if (fine && isfinite(g->limit)) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
-    long double energy = fine ? U[g->dim + 1] - kinetic(g->dim, U) : 0;
+    long double energy = fine ? U[g->components + 1] - kinetic(g->components, U) : 0;
     if (fine && energy > 0) return;
     if (!l->bad++)
         snprintf(l->why, l->size, "cell %ld: rho %.17g, alpha/alphaMax - 1 %.3Lg, E %.17g of which internal %.3Lg",
-                 cell, U[0], nu / m->alpha_max - 1, U[g->dim + 1], energy);
+                 cell, U[0], nu / m->alpha_max - 1, U[g->components + 1], energy);
 }
 
 static long look(struct watch *w, struct gas *g, const struct state *s) {
@@ -94,14 +94,14 @@ struct tally {
 static void tally_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
     struct tally *t = context;
     const struct gas *g = t->g;
-    double eps = (double)((U[g->dim + 1] - kinetic(g->dim, U)) / U[0]), p, c2, gruneisen;
+    double eps = (double)((U[g->components + 1] - kinetic(g->components, U)) / U[0]), p, c2, gruneisen;
     (void)cell;
     g->models.eos->state(&g->models.material, 1, U, &eps, &p, &c2, &gruneisen);
-    long double speed = sqrtl(2 * kinetic(g->dim, U) / U[0]) + sqrtl(c2);
+    long double speed = sqrtl(2 * kinetic(g->components, U) / U[0]) + sqrtl(c2);
     for (int v = 0; v < g->nvar; v++) t->sum[v] += (long double)volume * U[v];
     t->magnitude[0] += (long double)volume * U[0];
     t->magnitude[1] += volume * U[0] * speed;
-    t->magnitude[2] += (long double)volume * (U[g->dim + 1] + p);
+    t->magnitude[2] += (long double)volume * (U[g->components + 1] + p);
 }
 
 /* Stages are counted with room for the two ends of a super step in each half of a step; more ends round more. */
@@ -199,9 +199,9 @@ struct exact {                     /* of a cell */
     long double room[MAX_VAR];     /* what rounding adds, in units of eps */
 };
 
-static long double kinetic_of(const struct exact *x, int dim) {
+static long double kinetic_of(const struct exact *x, int components) {
     long double square = 0;
-    for (int k = 0; k < dim; k++) square += x->mom[k] * x->mom[k];
+    for (int k = 0; k < components; k++) square += x->mom[k] * x->mom[k];
     return square / (2 * x->rho);
 }
 
@@ -215,70 +215,74 @@ static void exact_source(const struct gas *g, const struct source_step *step, bo
             g->models.material.threshold > 0; /* its step is of second order: only cooler, and above 0 */
         x->high = spared ? x->high : x->high / (slow * slow);
         x->low = spared ? 0 : x->high;
-        x->room[g->dim + 1] += condition * x->rho * old * (slow - 1) / (slow * slow);
+        x->room[g->components + 1] += condition * x->rho * old * (slow - 1) / (slow * slow);
     } else if (!strcmp(name, "gravity")) {
         if (!falls) return;
-        for (int k = 0; k < g->dim; k++) x->mom[k] += x->rho * step->kick[k];
+        for (int k = 0; k < g->components; k++) x->mom[k] += x->rho * step->kick[k];
     } else if (!strcmp(name, "linearDrag")) {
         const long double decay = expl(-(long double)own[0] * dt > -300 ? -(long double)own[0] * dt : -300);
-        for (int k = 0; k < g->dim; k++) x->mom[k] = x->rho * own[1 + k] + (x->mom[k] - x->rho * own[1 + k]) * decay;
-        for (int k = 0; k < g->dim; k++) x->room[1 + k] += fabsl(x->rho * own[1 + k]);
-        for (int k = 0; k < g->dim; k++) x->room[g->dim + 1] += fabsl(own[1 + k] * x->mom[k]); /* u times that */
+        for (int k = 0; k < g->components; k++)
+            x->mom[k] = x->rho * own[1 + k] + (x->mom[k] - x->rho * own[1 + k]) * decay;
+        for (int k = 0; k < g->components; k++) x->room[1 + k] += fabsl(x->rho * own[1 + k]);
+        for (int k = 0; k < g->components; k++)
+            x->room[g->components + 1] += fabsl(own[1 + k] * x->mom[k]); /* u times that */
         x->low *= decay * decay;
         x->high *= decay * decay;
     } else {
         x->low += own[0] * dt / (g->models.material.gamma - 1);
         x->high += own[0] * dt / (g->models.material.gamma - 1);
     }
-    for (int k = 0; k < g->dim; k++) x->room[1 + k] += fabsl(x->mom[k]);
-    x->room[g->dim + 1] += x->rho * x->high + kinetic_of(x, g->dim);
+    for (int k = 0; k < g->components; k++) x->room[1 + k] += fabsl(x->mom[k]);
+    x->room[g->components + 1] += x->rho * x->high + kinetic_of(x, g->components);
 }
 
 /* What a half step of the plan makes of a cell, which falls or does not. */
 static struct exact exact_step(const struct sourced *s, const long double old[MAX_VAR], bool falls) {
-    const int dim = s->g->dim, last = dim + 1;
+    const int components = s->g->components, last = components + 1;
     double start[MAX_VAR];
     struct exact x = {.rho = old[0]};
     for (int v = 0; v <= last; v++) start[v] = (double)old[v];
     for (int v = 1; v <= last; v++) x.room[v] = fabsl(old[v]);
-    for (int k = 0; k < dim; k++) x.mom[k] = old[1 + k];
-    x.low = x.high = (old[last] - kinetic(dim, start)) / old[0];
+    for (int k = 0; k < components; k++) x.mom[k] = old[1 + k];
+    x.low = x.high = (old[last] - kinetic(components, start)) / old[0];
     for (int i = 0; i < s->plan->n; i++) exact_source(s->g, &s->plan->step[i], falls, &x);
     return x;
 }
 
-static long double momentum_off(const struct exact *x, int dim, const double U[MAX_VAR]) {
+static long double momentum_off(const struct exact *x, int components, const double U[MAX_VAR]) {
     long double sum = 0;
-    for (int k = 0; k < dim; k++) sum += fabsl(x->mom[k] - U[1 + k]);
+    for (int k = 0; k < components; k++) sum += fabsl(x->mom[k] - U[1 + k]);
     return sum;
 }
 
 /* Does a cell fall, by its state before the step? Where eps is that of the threshold but for rounding, either will do:
  * then what the cell did says which it was. */
 static bool does_fall(const struct sourced *s, const long double old[MAX_VAR], const double U[MAX_VAR]) {
-    const int dim = s->g->dim;
+    const int components = s->g->components;
     struct exact start = {.rho = old[0]};
-    for (int k = 0; k < dim; k++) start.mom[k] = old[1 + k];
-    const long double moving = kinetic_of(&start, dim), off = (old[dim + 1] - moving) / old[0] - s->plan->warm;
-    if (fabsl(off) > 8 * 0x1p-52L * (old[dim + 1] + moving) / old[0]) return off < 0;
+    for (int k = 0; k < components; k++) start.mom[k] = old[1 + k];
+    const long double moving = kinetic_of(&start, components),
+                      off = (old[components + 1] - moving) / old[0] - s->plan->warm;
+    if (fabsl(off) > 8 * 0x1p-52L * (old[components + 1] + moving) / old[0]) return off < 0;
     const struct exact x[2] = {exact_step(s, old, false), exact_step(s, old, true)};
-    return momentum_off(&x[1], dim, U) < momentum_off(&x[0], dim, U);
+    return momentum_off(&x[1], components, U) < momentum_off(&x[0], components, U);
 }
 
 /* The exact step cell by cell; what the step gave is summed up for the budget. */
 static void after_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
     struct sourced *s = context;
-    const int dim = s->g->dim, last = dim + 1;
+    const int components = s->g->components, last = components + 1;
     const long double *old = s->w->before + MAX_VAR * cell, unit = 16 * 0x1p-52L;
     if (s->first) s->w->falls[cell] = does_fall(s, old, U);
     const struct exact x = exact_step(s, old, s->w->falls[cell]);
     s->gained[0] += volume * ((long double)U[0] - old[0]);
-    for (int k = 1; k <= dim; k++) {
+    for (int k = 1; k <= components; k++) {
         const long double off = fabsl(x.mom[k - 1] - U[k]);
         if (off > 0) s->w->trial = fmax(s->w->trial, (double)(off / (unit * x.room[k])));
         s->gained[k] += volume * (x.mom[k - 1] - old[k]);
     }
-    const long double least = x.rho * x.low + kinetic_of(&x, dim), most = x.rho * x.high + kinetic_of(&x, dim);
+    const long double least = x.rho * x.low + kinetic_of(&x, components),
+                      most = x.rho * x.high + kinetic_of(&x, components);
     const long double off = U[last] < least ? least - U[last] : U[last] > most ? U[last] - most : 0;
     s->w->trial = fmax(s->w->trial, (double)(off / (unit * x.room[last])));
     s->gained[last] += volume * ((long double)U[last] - old[last]);
@@ -288,7 +292,7 @@ static void after_visit(void *context, long cell, double volume, const double U[
  * in a scheme of second order at least. */
 static void compare_kicks(struct watch *w, const struct gas *g, const struct source_step *step, bool first) {
     const long double unit = 16 * 0x1p-52L;
-    for (int k = 0; k < g->dim; k++) {
+    for (int k = 0; k < g->components; k++) {
         w->kick[!first][k] = step->kick[k];
         if (first || g->models.stepper->stages == 1) continue;
         const long double room = fabsl(w->kick[0][k]) + fabsl(w->kick[1][k]);
@@ -344,10 +348,10 @@ struct weighing { /* what gravity gives the cells in a stage */
 static void weigh_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
     const struct weighing *s = context;
     if (s->w->falls[cell] || s->w->flagged[cell]) return;
-    for (int k = 0; k < s->g->dim; k++) {
+    for (int k = 0; k < s->g->components; k++) {
         const long double kick = s->part * volume * s->dt * s->g->gravity[k];
         s->gained[1 + k] += kick * U[0];
-        s->gained[s->g->dim + 1] += kick * U[1 + k];
+        s->gained[s->g->components + 1] += kick * U[1 + k];
     }
 }
 
@@ -363,10 +367,10 @@ static void drop_visit(void *context, long cell, double volume, const double U[M
     const long double *start = s->w->before + MAX_VAR * cell, rest = 1 - (long double)s->a;
     if (s->w->falls[cell] || !s->w->flagged[cell]) return;
     const long double rho = (U[0] - s->a * start[0]) / rest;
-    for (int k = 0; k < s->g->dim; k++) {
+    for (int k = 0; k < s->g->components; k++) {
         const long double kick = (long double)s->dt * s->g->gravity[k], mom = (U[1 + k] - s->a * start[1 + k]) / rest;
         s->gained[1 + k] += s->part * volume * rho * kick;
-        s->gained[s->g->dim + 1] += s->part * volume * kick * (mom - rho * kick / 2);
+        s->gained[s->g->components + 1] += s->part * volume * kick * (mom - rho * kick / 2);
     }
 }
 
@@ -375,7 +379,7 @@ static void book_stage(struct watch *w, const struct gas *g, const struct state 
                        const struct state *to, double a, double dt) {
     struct weighing s = {w, g, a, dt, carried(g->models.stepper, w->stage), w->budget.weighed[w->stage]};
     for (int v = 0; v < MAX_VAR; v++) s.gained[v] = 0;
-    if (!source_falls(&g->models.source, g->dim)) return;
+    if (!source_falls(&g->models.source, g->components)) return;
     watch_cells(g, from, weigh_visit, &s);
     if (!to) return;
     watch_cells(g, U0, start_visit, &s);
@@ -392,7 +396,7 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
         w->stage++;
     }
     look_on(w, g, from);
-    for (int k = 0; k < g->dim; k++) w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->gravity[k];
+    for (int k = 0; k < g->components; k++) w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->gravity[k];
     memset(w->flagged, 0, (size_t)g->ncells_all * sizeof *w->flagged);
     book_stage(w, g, U0, from, NULL, a, dt);
     return w->inner->stage.stage(g, U0, from, to, a, dt);
