@@ -199,7 +199,14 @@ static void gas_provenance(const struct medium *m, struct sink *o) {
                 polyhedral ? g->polynomial->model.name : g->reconstruct->model.name);
 }
 
-/* Returns the bytes of the state and of the memory for a step, of all cells. */
+/* Returns the doubles of a bed (libcore/acoustics/bed_private.h) that holds so many cells and faces, with its room to
+ * grow. */
+static double bed_memory(int dim, int components, double cells, double faces) {
+    const int nvar = components + 2;
+    return 1.5 * (cells * (12 + components + nvar * (2 + dim)) + faces * (17 + 2 * nvar));
+}
+
+/* Returns the bytes of the state and of the memory for a step, of all cells, if all are dense. */
 static double gas_memory(const struct medium *medium) {
     const struct setup *s = medium->setup;
     const struct forest *f = s->grid->forest;
@@ -209,9 +216,9 @@ static double gas_memory(const struct medium *medium) {
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
         const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
-        const int nvar = f->dim + 2, lines = 9 + nvar * (2 + f->dim) + 6 * f->dim, faces = f->dim * (5 + 2 * nvar);
-        const double bed =
-            g->acoustics->implicit ? 2 + f->dim * nvar + 1.5 * (lines + faces) : 0; /* if all are dense */
+        const double bed = g->acoustics->implicit
+                               ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim)
+                               : 0;
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
     }
     const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
@@ -222,8 +229,12 @@ static double gas_memory(const struct medium *medium) {
     const double diffuser = transport ? 8. * (u * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
     double cell =
         diffuser + (2 + u) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    return s->mesh->ncells * cell + faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
-                                             sides * 8 * (1 + 2 * dim + 2 * coefficients));
+    const double bed = g->acoustics->implicit
+                           ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
+                           : 0;
+    return 8 * bed + s->mesh->ncells * cell +
+           faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
+                    sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
 static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {
