@@ -22,8 +22,7 @@ OWN_PARAMS_FIT(struct acoustics_params);
 
 const struct acoustics acoustics_table[] = {
     {MODEL("explicit", "sound limits the time step everywhere"), false},
-    {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows; lattices",
-                implicit_param),
+    {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows", implicit_param),
      true},
 };
 const int acoustics_count = sizeof acoustics_table / sizeof *acoustics_table;

@@ -19,6 +19,7 @@
  * 2. Velocity and energy, conservative, by the face pressures p_f = (rho_R P_L + rho_L P_R)/(rho_L + rho_R) + q_f,
  * which give exactly 0 where all U_f = 0 (bed_update.c). Gas at rest under gravity, P_R = P_L, has U_f = 0 and stays at
  * rest to round-off. q_f = -z [u.n]/2 damps velocities of cells that their faces do not see.
+ * Where p_f would cool a cell below its bound, its neighbours give it of the heat that they have of the same faces.
  * 3. Remap: what U_f carries goes to the neighbour, with limited slopes (bed_remap.c).
  *
  * Theorem. If the step succeeds, 0 < rho < rho of packing and eps > 0 in all cells that have no kept face. Proof: after

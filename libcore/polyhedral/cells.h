@@ -53,6 +53,21 @@ void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VA
 void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
                   double (*ghost)[BATCH]);
 
+/* Component k of the vector from the centre of the cell on a side (left or right) of a face to the face's centre, the
+ * mean of its points. */
+ALWAYS_INLINE double cells_arm(const struct polyhedra *m, int face, int side, int k) {
+    double arm = 0;
+    for (int p = m->face.point_start[face]; p < m->face.point_start[face + 1]; p++)
+        arm += m->point.weight[p] * m->point.arm[side][k][p];
+    return arm;
+}
+
+/* The cell or mirror across an entry of face_of_cell. */
+ALWAYS_INLINE int cells_across(const struct polyhedra *m, int entry) {
+    const int face = m->face_of_cell[entry];
+    return face < 0 ? m->face.left[~face] : m->face.right[face];
+}
+
 struct cells_walls {     /* [mirrors] what wall_shares says; 0 where a patch is no wall */
     double *drag, *heat; /* shares */
     double *stays;       /* of struct wall_line */

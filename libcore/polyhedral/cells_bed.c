@@ -17,22 +17,19 @@ struct cells_bed {
     int *seat;                /* [ncells] the cells of the bed, then its ghosts */
 };
 
-/* The centre of a face is the mean of its points. A mirror's centre is the cell's, reflected in the plane of the face.
- */
+/* A mirror's centre is the cell's, reflected in the plane of the face. */
 static void measure_face(const struct polyhedra *m, struct bed_shapes *s, int f) {
-    double sum[2][MAX_DIM] = {{0}}, across = 0;
-    for (int i = m->face.point_start[f]; i < m->face.point_start[f + 1]; i++)
-        for (int side = 0; side < 2; side++)
-            for (int k = 0; k < m->dim; k++) sum[side][k] += m->point.weight[i] * m->point.arm[side][k][i];
-    for (int k = 0; k < m->dim; k++) across += sum[0][k] * m->face.normal[k][f];
-    for (int k = 0; k < m->dim && f >= m->face.ninternal; k++)
-        sum[1][k] = sum[0][k] - 2 * across * m->face.normal[k][f];
+    double to[2][MAX_DIM], across = 0;
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < m->dim; k++) to[side][k] = cells_arm(m, f, side, k);
+    for (int k = 0; k < m->dim; k++) across += to[0][k] * m->face.normal[k][f];
+    for (int k = 0; k < m->dim && f >= m->face.ninternal; k++) to[1][k] = to[0][k] - 2 * across * m->face.normal[k][f];
     for (int side = 0; side < 2; side++) {
         double depth = 0, square = 0;
         for (int k = 0; k < m->dim; k++) {
-            depth += (side ? -1 : 1) * sum[side][k] * m->face.normal[k][f];
-            square += sum[side][k] * sum[side][k];
-            s->arm[side][k][f] = sum[side][k];
+            depth += (side ? -1 : 1) * to[side][k] * m->face.normal[k][f];
+            square += to[side][k] * to[side][k];
+            s->arm[side][k][f] = to[side][k];
         }
         s->depth[side][f] = larger(depth, SKEWEST * sqrt(square));
     }
@@ -99,11 +96,6 @@ static void fill_lines(struct gas *g, int n, double *const *line) {
     polyhedra_fill_finish(g->cells->polyhedra);
 }
 
-static int cell_across(const struct polyhedra *m, int entry) {
-    const int face = m->face_of_cell[entry];
-    return face < 0 ? m->face.left[~face] : m->face.right[face];
-}
-
 /* Dilates the dense part by three rings of neighbours. Mirrors belong to no part. */
 static void find_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
@@ -114,7 +106,7 @@ static void find_rings(struct gas *g) {
         for (int i = 0; i < m->nown; i++) {
             if (part[i] > 0) continue;
             for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
-                if (part[cell_across(m, j)] > least) part[i] = level;
+                if (part[cells_across(m, j)] > least) part[i] = level;
         }
     }
     fill_lines(g, 1, g->dense->part);

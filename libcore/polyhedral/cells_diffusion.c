@@ -31,9 +31,7 @@ static void measure_face(const struct polyhedra *m, int face, double e[MAX_DIM],
     double length = 0;
     *across = *before = 0;
     for (int k = 0; k < m->dim; k++) {
-        double arm[2] = {0, 0};
-        for (int p = m->face.point_start[face]; p < m->face.point_start[face + 1]; p++)
-            for (int side = 0; side < 2; side++) arm[side] += m->point.weight[p] * m->point.arm[side][k][p];
+        const double arm[2] = {cells_arm(m, face, 0, k), cells_arm(m, face, 1, k)};
         e[k] = arm[0] - arm[1];
         length += e[k] * e[k];
         *across += e[k] * m->face.normal[k][face];

@@ -167,7 +167,7 @@ void cells_find_keep(struct gas *g, const double *rho, const double *T, double *
     for (int i = 0; i < m->nown; i++) {
         alike[i] = 1;
         for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-            const int face = m->face_of_cell[j], other = face < 0 ? m->face.left[~face] : m->face.right[face];
+            const int other = cells_across(m, j);
             alike[i] = smaller(alike[i], smaller(alike_of(T[i], T[other]), alike_of(rho[i], rho[other])));
         }
     }
