@@ -156,7 +156,14 @@ static status check_name(const struct gmsh_file *f, int g) {
 static status check_groups(const struct gmsh_file *f, int dim) {
     for (long i = 0; i < f->nelements; i++)
         if (element_dim(&f->element[i]) == dim - 1) return OK;
-    return fail(ERR_INPUT, "%s: no part of the boundary is in a physical group; add %s(\"NAME\") = {...}", f->path,
+    if (dim == 3)
+        return fail(ERR_INPUT, "%s: no part of the boundary is in a physical group; add %s(\"NAME\") = {...}", f->path,
+                    COMMAND[dim - 1]);
+    return fail(ERR_INPUT,
+                "%s: the mesh has %s only, and their boundary is in no physical group; if %s are missing, add "
+                "%s(\"NAME\") = {...} (gmsh saves only what is in groups) and call gmsh with -%d; if not, add "
+                "%s(\"NAME\") = {...}",
+                f->path, dim == 2 ? "surfaces" : "lines", dim == 2 ? "volumes" : "surfaces", COMMAND[dim + 1], dim + 1,
                 COMMAND[dim - 1]);
 }
 

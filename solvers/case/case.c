@@ -43,9 +43,12 @@ status setup_grid(struct setup *s, bool polyhedral, int rings) {
 
 static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
+    s->warnings.accepted = s->control->accepted;
     TRY(read_mesh(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
+    TRY(warn_header(&s->warnings, s->control->dict));
+    for (int i = 0; i < s->nfiles; i++) TRY(warn_header(&s->warnings, s->file[i].dict));
     return type->check_control ? type->check_control(s->medium, s->control) : OK;
 }
 
@@ -73,11 +76,13 @@ static status check_links(const struct setup *s) {
     return OK;
 }
 
-status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out) {
+status case_read(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+                 struct setup **out) {
     struct setup *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "case"));
     s->comm = c;
+    s->warnings = (struct warnings){.strict = strict, .silent = !comm_root(c)};
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);
     status e = comm_agree(c, folder_mark(dir, &s->mark));

@@ -6,6 +6,7 @@
 #include "mesh/grid/grid.h"
 #include "solvers/case/medium.h"
 #include "solvers/case/times.h"
+#include "solvers/case/warnings.h"
 
 enum { MAX_FILES = 8 };
 struct setup_file { /* one dictionary of the case */
@@ -18,6 +19,7 @@ struct setup { /* the same on every rank, but for the grid */
     struct folder_mark mark; /* of that folder */
     char name[256];          /* name of the folder, for file names */
     struct control *control;
+    struct warnings warnings;
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
     unsigned long checksum;
@@ -33,8 +35,10 @@ struct setup { /* the same on every rank, but for the grid */
     struct medium *medium;
     struct instant start;
 };
-/* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
-status case_read(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **out);
+/* Reads and checks the case in `dir` for a type of medium, and the state it starts from; if `strict`, warnings are
+ * errors. Collective. */
+status case_read(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+                 struct setup **out);
 void case_free(struct setup *s);
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);

@@ -98,8 +98,7 @@ static status words_read(struct dict *d, struct control *c) {
 
 static status together(struct dict *d, const struct control *c) {
     if (c->stop_at == STOP_END_TIME && !dict_has(d, "endTime"))
-        return fail(ERR_INPUT, "%s: keyword 'endTime' is missing; add  endTime <seconds>;  or another stopAt",
-                    dict_path(d));
+        return dict_missing(d, "endTime", "add  endTime <seconds>;  or another stopAt");
     if (!c->adjust && !dict_has(d, "deltaT"))
         return dict_fail(d, "adjustTimeStep", "then the time step must be given: add  deltaT <seconds>;");
     if (c->start_from == START_TIME && dict_has(d, "endTime") && c->end_time < c->start_time)
@@ -113,12 +112,25 @@ static status together(struct dict *d, const struct control *c) {
  * solver wrote is no restart of the other. */
 static status check_application(struct dict *d, const char *application) {
     static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
-    const char *name;
-    TRY(dict_word_or(d, "application", application, &name));
-    for (int i = 0; i < 3 && strcmp(name, application) != 0; i++)
-        if (!strcmp(name, ours[i]))
-            return dict_fail(d, "application", "this is %s: write  application %s;  there, or run %s", application,
-                             application, name);
+    int i;
+    if (!dict_has(d, "application")) return OK;
+    TRY(dict_choice(d, "application", ours, 3, &i));
+    if (!strcmp(ours[i], application)) return OK;
+    return dict_fail(d, "application", "this is %s: write  application %s;  there, or run %s", application, application,
+                     ours[i]);
+}
+
+/* Reads the names of the warnings that the user accepts. */
+static status accept_warnings(struct dict *d, struct control *c) {
+    const char *const *names;
+    int n = 0;
+    if (dict_has(d, "acceptWarnings")) TRY(dict_words(d, "acceptWarnings", &n, &names));
+    for (int i = 0; i < n; i++) {
+        int k = 0;
+        while (k < WARNINGS && strcmp(names[i], warning_names[k])) k++;
+        if (k == WARNINGS) return dict_unknown(d, "acceptWarnings", names[i], warning_names, WARNINGS);
+        c->accepted[k] = true;
+    }
     return OK;
 }
 
@@ -127,13 +139,12 @@ static status read_all(struct control *c, const char *application) {
     TRY(check_application(d, application));
     TRY(params_read(d, control_table, control_table_size, c));
     TRY(words_read(d, c));
+    TRY(accept_warnings(d, c));
     const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
     TRY(trigger_read(d, &each_step, false, &c->write));
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval"))
-        return fail(ERR_INPUT,
-                    "%s: keyword 'writeControl' is missing; add  writeControl adjustableRunTime;  "
-                    "writeInterval <seconds>;  or  writeControl none;",
-                    dict_path(d));
+        return dict_missing(d, "writeControl",
+                            "add  writeControl adjustableRunTime;  writeInterval <seconds>;  or  writeControl none;");
     static const char *const others[] = {"libs", "graphFormat", "DebugSwitches", "InfoSwitches",
                                          "OptimisationSwitches"};
     for (int i = 0; i < 5; i++) {
@@ -235,6 +246,10 @@ double control_step(const struct control *c, double t, long step, double stable,
                     enum dt_limit *limit) {
     double dt = c->adjust ? stable : c->delta_t;
     *limit = c->adjust ? DT_COURANT : DT_FIXED;
+    if (!c->adjust && stable < dt) {
+        dt = stable;
+        *limit = DT_STABLE;
+    }
     if (c->max_delta_t < dt) {
         dt = c->max_delta_t;
         *limit = DT_MAXIMUM;
@@ -270,7 +285,8 @@ bool control_ended(const struct control *c, double t) {
 }
 
 const char *dt_limit_name(enum dt_limit limit) {
-    static const char *const names[] = {"Courant",    "deltaT", "maxDeltaT", "deltaT of the first step",
-                                        "write time", "endTime"};
+    static const char *const names[] = {
+        "Courant",    "deltaT", "the time scheme, below deltaT", "maxDeltaT", "deltaT of the first step",
+        "write time", "endTime"};
     return names[limit];
 }

@@ -5,6 +5,7 @@
 
 #include "libcore/models/param.h"
 #include "mesh/format/foamfile.h"
+#include "solvers/case/warnings.h"
 #include "solvers/dict/dict.h"
 
 enum start_from { START_FIRST, START_TIME, START_LATEST };
@@ -38,6 +39,7 @@ struct control {
     bool previous_if_corrupt; /* onCorruptTime previous: start from the time before; else stop */
     bool write_processors;    /* processorN folders are written, too */
     int log_interval;         /* steps between log entries; 0: about one a second */
+    bool accepted[WARNINGS];  /* warnings of acceptWarnings */
     long stamp[2];            /* time of the file's last change when it was read: seconds, nanoseconds */
 };
 
@@ -65,10 +67,11 @@ struct moment { /* the end of a step */
 /* Is the trigger's output due at the end of the step from `before` to `now`? */
 bool trigger_due(const struct trigger *g, const struct moment *before, const struct moment *now);
 
-/* Returns the step to take at time t (s), `stable` being the largest that maxCo allows (s). *end is the time after the
+/* Returns the step to take at time t (s), `stable` being the largest that maxCo allows (s), or, for a fixed deltaT, the
+ * time scheme (DT_STABLE: deltaT was cut to that). *end is the time after the
  * step: a multiple of a write interval or endTime exactly where the step was cut to hit it. next_event comes from
  * trigger_next. */
-enum dt_limit { DT_COURANT, DT_FIXED, DT_MAXIMUM, DT_FIRST, DT_WRITE, DT_END };
+enum dt_limit { DT_COURANT, DT_FIXED, DT_STABLE, DT_MAXIMUM, DT_FIRST, DT_WRITE, DT_END };
 double control_step(const struct control *c, double t, long step, double stable, double next_event, double *end,
                     enum dt_limit *limit);
 bool control_ended(const struct control *c, double t); /* has t reached endTime? */

@@ -196,7 +196,15 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     return OK;
 }
 
+/* Returns "; 'wal.*' fits no patch" for the first key of boundaryField that no patch has asked for. */
+static void name_idle(const struct dict *all, char text[200]) {
+    const char *idle = dict_unused(all);
+    *text = 0;
+    if (idle) snprintf(text, 200, "; the entry '%.100s' fits no patch", idle);
+}
+
 static status read_patches(struct field *f, const struct field_place *at) {
+    char idle[200];
     struct dict *all, *one;
     const struct polymesh *m = at->mesh;
     TRY(allocate(&f->patch, m->npatches, sizeof *f->patch, "patches of a field"));
@@ -204,10 +212,11 @@ static status read_patches(struct field *f, const struct field_place *at) {
     TRY(dict_sub(f->dict, "boundaryField", &all));
     /* asking makes the names known: a key that is left may be misspelt */
     for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name);
+    name_idle(all, idle);
     for (int i = 0; i < m->npatches; i++) {
         TRY(status_note(dict_sub(all, m->patch[i].name, &one),
-                        "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)", dict_path(f->dict),
-                        m->patch[i].name, m->patch[i].type));
+                        "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)%s", dict_path(f->dict),
+                        m->patch[i].name, m->patch[i].type, idle));
         TRY(status_note(read_patch(one, f->kind, &m->patch[i], &f->patch[i]), "%s: patch %s", dict_path(f->dict),
                         m->patch[i].name));
     }

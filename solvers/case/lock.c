@@ -74,7 +74,7 @@ static status take(struct lock *l, const char *case_dir, const char *program) {
     }
     if (reason == EACCES || reason == EAGAIN) return held(case_dir, l->file);
     if (reason) {
-        printf("warning: %s cannot be locked (%s): see to it that no other run works on this case\n", l->path,
+        printf("note: %s cannot be locked (%s): see to it that no other run works on this case\n", l->path,
                strerror(reason));
         (void)file_remove(l->path);
         close(l->file);

@@ -8,7 +8,7 @@
 struct lock;
 /* Takes CASE/.haff.lock, which says who holds it. The kernel drops the lock when the process ends, however it ends: a
  * file that a killed run left behind is no obstacle. Fails with ERR_INPUT if another run holds it, with ERR_SYSTEM if
- * the folder cannot be written to. *out stays NULL, with a warning, where the file system knows no locks. */
+ * the folder cannot be written to. *out stays NULL, with a note, where the file system knows no locks. */
 status lock_take(const char *case_dir, const char *program, struct lock **out);
 void lock_release(struct lock *l); /* removes the file; NULL is allowed */
 

@@ -17,7 +17,7 @@ struct quantity { /* a field of the medium */
     bool exact; /* is it written with all digits, because a restart reads it? */
 };
 struct pace {          /* how long the next step may be */
-    double stable;     /* s: the largest step allowed */
+    double stable;     /* s: the largest step allowed: by maxCo, or, for a fixed deltaT, by the time scheme */
     double rate;       /* 1/s: the Courant number is dt * rate */
     const char *limit; /* name of what limits `stable`; NULL: the Courant number, which has a place */
     const char *early; /* name of what may end a step early; NULL: a rejection */

@@ -127,7 +127,7 @@ static status fall_back(const char *case_dir, const struct control *c, const str
     char cure[300] = "no time before it is whole: put the file back from a copy";
     find_whole(case_dir, list, at);
     if (*at >= 0 && c->previous_if_corrupt) {
-        printf("\nWARNING: time %s is damaged and left aside, as  onCorruptTime previous;  asks:\n    %s\n    The run "
+        printf("\nnote: time %s is damaged and left aside, as  onCorruptTime previous;  asks:\n    %s\n    The run "
                "goes on from time %s, the newest whole one before it.\n\n",
                name, status_text(damage), list[*at].name);
         status_free(damage);

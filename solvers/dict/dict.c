@@ -290,6 +290,12 @@ status dict_check_used(const struct dict *d) {
     return OK;
 }
 
+const char *dict_unused(const struct dict *d) {
+    for (int i = 0; i < d->count; i++)
+        if (!d->entry[i].used && !d->entry[i].foreign) return d->entry[i].key;
+    return NULL;
+}
+
 void dict_mark_used(struct dict *d) {
     for (int i = 0; i < d->count; i++) {
         d->entry[i].used = true;

@@ -28,6 +28,11 @@ bool dict_is_foreign(const struct dict *d, const char *key);
 /* Returns an error for a value: "FILE:LINE: key 'x' is VALUE; <format...>". */
 status dict_fail(const struct dict *d, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Return errors: for a key that must be there ("FILE:LINE: key 'x' is missing; CURE", or with the key that may be a
+ * misspelt x), and for a word of the key's value that is none of the `count` names. */
+status dict_missing(const struct dict *d, const char *key, const char *cure);
+status dict_unknown(const struct dict *d, const char *key, const char *word, const char *const *names, int count);
+
 /* Typed reads. A missing key is an error, unless *_or gives a default. unit: exponents of kg, m, s; a dimensioned entry
  * must match it (NULL: any), a bare number is taken as it is. Strings are owned by the dictionary. */
 status dict_number(struct dict *d, const char *key, const signed char unit[3], double *out);
@@ -61,6 +66,7 @@ const char *dict_key(const struct dict *d, int i);
 /* Fails on the first key, in d and below, that no read asked for: "FILE:LINE: keyword 'maxC0' is not used; did you mean
  * 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
 status dict_check_used(const struct dict *d);
+const char *dict_unused(const struct dict *d); /* the first such key in d, but not below; NULL: there is none */
 void dict_mark_used(struct dict *d); /* marks all keys in d and below as read: they are for other programs */
 
 /* Returns the whole dictionary as text, macros expanded (for provenance); the caller frees it. */

@@ -24,7 +24,8 @@ status dict_fail(const struct dict *d, const char *key, const char *format, ...)
     return fail(ERR_INPUT, "%s:%d: key '%s' is %s; %s", e->path, e->line, key, *value ? value : "empty", text);
 }
 
-static status missing(const struct dict *d, const char *key, const char *what) {
+/* Fails for a key that is missing, with the cure, or with the key that may be it, misspelt. */
+static status missing(const struct dict *d, const char *key, const char *what, const char *cure) {
     const char **keys = malloc((size_t)(d->count + 1) * sizeof *keys);
     const char *near = NULL;
     int n = 0;
@@ -32,6 +33,7 @@ static status missing(const struct dict *d, const char *key, const char *what) {
         if (!d->entry[i].used && !d->entry[i].foreign) keys[n++] = d->entry[i].key;
     if (keys) near = nearest_name(key, keys, n);
     char hint[200] = "", where[200] = "";
+    if (*cure) snprintf(hint, sizeof hint, "; %s", cure);
     if (near) snprintf(hint, sizeof hint, "; this line has '%.100s': did you mean '%s'?", near, key);
     if (*d->name) snprintf(where, sizeof where, " in '%s'", d->name);
     free(keys);
@@ -40,10 +42,14 @@ static status missing(const struct dict *d, const char *key, const char *what) {
                 where, hint);
 }
 
+status dict_missing(const struct dict *d, const char *key, const char *cure) {
+    return missing(d, key, "key", cure);
+}
+
 /* Finds the entry of a key that must be there and have a value of its own. */
 static status need(struct dict *d, const char *key, const char *what, struct entry **out) {
     *out = dict_ask(d, key);
-    if (!*out) return missing(d, key, "key");
+    if (!*out) return missing(d, key, "key", "");
     if ((*out)->sub) return dict_fail(d, key, "expected %s, not a dictionary", what);
     if ((*out)->raw) return dict_fail(d, key, "expected %s, not a large list", what);
     return OK;
@@ -60,12 +66,12 @@ status dict_sub_optional(struct dict *d, const char *key, struct dict **out) {
 
 status dict_sub(struct dict *d, const char *key, struct dict **out) {
     TRY(dict_sub_optional(d, key, out));
-    return *out ? OK : missing(d, key, "dictionary");
+    return *out ? OK : missing(d, key, "dictionary", "");
 }
 
 status dict_raw(struct dict *d, const char *key, struct lexer *out) {
     struct entry *e = dict_ask(d, key);
-    if (!e) return missing(d, key, "key");
+    if (!e) return missing(d, key, "key", "");
     if (e->sub) return dict_fail(d, key, "expected a value, not a dictionary");
     if (e->raw) {
         const struct foam_header *a = &e->header, *b = dict_header(d);
@@ -201,16 +207,29 @@ status dict_word_or(struct dict *d, const char *key, const char *standard, const
     return dict_has(d, key) ? dict_word(d, key, out) : OK;
 }
 
-status dict_choice(struct dict *d, const char *key, const char *const *names, int count, int *index) {
-    const char *word;
-    char list[900] = "";
+static void list_names(const char *const *names, int count, char list[900]) {
+    *list = 0;
     for (int i = 0; i < count; i++) {
         size_t n = strlen(list);
-        snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", names[i]);
+        snprintf(list + n, 900 - n, "%s%s", i ? ", " : "", names[i]);
     }
+}
+
+status dict_unknown(const struct dict *d, const char *key, const char *word, const char *const *names, int count) {
+    const char *near = nearest_name(word, names, count);
+    char list[900];
+    list_names(names, count, list);
+    return dict_fail(d, key, "there is no '%s'; allowed are: %s%s%s%s", word, list, near ? "; did you mean '" : "",
+                     near ? near : "", near ? "'?" : "");
+}
+
+status dict_choice(struct dict *d, const char *key, const char *const *names, int count, int *index) {
+    const char *word;
+    char list[900];
+    list_names(names, count, list);
     struct entry *e = dict_ask(d, key);
     if (!e) {
-        TRY(status_note(missing(d, key, "key"), "'%s' is one of: %s", key, list));
+        TRY(status_note(missing(d, key, "key", ""), "'%s' is one of: %s", key, list));
     }
     char what[1000];
     snprintf(what, sizeof what, "one of: %s", list);

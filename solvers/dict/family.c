@@ -73,20 +73,14 @@ static status read_params(struct dict *d, const struct model *row, void *params)
 
 /* No offered row has the name: the error says which there are, and the nearest. */
 static status no_row(const struct family *k, const struct dict *d, const char *word) {
-    char list[900] = "";
-    const char **names, *near;
+    const char **names;
     int n = 0;
     TRY(allocate(&names, *k->count, sizeof *names, "names of models"));
     for (int i = 0; i < *k->count; i++)
         if (is_offered(k, i)) names[n++] = row_of(k, i)->name;
-    for (int i = 0; i < n; i++) {
-        const size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", names[i]);
-    }
-    near = nearest_name(word, names, n);
+    const status e = dict_unknown(d, k->key, word, names, n);
     free(names);
-    return dict_fail(d, k->key, "there is no '%s'; allowed are: %s%s%s%s", word, list, near ? "; did you mean '" : "",
-                     near ? near : "", near ? "'?" : "");
+    return e;
 }
 
 /* A row that is named in a list: its dictionary must be there if one of its parameters has no default. */

@@ -3,6 +3,7 @@
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
 #include "solvers/gas/rest.h"
+#include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
 
@@ -122,12 +123,28 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     return OK;
 }
 
+/* Warns of a reconstruction that is given for the other kind of mesh, where this one's is not. */
+static status check_scheme(struct setup *s, const struct gas_state *g) {
+    const char *const names[2] = {"reconstruct", "polyReconstruct"};
+    const struct dict *d = g->models->schemes;
+    const bool polyhedral = s->grid->polyhedra != NULL;
+    if (dict_has(d, names[polyhedral]) || !dict_has(d, names[!polyhedral])) return OK;
+    return warn(&s->warnings, WARN_SCHEME,
+                "%s:%d: %s is not used: it is for %s, and this run is on %s, where %s counts (now %s, the "
+                "default); give that, too",
+                dict_path(d), dict_line(d, names[!polyhedral]), names[!polyhedral],
+                polyhedral ? "lattices" : "polyhedra", polyhedral ? "polyhedra" : "a lattice", names[polyhedral],
+                polyhedral ? g->models->gas.polynomial->model.name : g->models->gas.reconstruct->model.name);
+}
+
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
     TRY(find_fall(s, &models->source, &g->fall));
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(read_initial(s, g, &place));
+    for (int i = 0; i < FIELD_COUNT; i++)
+        if (g->initial->field[i]) TRY(warn_header(&s->warnings, g->initial->field[i]->dict));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
@@ -136,6 +153,7 @@ static status gas_read_state(struct setup *s) {
     const bool implicit = models->transport && !models->diffusion->plan;
     if (s->lattice && g->models->skip_axes && !implicit) uniform_find(s->mesh, g->initial, s->lattice);
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
+    TRY(check_scheme(s, g));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
@@ -147,9 +165,10 @@ static status gas_read_state(struct setup *s) {
 
 static status gas_start(struct medium *m) {
     struct gas_state *g = of(m);
-    const struct setup *s = m->setup;
+    struct setup *s = m->setup;
     const struct gas_models *models = &g->models->gas;
     const struct initial *i = g->initial;
+    if (s->start.step == 0) TRY(scales_check(s, models, i));
     g->limiter.fills = models->alpha_floor > 0;
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
@@ -239,14 +258,16 @@ static double gas_memory(const struct medium *medium) {
 
 static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {
     struct gas_state *g = of(m);
+    const double most = c->adjust ? c->max_co : g->models->gas.stepper->courant;
+    const double fall = c->adjust ? g->fall : HUGE_VAL; /* stability does not ask for it */
     gas_speed(g->gas, &g->speed);
-    *out = (struct pace){.stable = c->max_co / g->speed.rate, .rate = g->speed.rate};
-    if (g->fall < out->stable) {
-        out->stable = g->fall;
+    *out = (struct pace){.stable = most / g->speed.rate, .rate = g->speed.rate};
+    if (fall < out->stable) {
+        out->stable = fall;
         out->limit = "free fall";
     }
     const char *limit;
-    const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
+    const double bed = gas_bed_step(g->gas, most, &g->speed, fall, &limit);
     if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = bed;
@@ -347,6 +368,16 @@ static void print_diffusion(FILE *f, const struct gas_counts *was, const struct 
                 repeated, plural(repeated), plain, plural(plain), n->repeated, n->plain);
 }
 
+static void print_state(FILE *f, const struct gas_state *g, const struct gas_counts *was, const struct gas_counts *n,
+                        const double alpha[2], const double T[2], const double mach[2], const double totals[MAX_VAR]) {
+    fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
+            mach[1]);
+    print_totals(f, g, totals);
+    print_limited(f, was, n);
+    print_diffusion(f, was, n);
+    print_beds(f, was, n);
+}
+
 static status gas_log(struct medium *m, FILE *f) {
     struct gas_state *g = of(m);
     const struct setup *s = m->setup;
@@ -357,20 +388,13 @@ static status gas_log(struct medium *m, FILE *f) {
     TRY(gas_totals(g->gas, totals));
     const struct gas_counts n = gas_counts(g->gas), was = g->counts;
     g->counts = n;
-    if (!comm_root(s->comm)) return OK;
-    fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
-            mach[1]);
-    print_totals(f, g, totals);
-    print_limited(f, &was, &n);
-    print_diffusion(f, &was, &n);
-    print_beds(f, &was, &n);
+    if (comm_root(s->comm)) print_state(f, g, &was, &n, alpha, T, mach, totals);
     if (g->slow >= SLOW_STEPS) {
-        fprintf(f,
-                "    warning: dense gas has been slow for %ld steps (inertial number below %g, now %.2g): real grains "
-                "would "
-                "hold each other by friction there, which the model has not; a heap goes flat\n",
-                g->slow, SLOWEST, gas_inertia(g->gas));
         g->slow = -1;
+        TRY(warn(&m->setup->warnings, WARN_FRICTION,
+                 "%s:1: dense gas has been slow for %d steps (inertial number below %g, now %.2g): real grains "
+                 "would hold each other by friction there, which the model has not; a heap goes flat",
+                 dict_path(g->models->properties), SLOW_STEPS, SLOWEST, gas_inertia(g->gas)));
     }
     return OK;
 }
@@ -422,10 +446,11 @@ static const struct patch_field *gas_patch(const struct medium *m, int quantity,
 }
 
 static const char help[] =
-    "granularGas -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
     "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
     "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
     "  -debug       the way an error took through the program\n\n"

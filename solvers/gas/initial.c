@@ -296,10 +296,18 @@ static status check_viscous(const struct reader *r, const struct field *f, int p
                 dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->model.name);
 }
 
-/* Fails on a scalar's type that belongs to walls, as granularWall does, if U is no wall. */
+/* Fails on a patch that is no wall by U if it is one in the mesh, or if a scalar's type belongs to walls, as
+ * granularWall does. */
 static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
+    const struct field *U = s->field[FIELD_U];
+    if (!strcmp(r->place->mesh->patch[p].type, "wall"))
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: U is '%s', which lets gas through, but the patch is of type wall in "
+                    "constant/polyMesh/boundary: say here  type %s;  or, if it is open, type patch there",
+                    dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name, U->patch[p].type,
+                    r->models->transport ? "noSlip" : "slip");
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *type = boundary_find(f->patch[p].type);

@@ -34,6 +34,7 @@ struct grains_run {
     struct grains_table table;                              /* its start is that of this run */
     struct grain_counts last;                               /* counts at the last log entry */
     double last_spent;
+    bool collapsed; /* was the collapse warned of? */
 };
 static struct grains_run *of(const struct medium *m) {
     return (struct grains_run *)(uintptr_t)m;
@@ -98,6 +99,8 @@ static status medium_state(struct setup *s) {
     snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.name);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
+    for (int i = 0; i < FIELD_COUNT; i++)
+        if (x->start.field[i]) TRY(warn_header(&s->warnings, x->start.field[i]->dict));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
     TRY(grains_start_check(s, &x->start));
     if (saved) TRY(grains_state_read(path, &x->saved));
@@ -329,24 +332,38 @@ static status medium_after(struct medium *m, const struct moment *now) {
     return grains_table_row(&x->table, m->setup, &x->box, &p);
 }
 
+/* Returns the number of impacts since the last log entry; *slow is the part of them that was too slow to be inelastic.
+ */
+static double new_impacts(const struct grains_run *x, const struct grain_counts *now, double *slow) {
+    const struct grain_counts *was = &x->last;
+    const double impacts = (double)(now->pairs + now->walls - was->pairs - was->walls);
+    *slow = (double)(now->elastic - was->elastic) / impacts;
+    return impacts;
+}
+
 /* Prints rates since the last log entry. */
 static void print_rates(FILE *f, const struct grains_run *x, const struct grain_counts *now) {
     const struct grain_counts *was = &x->last;
     const double spent = x->spent - x->last_spent;
-    const double impacts = (double)(now->pairs + now->walls - was->pairs - was->walls);
-    const double slow = (double)(now->elastic - was->elastic) / impacts;
+    double slow;
+    const double impacts = new_impacts(x, now, &slow);
     if (now->elastic > was->elastic && x->law.threshold > 0)
         fprintf(f, "  below thresholdSpeed %.2g %% (in all %lld)", 100 * slow, (long long)now->elastic);
     if (spent > 0)
         fprintf(f, "  %.3g collisions/s, %.3g events/s", impacts / spent, (double)(now->events - was->events) / spent);
     fprintf(f, "\n");
-    if (!(x->law.threshold > 0) && slow > 0.01)
-        fprintf(
-            f,
-            "    WARNING: %.2g %% of the impacts are too slow to tell from rest: inelastic collapse. Time hardly goes "
-            "on; give grain { thresholdSpeed }\n    of constant/granularProperties, some hundredths of sqrt(T), or of "
-            "sqrt(g diameter)\n",
-            100 * slow);
+}
+
+/* Warns of inelastic collapse, once. */
+static status check_collapse(struct grains_run *x, const struct grain_counts *now) {
+    double slow;
+    (void)new_impacts(x, now, &slow);
+    if (x->collapsed || x->law.threshold > 0 || !(slow > 0.01)) return OK;
+    x->collapsed = true;
+    return warn(&x->base.setup->warnings, WARN_COLLAPSE,
+                "%s:%d: %.2g %% of the impacts are too slow to tell from rest: inelastic collapse. Time hardly goes "
+                "on; give grain { thresholdSpeed }, some hundredths of sqrt(T), or of sqrt(g diameter)",
+                dict_path(x->models->granular), dict_line(x->models->granular, "grain"), 100 * slow);
 }
 
 static status medium_log(struct medium *m, FILE *f) {
@@ -363,9 +380,10 @@ static status medium_log(struct medium *m, FILE *f) {
     for (int k = 0; k < x->box.dim; k++)
         if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p.momentum[k]);
     fprintf(f, "\n");
+    const status e = check_collapse(x, n);
     x->last = *n;
     x->last_spent = x->spent;
-    return OK;
+    return e;
 }
 
 static status medium_finish(struct medium *m, FILE *f) {
@@ -449,7 +467,7 @@ static status medium_save(const struct medium *m, const char *folder, const char
 }
 
 static const char help[] =
-    "granularMD -case DIR [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
     "in\n"
@@ -457,6 +475,7 @@ static const char help[] =
     "(T along each axis) are written as means over grains and impacts, the grains themselves as lagrangian/grains.\n"
     "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  parameters and function objects\n"
     "  -listBCs     boundary conditions\n"
     "  -debug       the way an error took through the program\n\n"

@@ -156,7 +156,7 @@ static void print_pace(FILE *f, struct progress *p, const struct step_entry *e) 
 /* Says it once when the folder of the case is gone or replaced: the next write will fail, unless it is put back. */
 static void tell_lost(struct progress *p, const struct setup *s) {
     status e = case_here(s);
-    if (e && !p->lost) printf("WARNING: %s; the next write fails unless the folder is put back\n", status_text(e));
+    if (e && !p->lost) printf("note: %s; the next write fails unless the folder is put back\n", status_text(e));
     p->lost = e != OK;
     status_free(e);
 }

@@ -4,18 +4,23 @@
 
 #include <string.h>
 
-static const char HELP[] = "checkCase DIR\n\nReads and checks the whole case: dictionaries, mesh, fields, function "
-                           "objects. Writes nothing.\nExit code 0: sound; 1: not.\n";
+static const char HELP[] =
+    "checkCase DIR [-strict]\n\nReads and checks the whole case: dictionaries, mesh, fields, function objects. Writes "
+    "nothing.\n\n"
+    "  -strict  warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n\n"
+    "Exit code 0: sound, or with warnings, which it counts; 1: not.\n";
 
-static status parse(int argc, char **argv, const char **dir, bool *help) {
-    static const char *const names[] = {"DIR", "-case", "-help"};
+static status parse(int argc, char **argv, const char **dir, bool *help, bool *strict) {
+    static const char *const names[] = {"DIR", "-case", "-strict", "-help"};
     for (int i = 1; i < argc; i++)
         if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help"))
             *help = true;
+        else if (!strcmp(argv[i], "-strict"))
+            *strict = true;
         else if (!strcmp(argv[i], "-case"))
             TRY(option_value(argc, argv, &i, dir));
         else if (*argv[i] == '-' || *dir)
-            return option_unknown(argv[i], names, 3);
+            return option_unknown(argv[i], names, 4);
         else
             *dir = argv[i];
     if (*help) return OK;
@@ -42,13 +47,13 @@ static const struct medium_type *medium_of(const char *dir) {
 int main(int argc, char **argv) {
     struct comm *c = NULL;
     const char *dir = NULL;
-    bool help = false;
-    status s = parse(argc, argv, &dir, &help);
+    bool help = false, strict = false;
+    status s = parse(argc, argv, &dir, &help, &strict);
     if (!s && help) {
         printf("%s", HELP);
         return 0;
     }
     if (!s) s = comm_start(&argc, &argv, &c);
-    if (!s) s = run_check(dir, medium_of(dir), c);
+    if (!s) s = run_check(dir, medium_of(dir), strict, c);
     return program_end(c, s, false);
 }

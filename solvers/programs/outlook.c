@@ -39,7 +39,7 @@ void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *
     o->too_many = FALLEN * fmax(left, FEW);
 }
 
-status outlook_mesh(const struct setup *s) {
+status outlook_mesh(struct setup *s) {
     const struct polymesh *m = s->mesh;
     struct narrowest n;
     double *face;
@@ -49,9 +49,10 @@ status outlook_mesh(const struct setup *s) {
     free(face);
     TRY(e);
     const double *x = s->centre + 3 * n.cell;
-    if (n.ratio > NARROW || !comm_root(s->comm)) return OK;
-    printf("\nwarning: cell %ld at (%.6g %.6g %.6g) has V/A = %.3g m, %.3g of the median of all: it alone makes the "
-           "steps short, and\n    with transport many more stages; make the mesh even there (1e-12 is refused)\n",
-           n.cell, x[0], x[1], x[2], n.width, n.ratio);
-    return OK;
+    if (n.ratio > NARROW) return OK;
+    return warn(&s->warnings, WARN_NARROW,
+                "%s/constant/polyMesh: cell %ld at (%.6g %.6g %.6g) has V/A = %.3g m, %.3g of the median of all: "
+                "it alone makes the steps short, and with transport many more stages; make the mesh even there "
+                "(1e-12 is refused)",
+                s->dir, n.cell, x[0], x[1], x[2], n.width, n.ratio);
 }

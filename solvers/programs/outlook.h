@@ -15,6 +15,6 @@ struct outlook {     /* of one run; starts as zeros */
 void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t);
 
 /* Warns of a cell whose V/A is so small beside that of the others that it alone makes the steps short. */
-status outlook_mesh(const struct setup *s);
+status outlook_mesh(struct setup *s);
 
 #endif

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { NAMES = 8 }; /* options of a solver */
+
 status option_unknown(const char *word, const char *const *names, int n) {
     const char *near = nearest_name(word, names, n);
     char known[512] = "";
@@ -33,19 +35,29 @@ status option_value(int argc, char **argv, int *i, const char **out) {
     return OK;
 }
 
+/* Refuses more ranks than this machine has processors for: beyond a few for each they only wait for each other. */
+static status check_ranks(long n) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN), most = 8 * (processors > 0 ? processors : 1);
+    if (n <= most) return OK;
+    return fail(
+        ERR_INPUT,
+        "-np %ld: this machine has %ld processor%s, so that more than %ld ranks would only wait for each other: "
+        "say  -np %ld;  on several machines start  mpirun -hostfile FILE granularGas ..",
+        n, processors, processors == 1 ? "" : "s", most, processors);
+}
+
 status options_read(int argc, char **argv, struct options *out) {
-    static const char *const names[] = {"-case", "-np", "-dry-run", "-debug", "-help", "-listModels", "-listBCs"};
+    static const char *const names[] = {"-case",  "-np",   "-dry-run",    "-strict",
+                                        "-debug", "-help", "-listModels", "-listBCs"};
     *out = (struct options){.dir = "."};
-    bool *const flags[] = {
-        NULL, NULL, &out->dry_run, &out->debug, &out->help, &out->list_models, &out->list_boundaries};
+    bool *const flags[] = {NULL,        NULL,       &out->dry_run,     &out->strict,
+                           &out->debug, &out->help, &out->list_models, &out->list_boundaries};
     for (int i = 1; i < argc; i++) {
         int k = 0;
         const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
         if (!strcmp(word, "-h")) word = "-help";
-        while (k < 7 && strcmp(word, names[k])) k++;
-        if (k == 7) {
-            return option_unknown(argv[i], names, 7);
-        }
+        while (k < NAMES && strcmp(word, names[k])) k++;
+        if (k == NAMES) return option_unknown(argv[i], names, NAMES);
         if (k >= 2) {
             *flags[k] = true;
             continue;
@@ -56,6 +68,7 @@ status options_read(int argc, char **argv, struct options *out) {
         long n = k == 1 ? strtol(value, &end, 10) : 1;
         if (k == 1 && (*end || end == value || n < 1 || n > 1000000))
             return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
+        if (k == 1) TRY(check_ranks(n));
         if (k == 1) out->ranks = (int)n;
     }
     return out->help || out->list_models || out->list_boundaries ? OK : case_folder(out->dir);
@@ -90,7 +103,7 @@ static void check_log(void) {
     struct stat info;
     bool failed = fflush(stdout) || ferror(stdout);
     if (!failed || fstat(STDOUT_FILENO, &info) || S_ISFIFO(info.st_mode) || S_ISSOCK(info.st_mode)) return;
-    fprintf(stderr, "warning: standard output could not be written (is its disk full?): the log is incomplete, the "
+    fprintf(stderr, "note: standard output could not be written (is its disk full?): the log is incomplete, the "
                     "written times are whole\n");
 }
 

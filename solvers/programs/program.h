@@ -7,7 +7,7 @@
 
 struct options {
     char dir[PLAIN_PATH]; /* -case DIR; default "."; without links, so that what is written goes through none */
-    bool dry_run, debug, help, list_models, list_boundaries;
+    bool dry_run, strict, debug, help, list_models, list_boundaries;
     int ranks; /* -np N; 0: not given */
 };
 /* Helpers for the arguments of any program: option_unknown returns the error for an unknown word, which lists the known

@@ -25,6 +25,7 @@ struct run {
     struct moment now;
     double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
+    long cut;            /* steps of a fixed deltaT that the time scheme had to cut */
     bool stop;
 };
 
@@ -51,10 +52,10 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN);
 }
 
-static status read_everything(const char *dir, const struct medium_type *type, const struct comm *c, struct setup **s,
-                              struct functions **f) {
+static status read_everything(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+                              struct setup **s, struct functions **f) {
     *f = NULL;
-    TRY(case_read(dir, type, c, s));
+    TRY(case_read(dir, type, strict, c, s));
     TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
@@ -85,22 +86,41 @@ static void print_keys(const struct setup *s, const struct pace *pace) {
     printf("\n");
 }
 
-static status print_check(const struct setup *s) {
+/* Refuses a fixed deltaT that the time scheme does not allow at the start. A run that goes on may have been cut. */
+static status check_step(const struct setup *s, const struct pace *pace) {
+    const struct control *c = s->control;
+    if (c->adjust || s->start.step > 0 || c->delta_t <= pace->stable * (1 + 1e-9)) return OK;
+    return dict_fail(c->dict, "deltaT",
+                     "the time scheme allows %.3g s at most at the start (deltaT has a Courant number of %.3g): lower "
+                     "it, or say  adjustTimeStep yes;",
+                     pace->stable, c->delta_t * pace->rate);
+}
+
+/* Prints "BEFORE2 warnings: NAMES" if there are any, and returns how many. */
+static int print_warnings(const struct setup *s, const char *before) {
+    char names[200];
+    const int n = warnings_said(&s->warnings, names, sizeof names);
+    if (n && comm_root(s->comm)) printf("%s%d warning%s: %s\n", before, n, n == 1 ? "" : "s", names);
+    return n;
+}
+
+static status print_check(struct setup *s) {
     struct pace pace;
     struct outlook outlook = {0};
     TRY(s->medium->type->start(s->medium));
     s->medium->type->plan(s->medium, s->control, &pace);
+    TRY(check_step(s, &pace));
     if (comm_root(s->comm)) print_keys(s, &pace);
     outlook_steps(&outlook, s, &pace, s->start.t);
     TRY(outlook_mesh(s));
-    if (comm_root(s->comm)) printf("The case is sound.\n");
+    if (!print_warnings(s, "The case can be run, with ") && comm_root(s->comm)) printf("The case is sound.\n");
     return OK;
 }
 
-status run_check(const char *dir, const struct medium_type *type, const struct comm *c) {
+status run_check(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
     struct setup *s = NULL;
     struct functions *f = NULL;
-    status e = read_everything(dir, type, c, &s, &f);
+    status e = read_everything(dir, type, strict, c, &s, &f);
     if (!e) e = print_check(s);
     functions_free(f);
     case_free(s);
@@ -113,8 +133,11 @@ static status save_functions(const void *functions, const struct field_writer *w
 
 static status start(struct run *r) {
     struct setup *s = r->setup;
+    struct pace pace;
     s->medium->asked = is_asked;
     TRY(s->medium->type->start(s->medium));
+    s->medium->type->plan(s->medium, s->control, &pace);
+    TRY(check_step(s, &pace));
     TRY(comm_agree(s->comm, output_make(s, save_functions, r->functions, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
@@ -157,6 +180,7 @@ static void read_again(struct run *r) {
     }
     control_free(s->control);
     s->control = changed;
+    s->warnings.accepted = changed->accepted;
     if (comm_root(s->comm)) printf("system/controlDict has changed and was read again\n");
 }
 
@@ -215,6 +239,16 @@ static status end_early(struct run *r) {
     return write_last(r);
 }
 
+/* Warns of the first step of a fixed deltaT that the time scheme cuts to dt. */
+static status note_cut(struct run *r, double dt) {
+    const struct control *c = r->setup->control;
+    if (r->cut++) return OK;
+    return warn(&r->setup->warnings, WARN_LONG_STEP,
+                "%s:%d: deltaT %g is longer than the time scheme allows: the step from t = %.10g is cut to %.3g s, "
+                "and so are others like it; lower deltaT, or say  adjustTimeStep yes;",
+                dict_path(c->dict), dict_line(c->dict, "deltaT"), c->delta_t, r->now.t, dt);
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
@@ -227,6 +261,7 @@ static status step_once(struct run *r) {
     outlook_steps(&r->outlook, s, &pace, r->now.t);
     double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
     double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
+    if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
     if (w.log > 0 && limit == DT_COURANT && !pace.limit) {
@@ -267,6 +302,17 @@ static status keep_last(struct run *r, status cause) {
     return cause;
 }
 
+static void print_end(const struct run *r) {
+    const struct setup *s = r->setup;
+    double spent = clock_now() - r->progress.start_clock;
+    long steps = r->now.step - s->start.step;
+    printf("end at time %.10g: %ld steps in %.2f s", r->now.t, steps, spent);
+    if (!s->medium->type->event_driven)
+        printf(", %.4g million cell steps per second", 1e-6 * (double)steps * s->mesh->ncells / spent);
+    printf("\n");
+    if (r->cut) printf("%ld steps were shorter than deltaT, by the limit of the time scheme\n", r->cut);
+}
+
 static status loop(struct run *r) {
     struct setup *s = r->setup;
     TRY(start(r));
@@ -279,15 +325,10 @@ static status loop(struct run *r) {
         status e = step_once(r);
         if (e) return keep_last(r, e);
     }
-    if (comm_root(s->comm)) {
-        double spent = clock_now() - r->progress.start_clock;
-        long steps = r->now.step - s->start.step;
-        printf("end at time %.10g: %ld steps in %.2f s", r->now.t, steps, spent);
-        if (!s->medium->type->event_driven)
-            printf(", %.4g million cell steps per second", 1e-6 * (double)steps * s->mesh->ncells / spent);
-        printf("\n");
-    }
-    return s->medium->type->finish ? s->medium->type->finish(s->medium, stdout) : OK;
+    if (comm_root(s->comm)) print_end(r);
+    if (s->medium->type->finish) TRY(s->medium->type->finish(s->medium, stdout));
+    print_warnings(s, "");
+    return OK;
 }
 
 /* Locks the case and removes what a killed run left half written, on the root. The lock comes first: only then no other
@@ -297,13 +338,13 @@ static status lock_and_clean(const char *dir, const char *application, struct lo
     return times_clean(dir);
 }
 
-status run_case(const char *dir, const struct medium_type *type, const struct comm *c) {
+status run_case(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
     struct run r = {.written_time = NAN};
     struct lock *lock = NULL;
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
-    if (!e) e = read_everything(dir, type, c, &r.setup, &r.functions);
+    if (!e) e = read_everything(dir, type, strict, c, &r.setup, &r.functions);
     if (!e) e = loop(&r);
     output_free(r.output);
     functions_free(r.functions);

@@ -4,13 +4,15 @@
 
 #include "solvers/case/case.h"
 
-/* Reads and checks everything; prints mesh, models, keys, memory; writes nothing. Collective. */
-status run_check(const char *dir, const struct medium_type *type, const struct comm *c);
+/* If `strict`, warnings (warnings.h) are errors.
+ *
+ * Reads and checks everything; prints mesh, models, keys, memory; writes nothing. Collective. */
+status run_check(const char *dir, const struct medium_type *type, bool strict, const struct comm *c);
 
 /* Runs the case to its end, or until stopAt, SIGTERM, SIGINT, SIGHUP, SIGXCPU or SIGUSR1 (it then writes the state and
  * returns OK). The case is locked meanwhile (lock.h). Collective.
  * Fails with ERR_STATE if the medium left the admissible states; the last good state was written, unless controlDict
  * says onError abort. */
-status run_case(const char *dir, const struct medium_type *type, const struct comm *c);
+status run_case(const char *dir, const struct medium_type *type, bool strict, const struct comm *c);
 
 #endif

@@ -20,6 +20,6 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
     }
     if (o.ranks > 1) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
     s = comm_start(&argc, &argv, &c);
-    if (!s) s = o.dry_run ? run_check(o.dir, type, c) : run_case(o.dir, type, c);
+    if (!s) s = (o.dry_run ? run_check : run_case)(o.dir, type, o.strict, c);
     return program_end(c, s, o.debug);
 }

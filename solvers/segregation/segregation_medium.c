@@ -62,6 +62,7 @@ static status read_phi(struct setup *s, struct mixture *x) {
     const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
     snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.name);
     TRY(field_read(path, &segregation_phi, &place, &x->field));
+    TRY(warn_header(&s->warnings, x->field->dict));
     for (int i = 0; i < s->mesh->ncells; i++)
         if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
             return field_fail(x->field, &place, i, "it must lie between 0 and 1");
@@ -171,10 +172,10 @@ static double mixture_memory(const struct medium *m) {
 
 /* Plans a step: without one to go on from, a Courant number of 1, which the error estimate then corrects. */
 static void mixture_plan(struct medium *m, const struct control *c, struct pace *out) {
-    (void)c;
     const struct mixture *x = of(m);
     const double first = x->rate > 0 ? 1 / x->rate : 1;
     *out = (struct pace){.stable = m->next > 0 ? m->next : first, .rate = x->rate, .limit = "timeTolerance"};
+    if (!c->adjust) out->stable = HUGE_VAL; /* the scheme is implicit */
 }
 
 static status advance(struct mixture *x, const struct control *c, double *dt, double *next) {
@@ -272,7 +273,7 @@ static const struct patch_field *mixture_patch(const struct medium *m, int quant
 }
 
 static const char help[] =
-    "granularSegregation -case DIR [-np N] [-dry-run] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
     "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
     "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
@@ -283,6 +284,7 @@ static const char help[] =
     "density as weight if asked for. Second order in time and space, conservative and bounded.\n\n"
     "  -np N        on N ranks: all is computed by each, the results are the same\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
     "  -debug       the way an error took through the program\n\n"

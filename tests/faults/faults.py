@@ -444,7 +444,7 @@ def damaged(folder):
             if previous:
                 runs.add(case, CONTROL, "onCorruptTime previous;\n")
             done = run(case)
-            said = "".join(re.findall(r"WARNING: time .* is damaged(?:.*\n)(?:    .*\n)*", done.stdout)) or done.stderr
+            said = "".join(re.findall(r"note: time .* is damaged(?:.*\n)(?:    .*\n)*", done.stdout)) or done.stderr
             outcome.take(case, text.replace("    written: 0.0006\n", ""), said)
             if done.returncode == previous:
                 outcome.after.append(f"exit code {done.returncode}")

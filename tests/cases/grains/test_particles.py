@@ -233,7 +233,7 @@ class Particles(harness.Folder, unittest.TestCase):
         case = self.case("collapse", e=0.6, g=(0, -1, 0), types={"x": "cyclic", "y": "wall"}, T=0, size=(8.0, 40.0, 1.0), alpha=0.2,
                          control="logInterval 1;\n")
         by_steps(case, 12)
-        self.assertRegex(solve(case), r"WARNING: .* inelastic collapse[^\n]*thresholdSpeed")
+        self.assertRegex(solve(case), r"warning: .*granularProperties:\d+: .* inelastic collapse[^\n]*thresholdSpeed.*\[collapse\]")
 
     def test_one_word(self):
         """The case of a gas becomes one of grains by the word of `application`: the same fields, mesh, mass and, after two

@@ -225,7 +225,7 @@ class Checksums(harness.Folder, unittest.TestCase):
                 part = runs.until(case, f"{case}_{taken}", "0.003")
                 self.damage(part, *damaged)
                 done = harness.program("granularGas", "-case", part, ranks=ranks)
-                self.assertRegex(done.stdout, rf"WARNING: time 0.003 is damaged .*onCorruptTime previous;.*\n.*0.003/rhoE.* it was cut.*\n"
+                self.assertRegex(done.stdout, rf"note: time 0.003 is damaged .*onCorruptTime previous;.*\n.*0.003/rhoE.* it was cut.*\n"
                                               rf".*goes on from time {taken}, the newest whole one")
                 self.assertIn(f"from time {taken} (step", done.stdout)
                 for name in runs.times(straight)[1:]:

@@ -213,14 +213,14 @@ class Swapped(Outside, unittest.TestCase):
             self.addCleanup(going.kill)
             os.rename(case, case + "_elsewhere")
             for line in going.stdout:
-                if line.startswith("WARNING"):
+                if line.startswith("note: "):
                     break
             self.assertRegex(line, rf"{case}: this folder is gone .*; the next write fails unless the folder is put back")
             if back:
                 os.rename(case + "_elsewhere", case)
             going.send_signal(signal.SIGTERM)
             text, error = going.communicate(timeout=60)
-            self.assertNotIn("WARNING", text)
+            self.assertNotIn("note: ", text)
             self.assertEqual(going.returncode, 0 if back else 3)
             if back:
                 runs.complete(self, case, runs.times(case)[-1])

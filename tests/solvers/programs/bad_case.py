@@ -130,13 +130,17 @@ FILES = {"system/controlDict": ("dictionary", CONTROL), "system/fvSchemes": ("di
          "0/U": ("volVectorField", VELOCITY)}
 
 
+def header(path):
+    folder, name = os.path.split(path)
+    return boxes.header(FILES[path][0], name, folder)
+
+
 def write(case):
     boxes.write_mesh(case, CELLS, SIZE, TYPES)
-    for path, (kind, text) in FILES.items():
-        folder, name = os.path.split(path)
-        os.makedirs(os.path.join(case, folder), exist_ok=True)
+    for path, (_, text) in FILES.items():
+        os.makedirs(os.path.join(case, os.path.dirname(path)), exist_ok=True)
         with open(os.path.join(case, path), "w") as f:
-            f.write(boxes.header(kind, name, folder) + text)
+            f.write(header(path) + text)
     with open(os.path.join(case, "mesh.msh"), "w") as f:
         f.write(MSH2)
 

@@ -283,6 +283,13 @@ DICTIONARIES = [
     Row("maxCo -1", (CONTROL, "maxCo 0.5;", "maxCo -1;"), "maxCo is -1", "allowed is"),
     Row("maxCo 1.5", (CONTROL, "maxCo 0.5;", "maxCo 1.5;"), "SSPRK3 allows 1 at most"),
     Row("deltaT 0", (CONTROL, "deltaT 0.001;", "deltaT 0;"), "deltaT is 0", "greater than 0"),
+    Row("endtime", (CONTROL, "endTime 0.002;", "endtime 0.002;"), "'endTime' is missing", "this line has 'endtime'"),
+    Row("no solver of ours", (CONTROL, "application granularGas;", "application granularGaz;"), "allowed are: granularGas, granularMD",
+        "did you mean 'granularGas'?"),
+    Row("a step that is too long", (CONTROL, "deltaT 0.001;", "deltaT 1;"), "'deltaT' is 1", "the time scheme allows 0.0327 s at most",
+        "Courant number of 30.6", "adjustTimeStep yes;"),
+    Row("no such warning", (CONTROL, "maxCo 0.5;", "maxCo 0.5; acceptWarnings (fewgrains);"), "there is no 'fewgrains'",
+        "did you mean 'fewGrains'?"),
     Row("no deltaT", (CONTROL, "deltaT 0.001;\n", ""), "time step must be given", "add  deltaT <seconds>;", at="adjustTimeStep no;"),
     Row("writePrecision 99", (CONTROL, "writePrecision 17;", "writePrecision 99;"), "99", "1 .. 17"),
     Row("writeFormat", (CONTROL, "writeFormat ascii;", "writeFormat asci;"), "asci", "did you mean 'ascii'?"),
@@ -409,6 +416,16 @@ FIELDS = [
     Row("no boundaryField", ("0/T", "boundaryField", "boundaryfield"), "'boundaryField' is missing",
         "did you mean 'boundaryField'?", at="boundaryfield"),
     # patches
+    Row("a wall that nothing moves through, by a value", ("0/U", "type slip;", "type fixedValue; value uniform (0 0 0);"),
+        "patch xHigh: U is 'fixedValue', which lets gas through", "type slip;", "type patch there"),
+    Row("a wall that draws gas", ("0/U", "type slip;", "type fixedValue; value uniform (0 -5 0);"), "lets gas through"),
+    Row("a wall that is open", ("0/U", "type slip;", "type zeroGradient;"), "U is 'zeroGradient', which lets gas through"),
+    Row("an open wall in viscous gas", both(garzo_dufty(""), replace("0/U", "type slip;", "type zeroGradient;")),
+        "say here  type noSlip;", where="0/U", at="type zeroGradient;"),
+    Row("patch by a wrong expression", ("0/T", "    xHigh\n", '    "xHi.*t"\n'), "no entry for patch 'xHigh'",
+        "'xHi.*t' fits no patch", at=""),
+    Row("expression that fits no patch", ("0/T", "    xHigh\n", '    "wal.*" { type slip; }\n    xHigh\n'), "'wal.*' is not used",
+        "known here: xLow xHigh"),
     Row("patch without entry", ("0/T", "    xHigh\n    {\n        type slip;\n    }\n", ""), "no entry for patch 'xHigh'",
         at="boundaryField"),
     Row("misspelt patch", ("0/T", "xHigh", "xHihg"), "no entry for patch 'xHigh'", "did you mean 'xHigh'?"),
@@ -583,6 +600,9 @@ def two_layers(case):
 
 MESH_FILE = [
     Row("msh: no file", remove("mesh.msh"), "No such file", where="mesh.msh"),
+    Row("msh: no Physical Surface", write("mesh.msh", re.sub(r"\n[78] 3 2 3 .*", "", bad_case.MSH2).replace(
+        "$Elements\n8", "$Elements\n6").replace('2 3 "gas"\n', "").replace("Names\n3", "Names\n2")), "lines only", "Physical Surface",
+        "with -2", where="mesh.msh"),
     Row("msh: no mesh at all", write("mesh.msh", "solid cube\n"), "is this a .msh file?", where="mesh.msh"),
     Row("msh: empty", write("mesh.msh", ""), "empty", "2.2 or 4.1", where="mesh.msh"),
     Row("msh: version 3", ("mesh.msh", "2.2 0 8", "3 0 8"), "3", "2.2", "4.1"),
@@ -623,6 +643,26 @@ MESH_FILE = [
 ]
 
 # program and arguments (CASE: a sound case that has run; MSH: a sound mesh file), what the message holds
+# What can be run and is hardly meant: checkCase warns of it. The first of `says` is the warning's name.
+WARNINGS = [
+    Row("no header", write("0/U", bad_case.VELOCITY), "noHeader", "no FoamFile", where="0/U"),
+    Row("no header of a dictionary", write(GRAVITY, bad_case.GRAVITY), "noHeader", "OpenFOAM's programs", where=GRAVITY),
+    Row("a reconstruction for lattices", (SCHEMES, "reconstruct PHM;", "reconstruct PHM; meshEngine polyhedral;"), "unusedScheme",
+        "polyReconstruct counts (now CWENO3"),
+    Row("a reconstruction for polyhedra", (SCHEMES, "reconstruct PHM;", "polyReconstruct linear;"), "unusedScheme", "on a lattice"),
+    Row("grains wider than cells", (PROPERTIES, "diameter 0.1;", "diameter 1.05;"), "largeGrains", "100 % of the mass", "(1 m in the mean)",
+        at="grain\n"),
+    Row("grains wider than the domain", (PROPERTIES, "diameter 0.1;", "diameter 5;"), "largeGrains", "wider than the domain, 4 m",
+        at="grain\n"),
+    Row("cells without grains", (PROPERTIES, "diameter 0.1;", "diameter 0.8;"), "fewGrains", "(0.79 in the mean", at="grain\n"),
+    Row("grains that do not meet", write("0/alpha", bad_case.header("0/alpha") + bad_case.FILES["0/alpha"][1].replace(
+        bad_case.LIST, "uniform 0.01;\n")), "rarefied", "a tenth of the domain's least extent, 4 m (Knudsen number 0.287", where=PROPERTIES,
+        at="grain\n"),
+    Row("T in kelvin", ("0/T", "internalField uniform 25;", "internalField uniform 3000;"), "temperature",
+        "T is 3e+03 m^2/s^2 in the mean", "T is no kelvin"),
+]
+
+
 COMMANDS = [
     (["granularGas", "-cse", "CASE"], "'-cse'", "did you mean '-case'?"),
     (["granularGas", "-case", "CASE", "-dryrun"], "'-dryrun'", "did you mean '-dry-run'?"),
@@ -632,6 +672,7 @@ COMMANDS = [
     (["granularGas", "-case", "CASE/0/T"], "CASE/0/T: is no folder"),
     (["granularGas", "-case", "CASE", "-np", "two"], "-np two", "whole number"),
     (["granularGas", "-case", "CASE", "-np", "0"], "-np 0", "from 1"),
+    (["granularGas", "-case", "CASE", "-np", "100000"], "-np 100000: this machine has", "say  -np "),
     (["granularGas", "-case", "CASE", "-listModel"], "did you mean '-listModels'?"),
     (["granularGas", "-case", "CASE/system"], "system/controlDict", "cannot open"),
     (["checkCase"], "usage: checkCase DIR"),

@@ -2,6 +2,7 @@
 what is allowed; the exit code is 1 and the case folder stays as it was, to the byte."""
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -11,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from tests.cases import harness
 from tests.solvers.programs import bad_case
 from tests.solvers.programs.bad_rows import (BOX_MESH, COMMANDS, CONTROL, CONVERSION, DICTIONARIES, FIELDS, MESH_FILE,
-                                    RESTART, Row)
+                                    PROPERTIES, RESTART, WARNINGS, Row)
 
 
 def snapshot(folder):
@@ -109,6 +110,42 @@ class BadInput(Folder):
 
     def test_conversion(self):
         self.check(CONVERSION, [("caseToVTK", "CASE")])
+
+    def test_warnings(self):
+        """Named with file and line, and counted; an error with -strict; accepted by name, all is sound."""
+        for row in WARNINGS:
+            with self.subTest(row.name):
+                case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
+                shutil.copytree(self.base("box"), case)
+                place, (name, *says) = row.spoil(case), row.says
+                said = harness.program("checkCase", case).stdout
+                found = re.findall(r"^(warning: .*) \[(\w+)\]$", said, re.M)
+                self.assertEqual([n for _, n in found], [name], said[:2000])
+                for text in (place, *says):
+                    self.assertIn(text, found[0][0])
+                self.assertIn(f"The case can be run, with 1 warning: {name}\n", said)
+                for command in (("checkCase", case, "-strict"), ("granularGas", "-case", case, "-strict")):
+                    self.refuse(self.call(*command), place, (f"-strict: warning {name}", f"acceptWarnings ({name});"))
+                with open(os.path.join(case, CONTROL), "a") as f:
+                    f.write(f"acceptWarnings ({name});\n")
+                said = harness.program("checkCase", case, "-strict").stdout
+                self.assertIn("accepted " + found[0][0], said)
+                self.assertIn("The case is sound.", said)
+
+    def test_long_step(self):
+        """A deltaT that becomes too long while a run goes on is cut, which the log says and counts."""
+        case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
+        shutil.copytree(self.base("box"), case)
+        harness.edit(case, CONTROL, deltaT="0.03", endTime="0.3", writeInterval="0.3")
+        with open(os.path.join(case, PROPERTIES), "a") as f:
+            f.write("sources (uniformHeating); uniformHeatingCoeffs { rate 1e3; }\n")
+        said = harness.program("granularGas", "-case", case).stdout
+        self.assertEqual(len(re.findall(r"^warning: .*/controlDict:14: deltaT 0.03 is longer than the time scheme allows", said, re.M)), 1)
+        steps, cut = int(re.search(r": (\d+) steps in", said)[1]), int(re.search(r"^(\d+) steps were shorter than deltaT", said, re.M)[1])
+        self.assertGreater(cut, 1)
+        self.assertGreater(steps, 10)
+        self.assertLessEqual(cut, steps)
+        self.assertTrue(said.endswith("1 warning: longTimeStep\n"))
 
     def test_ranks(self):
         """On two ranks a mistake is reported once, and mpirun adds nothing to it."""

@@ -166,7 +166,7 @@ class Running(harness.Folder, unittest.TestCase):
         for command in (("granularGas", "-case", case, "-dry-run"), ("checkCase", case)):
             done = harness.program(*command)
             self.assertIn("lattice, 1D", done.stdout)
-            self.assertIn("sound", done.stdout)
+            self.assertIn("The case can be run", done.stdout)
         self.assertEqual(contents(case), before)
 
     def test_silent_schemes(self):

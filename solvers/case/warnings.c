@@ -1,0 +1,51 @@
+/* Says warnings, and remembers which (warnings.h). */
+#include "solvers/case/warnings.h"
+
+#include "mesh/format/foamfile.h"
+#include "solvers/dict/dict.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *const warning_names[WARNINGS] = {
+    [WARN_HEADER] = "noHeader",         [WARN_SCHEME] = "unusedScheme",    [WARN_NARROW] = "narrowCell",
+    [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",   [WARN_RAREFIED] = "rarefied",
+    [WARN_TEMPERATURE] = "temperature", [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",
+    [WARN_FRICTION] = "noFriction",
+};
+
+status warn(struct warnings *w, enum warning id, const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const bool accepted = w->accepted[id];
+    const char *name = warning_names[id];
+    if (!accepted && w->strict)
+        return fail(ERR_INPUT, "%s (-strict: warning %s; to accept it say  acceptWarnings (%s);  in controlDict)", text,
+                    name, name);
+    if (!w->silent) printf("%s: %s [%s]\n", accepted ? "accepted warning" : "warning", text, name);
+    w->said[id] |= !accepted;
+    return OK;
+}
+
+status warn_header(struct warnings *w, const struct dict *d) {
+    if (!d || dict_header(d)->present) return OK;
+    return warn(w, WARN_HEADER,
+                "%s:1: the file has no FoamFile { .. } header, without which OpenFOAM's programs and ParaView cannot "
+                "read the case",
+                dict_path(d));
+}
+
+int warnings_said(const struct warnings *w, char *names, size_t room) {
+    int n = 0;
+    *names = 0;
+    for (int i = 0; i < WARNINGS; i++) {
+        if (!w->said[i]) continue;
+        const size_t used = strlen(names);
+        snprintf(names + used, room - used, "%s%s", n++ ? " " : "", warning_names[i]);
+    }
+    return n;
+}

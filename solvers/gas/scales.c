@@ -1,0 +1,161 @@
+/* Compares the grains and the temperature of a start with its other sizes and speeds (scales.h). */
+#include "solvers/gas/scales.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+static const double SHARE = 0.1;            /* of the mass, that may sit in cells that are no hydrodynamics */
+static const double RAREFIED = 0.1;         /* Knudsen number */
+static const double HOT = 100, COLD = 1e-9; /* T over the square of another speed */
+static const double STILL = 1e-6;           /* the same of the mean flow over T: less is what waves leave over */
+
+struct scales {
+    double extent[3];            /* m, of the domain */
+    double shortest;             /* m: least extent along a solved axis */
+    double thickness;            /* m^(3 - dim): of the mesh along the axes that it lacks */
+    double mass, T;              /* kg, or kg/m of disks: of all cells; m^2/s^2: its mean */
+    double small, few, rarefied; /* the parts of the mass in cells that are such */
+    double width, number,
+        knudsen; /* means of the mass: m; grains in a cube of the cell's width; path over `shortest` */
+};
+
+static void measure_domain(const struct setup *s, struct scales *q) {
+    const struct polymesh *m = s->mesh;
+    double low[3], high[3];
+    for (int x = 0; x < 3; x++) low[x] = HUGE_VAL, high[x] = -HUGE_VAL;
+    for (int i = 0; i < 3 * m->npoints; i++) {
+        low[i % 3] = fmin(low[i % 3], m->points[i]);
+        high[i % 3] = fmax(high[i % 3], m->points[i]);
+    }
+    q->shortest = HUGE_VAL;
+    for (int x = 0; x < 3; x++) q->extent[x] = high[x] - low[x];
+    q->thickness = q->extent[0] * q->extent[1] * q->extent[2];
+    for (int k = 0; k < s->dim; k++) {
+        q->shortest = fmin(q->shortest, q->extent[s->axis[k]]);
+        q->thickness /= q->extent[s->axis[k]];
+    }
+}
+
+/* Returns Enskog's mean free path (m): 1/(sqrt(2) pi d^2 n chi) of spheres, 1/(2 sqrt(2) d n chi) of disks, by G = nu
+ * chi. */
+static double free_path(const struct gas_models *models, double rho) {
+    const struct material *m = &models->material;
+    double contact;
+    models->eos->contact(m, 1, &rho, &contact);
+    return m->diameter * (m->disks ? PI / 8 : 1. / 6) / (sqrt(2) * contact);
+}
+
+static void measure_mass(const struct setup *s, const struct gas_models *models, const struct initial *i,
+                         struct scales *q) {
+    const struct material *m = &models->material;
+    for (int c = 0; c < s->mesh->ncells; c++) {
+        const double width = pow(s->volume[c] / q->thickness, 1. / s->dim), mass = i->rho[c] * s->volume[c];
+        const double number = i->rho[c] / m->mass * pow(width, m->disks ? 2 : 3);
+        const double knudsen = free_path(models, i->rho[c]) / q->shortest;
+        q->mass += mass;
+        q->T += mass * i->T[c];
+        q->width += mass * width;
+        q->number += mass * number;
+        q->knudsen += mass * fmin(knudsen, 1e3);
+        q->small += width < (1 - 1e-9) * m->diameter ? mass : 0;
+        q->few += number < 1 ? mass : 0;
+        q->rarefied += knudsen > RAREFIED ? mass : 0;
+    }
+    double *const means[] = {&q->T, &q->width, &q->number, &q->knudsen, &q->small, &q->few, &q->rarefied};
+    for (int k = 0; k < 7; k++) *means[k] /= q->mass;
+}
+
+static status check_grains(struct setup *s, const struct dict *d, const struct gas_models *models,
+                           const struct scales *q) {
+    const double size = models->material.diameter;
+    if (size > q->shortest)
+        return warn(&s->warnings, WARN_GRAIN_SIZE, "%s:%d: a grain of diameter %g m is wider than the domain, %.3g m",
+                    dict_path(d), dict_line(d, "grain"), size, q->shortest);
+    const bool small = q->small > SHARE; /* then cells have few grains, too */
+    if (small)
+        TRY(warn(&s->warnings, WARN_GRAIN_SIZE,
+                 "%s:%d: grains of diameter %g m are wider than the cells in which %.3g %% of the mass sits (%.3g m "
+                 "in the mean): a flow that varies within a grain is no flow of grains",
+                 dict_path(d), dict_line(d, "grain"), size, 100 * q->small, q->width));
+    if (q->few > SHARE && !small)
+        TRY(warn(&s->warnings, WARN_FEW_GRAINS,
+                 "%s:%d: %.3g %% of the mass sits in cells with less than one grain (%.3g in the mean, in a cube "
+                 "of the cell's width): fields are means of many runs there, not of one",
+                 dict_path(d), dict_line(d, "grain"), 100 * q->few, q->number));
+    if (q->rarefied > SHARE)
+        TRY(warn(&s->warnings, WARN_RAREFIED,
+                 "%s:%d: %.3g %% of the mass sits where the mean free path is above a tenth of the domain's least "
+                 "extent, %.3g m (Knudsen number %.3g in the mean): grains hit the walls rather than each other "
+                 "there, and hydrodynamics does not hold",
+                 dict_path(d), dict_line(d, "grain"), 100 * q->rarefied, q->shortest, q->knudsen));
+    return OK;
+}
+
+/* Widens low .. high to the square of a speed, if there is that speed. */
+static void include(double square, double *low, double *high) {
+    if (!(square > 0)) return;
+    *low = fmin(*low, square);
+    *high = fmax(*high, square);
+}
+
+/* Returns the square of the speed of the whole mass. */
+static double mean_flow(const struct setup *s, const struct initial *i, double mass) {
+    double square = 0;
+    for (int k = 0; k < i->components; k++) {
+        double momentum = 0;
+        for (int c = 0; c < s->mesh->ncells; c++) momentum += i->rho[c] * s->volume[c] * i->u[k][c];
+        square += momentum * momentum / (mass * mass);
+    }
+    return square;
+}
+
+static void include_patch(const struct patch_rules *r, int components, double *low, double *high) {
+    double u[3] = {0}, square = 0;
+    if (!r->velocity.type) return;
+    wall_velocity(r, components, 0, u);
+    for (int k = 0; k < components; k++) square += u[k] * u[k];
+    for (int k = 0; k < components && rule_holds(&r->velocity); k++) square += pow(r->velocity.uniform[k], 2);
+    include(square, low, high);
+    if (rule_holds(&r->temperature) && !r->pressure && !r->temperature.values)
+        include(r->temperature.uniform[0], low, high);
+}
+
+/* Finds the least and the greatest square of a speed other than sqrt(T): flow, patches, free fall, shaking. */
+static void other_speeds(const struct setup *s, const struct gas_models *models, const struct initial *i,
+                         const struct scales *q, double *low, double *high) {
+    const struct sources *g = &models->source;
+    *low = HUGE_VAL;
+    *high = 0;
+    const double flow = mean_flow(s, i, q->mass);
+    if (flow > STILL * q->T) include(flow, low, high);
+    for (int k = 0; k < s->dim; k++) {
+        include(fabs(g->gravity[k]) * q->extent[s->axis[k]], low, high);
+        if (g->frequency > 0) include(pow(g->gravity[k] * g->amplitude / (2 * PI * g->frequency), 2), low, high);
+    }
+    for (int p = 0; p < i->npatches; p++) include_patch(&i->rules[p], i->components, low, high);
+}
+
+static status check_temperature(struct setup *s, const struct gas_models *models, const struct initial *i,
+                                const struct scales *q) {
+    double low, high;
+    other_speeds(s, models, i, q, &low, &high);
+    if (!(high > 0) || (q->T <= HOT * high && q->T >= COLD * low)) return OK;
+    const struct field *f = i->field[FIELD_T] ? i->field[FIELD_T] : i->field[FIELD_P];
+    return warn(&s->warnings, WARN_TEMPERATURE,
+                "%s:%d: T is %.3g m^2/s^2 in the mean, so that grains fly about at %.3g m/s, but every other speed "
+                "(of flow, walls, free fall, shaking) lies between %.3g and %.3g m/s: T is no kelvin, but the "
+                "square of the speed of grains along an axis",
+                dict_path(f->dict), dict_line(f->dict, "internalField"), q->T, sqrt(q->T), sqrt(low), sqrt(high));
+}
+
+status scales_check(struct setup *s, const struct gas_models *models, const struct initial *i) {
+    const struct dict *properties = NULL;
+    struct scales q = {.mass = 0};
+    for (int k = 0; k < s->nfiles; k++)
+        if (!strcmp(s->file[k].name, "granularProperties")) properties = s->file[k].dict;
+    measure_domain(s, &q);
+    measure_mass(s, models, i, &q);
+    TRY(check_temperature(s, models, i, &q));
+    return models->eos->bounded && models->material.diameter > 0 ? check_grains(s, properties, models, &q) : OK;
+}
