@@ -1,6 +1,6 @@
 """A gas and grains that cool in the same periodic box, beside each other: energy, impacts, spectra, when Haff's law is left.
 
-    clustering.py start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0/alpha, 0/T and 0/U
+    clustering.py start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0.orig/alpha, T and U
     clustering.py table GRAINS FOLDER TIME...          cooling.csv and spectra.csv of a run of granularMD
     clustering.py alike GAS GRAINS TIME...             how alike density and momentum of the long waves are, phase by phase
     clustering.py density GRAINS TIME FILE.npz         counts of its grains in 32^3 cells
@@ -41,7 +41,7 @@ class Box:
         cyclic = [name for name, (kind, _, _) in self.case.mesh.patches.items() if kind == "cyclic"]
         self.d = len(cyclic) // 2
         self.length = float(np.ptp(corners[:, 0]))
-        self.alpha = value(path, "0/alpha", "internalField")
+        self.alpha = value(path, "0.orig/alpha", "internalField")
         self.e = value(path, "constant/granularProperties", "restitution")
         self.number = round(self.alpha * self.length**self.d / enskog.volume(self.d, 1))
         with open(os.path.join(path, "constant", "granularProperties")) as f:
@@ -183,7 +183,7 @@ def start(path, time, longest, folder):
     sides = '    ".*" { type cyclic; }\n' if box.d == 3 else '    "(left|right|bottom|top)" { type cyclic; }\n    "(front|back)"            { type empty; }\n'
     for name, (kind, dimensions) in FIELDS.items():
         with open(os.path.join(folder, name), "w") as f:
-            f.write(f"FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {kind};\n    location    \"0\";\n    object      {name};\n}}\n\n"
+            f.write(f"FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {kind};\n    location    \"0.orig\";\n    object      {name};\n}}\n\n"
                     f"// The {len(waves)} longest waves of {len(x)} grains at their start: postprocessing/clustering.py.\n"
                     f"dimensions      {dimensions};\ninternalField   uniform {uniform[name]};\nexpression      {texts[name]};\nboundaryField\n{{\n{sides}}}\n")
 

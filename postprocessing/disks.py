@@ -220,7 +220,7 @@ def numbers(path, file, pattern):
 
 
 def heated_walls(path, gas=None, gravity=0.0):
-    absorbed = numbers(path, "0/T", r"right\s+\{ type granularWall; restitution (\S+);")
+    absorbed = numbers(path, "0.orig/T", r"right\s+\{ type granularWall; restitution (\S+);")
     far = {"restitution": absorbed[0]} if absorbed else {"T": 4}
     return Channel(gas or Disks.of(path), 20, 0.2, {"T": 1}, far, (0, gravity))
 
@@ -231,7 +231,7 @@ def poiseuille(path):
 
 
 def couette(path):
-    u = numbers(path, "0/U", r"lid\s+\{ type translatingWallVelocity; U \((\S+) 0 0\)")[0]
+    u = numbers(path, "0.orig/U", r"lid\s+\{ type translatingWallVelocity; U \((\S+) 0 0\)")[0]
     return Channel(Disks.of(path), 20, 0.2, {"T": 1, "u": -u}, {"T": 1, "u": u})
 
 
@@ -239,7 +239,7 @@ def frictional(path, gas=None):
     """Walls of Johnson & Jackson that move against each other."""
     lids = []
     for patch in ("floor", "lid"):
-        phi, e, u = numbers(path, "0/U", patch + r"\s+\{ type JohnsonJacksonSlip; specularityCoefficient (\S+); "
+        phi, e, u = numbers(path, "0.orig/U", patch + r"\s+\{ type JohnsonJacksonSlip; specularityCoefficient (\S+); "
                             r"restitutionCoefficient (\S+); value uniform \((\S+) 0 0\)")
         lids.append({"specularity": phi, "restitution": e, "u": u})
     return Channel(gas or Disks.of(path), 20, 0.2, *lids)

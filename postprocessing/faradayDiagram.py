@@ -82,7 +82,7 @@ class Row:
         """The case with its mesh; written at quarters of the period."""
         copy(self.o.template, self.case)
         edit(self.at("constant", "shaking"), frequency=repr(self.entry["f_Hz"]), amplitude=self.shaking())
-        edit(self.at("0", "alpha"), seed=self.o.seed)
+        edit(self.at("0.orig", "alpha"), seed=self.o.seed)
         edit(self.at("system", "controlDict"), endTime=repr(self.cycles * self.period), writeInterval=repr(self.period / 4))
         mesh(self.case, self.length, self.height)
 
@@ -102,7 +102,7 @@ class Row:
     def options(self):
         """What the case says of scheme and waves, and how it was measured."""
         said = []
-        for key, *names in (("timeScheme", "system", "fvSchemes"), ("maxCo", "system", "controlDict"), ("amplitude", "0", "alpha"), ("seed", "0", "alpha")):
+        for key, *names in (("timeScheme", "system", "fvSchemes"), ("maxCo", "system", "controlDict"), ("amplitude", "0.orig", "alpha"), ("seed", "0.orig", "alpha")):
             with open(self.at(*names)) as f:
                 said.append(f"{key} {re.search(rf'{key}[ ]+([^;]+);', f.read())[1]}")
         return " ".join(said + [f"last {self.o.last}", self.o.note]).strip()

@@ -52,7 +52,7 @@ def run(folder, gamma, amplitude, wave, o):
     shutil.rmtree(case, ignore_errors=True)
     copy(o.template, case)
     edit(at("constant", "shaking"), frequency=repr(f), amplitude=shaking)
-    edit(at("0", "alpha"), modes=1, amplitude="1e-3")
+    edit(at("0.orig", "alpha"), modes=1, amplitude="1e-3")
     edit(at("system", "controlDict"), endTime=repr((before + o.cycles) / f), writeInterval=repr(1 / f))
     height = math.ceil((20 + 5 * throw(HOT if o.warm else gamma, f)) / 10) * 10
     size = [w for key, value in (("L", wave), ("H", height), ("W", o.width)) for w in ("-setnumber", key, f"{value:g}")]

@@ -13,7 +13,7 @@ TOP = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "
 BIN = os.environ.get("HAFF_BIN", os.path.join(TOP, "build", "bin"))
 PAPER = os.path.join(TOP, "tests", "oracles", "carrillo_table1.csv")
 GRAVITY = 981.0  # sigma/s^2
-RESULTS = ("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "*.png", "log.*", "*.py", "*.csv", "__pycache__")
+RESULTS = ("[1-9]*", "0", "0.[0-9]*", "*.msh", "polyMesh", "postProcessing", "VTK", "*.png", "log.*", "*.py", "*.csv", "__pycache__")
 
 
 def paper():

@@ -32,7 +32,7 @@ def edit(path, **entries):
 def to_spheres(path):
     """The dictionaries of a square become those of a cube: its front and back are periodic too."""
     for name in ("alpha", "T", "U"):
-        file = os.path.join(path, "0", name)
+        file = os.path.join(path, "0.orig", name)
         with open(file) as f:
             text = f.read()
         with open(file, "w") as f:
@@ -60,11 +60,11 @@ class Gas:
         self.path, self.d, self.packing = path, d, packing
         self.length = (grains * enskog.volume(d, 1) / packing) ** (1 / d)
         shutil.rmtree(path, ignore_errors=True)
-        for part in ("0", "constant", "system"):
+        for part in ("0.orig", "constant", "system"):
             shutil.copytree(os.path.join(source, part), os.path.join(path, part), ignore=shutil.ignore_patterns("polyMesh"))
         if d == 3:
             to_spheres(path)
-        edit(os.path.join(path, "0", "alpha"), internalField=f"uniform {packing}")
+        edit(os.path.join(path, "0.orig", "alpha"), internalField=f"uniform {packing}")
         edit(os.path.join(path, "constant", "particleProperties"), seed=seed)
         control = os.path.join(path, "system", "controlDict")
         with open(control) as f:

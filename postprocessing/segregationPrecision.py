@@ -38,7 +38,7 @@ def edit(path, **entries):
 
 def make(folder, M):
     case = os.path.join(folder, str(M))
-    for part in ("0", "constant", "system", "mesh.geo"):
+    for part in ("0.orig", "constant", "system", "mesh.geo"):
         source, target = os.path.join(TOP, "cases", "segregationLinear", part), os.path.join(case, part)
         if os.path.isdir(source):
             shutil.copytree(source, target, ignore=shutil.ignore_patterns("polyMesh"))

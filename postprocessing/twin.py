@@ -53,7 +53,7 @@ def make_mesh(case, programs, cells=None):
 def copy(case, target, programs, cells=None):
     """The case as it starts, on its own mesh, or that of mesh.geo with N = cells; times other than 0 stay behind."""
     shutil.rmtree(target, ignore_errors=True)
-    for name in ("0", "constant", "system", "mesh.geo"):
+    for name in ("0.orig", "0", "constant", "system", "mesh.geo"):
         source = os.path.join(case, name)
         if os.path.isdir(source):
             shutil.copytree(source, os.path.join(target, name), ignore=shutil.ignore_patterns("polyMesh") if cells else None)

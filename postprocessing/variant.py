@@ -50,7 +50,7 @@ def make(folder, name, settings):
     case = os.path.join(folder, label)
     shutil.rmtree(case, ignore_errors=True)
     shutil.copytree(os.path.join(TOP, "cases", name), case, ignore=shutil.ignore_patterns(
-        "[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "*.png", "log.*"))
+        "[1-9]*", "0", "0.[0-9]*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "*.png", "log.*"))
     edit(case, {k: v for k, v in settings.items() if k != "cells"})
     mesh = os.path.join(case, "mesh.msh")
     size = ["-setnumber", "N", settings["cells"]] if "cells" in settings else []

@@ -12,12 +12,6 @@ import haff  # noqa: E402
 MOMENTS = 0, 0.03, 0.05, 0.07, 0.1
 
 
-def start(case):
-    """The block of 0/alpha, which is an expression."""
-    x, y = case.centres[:, :2].T
-    return np.where((x < 0.016) & (y < 0.016), 0.5, 1e-5)
-
-
 def numbers(name, case):
     for t in case.times:
         if not float(t):
@@ -37,7 +31,7 @@ def main(folder):
         low, high = 1e3 * case.mesh.points.min(axis=0), 1e3 * case.mesh.points.max(axis=0)
         n = len(np.unique(np.round(case.centres[:, 0], 9)))
         for ax, t in zip(line, MOMENTS):
-            alpha = start(case) if t == 0 else case.field("alpha", case.time(t))
+            alpha = case.field("alpha", case.time(t))
             image = ax.imshow(alpha[order].reshape(-1, n), origin="lower", extent=(low[0], high[0], low[1], high[1]), vmin=0, vmax=0.64,
                               cmap="magma_r")
             figures.label(ax, "$x$ (mm)" if row else "", f"{name} floor\n$y$ (mm)" if t == 0 else "",

@@ -76,19 +76,19 @@ static status check_links(const struct setup *s) {
     return OK;
 }
 
-status case_read(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                  struct setup **out) {
     struct setup *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "case"));
     s->comm = c;
-    s->warnings = (struct warnings){.strict = strict, .silent = !comm_root(c)};
+    s->warnings = (struct warnings){.strict = how.strict, .silent = !comm_root(c)};
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);
     status e = comm_agree(c, folder_mark(dir, &s->mark));
     if (!e) e = comm_agree(c, comm_root(c) ? check_links(s) : OK);
     if (!e) e = comm_agree(c, read_setup(s, type));
-    if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, &s->start) : OK);
+    if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, how.afresh, &s->start) : OK);
     if (!e) comm_broadcast(c, &s->start, sizeof s->start);
     if (!e) e = comm_agree(c, read_state(s));
     if (e) {

@@ -35,9 +35,12 @@ struct setup { /* the same on every rank, but for the grid */
     struct medium *medium;
     struct instant start;
 };
-/* Reads and checks the case in `dir` for a type of medium, and the state it starts from; if `strict`, warnings are
- * errors. Collective. */
-status case_read(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+struct reading {
+    bool strict; /* are warnings errors? */
+    bool afresh; /* does the run start from 0.orig, whatever startFrom says? */
+};
+/* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
+status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                  struct setup **out);
 void case_free(struct setup *s);
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */

@@ -37,7 +37,7 @@ void changes_record(struct sink *o, const struct setup *s) {
 static status open_provenance(const struct setup *s, struct dict **out) {
     char path[TIME_PATH + TIME_NAME];
     *out = NULL;
-    snprintf(path, sizeof path, "%.4000s/%s/uniform/provenance", s->dir, s->start.name);
+    snprintf(path, sizeof path, "%.4000s/%s/uniform/provenance", s->dir, s->start.folder);
     return access(path, F_OK) ? OK : dict_read(path, out);
 }
 

@@ -55,6 +55,19 @@ static int by_time(const void *a, const void *b) {
     return p->t < q->t ? -1 : p->t > q->t;
 }
 
+bool time_is_original(const struct instant *at) {
+    return strcmp(at->folder, TIME_ORIGINAL) == 0;
+}
+
+bool time_original(const char *case_dir, struct instant *out) {
+    char path[TIME_PATH];
+    struct stat info;
+    snprintf(path, sizeof path, "%.4000s/" TIME_ORIGINAL, case_dir);
+    if (stat(path, &info) || !S_ISDIR(info.st_mode)) return false;
+    *out = (struct instant){.name = "0", .folder = TIME_ORIGINAL, .digits = 6};
+    return true;
+}
+
 status times_list(const char *case_dir, int *n, struct instant **out) {
     *n = 0;
     *out = NULL;
@@ -70,6 +83,7 @@ status times_list(const char *case_dir, int *n, struct instant **out) {
         snprintf(path, sizeof path, "%s/%s", case_dir, entry->d_name);
         if (stat(path, &info) || !S_ISDIR(info.st_mode)) continue;
         memcpy(at.name, entry->d_name, strlen(entry->d_name) + 1);
+        memcpy(at.folder, at.name, sizeof at.name);
         status_free(stamp_read(case_dir, &at)); /* time_verify reports it for the time that is used */
         if (*n == room) {
             struct instant *more = realloc(*out, (size_t)(room = 2 * room + 16) * sizeof *more);
@@ -105,6 +119,7 @@ static status no_such_time(const char *case_dir, const struct control *c, int n,
 
 status time_verify(const char *case_dir, const struct instant *at) {
     char folder[TIME_PATH];
+    if (time_is_original(at)) return OK;
     struct instant again = *at;
     snprintf(folder, sizeof folder, "%.4000s/%s", case_dir, at->name);
     TRY(checksums_verify(folder));
@@ -147,18 +162,59 @@ static status fall_back(const char *case_dir, const struct control *c, const str
     return s;
 }
 
-status times_start(const char *case_dir, const struct control *c, struct instant *out) {
+/* Puts `original` in place of the times 0 of the list, which runs wrote from it; the list has room for one more. */
+static status put_original(const char *case_dir, const struct instant *original, int *n, struct instant *list) {
+    int left = 0;
+    for (int i = 0; i < *n; i++) {
+        char path[TIME_PATH];
+        snprintf(path, sizeof path, "%.3900s/%s/uniform/time", case_dir, list[i].name);
+        if (list[i].t != 0)
+            list[left++] = list[i];
+        else if (access(path, F_OK))
+            return fail(ERR_INPUT,
+                        "%s/%s: " TIME_ORIGINAL " is there, too, from which a run writes the time 0, and no run has "
+                        "written this folder; remove or rename one of the two",
+                        case_dir, list[i].name);
+    }
+    list[left] = *original;
+    *n = left + 1;
+    qsort(list, (size_t)*n, sizeof *list, by_time);
+    return OK;
+}
+
+/* Lists the times that a run can start from. */
+static status list_starts(const char *case_dir, const struct control *c, int *n, struct instant **out) {
+    struct instant original, *more;
+    TRY(times_list(case_dir, n, out));
+    if (!time_original(case_dir, &original)) return OK;
+    time_name(c->time_format, c->time_precision, 0, original.name);
+    more = realloc(*out, (size_t)(*n + 1) * sizeof *more);
+    if (more) *out = more;
+    status s = more ? put_original(case_dir, &original, n, *out) : fail(ERR_SYSTEM, "out of memory");
+    if (s) free(*out);
+    return s;
+}
+
+status times_start(const char *case_dir, const struct control *c, bool afresh, struct instant *out) {
     int n;
     struct instant *list;
-    TRY(times_list(case_dir, &n, &list));
+    TRY(list_starts(case_dir, c, &n, &list));
     if (!n)
-        return fail(ERR_INPUT, "%s: no time folder to start from; the initial fields belong in %s/0", case_dir,
-                    case_dir);
+        return fail(ERR_INPUT,
+                    "%s: no time folder to start from; the initial fields belong in %s/" TIME_ORIGINAL
+                    ", from which a run writes %s/0",
+                    case_dir, case_dir, case_dir);
     int found = c->start_from == START_LATEST ? n - 1 : c->start_from == START_FIRST ? 0 : -1;
     for (int i = 0; i < n && c->start_from == START_TIME; i++)
         if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
             strtod(list[i].name, NULL) == c->start_time)
             found = i;
+    for (int i = 0; i < n && afresh; i++)
+        if (time_is_original(&list[i])) found = i;
+    if (afresh && (found < 0 || !time_is_original(&list[found]))) {
+        free(list);
+        return fail(ERR_INPUT, "%s: there is no folder " TIME_ORIGINAL " to write the time 0 from", case_dir);
+    }
     status s = found < 0 ? no_such_time(case_dir, c, n, list) : time_verify(case_dir, &list[found]);
     if (s && found >= 0) s = fall_back(case_dir, c, list, &found, s);
     if (!s) *out = list[found];

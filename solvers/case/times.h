@@ -8,21 +8,31 @@
 
 enum { TIME_NAME = 64, TIME_PATH = 4096 };
 
+/* The folder 0.orig holds a start as its user writes it: by expressions, settledLayer, perturbation. A run that begins
+ * there writes the folder 0, the state that it starts from, as any other time, for all who read it. */
+#define TIME_ORIGINAL "0.orig"
+
 struct instant { /* a time folder */
     char name[TIME_NAME];
-    double t;       /* s: from uniform/time where that file is, else from the name */
-    long step;      /* 0 without uniform/time */
-    double delta_t; /* s: length of the last step; 0 without uniform/time */
-    int digits;     /* digits of ascii numbers; 6 without uniform/time */
+    char folder[TIME_NAME]; /* the folder that the state is read from: the same, or TIME_ORIGINAL */
+    double t;               /* s: from uniform/time where that file is, else from the name */
+    long step;              /* 0 without uniform/time */
+    double delta_t;         /* s: length of the last step; 0 without uniform/time */
+    int digits;             /* digits of ascii numbers; 6 without uniform/time */
 };
 /* Lists all time folders of the case, ascending; a folder with a uniform/time that cannot be read goes by its name.
  * *out is malloc'd. */
 status times_list(const char *case_dir, int *n, struct instant **out);
+bool time_is_original(const struct instant *at); /* is it read from TIME_ORIGINAL? */
+/* Sets *out to the start of TIME_ORIGINAL; *out keeps its value, and false is returned, if there is no such folder. */
+bool time_original(const char *case_dir, struct instant *out);
 /* Are the files of that time as they were written (checksums.h), and does uniform/time fit the folder's name? */
 status time_verify(const char *case_dir, const struct instant *at);
-/* Finds the folder that startFrom chooses; the error lists the folders that are there. A damaged folder is an error,
- * or, if onCorruptTime says previous, the newest whole one before it is taken and the log says so. */
-status times_start(const char *case_dir, const struct control *c, struct instant *out);
+/* Finds the folder that startFrom chooses, or TIME_ORIGINAL if `afresh`. TIME_ORIGINAL stands for the time 0 that a run
+ * wrote from it; an error if another folder of time 0 stands beside it. The error lists the folders that are there. A
+ * damaged folder is an error, or, if onCorruptTime says previous, the newest whole one before it is taken and the log
+ * says so. */
+status times_start(const char *case_dir, const struct control *c, bool afresh, struct instant *out);
 
 /* Writes the folder's name for time t. */
 void time_name(enum time_format format, int precision, double t, char name[TIME_NAME]);

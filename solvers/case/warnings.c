@@ -2,17 +2,17 @@
 #include "solvers/case/warnings.h"
 
 #include "mesh/format/foamfile.h"
-#include "solvers/dict/dict.h"
+#include "solvers/case/fields.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 const char *const warning_names[WARNINGS] = {
-    [WARN_HEADER] = "noHeader",         [WARN_SCHEME] = "unusedScheme",    [WARN_NARROW] = "narrowCell",
-    [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",   [WARN_RAREFIED] = "rarefied",
-    [WARN_TEMPERATURE] = "temperature", [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",
-    [WARN_FRICTION] = "noFriction",
+    [WARN_HEADER] = "noHeader",        [WARN_UNEVALUATED] = "unevaluated", [WARN_SCHEME] = "unusedScheme",
+    [WARN_NARROW] = "narrowCell",      [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",
+    [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
+    [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
 };
 
 status warn(struct warnings *w, enum warning id, const char *format, ...) {
@@ -37,6 +37,17 @@ status warn_header(struct warnings *w, const struct dict *d) {
                 "%s:1: the file has no FoamFile { .. } header, without which OpenFOAM's programs and ParaView cannot "
                 "read the case",
                 dict_path(d));
+}
+
+status warn_field(struct warnings *w, const struct field *f, bool original) {
+    if (!f) return OK;
+    TRY(warn_header(w, f->dict));
+    if (original || !(f->plan.changes || dict_has(f->dict, "expression"))) return OK;
+    return warn(
+        w, WARN_UNEVALUATED,
+        "%s:%d: the field is not given by values alone, so that other programs cannot show the start: rename the "
+        "folder to 0.orig, from which a run, or initialFields, writes 0",
+        dict_path(f->dict), dict_line(f->dict, f->plan.fills ? f->plan.fills : "expression"));
 }
 
 int warnings_said(const struct warnings *w, char *names, size_t room) {

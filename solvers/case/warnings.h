@@ -8,12 +8,14 @@
 
 enum warning {
     WARN_HEADER,      /* a file lacks the FoamFile header */
+    WARN_UNEVALUATED, /* a start by expressions stands in a folder that other programs read */
     WARN_SCHEME,      /* the scheme that is given is for the other kind of mesh */
     WARN_NARROW,      /* a cell is far narrower than the others */
     WARN_GRAIN_SIZE,  /* grains are wider than cells, or than the domain */
     WARN_FEW_GRAINS,  /* cells hold less than a grain */
     WARN_RAREFIED,    /* the mean free path is no small part of the domain */
     WARN_TEMPERATURE, /* T is far from the square of every other speed */
+    WARN_SHAPE,       /* the gas of the case is one of spheres and its grains are disks, or the other way round */
     WARN_LONG_STEP,   /* deltaT is longer than the time scheme allows */
     WARN_COLLAPSE,    /* grains hit each other too slowly to part again: inelastic collapse */
     WARN_FRICTION,    /* dense gas is slow, where real grains would hold each other */
@@ -34,6 +36,10 @@ status warn(struct warnings *w, enum warning id, const char *format, ...) __attr
 int warnings_said(const struct warnings *w, char *names, size_t room);
 
 struct dict;
+struct field;
 status warn_header(struct warnings *w, const struct dict *d); /* of a file without a FoamFile header; d may be NULL */
+/* Warns of a field (NULL: none) that only these programs can read: without header, or by an expression and not in
+ * 0.orig, which `original` says. */
+status warn_field(struct warnings *w, const struct field *f, bool original);
 
 #endif

@@ -253,7 +253,7 @@ static status load(const struct function *f) {
     const struct phases *p = f->own;
     struct dict *d = NULL;
     char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.name, p->file);
+    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.folder, p->file);
     if (!field_exists(path)) return OK;
     TRY(dict_read(path, &d));
     status s = take_up(f, d);

@@ -144,7 +144,7 @@ static status gas_read_state(struct setup *s) {
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(read_initial(s, g, &place));
     for (int i = 0; i < FIELD_COUNT; i++)
-        if (g->initial->field[i]) TRY(warn_header(&s->warnings, g->initial->field[i]->dict));
+        TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
@@ -267,10 +267,10 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
         out->limit = "free fall";
     }
     const char *limit;
-    const double bed = gas_bed_step(g->gas, most, &g->speed, fall, &limit);
+    const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
     if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
-    out->stable = bed;
+    out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;
 }
 

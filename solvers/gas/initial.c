@@ -24,7 +24,7 @@ struct reader { /* what the functions below share */
 };
 
 static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
-    snprintf(path, TIME_PATH, "%s/%s/%s", r->case_dir, r->at->name, name);
+    snprintf(path, TIME_PATH, "%s/%s/%s", r->case_dir, r->at->folder, name);
 }
 static bool there(const struct reader *r, const char *name) {
     char path[TIME_PATH];
@@ -59,16 +59,16 @@ static status read_files(const struct reader *r, struct initial *s) {
             return fail(ERR_INPUT,
                         "%s/%s: uniform/time is missing, but a run wrote the rest; start from another time, or keep U "
                         "and one of %s, %s only",
-                        r->case_dir, r->at->name, a, b);
+                        r->case_dir, r->at->folder, a, b);
         if (there(r, a) && there(r, b) && !written)
             return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other",
-                        r->case_dir, r->at->name, a, b);
+                        r->case_dir, r->at->folder, a, b);
         if (!there(r, a) && !there(r, b))
-            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->name, a,
+            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->folder, a,
                         b);
     }
     if (!there(r, "U"))
-        return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->name);
+        return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->folder);
     return read_fields(r, s);
 }
 
@@ -188,7 +188,7 @@ static status read_raw(const struct reader *r, const char *name, int components,
 static status take_conserved(const struct reader *r, struct initial *s) {
     if (there(r, "rhoU") != there(r, "rhoE"))
         return fail(ERR_INPUT, "%s/%s: %s is there without %s; remove it to start from U and T", r->case_dir,
-                    r->at->name, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
+                    r->at->folder, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
     if (!continued(r)) return OK;
     int n = r->place->mesh->ncells;
     double *momentum = NULL;

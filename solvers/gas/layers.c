@@ -100,9 +100,9 @@ bool layers_calm(struct layers *l, double *background) {
 }
 
 void layers_list(FILE *f) {
-    fprintf(f, "\n0/alpha or 0/rho: settledLayer { }, at rest on the side of the box that gravity points to\n");
+    fprintf(f, "\n0.orig/alpha or rho: settledLayer { }, at rest on the side of the box that gravity points to\n");
     params_print(f, settled_param, COUNT(settled_param));
-    fprintf(f, "\n0/alpha or 0/rho: perturbation { }, 1 + amplitude sum sin(2 pi (k x/L + random phase))\n");
+    fprintf(f, "\n0.orig/alpha or rho: perturbation { }, 1 + amplitude sum sin(2 pi (k x/L + random phase))\n");
     params_print(f, perturbation_param, COUNT(perturbation_param));
 }
 

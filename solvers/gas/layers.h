@@ -1,4 +1,4 @@
-/* A layer of grains at the start, by the dictionaries `settledLayer` and `perturbation` in 0/alpha or 0/rho of
+/* A layer of grains at the start, by the dictionaries `settledLayer` and `perturbation` in 0.orig/alpha or rho of
  * granularGas.
  *
  *   settledLayer { depth 6; packing 0.82; hydrostatic yes; background 1e-6; }

@@ -85,13 +85,13 @@ status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas
     struct gas_counts counts = {.cells = 0};
     double *limited = NULL;
     int components = 1;
-    snprintf(path, sizeof path, "%s/%s/uniform/limiter", s->dir, s->start.name);
+    snprintf(path, sizeof path, "%s/%s/uniform/limiter", s->dir, s->start.folder);
     if (!field_exists(path)) return OK;
     TRY(dict_read(path, &d));
     status e = read_counts(d, &counts);
     dict_free(d);
     TRY(e);
-    snprintf(path, sizeof path, "%s/%s/limited", s->dir, s->start.name);
+    snprintf(path, sizeof path, "%s/%s/limited", s->dir, s->start.folder);
     if (field_exists(path)) TRY(field_read_values(path, s->mesh->ncells, &components, &limited));
     if (components == 1) gas_resume(g, &counts, limited);
     l->counts = gas_counts(g);

@@ -171,6 +171,16 @@ static status read_properties(struct dict *d, struct case_models *m) {
     return dict_check_used(d);
 }
 
+status models_equation(struct dict *properties, struct gas_models *out) {
+    struct case_models m = {.engine = NULL};
+    struct dict *grain;
+    TRY(dict_sub(properties, "grain", &grain));
+    TRY(params_read(grain, grain_param, grain_nparam, &m.gas.material));
+    TRY(family_read(&families[EOS], properties, &m));
+    *out = m.gas;
+    return OK;
+}
+
 static void mark_subs(struct dict *d, const char *const *names, int n) {
     for (int i = 0; i < n; i++) {
         struct dict *sub = NULL;

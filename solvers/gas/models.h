@@ -35,6 +35,8 @@ void models_free(struct case_models *m);
 
 /* Marks all that constant/granularProperties says of these models as known, for programs that have no use for it. */
 status models_leave(struct dict *properties);
+/* Reads `grain` and the equation of state of constant/granularProperties alone. */
+status models_equation(struct dict *properties, struct gas_models *out);
 
 /* Reads constant/g and constant/shaking into *out, which is zeroed before; also after an error its dictionaries must be
  * freed. Gravity may act along the axes of the mesh only. */

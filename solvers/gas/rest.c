@@ -6,19 +6,21 @@
 #include <stdlib.h>
 
 static bool has_file(const struct setup *s, const struct instant *at, const char *name, char path[TIME_PATH]) {
-    snprintf(path, TIME_PATH, "%.3900s/%s/%s", s->dir, at->name, name);
+    snprintf(path, TIME_PATH, "%.3900s/%s/%s", s->dir, at->folder, name);
     return field_exists(path);
 }
 
-/* Finds the newest folder up to s->start that no run has written; its name stays empty if there is none. */
+/* Finds the newest folder up to s->start that no run has written, 0.orig among them; its name stays empty if there is
+ * none. */
 static status find_start(const struct setup *s, struct instant *out) {
     char path[TIME_PATH];
     struct instant *list;
     int n;
     memset(out, 0, sizeof *out);
+    if (s->start.t >= 0) (void)time_original(s->dir, out);
     TRY(times_list(s->dir, &n, &list));
     for (int i = 0; i < n && list[i].t <= s->start.t; i++)
-        if (!has_file(s, &list[i], "uniform/time", path)) *out = list[i];
+        if (!has_file(s, &list[i], "uniform/time", path) && (!*out->name || list[i].t > out->t)) *out = list[i];
     free(list);
     return OK;
 }

@@ -92,17 +92,32 @@ static struct grain_law law_of(const struct grains_models *m) {
                               .gravity = {g[0], g[1], g[2]}};
 }
 
+/* Warns if the case's gas has grains of another shape than the mesh gives those that move here. */
+static status check_shape(struct setup *s, const struct grains_models *m) {
+    const char *name;
+    TRY(dict_word_or(m->granular, "equationOfState", "", &name));
+    const struct eos *eos = eos_find(name);
+    if (!eos || !eos->bounded || eos->disks == (s->dim == 2)) return OK;
+    return warn(
+        &s->warnings, WARN_SHAPE,
+        "%s:%d: equationOfState %s is of %s, and on %d solved axes grains are %s: alpha and the flow mean another "
+        "thing than in the gas",
+        dict_path(m->granular), dict_line(m->granular, "equationOfState"), name, eos->disks ? "disks" : "spheres",
+        s->dim, s->dim == 2 ? "disks" : "spheres");
+}
+
 static status medium_state(struct setup *s) {
     struct grains_run *x = of(s->medium);
     char path[2 * TIME_PATH];
     TRY(grains_box_check(s));
-    snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.name);
+    TRY(check_shape(s, x->models));
+    snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
-    for (int i = 0; i < FIELD_COUNT; i++)
-        if (x->start.field[i]) TRY(warn_header(&s->warnings, x->start.field[i]->dict));
-    TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
+    for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_check(s, &x->start));
+    TRY(grains_start_walls(&x->start, s->mesh, x->models));
+    TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
     return setup_grid(s, false, 1);
@@ -161,7 +176,7 @@ static status place(struct grains_run *x) {
     if (!e) {
         e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
                         &x->grains);
-        e = p->from_cloud ? status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.name)
+        e = p->from_cloud ? status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.folder)
                           : status_note(e, "%s/constant/polyMesh", s->dir);
     }
     free(p->x);

@@ -164,9 +164,10 @@ void grains_models_list(FILE *f) {
 void grains_boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++)
         if (boundary_is_smooth(&boundary_table[i]))
-            fprintf(f, "  %-14s %-16s flat smooth wall; its restitution: walls of constant/particleProperties\n",
-                    boundary_table[i].model.name, "U");
+            fprintf(f, "  %-14s %-16s flat smooth wall\n", boundary_table[i].model.name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
+    fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",
+            "restitution e; of impacts on that wall, as in the gas (or walls of constant/particleProperties; else 1)");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-14s %-16s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
 }

@@ -13,7 +13,7 @@
 #define PI 3.14159265358979323846
 
 static void path_of(const struct setup *s, const char *name, char path[2 * TIME_PATH]) {
-    snprintf(path, 2 * TIME_PATH, "%s/%s/%s", s->dir, s->start.name, name);
+    snprintf(path, 2 * TIME_PATH, "%s/%s/%s", s->dir, s->start.folder, name);
 }
 static bool there(const struct setup *s, const char *name) {
     char path[2 * TIME_PATH];
@@ -24,18 +24,18 @@ static bool there(const struct setup *s, const char *name) {
 static status check_files(const struct setup *s, bool saved) {
     const bool written = there(s, "uniform/time"), placed = there(s, "lagrangian/grains/positions");
     if (!there(s, "U"))
-        return fail(ERR_INPUT, "%s/%s/U: no such file; it says which patches are walls%s", s->dir, s->start.name,
+        return fail(ERR_INPUT, "%s/%s/U: no such file; it says which patches are walls%s", s->dir, s->start.folder,
                     saved ? "" : ", and the velocity");
     if (saved || (placed && there(s, "lagrangian/grains/U"))) return OK;
     if (there(s, "rho") && there(s, "alpha") && !written)
         return fail(ERR_INPUT, "%s/%s: both rho and alpha are given; remove one: it follows from the other", s->dir,
-                    s->start.name);
+                    s->start.folder);
     if (!there(s, "rho") && !there(s, "alpha") && !placed)
         return fail(ERR_INPUT,
                     "%s/%s: neither rho nor alpha is there; give one of them, or lagrangian/grains/positions", s->dir,
-                    s->start.name);
+                    s->start.folder);
     if (there(s, "T")) return OK;
-    return fail(ERR_INPUT, "%s/%s/T: no such file; the start needs the temperature%s", s->dir, s->start.name,
+    return fail(ERR_INPUT, "%s/%s/T: no such file; the start needs the temperature%s", s->dir, s->start.folder,
                 there(s, "p") ? " (p says it of a gas only)" : "");
 }
 
@@ -74,29 +74,42 @@ static status take_density(const struct setup *s, const struct grains_models *m,
     const struct field *f = p->field[alpha ? FIELD_ALPHA : FIELD_RHO];
     char what[128];
     if (!f) return OK;
-    if (f->plan.changes)
-        return fail(
-            ERR_INPUT,
-            "%s: settledLayer and perturbation are of granularGas; give an expression, and let the grains settle",
-            dict_path(f->dict));
     snprintf(what, sizeof what, "it must lie between 0 and %.4g, close packing of %s%s", alpha ? packed : packed / per,
              s->dim == 2 ? "disks" : "spheres", alpha ? "" : " in the unit of rho");
     TRY(check_cells(s, f, alpha ? packed : packed / per, what));
     return take(s, f, 0, alpha ? 1 : per, &p->alpha);
 }
 
-status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
+/* Lays a settledLayer, with its waves, as granularGas does: by the equation of state, if it is hydrostatic. */
+static status lay(const struct setup *s, const struct grains_models *m, const struct layers *l, struct field *density,
+                  const struct field *T) {
     const struct field_place place = {s->mesh, s->centre, s->start.t};
-    struct layers *layers; /* only granularGas has settled layers: take_density says so */
-    *p = (struct grains_start){.alpha = NULL};
-    TRY(check_files(s, saved));
-    for (int i = 0; i < FIELD_COUNT; i++) {
+    struct gas_models gas;
+    if (!l) return OK;
+    TRY(models_equation(m->granular, &gas));
+    gas.source = m->forces.source;
+    return layers_apply(l, density, &place, s->dim, s->axis, &gas, T);
+}
+
+static status read_fields(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
+    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    struct layers *layers[FIELD_COUNT] = {NULL};
+    status e = OK;
+    for (int i = 0; i < FIELD_COUNT && !e; i++) {
         char path[2 * TIME_PATH];
         path_of(s, field_kinds[i].name, path);
-        if (!field_exists(path)) continue;
-        TRY(layers_read_field(path, (enum field_id)i, &place, &layers, &p->field[i]));
-        layers_free(layers);
+        if (field_exists(path)) e = layers_read_field(path, (enum field_id)i, &place, &layers[i], &p->field[i]);
     }
+    const enum field_id density = p->field[FIELD_ALPHA] ? FIELD_ALPHA : FIELD_RHO;
+    if (!e && !saved) e = lay(s, m, layers[density], p->field[density], p->field[FIELD_T]);
+    for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
+    return e;
+}
+
+status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
+    *p = (struct grains_start){.alpha = NULL};
+    TRY(check_files(s, saved));
+    TRY(read_fields(s, m, saved, p));
     if (saved) return OK;
     TRY(take_density(s, m, p));
     TRY(check_velocity(s, p->field[FIELD_U]));
@@ -113,14 +126,30 @@ status grains_start_check(const struct setup *s, const struct grains_start *p) {
         for (int i = 0; i < FIELD_COUNT; i++) {
             const struct field *f = i == FIELD_U ? NULL : p->field[i];
             const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
-            if (boundary_is_wall(wall) && boundary_gives(type))
+            if (boundary_is_wall(wall) && boundary_gives(type) && type != boundary_find("granularWall"))
                 return fail(ERR_INPUT,
                             "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
-                            "cannot be '%s' "
-                            "there, use zeroGradient",
+                            "cannot be '%s' there, use zeroGradient, or granularWall for T",
                             dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->model.name, f->kind->name,
                             type->model.name);
         }
+    }
+    return OK;
+}
+
+status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m) {
+    const struct boundary_type *absorbing = boundary_find("granularWall");
+    const struct field *T = p->field[FIELD_T];
+    for (int k = 0; T && k < mesh->npatches; k++) {
+        const double e = T->patch[k].params.room[0];
+        if (boundary_find(T->patch[k].type) != absorbing) continue;
+        if (m->restitution_line[k] && m->restitution[k] != e)
+            return fail(ERR_INPUT,
+                        "%s:%d: patch %s: restitution is %g here, and %g in line %d of constant/particleProperties; "
+                        "remove one of them",
+                        dict_path(T->dict), T->patch[k].line, mesh->patch[k].name, e, m->restitution[k],
+                        m->restitution_line[k]);
+        m->restitution[k] = e;
     }
     return OK;
 }
@@ -158,7 +187,7 @@ static status take_cloud(const struct setup *s, const struct grains_models *m, c
                          struct grain_start *out) {
     if (m->number && m->number != c->n)
         return dict_fail(m->properties, "N", "lagrangian/grains/positions of time %s holds %d grains; leave N out",
-                         s->start.name, c->n);
+                         s->start.folder, c->n);
     TRY(make_room(out, c->n));
     out->from_cloud = true;
     for (int i = 0; i < c->n; i++)
@@ -174,7 +203,7 @@ static status count_grains(const struct setup *s, const struct grains_models *m,
     *n = m->number ? m->number : packing_number(box, m->grain.diameter, f);
     if (*n > 0) return OK;
     return fail(ERR_INPUT, "%s/%s: the packing fraction is that of less than one grain in the box; give a greater one",
-                s->dir, s->start.name);
+                s->dir, s->start.folder);
 }
 
 static status place_grains(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
@@ -184,7 +213,7 @@ static status place_grains(const struct setup *s, const struct grains_models *m,
     TRY(make_room(out, n));
     status e = packing_places(box, m->grain.diameter, f, n, (uint64_t)m->seed, out->x, &out->packing);
     if (m->number) return status_note(e, "%s:%d: N %d", dict_path(m->properties), dict_line(m->properties, "N"), n);
-    return status_note(e, "%s/%s/%s: %d grains", s->dir, s->start.name, there(s, "alpha") ? "alpha" : "rho", n);
+    return status_note(e, "%s/%s/%s: %d grains", s->dir, s->start.folder, there(s, "alpha") ? "alpha" : "rho", n);
 }
 
 status grain_start_make(const struct setup *s, const struct grains_models *m, const struct grain_box *box,

@@ -1,5 +1,5 @@
-/* The start of granularMD from its time folder: the fields of the gas's 0/ say where grains are put and how they move,
- * and give the patches of written fields. */
+/* The start of granularMD from its time folder: the fields of the gas's start say where grains are put and how they
+ * move, and give the patches of written fields. */
 #ifndef SOLVERS_GRAINS_START_H
 #define SOLVERS_GRAINS_START_H
 
@@ -13,7 +13,9 @@ struct grains_start {
 };
 /* Reads the fields. saved: the grains' own state is there, so that only the patches count. */
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *out);
-/* Fails if a scalar has a value on a wall. */
+/* Takes the restitution of walls from T, where it is granularWall; fails if particleProperties says another. */
+status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m);
+/* Fails if a scalar has another value on a wall. */
 status grains_start_check(const struct setup *s, const struct grains_start *p);
 void grains_start_free(struct grains_start *p);
 void grains_start_drop(struct grains_start *p); /* frees all but the patches */

@@ -245,6 +245,7 @@ static status write_fields(struct output *o, const struct field_writer *w) {
 
 static status purge(struct output *o, const char *name) {
     int keep = o->setup->control->purge;
+    if (time_is_original(&o->setup->start) && !strcmp(name, o->setup->start.name)) return OK; /* the start stays */
     for (int i = 0; i < o->nnames; i++)
         if (!strcmp(o->name[i], name)) return OK; /* the time was written again */
     if (o->nnames == o->room) {

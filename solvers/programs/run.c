@@ -23,6 +23,8 @@ struct run {
     struct progress progress;
     struct outlook outlook;
     struct moment now;
+    struct pace pace;    /* of the next step */
+    bool planned;        /* is it that? */
     double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
     long cut;            /* steps of a fixed deltaT that the time scheme had to cut */
@@ -52,10 +54,10 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN);
 }
 
-static status read_everything(const char *dir, const struct medium_type *type, bool strict, const struct comm *c,
+static status read_everything(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                               struct setup **s, struct functions **f) {
     *f = NULL;
-    TRY(case_read(dir, type, strict, c, s));
+    TRY(case_read(dir, type, how, c, s));
     TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
@@ -120,7 +122,7 @@ static status print_check(struct setup *s) {
 status run_check(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
     struct setup *s = NULL;
     struct functions *f = NULL;
-    status e = read_everything(dir, type, strict, c, &s, &f);
+    status e = read_everything(dir, type, (struct reading){.strict = strict}, c, &s, &f);
     if (!e) e = print_check(s);
     functions_free(f);
     case_free(s);
@@ -133,11 +135,11 @@ static status save_functions(const void *functions, const struct field_writer *w
 
 static status start(struct run *r) {
     struct setup *s = r->setup;
-    struct pace pace;
     s->medium->asked = is_asked;
     TRY(s->medium->type->start(s->medium));
-    s->medium->type->plan(s->medium, s->control, &pace);
-    TRY(check_step(s, &pace));
+    s->medium->type->plan(s->medium, s->control, &r->pace);
+    r->planned = true;
+    TRY(check_step(s, &r->pace));
     TRY(comm_agree(s->comm, output_make(s, save_functions, r->functions, &r->output)));
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
@@ -147,8 +149,7 @@ static status start(struct run *r) {
         changes_print(stdout, s);
     }
     progress_start(&r->progress, s);
-    TRY(functions_collect(r->functions, NULL, &r->now));
-    return functions_execute(r->functions, NULL, &r->now, s->start.name);
+    return functions_collect(r->functions, NULL, &r->now);
 }
 
 static status write_now(struct run *r, char name[TIME_NAME]) {
@@ -156,6 +157,12 @@ static status write_now(struct run *r, char name[TIME_NAME]) {
     r->written_time = r->now.t;
     if (comm_root(r->setup->comm)) printf("    written: %s\n", name);
     return OK;
+}
+
+/* Writes the time 0 if it was read from 0.orig. */
+static status write_original(struct run *r) {
+    char name[TIME_NAME];
+    return time_is_original(&r->setup->start) ? write_now(r, name) : OK;
 }
 
 /* Reads a changed controlDict, which replaces the old one; a wrong one is reported and ignored. `functions` stay as
@@ -249,15 +256,22 @@ static status note_cut(struct run *r, double dt) {
                 dict_path(c->dict), dict_line(c->dict, "deltaT"), c->delta_t, r->now.t, dt);
 }
 
+/* Plans the next step, unless that was done: a plan may depend on those before. */
+static struct pace plan(struct run *r) {
+    struct medium *m = r->setup->medium;
+    if (!r->planned) m->type->plan(m, r->setup->control, &r->pace);
+    r->planned = false;
+    return r->pace;
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
-    struct pace pace;
     struct step_entry e = {.end_time = HUGE_VAL};
     enum dt_limit limit;
     double end;
     const struct control *c = s->control;
-    m->type->plan(m, c, &pace);
+    const struct pace pace = plan(r);
     outlook_steps(&r->outlook, s, &pace, r->now.t);
     double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
     double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
@@ -316,6 +330,8 @@ static void print_end(const struct run *r) {
 static status loop(struct run *r) {
     struct setup *s = r->setup;
     TRY(start(r));
+    TRY(write_original(r));
+    TRY(functions_execute(r->functions, NULL, &r->now, s->start.name));
     if (control_ended(s->control, r->now.t)) {
         if (comm_root(s->comm))
             printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
@@ -338,17 +354,32 @@ static status lock_and_clean(const char *dir, const char *application, struct lo
     return times_clean(dir);
 }
 
-status run_case(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
+/* Reads a case, locked, and does something with it. */
+static status with_case(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
+                        status (*action)(struct run *r)) {
     struct run r = {.written_time = NAN};
     struct lock *lock = NULL;
-    catch_signals();
-    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
-    if (!e) e = read_everything(dir, type, strict, c, &r.setup, &r.functions);
-    if (!e) e = loop(&r);
+    if (!e) e = read_everything(dir, type, how, c, &r.setup, &r.functions);
+    if (!e) e = action(&r);
     output_free(r.output);
     functions_free(r.functions);
     case_free(r.setup);
     lock_release(lock);
     return e;
+}
+
+static status start_only(struct run *r) {
+    TRY(start(r));
+    return write_original(r);
+}
+
+status run_initial(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
+    return with_case(dir, type, (struct reading){.strict = strict, .afresh = true}, c, start_only);
+}
+
+status run_case(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
+    catch_signals();
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    return with_case(dir, type, (struct reading){.strict = strict}, c, loop);
 }

@@ -48,14 +48,18 @@ static status own_shear_rate(const struct setup *s, struct segregation_flow *f) 
 
 /* ---- the start folder's U ---- */
 
-/* Finds the folder with U: the start folder, else the case's first one (the U of a line is not written again). */
+/* Finds the folder with U: the start folder, else that which the case began with (the U of a line is not written
+ * again). */
 static status find_own(const struct setup *s, char name[TIME_NAME]) {
     struct instant *all = NULL;
     char path[2 * TIME_PATH];
     int n = 0;
-    snprintf(name, TIME_NAME, "%s", s->start.name);
-    snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
-    if (field_exists(path)) return OK;
+    const char *const folders[] = {s->start.folder, TIME_ORIGINAL};
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, TIME_NAME, "%s", folders[i]);
+        snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
+        if (field_exists(path)) return OK;
+    }
     TRY(times_list(s->dir, &n, &all));
     if (n) memcpy(name, all[0].name, TIME_NAME);
     free(all);
@@ -185,7 +189,7 @@ status segregation_flow_read(const struct setup *s, const struct segregation_mod
     TRY(m->velocity_case ? read_other(s, m, out) : read_own(s, out));
     if (m->sheared && !out->U)
         return fail(ERR_INPUT, "%s: diffusivity: shearRate needs a flow: %s/U or  velocity { case ..; time ..; }",
-                    dict_path(m->properties), s->start.name);
+                    dict_path(m->properties), s->start.folder);
     if (m->sheared && !out->shear_rate) TRY(own_shear_rate(s, out));
     return m->percolation == PERCOLATION_STRESS && s->dim > 1 ? stress_along(s, m, &out->percolation) : OK;
 }

@@ -60,9 +60,9 @@ static status read_phi(struct setup *s, struct mixture *x) {
     char path[2 * TIME_PATH];
     const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t};
     const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
-    snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.name);
+    snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.folder);
     TRY(field_read(path, &segregation_phi, &place, &x->field));
-    TRY(warn_header(&s->warnings, x->field->dict));
+    TRY(warn_field(&s->warnings, x->field, time_is_original(&s->start)));
     for (int i = 0; i < s->mesh->ncells; i++)
         if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
             return field_fail(x->field, &place, i, "it must lie between 0 and 1");

@@ -31,7 +31,7 @@ def copy(name, folder):
     """Copy of a shipped case without results, in a new folder inside `folder`."""
     target = os.path.join(tempfile.mkdtemp(dir=folder), name)
     shutil.copytree(os.path.join(SOURCE, "cases", name), target,
-                    ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "gas"))
+                    ignore=shutil.ignore_patterns("[1-9]*", "0", "0.[0-9]*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "gas"))
     return target
 
 

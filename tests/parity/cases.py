@@ -137,7 +137,7 @@ def open_box(path):
 
 
 TRIANGLES = ("mesh.geo", r"Transfinite Surface \{1\};\nRecombine Surface \{1\};\n", "")
-MOVING = (("0/T", r"floor .*", "floor { type granularWall; restitution 0.8; }"), ("0/U", r"floor .*", "floor { type noSlip; }"),
+MOVING = (("0.orig/T", r"floor .*", "floor { type granularWall; restitution 0.8; }"), ("0.orig/U", r"floor .*", "floor { type noSlip; }"),
           (CONTROL, r"functions\n\{\n", "functions\n{\n    budget { type energyBudget; }\n    mean { type phaseAverage; fields (rho alpha U T p);"
            " period 1; phases 4; }\n    extremes { type fieldMinMax; fields (c Ma T); }\n"))
 BUDGET = (CONTROL, "functions\n{\n    budget { type energyBudget; }\n}\n")
@@ -161,13 +161,13 @@ EXTRA = {
     "disksCWENO3": flow("CWENO3"),
     "disksCWENO3Restarted": flow("CWENO3", ranks=2, stop=1.5),
     "disksCWENO3Implicit": flow("CWENO3", "implicit"),
-    "heatedWallsDissipative": Row("heatedWalls", {"N": 20}, ended(30), [("0/T", r"right .*", "right { type granularWall; restitution 0.8; }")],
+    "heatedWallsDissipative": Row("heatedWalls", {"N": 20}, ended(30), [("0.orig/T", r"right .*", "right { type granularWall; restitution 0.8; }")],
                                   [(SCHEMES, "meshEngine polyhedral;\n")]),
     "faradayBudget": Row("faraday", {"L": 16}, ended(0.15), [(CONTROL, r"functions\n\{\n", "functions\n{\n    budget { type energyBudget; }\n")],
                          ranks=2, stop=0.075),
     **{f"faradayWalls{e.capitalize()}": Row("faraday", {"L": 16}, ended(0.1), [
-        ("0/T", r'"\(floor\|lid\)".*', "floor { type granularWall; restitution 0.7; } lid { type zeroGradient; }"),
-        ("0/U", r'"\(floor\|lid\)".*', "floor { type noSlip; } lid { type slip; }"),
+        ("0.orig/T", r'"\(floor\|lid\)".*', "floor { type granularWall; restitution 0.7; } lid { type zeroGradient; }"),
+        ("0.orig/U", r'"\(floor\|lid\)".*', "floor { type noSlip; } lid { type slip; }"),
         (CONTROL, r"functions\n\{\n", "functions\n{\n    budget { type energyBudget; }\n")],
         [(SCHEMES, f"meshEngine {e};\n")]) for e in ("lattice", "polyhedral")},
     "cylinderPerfect": Row("cylinder", {"N": 6}, ended(0.2), [
@@ -178,7 +178,7 @@ EXTRA = {
         (CONTROL, r"functions\n\{\n", "functions\n{\n    mean { type phaseAverage; fields (rho U T); phases 4; }\n    vtk { type vtk; }\n")],
         stop=0.15),
     "equationOfStateSpheres": Row("equationOfState", {"D": 3, "L": 12}, ended(8), [
-        (f"0/{name}", "type empty", "type cyclic") for name in ("alpha", "T", "U")] + [
+        (f"0.orig/{name}", "type empty", "type cyclic") for name in ("alpha", "T", "U")] + [
         ("system/meshDict", r"\n\}\n$", "\n    back { type cyclic; neighbourPatch front; }\n    front { type cyclic; neighbourPatch back; }\n}\n")]),
     "segregationChuteRestarted": Row("segregationChute", {"N": 20}, ended(1), stop=0.5),
     "segregationWedgeTwoRanks": Row("segregationWedge", {"N": 20}, ended(0.05), ranks=2, prepare=gas_of_wedge),
@@ -205,10 +205,10 @@ WRONG = ((GAS, r"restitution [^;]*;", "restitution 2;"), (GAS, r"cooling .*", "c
          (GAS, r"equationOfState .*", "equationOfState TorquatoSpheres;"), (GAS, r"diameter [^;]*;", ""), (SCHEMES, "WPENO5", "WENO7"),
          (SCHEMES, "common", "Roe"), (SCHEMES, "SSPRK3", "RK4"), (SOLUTION, "minDeltaTFraction 1e-3", "minDeltaTFraction 2"),
          (SOLUTION, "limits", "diffusion { type RKL3; } limits"), (SCHEMES, "reconstruct", "meshEngine tiles; reconstruct"),
-         ("0/T", r"floor .*", "floor { type granularWall; restitution 1.2; }"), ("0/T", r"floor .*", "floor { type granularWal; }"),
-         ("0/T", r"floor .*", "floor { type granularWall; }"), ("0/T", r"floor .*", "floor { type slip; value uniform; }"),
-         ("0/U", r"floor .*", "floor { type translatingWallVelocity; U (-2 1 0); }"), ("0/U", r"floor .*", "floor { type noslip; }"),
-         ("0/U", r"floor .*", "floor { type translatingWallVelocity; }"), ("0/U", r"lid .*", ""),
+         ("0.orig/T", r"floor .*", "floor { type granularWall; restitution 1.2; }"), ("0.orig/T", r"floor .*", "floor { type granularWal; }"),
+         ("0.orig/T", r"floor .*", "floor { type granularWall; }"), ("0.orig/T", r"floor .*", "floor { type slip; value uniform; }"),
+         ("0.orig/U", r"floor .*", "floor { type translatingWallVelocity; U (-2 1 0); }"), ("0.orig/U", r"floor .*", "floor { type noslip; }"),
+         ("0.orig/U", r"floor .*", "floor { type translatingWallVelocity; }"), ("0.orig/U", r"lid .*", ""),
          (CONTROL, "functions\n{", "functions\n{ a { type energyBugdet; }"),
          (CONTROL, "functions\n{", "functions\n{ a { type phaseAverage; fields (rho); }"),
          (CONTROL, "functions\n{", "functions\n{ a { type probes; fields (rho); }"), (CONTROL, "maxCo .*", "maxCo -1;"),

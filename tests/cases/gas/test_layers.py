@@ -171,11 +171,6 @@ class Layers(harness.Folder, unittest.TestCase):
                 self.assertEqual(done.returncode, 1)
                 self.assertIn(expected, done.stderr)
                 self.assertRegex(done.stderr, r"0/(alpha|T):\d+: ")
-        case = self.case("grains")
-        harness.edit(case, "system/controlDict", application="granularMD")
-        done = harness.program("granularMD", "-case", case, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("give an expression", done.stderr)
 
     def test_listed(self):
         listed = harness.program("granularGas", "-listModels").stdout

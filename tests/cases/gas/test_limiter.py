@@ -172,7 +172,7 @@ class Limiter(harness.Folder, unittest.TestCase):
                 self.assertGreater(harness.haff.Case(case).field("T").min(), 0.9 * T.min())
                 if engine == "polyhedral":
                     continue
-                whole = shutil.copytree(case, case + "_whole", ignore=shutil.ignore_patterns("0.*", "postProcessing"))
+                whole = shutil.copytree(case, case + "_whole", ignore=shutil.ignore_patterns("0.[0-9]*", "postProcessing"))
                 runs.add(whole, "system/fvSolution", "skipUniform no;\n")
                 harness.program("granularGas", "-case", whole)
                 runs.same(self, runs.results(case), runs.results(whole))

@@ -80,7 +80,7 @@ class Quiet(harness.Folder, unittest.TestCase):
             t, T = series[-1]
             with self.subTest(f"e = {e}, nu = {phi}, t = {t}"):
                 case = self.line(f"hcs{e}_{phi}", 8, rho, 0 * rho, gas.p(rho, float(T0)), t, e=float(e), cooling="Haff",
-                                 types={"x": "cyclic"}, step=t / 100, adjust="no", control="runTime")
+                                 types={"x": "cyclic"}, step=t / 1000, adjust="no", control="runTime")
                 np.testing.assert_allclose(case.field("T"), T, rtol=1e-10)
 
 

@@ -23,9 +23,9 @@ class Bodies(harness.Folder, unittest.TestCase):
             with open(f"{case}/{properties}", "w") as f:
                 f.write(text)
             mach = {"cylinder": 4, "sphere3D": 3}[name]
-            with open(f"{case}/0/T") as f:
+            with open(f"{case}/0.orig/T") as f:
                 lines = f.read().split("uniform ")
-            with open(f"{case}/0/T", "w") as f:
+            with open(f"{case}/0.orig/T", "w") as f:
                 f.write("uniform ".join(lines[:1] + [f"{1e4 / mach**2 / 1.4!r};" + part.split(";", 1)[1] for part in lines[1:]]))
         else:
             harness.edit(case, properties, restitution=restitution)

@@ -15,7 +15,7 @@ class CheckCases(harness.Folder, unittest.TestCase):
         super().setUpClass()
         cls.top = os.path.join(cls.folder, "a folder")
         cls.case = os.path.join(cls.top, "cases", "sod")
-        shutil.copytree(os.path.join(harness.SOURCE, "cases", "sod"), cls.case, ignore=shutil.ignore_patterns("[1-9]*", "0.*", "*.png", "polyMesh"))
+        shutil.copytree(os.path.join(harness.SOURCE, "cases", "sod"), cls.case, ignore=shutil.ignore_patterns("[1-9]*", "0", "0.[0-9]*", "*.png", "polyMesh"))
         with open(os.path.join(cls.case, "figure.py"), "w") as f:
             f.write("print('sod.png')\n")
         shutil.copytree(os.path.join(harness.SOURCE, ".ci"), os.path.join(cls.top, ".ci"))

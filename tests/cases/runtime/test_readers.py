@@ -34,7 +34,7 @@ def arrays(reader, time):
     """The cells' arrays that an OpenFOAM reader finds at a time: name -> values."""
     from vtk.util.numpy_support import vtk_to_numpy
     reader.UpdateInformation()
-    np.testing.assert_allclose(vtk_to_numpy(reader.GetTimeValues())[-1], float(time))
+    assert np.isclose(vtk_to_numpy(reader.GetTimeValues()), float(time)).any()
     reader.SetTimeValue(float(time))
     reader.EnableAllCellArrays()
     reader.Update()
@@ -97,8 +97,8 @@ class Readers(harness.Folder, unittest.TestCase):
         """checkMesh, foamToVTK; and reconstructPar puts the same fields together from the parts."""
         for folder in [case.path, *glob.glob(case.path + "/processor*")]:
             self.assertIn("Mesh OK.", self.openfoam("checkMesh", folder))
-        self.openfoam("foamToVTK", case.path, "-latestTime", "-name", "fromOpenFOAM")
-        self.assertEqual(len(glob.glob(os.path.join(case.path, "fromOpenFOAM", "*", "internal.vtu"))), 1)
+        self.openfoam("foamToVTK", case.path, "-name", "fromOpenFOAM")
+        self.assertEqual(len(glob.glob(os.path.join(case.path, "fromOpenFOAM", "*", "internal.vtu"))), len(case.times))
         for field in values:
             os.remove(os.path.join(case.path, time, field))
         self.openfoam("reconstructPar", case.path, "-latestTime")
@@ -112,15 +112,18 @@ class Readers(harness.Folder, unittest.TestCase):
         for name, solver in cases.items():
             with self.subTest(name):
                 case = self.run_small(name, solver)
-                time = case.times[-1]
+                start, time = case.times
+                self.assertEqual(float(start), 0)
                 self.assertGreater(float(time), 0)
                 if solver == "granularGas":
                     self.assertTrue(os.path.isdir(case.path + "/processor1"), "both ranks have cells")
                 fields = [f for f in ("rho", "alpha", "U", "T", "p", "phi") if os.path.isfile(os.path.join(case.path, time, f))]
                 self.assertTrue(fields)
                 values = {f: case.field(f, time) for f in fields}
-                self.readers(case, time, values)
-                self.legacy(case, time, values)
+                for t in (start, time):
+                    found = {f: case.field(f, t) for f in fields}
+                    self.readers(case, t, found)
+                    self.legacy(case, t, found)
                 self.tools(case, time, values)
 
 

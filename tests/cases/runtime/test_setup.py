@@ -23,7 +23,7 @@ class Setup(unittest.TestCase):
     def setUp(self):
         """A copy of the scripts and two cases, with programs that only note that they were called."""
         self.top = os.path.join(os.path.realpath(tempfile.mkdtemp(prefix="haff")), "a folder")
-        ignore = shutil.ignore_patterns("[1-9]*", "0.*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "*.png")
+        ignore = shutil.ignore_patterns("[1-9]*", "0", "0.[0-9]*", "*.msh", "polyMesh", "postProcessing", "VTK", "e0.*", "*.png")
         for name in ("wall", "blast"):
             shutil.copytree(os.path.join(SOURCE, "cases", name), os.path.join(self.top, "cases", name), ignore=ignore)
             with open(os.path.join(self.top, "cases", name, "figure.py"), "w") as f:
@@ -112,7 +112,7 @@ class Setup(unittest.TestCase):
             folder = os.path.join(SOURCE, "cases", name)
             with open(os.path.join(folder, "system", "controlDict")) as f:
                 mixture = "granularSegregation;" in f.read()
-            for file in ("README.md", "mesh.geo", "expected.json", "figure.py", "Allrun", "Allclean", "0/phi" if mixture else "0/U",
+            for file in ("README.md", "mesh.geo", "expected.json", "figure.py", "Allrun", "Allclean", "0.orig/phi" if mixture else "0.orig/U",
                          "constant/segregationProperties" if mixture else "constant/granularProperties",
                          "system/controlDict", "system/fvSchemes", "system/fvSolution"):
                 self.assertTrue(os.path.exists(os.path.join(folder, file)), f"{name}/{file}")

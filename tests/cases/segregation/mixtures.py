@@ -41,7 +41,7 @@ class Mixture(harness.Folder):
                 done = harness.program(*command, check=False)
                 self.assertEqual(done.returncode, 1, f"{new}: {done.stderr}")
                 self.assertIn(message, done.stderr)
-            self.assertEqual(runs.times(case), ["0"])
+            self.assertIn(runs.times(case), (["0"], []))
             with open(path, "w") as f:
                 f.write(text)
 

@@ -141,10 +141,10 @@ class Segregation(mixtures.Mixture, unittest.TestCase):
     def test_chute_errors(self):
         case = self.chute(8)
         rows = (("constant/segregationProperties", " direction (0.43837 -0.89879 0);", "", "add  direction (x y z);"),
-                ("0/phi", "fixedValue; value uniform 0.5;", "zeroGradient;", "phi must be fixedValue"),
-                ("0/phi", "value uniform 0.5;", "value uniform 1.5;", "it must lie between 0 and 1"),
+                ("0.orig/phi", "fixedValue; value uniform 0.5;", "zeroGradient;", "phi must be fixedValue"),
+                ("0.orig/phi", "value uniform 0.5;", "value uniform 1.5;", "it must lie between 0 and 1"),
                 ("system/fvSolution", "Newton", "Picard", "factored Newton"),
-                ("0/phi", "base    { type noFlux; }", "base    { type zeroGradient; }", "phi must be noFlux"),
+                ("0.orig/phi", "base    { type noFlux; }", "base    { type zeroGradient; }", "phi must be noFlux"),
                 ("system/fvSchemes", "conservative;", "conservative;\nwallValues wall;", "wallValues cell;"))
         self.refused(case, rows, ("checkCase", case))
 
@@ -162,8 +162,8 @@ class Segregation(mixtures.Mixture, unittest.TestCase):
                 ("system/fvSchemes", "wallValues wall;", "wallValues wall; bound yes;", "did you mean 'bounded'?"),
                 ("system/fvSchemes", "closure    conservative;\nwallValues wall;", "closure paper;", "wallValues wall;"),
                 ("system/fvSolution", "Newton", "Newtn", "did you mean 'Newton'?"),
-                ("0/phi", "uniform 0.55", "uniform 1.5", "it must lie between 0 and 1"),
-                ("0/phi", "bottom { type noFlux; }", "bottom { type noFlx; }", "did you mean 'noFlux'?"),
+                ("0.orig/phi", "uniform 0.55", "uniform 1.5", "it must lie between 0 and 1"),
+                ("0.orig/phi", "bottom { type noFlux; }", "bottom { type noFlx; }", "did you mean 'noFlux'?"),
                 ("system/controlDict", "fields (phi)", "fields (ph)", "did you mean 'phi'?"))
         self.refused(case, rows, ("granularSegregation", "-case", case), ("checkCase", case))
         self.assertIn("The case is sound.", harness.program("checkCase", case).stdout)

@@ -97,7 +97,7 @@ class Flow(mixtures.Mixture, unittest.TestCase):
         own = self.chute(10, endTime=0.2, deltaT=5e-3, writeInterval=0.1)
         other = shutil.copytree(own, own + "_other")
         self.run_case(own)
-        os.remove(other + "/0/U")
+        os.remove(other + "/0.orig/U")
         runs.add(other, "constant/segregationProperties", f'velocity {{ case "{own}"; time 0.1; }}\n')
         harness.edit(other, "system/controlDict", endTime=0.1)
         self.run_case(other)
@@ -120,8 +120,8 @@ class Flow(mixtures.Mixture, unittest.TestCase):
                 ("constant/segregationProperties", f"{name}/wedge", f"{name}/wdge", "velocity: there is no case"),
                 ("constant/segregationProperties", f'"{os.path.relpath(gas, case)}"', f'"{far}"', "does not cover this one"),
                 ("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearRate - 1e6"', "must be 0 or more"),
-                ("0/phi", "wall   { type noFlux; }", "wall   { type zeroGradient; }", "phi must be noFlux"),
-                ("0/phi", "inlet  { type fixedValue; value uniform 0.5; }", "inlet  { type zeroGradient; }", "phi must be fixedValue"))
+                ("0.orig/phi", "wall   { type noFlux; }", "wall   { type zeroGradient; }", "phi must be noFlux"),
+                ("0.orig/phi", "inlet  { type fixedValue; value uniform 0.5; }", "inlet  { type zeroGradient; }", "phi must be fixedValue"))
         self.refused(case, rows, ("checkCase", case))
         still = self.box((4, 4, 1), (1, 1, 0.1), np.full(16, 0.5), laws(-1, 0.1), "", 1, 0.1)
         rows = (("constant/segregationProperties", "constant; value 0.1", 'expression; value "shearRate"', "shearRate needs a flow"),

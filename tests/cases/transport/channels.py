@@ -37,7 +37,7 @@ def friction(case, floor=(-2, 0.6, 0.9), lid=(2, 1, 0.97)):
     """Gives couetteDisks walls of Johnson & Jackson: velocity, specularity, restitution of each; starts near its flow."""
     for patch, old, (u, phi, e) in (("floor", "-2", floor), ("lid", "2", lid)):
         wall = f"type JohnsonJacksonSlip; specularityCoefficient {phi!r}; restitutionCoefficient {e!r}; value uniform "
-        replace(case, "0/U", f"type translatingWallVelocity; U ({old} 0 0);", f"{wall}({u!r} 0 0);")
-        replace(case, "0/T", f"{patch:<16} {{ type fixedValue; value uniform 1; }}", f"{patch:<16} {{ {wall}1; }}")
-    replace(case, "0/T", "internalField   uniform 1;", "internalField   uniform 0.34;")
-    replace(case, "0/U", "0.2*(y - 10)", "0.15*(y - 10) + 0.14")
+        replace(case, "0.orig/U", f"type translatingWallVelocity; U ({old} 0 0);", f"{wall}({u!r} 0 0);")
+        replace(case, "0.orig/T", f"{patch:<16} {{ type fixedValue; value uniform 1; }}", f"{patch:<16} {{ {wall}1; }}")
+    replace(case, "0.orig/T", "internalField   uniform 1;", "internalField   uniform 0.34;")
+    replace(case, "0.orig/U", "0.2*(y - 10)", "0.15*(y - 10) + 0.14")

@@ -48,7 +48,7 @@ class Components(harness.Folder, unittest.TestCase):
         for field in ("U", "T", "alpha"):
             for old, new in (("floor ", "yLow "), ("lid ", "yHigh "), ('"(left|right)"   { type cyclic; }', "xEmpty { type empty; }"),
                              ('"(front|back)"   { type empty; }', "zEmpty { type empty; }")):
-                replace(case, "0/" + field, old, new)
+                replace(case, "0.orig/" + field, old, new)
         runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
         return case
 

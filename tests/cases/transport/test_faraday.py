@@ -18,7 +18,7 @@ class Faraday(harness.Folder, unittest.TestCase):
         subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "L", str(length), os.path.join(case, "mesh.geo"), "-o", msh],
                        check=True, capture_output=True)
         harness.program("gmshToCase", msh, "-case", case)
-        harness.edit(case, "0/alpha", modes=1)
+        harness.edit(case, "0.orig/alpha", modes=1)
         case = harness.run(case, endTime=repr(cycles / 3.5), maxCo=0.4)
         layer = faraday.Layer(case)
         self.assertAlmostEqual(layer.amplitude, 5.57, places=12)

@@ -28,7 +28,7 @@ class RoughWalls(harness.Folder, unittest.TestCase):
     def velocities(self, case):
         """Velocities face by face on the floor, one value on the lid; a sum that does not end in binary."""
         friction(case, lid=(1 / 3, 1, 0.97))
-        replace(case, "0/U", "value uniform (-2 0 0);", "value nonuniform List<vector> 4 ((-2 0 0) (-2.1 0 0) (-2.2 0 0) (-1.9 0 0));")
+        replace(case, "0.orig/U", "value uniform (-2 0 0);", "value nonuniform List<vector> 4 ((-2 0 0) (-2.1 0 0) (-2.2 0 0) (-1.9 0 0));")
 
     def test_restart(self):
         """On both engines: stopped on two ranks and taken up again on one, the same bytes."""
@@ -100,15 +100,15 @@ class RoughWalls(harness.Folder, unittest.TestCase):
 
     def test_refused(self):
         for file, old, new, words in (
-                ("0/U", LID, LID.replace("Coefficient 1;", "Coefficient 1.01;"), ("'specularityCoefficient' is 1.01", "between 0 and 1")),
-                ("0/U", LID, LID.replace("specularityCoefficient 1;", ""), ("'specularityCoefficient' is missing",)),
-                ("0/U", LID, LID.replace("value uniform ", "velocity uniform "), ("'value' is missing",)),
-                ("0/U", LID + "(2 0 0)", LID + "(2 0.1 0)", ("patch lid: U (2 0.1 0) leads through the wall",)),
-                ("0/U", LID + "(2 0 0)", LID + "(2 0 1)", ("is for disks, which move in a plane", "along z, out of it")),
-                ("0/U", LID + "(2 0 0)", "type noSlip", ("0/T:", "patch lid: T is 'JohnsonJacksonSlip'; U must be that, too",)),
-                ("0/T", LID, LID.replace("0.97", "0.98"), ("0/U:", "patch lid: U is 'JohnsonJacksonSlip'; T must be that, too, with the same")),
-                ("0/T", LID + "1", "type granularWall; restitution 0.97", ("T must be that, too, with the same coefficients, or fixedValue",)),
-                ("0/alpha", "lid              { type zeroGradient; }", "lid { %s1; }" % LID, ("alpha cannot be 'JohnsonJacksonSlip' there",)),
+                ("0.orig/U", LID, LID.replace("Coefficient 1;", "Coefficient 1.01;"), ("'specularityCoefficient' is 1.01", "between 0 and 1")),
+                ("0.orig/U", LID, LID.replace("specularityCoefficient 1;", ""), ("'specularityCoefficient' is missing",)),
+                ("0.orig/U", LID, LID.replace("value uniform ", "velocity uniform "), ("'value' is missing",)),
+                ("0.orig/U", LID + "(2 0 0)", LID + "(2 0.1 0)", ("patch lid: U (2 0.1 0) leads through the wall",)),
+                ("0.orig/U", LID + "(2 0 0)", LID + "(2 0 1)", ("is for disks, which move in a plane", "along z, out of it")),
+                ("0.orig/U", LID + "(2 0 0)", "type noSlip", ("0.orig/T:", "patch lid: T is 'JohnsonJacksonSlip'; U must be that, too",)),
+                ("0.orig/T", LID, LID.replace("0.97", "0.98"), ("0.orig/U:", "patch lid: U is 'JohnsonJacksonSlip'; T must be that, too, with the same")),
+                ("0.orig/T", LID + "1", "type granularWall; restitution 0.97", ("T must be that, too, with the same coefficients, or fixedValue",)),
+                ("0.orig/alpha", "lid              { type zeroGradient; }", "lid { %s1; }" % LID, ("alpha cannot be 'JohnsonJacksonSlip' there",)),
                 ("constant/granularProperties", "transport       JenkinsRichman;", "", ("U is 'JohnsonJacksonSlip', which is nothing to",))):
             with self.subTest(words=words):
                 self.refused(lambda case: replace(case, file, old, new), *words)

@@ -20,7 +20,7 @@ class Sedimentation(harness.Folder, unittest.TestCase):
         """{time: profile in mm, s} of the shipped case from another T (m^2/s^2)."""
         case = harness.copy("sedimentation", self.folder)
         harness.mesh(case, 100)
-        replace(case, "0/T", "uniform 9.81e-3", f"uniform {T0!r}")
+        replace(case, "0.orig/T", "uniform 9.81e-3", f"uniform {T0!r}")
         profiles = columns.at(harness.run(case, endTime=end, writeInterval=0.05), np.arange(0.05, end + 1e-9, 0.05))
         scale = {"y": 1e3, "alpha": 1, "U": 1e3, "T": 1e6}
         return {round(1e3 * t): {name: scale[name] * p[name] for name in scale} for t, p in profiles.items()}
@@ -61,7 +61,7 @@ class Sedimentation(harness.Folder, unittest.TestCase):
         for engine in ("lattice", "polyhedral"):
             case = harness.copy("sedimentation", self.folder)
             harness.mesh(case, 100)
-            replace(case, "0/T", "uniform 9.81e-3", "uniform 1e-8")
+            replace(case, "0.orig/T", "uniform 9.81e-3", "uniform 1e-8")
             replace(case, "system/fvSchemes", "fluxScheme  common;", f"fluxScheme  common; meshEngine {engine};")
             harness.edit(case, "system/controlDict", deltaT=1, maxDeltaT=1, endTime=0.03, writeInterval=0.03)
             said = harness.program("granularGas", "-case", case).stdout
@@ -82,7 +82,7 @@ class Sedimentation(harness.Folder, unittest.TestCase):
         replace(box, "system/fvSolution", "limits {", "skipUniformAxes no;\nlimits {")
         sides = ("left", "right", "front", "back")
         for field in ("alpha", "T", "U"):
-            replace(box, f"0/{field}", "sides        { type empty; }", '"(left|right|front|back)" { type cyclic; }')
+            replace(box, f"0.orig/{field}", "sides        { type empty; }", '"(left|right|front|back)" { type cyclic; }')
         replace(box, "system/meshDict", "patches\n{", "patches\n{" + "".join(
             f"{a} {{ type cyclic; neighbourPatch {b}; }} {b} {{ type cyclic; neighbourPatch {a}; }}\n" for a, b in zip(sides[::2], sides[1::2])))
         harness.mesh(box, 4, "M")
@@ -100,8 +100,8 @@ class Sedimentation(harness.Folder, unittest.TestCase):
             case = harness.copy("sedimentation", self.folder)
             harness.mesh(case, cells)
             harness.edit(case, "constant/granularProperties", restitution=1)
-            replace(case, "0/T", "uniform 9.81e-3", "uniform 0.03")
-            replace(case, "0/alpha", "uniform 0.1;", "uniform 0.1;\nsettledLayer { depth 40; packing 0.6; hydrostatic yes; background 1e-6; }")
+            replace(case, "0.orig/T", "uniform 9.81e-3", "uniform 0.03")
+            replace(case, "0.orig/alpha", "uniform 0.1;", "uniform 0.1;\nsettledLayer { depth 40; packing 0.6; hydrostatic yes; background 1e-6; }")
             layer = faraday.Layer(harness.run(case, endTime=10 * fall, writeInterval=fall))
             p = layer.profile(layer.case.times[1:])
             layers = 2600 * 9.81 * 0.1 / cells * p["alpha"]

@@ -45,7 +45,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
 
     def test_granular_wall(self):
         """Heat from one wall, which gas and impacts with the other take."""
-        wall = ("0/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
+        wall = ("0.orig/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
         errors, order = self.errors("heatedWalls", (20, 40), disks.heated_walls, (("T",), ("alpha",), ("p",)), other=[wall])
         self.assertGreater(order.min(), 1.9)
         self.assertLess(errors[-1].max(), MARGIN * 1.6e-4)
@@ -72,7 +72,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         """The heat flux of inelastic spheres follows grad rho, too: at walls that hold T, pulled onto one of them, and at one that
         takes heat. Under gravity errors fall with an order of 1.46 to 2.3 between these grids: the step in which gas is pulled onto a
         wall, and then pushed back, is split. test_mpi_conduction has the second order of conduction alone."""
-        absorbs = ("0/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
+        absorbs = ("0.orig/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
         for e, gravity, other, measured in ((0.8, -0.1, [], 8.7e-4), (0.8, -0.1, [POLYHEDRAL], 1.9e-3), (0.9, 0.02, [absorbs], 2e-4),
                                             (0.9, 0.02, [absorbs, POLYHEDRAL], 1e-3)):
             with self.subTest(restitution=e, gravity=gravity, other=other):
@@ -86,8 +86,8 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         def rough(case):
             """Two walls that are alike: with other walls the mean velocity would take long to become steady."""
             friction(case, (-2, 0.8, 0.9), (2, 0.8, 0.9))
-            replace(case, "0/T", "internalField   uniform 0.34;", "internalField   uniform 0.07;")
-            replace(case, "0/U", "0.15*(y - 10) + 0.14", "0.17*(y - 10)")
+            replace(case, "0.orig/T", "internalField   uniform 0.34;", "internalField   uniform 0.07;")
+            replace(case, "0.orig/U", "0.15*(y - 10) + 0.14", "0.17*(y - 10)")
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
         for other, least, measured in (([], 1.6, 1.3e-4), ([POLYHEDRAL], 1.5, 1.9e-3)):
             with self.subTest(other=other):
@@ -109,8 +109,8 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         for courant in (0.4, 0.2):
             case = harness.copy("couetteDisks", self.folder)
             friction(case, (-u, phi, e), (u, phi, e))
-            replace(case, "0/T", "internalField   uniform 0.34;", "internalField   uniform 1;")
-            replace(case, "0/U", "0.15*(y - 10) + 0.14", f"{rate!r}*(y - 10)")
+            replace(case, "0.orig/T", "internalField   uniform 0.34;", "internalField   uniform 1;")
+            replace(case, "0.orig/U", "0.15*(y - 10) + 0.14", f"{rate!r}*(y - 10)")
             harness.mesh(case, 16)
             result = harness.run(case, maxCo=courant, endTime=20, writeInterval=20)
             off = result.field("U")[:, 0] - rate * (result.centres[:, 1] - 10)
@@ -127,10 +127,10 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
             case = harness.copy("couetteDisks", self.folder)
             harness.mesh(case, n)
             harness.edit(case, "constant/granularProperties", restitution=1)
-            replace(case, "0/T", "type fixedValue; value uniform 1;", "type zeroGradient;")
-            replace(case, "0/U", "type translatingWallVelocity; U (-2 0 0);", "type noSlip;")
-            replace(case, "0/U", "U (2 0 0)", f"U ({faint} 0 0)")
-            replace(case, "0/U", "0.2*(y - 10)", "0")
+            replace(case, "0.orig/T", "type fixedValue; value uniform 1;", "type zeroGradient;")
+            replace(case, "0.orig/U", "type translatingWallVelocity; U (-2 0 0);", "type noSlip;")
+            replace(case, "0.orig/U", "U (2 0 0)", f"U ({faint} 0 0)")
+            replace(case, "0.orig/U", "0.2*(y - 10)", "0")
             result = harness.run(case, endTime=end, writeInterval=end, maxCo=0.4)
             y = result.centres[:, 1] / 20
             exact = y + sum(2 / (k * np.pi) * (-1)**k * np.sin(k * np.pi * y) * np.exp(-nu * end * (k * np.pi / 20)**2)
