@@ -32,8 +32,9 @@ static status check_dimensions(struct dict *d, const struct field_kind *kind) {
     const signed char *k = kind->dimensions;
     TRY(dict_dimensions(d, "dimensions", found));
     if (memcmp(found, k, 7))
-        return dict_fail(d, "dimensions", "%s (%s) needs [%d %d %d %d %d %d %d]", kind->name, kind->about, k[0], k[1],
-                         k[2], k[3], k[4], k[5], k[6]);
+        return dict_fail(d, "dimensions", "%s (%s) needs [%d %d %d %d %d %d %d]%s", kind->name, kind->about, k[0], k[1],
+                         k[2], k[3], k[4], k[5], k[6],
+                         found[3] ? "; it is no kelvin, but the mean square speed of grains along an axis" : "");
     return OK;
 }
 

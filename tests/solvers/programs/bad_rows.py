@@ -361,7 +361,7 @@ DICTIONARIES = [
 
 FIELDS = [
     Row("wrong dimensions of a field", ("0/T", "[0 2 -2 0 0 0 0]", "[0 0 0 1 0 0 0]"), "[0 0 0 1 0 0 0]",
-        "[0 2 -2 0 0 0 0]"),
+        "[0 2 -2 0 0 0 0]", "it is no kelvin"),
     Row("no dimensions", ("0/T", "dimensions [0 2 -2 0 0 0 0];\n", ""), "'dimensions' is missing", at=""),
     Row("dimensions of four numbers", ("0/T", "[0 2 -2 0 0 0 0]", "[0 2 -2 0]"), "5 or 7 numbers"),
     Row("rho and alpha", lambda case: shutil.copy(os.path.join(case, "0/alpha"), os.path.join(case, "0/rho")),
