@@ -6,7 +6,7 @@
 
 #define PARAM_STRUCT struct material
 const struct param grain_param[] = {
-    NUMBER("diameter", diameter, REQUIRED, FROM_TO(0, 1e30), UNIT(0, 1, 0), "grain diameter"),
+    NUMBER("diameter", diameter, REQUIRED_AS("diameter 1e-3;"), FROM_TO(0, 1e30), UNIT(0, 1, 0), "grain diameter"),
     NUMBER("mass", mass, 1, BETWEEN(0, 1e30), UNIT(1, 0, 0), "grain mass; 1: rho counts grains"),
     NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "normal restitution of a collision; 1: elastic"),
     NUMBER("thresholdSpeed", threshold, 0, FROM_TO(0, 1e30), UNIT(0, 1, -1),

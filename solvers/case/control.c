@@ -11,33 +11,55 @@
 #include <time.h>
 
 enum { PATH = 4096 };
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+static const char *const starts[] = {"firstTime", "startTime", "latestTime", NULL};
+static const char *const stops[] = {"endTime", "writeNow", "noWriteNow", "nextWrite", NULL};
+static const char *const formats[] = {"ascii", "binary", NULL};
+static const char *const times[] = {"general", "fixed", "scientific", NULL};
+static const char *const errors[] = {"abort", "write", NULL};
+static const char *const corrupt[] = {"stop", "previous", NULL};
+static const char *const zips[] = {"off", "on", "no", "yes",          "false",      "true", "n",
+                                   "y",   "f",  "t",  "uncompressed", "compressed", NULL};
 
 #define PARAM_STRUCT struct control
 const struct param control_table[] = {
+    NOTED("application", "word: granularGas, granularMD, granularSegregation, or another", "the program that runs",
+          "the other solvers of these refuse the case", "application granularGas;"),
+    CHOICE("startFrom", start_from, START_LATEST, starts, "time folder to start from"),
     NUMBER("startTime", start_time, 0, ANY_NUMBER, UNIT(0, 0, 1), "time to start from"),
-    NUMBER("endTime", end_time, HUGE_VAL, FROM_TO(-HUGE_VAL, HUGE_VAL), UNIT(0, 0, 1), "time to stop at"),
-    NUMBER("deltaT", delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1),
-           "time step; with adjustTimeStep the most for the first"),
+    CHOICE("stopAt", stop_at, STOP_END_TIME, stops, "when to stop; a running program can be asked, too"),
+    NUMBER("endTime", end_time, USUALLY(HUGE_VAL, "required with stopAt endTime"), FROM_TO(-HUGE_VAL, HUGE_VAL),
+           UNIT(0, 0, 1), "time to stop at"),
+    SWITCH("adjustTimeStep", adjust, true, "time step from maxCo"),
     NUMBER("maxCo", max_co, 1, FROM_TO(1e-6, 6), NO_UNIT, "largest Courant number"),
+    NUMBER("deltaT", delta_t, USUALLY(HUGE_VAL, "required with adjustTimeStep no"), POSITIVE, UNIT(0, 0, 1),
+           "time step; with adjustTimeStep the most for the first"),
     NUMBER("maxDeltaT", max_delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1), "largest time step"),
     NUMBER("minDeltaT", min_delta_t, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 0, 1),
            "a smaller step than this (not one that hits a write time) ends the run"),
     WHOLE("purgeWrite", purge, 0, FROM_TO(0, 1e9), "written times to keep (0: all)"),
+    EITHER("writeFormat", format.binary, false, formats, "of fields"),
     WHOLE("writePrecision", format.precision, 6, FROM_TO(1, 17), "digits of ascii numbers"),
+    EITHER("writeCompression", format.compress, false, zips, "are files gzipped?"),
+    CHOICE("timeFormat", time_format, TIME_GENERAL, times, "of the names of time folders"),
     WHOLE("timePrecision", time_precision, 6, FROM_TO(1, 17), "digits of time names"),
-    SWITCH("adjustTimeStep", adjust, true, "time step from maxCo"),
-    SWITCH("runTimeModifiable", modifiable, true, "re-read this file on change"),
     SWITCH("writeProcessors", write_processors, false, "processorN folders too"),
+    SWITCH("runTimeModifiable", modifiable, true, "re-read this file on change"),
     WHOLE("logInterval", log_interval, 0, FROM_TO(0, 1e9), "steps between log entries (0: about one a second)"),
+    EITHER("onError", write_on_error, true, errors, "what becomes of the last good state when the medium fails"),
+    EITHER("onCorruptTime", previous_if_corrupt, false, corrupt, "if the time to start from is damaged: take another?"),
+    NOTED("functions", "dictionary", "none", "function objects by their names, which are yours",
+          "functions { p1 { type probes; fields (alpha); probeLocations ((0.5 0.5 0.5)); } }"),
+    IGNORED("libs", "for OpenFOAM: nothing is loaded at run time"),
+    IGNORED("graphFormat", "for OpenFOAM"),
+    IGNORED("DebugSwitches", "for OpenFOAM"),
+    IGNORED("InfoSwitches", "for OpenFOAM"),
+    IGNORED("OptimisationSwitches", "for OpenFOAM"),
 };
-const int control_table_size = sizeof control_table / sizeof *control_table;
+const int control_table_size = COUNT(control_table);
 
 static const signed char seconds[3] = UNIT(0, 0, 1);
-
-static status choice_or(struct dict *d, const char *key, const char *const *names, int count, int standard, int *out) {
-    *out = standard;
-    return dict_has(d, key) ? dict_choice(d, key, names, count, out) : OK;
-}
 
 static status interval_read(struct dict *d, struct trigger *g) {
     if (g->control == WRITE_NONE || g->with_fields) {
@@ -55,45 +77,52 @@ static status interval_read(struct dict *d, struct trigger *g) {
     return OK;
 }
 
+enum { WITH_FIELDS = 7 }; /* the first word for which output goes with the fields */
+struct write_word {
+    int index;
+};
+#undef PARAM_STRUCT
+#define PARAM_STRUCT struct write_word
+static const char *const own_times[] = {"timeStep",  "runTime", "adjustableRunTime", "cpuTime",
+                                        "clockTime", "none",    "adjustable",        NULL};
+static const char *const any_times[] = {"timeStep", "runTime",    "adjustableRunTime", "cpuTime",    "clockTime",
+                                        "none",     "adjustable", "writeTime",         "outputTime", NULL};
+#define INTERVAL(usually)                                                                                              \
+    NOTED("writeInterval", "number: steps with timeStep, else s", usually, "what lies between two writes",             \
+          "writeInterval 0.1;")
+static const struct param fields_trigger[] = {
+    CHOICE("writeControl", index, USUALLY(0, "required"), own_times,
+           "what writeInterval counts; adjustableRunTime: steps end on the times"),
+    INTERVAL("required; 1 with timeStep"),
+};
+static const struct param function_trigger[] = {
+    CHOICE("writeControl", index, USUALLY(0, "that of the type"), any_times,
+           "what writeInterval counts; writeTime: whenever fields are written"),
+    INTERVAL("required; 1 with timeStep"),
+};
+
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out) {
-    static const char *const names[] = {"timeStep", "runTime",    "adjustableRunTime", "cpuTime",   "clockTime",
-                                        "none",     "adjustable", "writeTime",         "outputTime"};
     static const enum write_control kinds[] = {WRITE_TIME_STEP,  WRITE_RUN_TIME, WRITE_ADJUSTABLE, WRITE_CPU_TIME,
                                                WRITE_CLOCK_TIME, WRITE_NONE,     WRITE_ADJUSTABLE};
+    struct write_word word;
     *out = *standard;
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval")) return OK;
-    int index = WRITE_TIME_STEP;
-    TRY(choice_or(d, "writeControl", names, fields_allowed ? 9 : 7, WRITE_TIME_STEP, &index));
-    out->with_fields = index >= 7;
-    out->control = index >= 7 ? WRITE_NONE : kinds[index];
+    TRY(params_read(d, fields_allowed ? function_trigger : fields_trigger, COUNT(fields_trigger), &word));
+    out->with_fields = word.index >= WITH_FIELDS;
+    out->control = out->with_fields ? WRITE_NONE : kinds[word.index];
     return interval_read(d, out);
 }
 
-static status words_read(struct dict *d, struct control *c) {
-    static const char *const starts[] = {"firstTime", "startTime", "latestTime"};
-    static const char *const stops[] = {"endTime", "writeNow", "noWriteNow", "nextWrite"};
-    static const char *const formats[] = {"ascii", "binary"};
-    static const char *const times[] = {"general", "fixed", "scientific"};
-    static const char *const errors[] = {"write", "abort"};
-    static const char *const corrupt[] = {"stop", "previous"};
-    static const char *const zips[] = {"off", "on", "no", "yes", "false",        "true",
-                                       "n",   "y",  "f",  "t",   "uncompressed", "compressed"};
-    int i;
-    TRY(choice_or(d, "startFrom", starts, 3, START_LATEST, &i));
-    c->start_from = (enum start_from)i;
-    TRY(choice_or(d, "stopAt", stops, 4, STOP_END_TIME, &i));
-    c->stop_at = (enum stop_at)i;
-    TRY(choice_or(d, "writeFormat", formats, 2, 0, &i));
-    c->format.binary = i == 1;
-    TRY(choice_or(d, "writeCompression", zips, 12, 0, &i));
-    c->format.compress = i % 2 == 1;
-    TRY(choice_or(d, "timeFormat", times, 3, TIME_GENERAL, &i));
-    c->time_format = (enum time_format)i;
-    TRY(choice_or(d, "onError", errors, 2, 0, &i));
-    c->write_on_error = i == 0;
-    TRY(choice_or(d, "onCorruptTime", corrupt, 2, 0, &i));
-    c->previous_if_corrupt = i == 1;
-    return OK;
+void control_keywords(struct keywords *k) {
+    int times_of_steps = 0;
+    while (strcmp(control_table[times_of_steps].name, "purgeWrite")) times_of_steps++;
+    keywords_at(k, "system/controlDict", "", NULL);
+    keywords_params(k, control_table, times_of_steps);
+    keywords_params(k, fields_trigger, COUNT(fields_trigger));
+    keywords_params(k, control_table + times_of_steps, control_table_size - times_of_steps);
+}
+void trigger_keywords(struct keywords *k) {
+    keywords_params(k, function_trigger, COUNT(function_trigger));
 }
 
 static status together(struct dict *d, const struct control *c) {
@@ -138,22 +167,12 @@ static status read_all(struct control *c, const char *application) {
     struct dict *d = c->dict;
     TRY(check_application(d, application));
     TRY(params_read(d, control_table, control_table_size, c));
-    TRY(words_read(d, c));
     TRY(accept_warnings(d, c));
     const struct trigger each_step = {WRITE_TIME_STEP, 1, false};
     TRY(trigger_read(d, &each_step, false, &c->write));
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval"))
         return dict_missing(d, "writeControl",
                             "add  writeControl adjustableRunTime;  writeInterval <seconds>;  or  writeControl none;");
-    static const char *const others[] = {"libs", "graphFormat", "DebugSwitches", "InfoSwitches",
-                                         "OptimisationSwitches"};
-    for (int i = 0; i < 5; i++) {
-        struct dict *sub;
-        /* asking makes the key known; the first two are no dictionaries */
-        if (!dict_has(d, others[i]) || i < 2) continue;
-        TRY(dict_sub_optional(d, others[i], &sub));
-        if (sub) dict_mark_used(sub);
-    }
     TRY(dict_sub_optional(d, "functions", &c->functions));
     return together(d, c);
 }

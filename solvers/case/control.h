@@ -6,7 +6,7 @@
 #include "libcore/models/param.h"
 #include "mesh/format/foamfile.h"
 #include "solvers/case/warnings.h"
-#include "solvers/dict/dict.h"
+#include "solvers/dict/keywords.h"
 
 enum start_from { START_FIRST, START_TIME, START_LATEST };
 enum stop_at { STOP_END_TIME, STOP_WRITE_NOW, STOP_NO_WRITE_NOW, STOP_NEXT_WRITE };
@@ -46,8 +46,10 @@ struct control {
 /* Reads CASE/system/controlDict. Keys of programs other than `application` are accepted; see dict_check_used. */
 status control_read(const char *case_dir, const char *application, struct control **out);
 void control_free(struct control *c);
-extern const struct param control_table[]; /* numbers of the file; offsets in struct control */
+extern const struct param control_table[]; /* of the file; offsets in struct control */
 extern const int control_table_size;
+void control_keywords(struct keywords *k); /* all of the file but the function objects */
+void trigger_keywords(struct keywords *k); /* those of trigger_read for a function object */
 
 /* Has the file changed since it was read? Not collective: ask on the root. */
 bool control_changed(const struct control *c, const char *case_dir);

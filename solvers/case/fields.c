@@ -3,6 +3,7 @@
 
 #include "libcore/models/boundary.h"
 #include "solvers/dict/expr.h"
+#include "solvers/dict/params.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -20,6 +21,62 @@ const struct field_kind field_kinds[FIELD_COUNT] = {
     {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass", NULL},
     {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure", NULL},
 };
+
+/* ---- keywords ---- */
+
+#define VALUE_TYPE "uniform VALUE, or nonuniform List<scalar> or List<vector>"
+static const struct param field_param[] = {
+    NOTED("dimensions", "dimensions", NULL, "exponents of kg m s K mol A cd", "dimensions [0 1 -1 0 0 0 0];"),
+    NOTED("internalField", VALUE_TYPE, "required without an expression", "the cells' values",
+          "internalField uniform 0.3;"),
+    NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
+          "the cells' values, in place of internalField; constants pi, e; functions as in C",
+          "expression \"0.1 + 0.2*exp(-x^2)\";"),
+    NOTED("boundaryField", "dictionary", NULL, "a dictionary for each patch of the mesh, by its name",
+          "boundaryField { floor { type slip; } }"),
+};
+static const struct param type_param[] = {
+    NOTED("type", "word", NULL, "boundary condition", "type zeroGradient;"),
+    IGNORED("value", "the values of a type that needs none: written by OpenFOAM"),
+    IGNORED("phi", "written by OpenFOAM"),
+    IGNORED("rho", "written by OpenFOAM"),
+};
+#define PATCH_DICT   "boundaryField/PATCH"
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+/* The word of a boundary condition, with the fields that take it. */
+static void boundary_word(struct keywords *k, const struct boundary_type *b) {
+    const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
+    char about[KEYWORD_TEXT];
+    snprintf(about, sizeof about, "%s: %s", U && scalars ? "scalars, U" : U ? "U" : "scalars", b->model.about);
+    keywords_word(k, "type", b->model.name, about);
+}
+
+/* The parameters and values of a boundary condition. */
+static void boundary_keywords(struct keywords *k, const char *file, const struct boundary_type *b) {
+    const char *scalar = boundary_value(b, 1), *value = scalar ? scalar : boundary_value(b, 3);
+    char entry[80];
+    keywords_at(k, file, PATCH_DICT, b->model.name);
+    keywords_params(k, b->model.param, b->model.nparam);
+    if (!value) return;
+    snprintf(entry, sizeof entry, "%s uniform %s;", value, scalar ? "0.3" : "(1 0 0)");
+    const struct param row = NOTED(value, VALUE_TYPE, NULL, "on the faces of the patch", entry);
+    keywords_params(k, &row, 1);
+}
+
+void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const struct boundary_type *b)) {
+    keywords_at(k, file, "", NULL);
+    keywords_params(k, field_param, COUNT(field_param));
+    keywords_at(k, file, PATCH_DICT, NULL);
+    keywords_params(k, type_param, 1);
+    keywords_word(k, "type", "empty", "the axis is not solved; on patches of type empty");
+    keywords_word(k, "type", "cyclic", "periodic; on patches of type cyclic");
+    for (int i = 0; i < boundary_count; i++)
+        if (!offered || offered(&boundary_table[i])) boundary_word(k, &boundary_table[i]);
+    keywords_params(k, type_param + 1, COUNT(type_param) - 1);
+    for (int i = 0; i < boundary_count; i++)
+        if (!offered || offered(&boundary_table[i])) boundary_keywords(k, file, &boundary_table[i]);
+}
 
 bool field_exists(const char *path) {
     char zipped[PATH];
@@ -192,9 +249,7 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     TRY(check_type(d, kind, p, out->type));
     const struct boundary_type *type = boundary_find(out->type);
     if (type) TRY(read_type(d, kind, p, type, out));
-    static const char *const written_by_openfoam[] = {"value", "phi", "rho"}; /* asking makes these known */
-    for (int i = 0; i < 3; i++) (void)dict_has(d, written_by_openfoam[i]);
-    return OK;
+    return params_read(d, type_param, COUNT(type_param), out);
 }
 
 /* Returns "; 'wal.*' fits no patch" for the first key of boundaryField that no patch has asked for. */

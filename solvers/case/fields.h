@@ -4,7 +4,7 @@
 
 #include "libcore/models/param.h"
 #include "mesh/format/polymesh.h"
-#include "solvers/dict/dict.h"
+#include "solvers/dict/keywords.h"
 
 enum field_id { FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_COUNT };
 struct field_kind {
@@ -44,6 +44,12 @@ struct field_place {
     const double *centre; /* [ncells][3] m */
     double t;             /* s */
 };
+
+#define FIELD_FILES "0/alpha, 0/rho, 0/U, 0/T, 0/p"
+/* Goes through the keywords of a field's file, or of several alike, with the boundary conditions that are offered
+ * (NULL: all). */
+struct boundary_type;
+void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const struct boundary_type *b));
 
 /* Is there a file PATH or PATH.gz? */
 bool field_exists(const char *path);

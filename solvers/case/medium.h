@@ -38,6 +38,7 @@ struct medium_type {
     const char *help;
     void (*list_models)(FILE *f);
     void (*list_boundaries)(FILE *f);
+    void (*keywords)(struct keywords *k); /* goes through those of all files but controlDict */
     const struct quantity *quantity;
     int noffered;               /* number of quantities, the first ones, that function objects know */
     const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */

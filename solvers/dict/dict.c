@@ -277,8 +277,8 @@ static status unused(const struct dict *d, const struct entry *e) {
         size_t n = strlen(known);
         snprintf(known + n, sizeof known - n, " %s", a->name[i]);
     }
-    return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; remove it%s%s", e->path, e->line, e->key,
-                a->count ? "; known here:" : "", known);
+    return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; remove it%s%s%s", e->path, e->line, e->key,
+                a->count ? "; known here:" : "", known, a->count ? " (option -keywords explains them)" : "");
 }
 
 status dict_check_used(const struct dict *d) {

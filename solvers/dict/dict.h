@@ -63,8 +63,8 @@ status dict_raw(struct dict *d, const char *key, struct lexer *out);
 int dict_count(const struct dict *d);
 const char *dict_key(const struct dict *d, int i);
 
-/* Fails on the first key, in d and below, that no read asked for: "FILE:LINE: keyword 'maxC0' is not used; did you mean
- * 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
+/* Fails on the first key, in d and below, that no read asked for and no macro named: "FILE:LINE: keyword 'maxC0' is not
+ * used; did you mean 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
 status dict_check_used(const struct dict *d);
 const char *dict_unused(const struct dict *d); /* the first such key in d, but not below; NULL: there is none */
 void dict_mark_used(struct dict *d); /* marks all keys in d and below as read: they are for other programs */

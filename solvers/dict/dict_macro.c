@@ -9,6 +9,13 @@
 
 enum { EXPANSION = 4096 }; /* characters of the text of #eval, macros expanded */
 
+/* Counts the dictionaries on the way from `top` down to `d` as used: a macro named them. */
+static void use_path(const struct dict *top, const struct dict *d) {
+    for (; d != top && d->parent; d = d->parent)
+        for (int i = 0; i < d->parent->count; i++)
+            if (d->parent->entry[i].sub == d) d->parent->entry[i].used = true;
+}
+
 /* Finds the entry that a macro names. `name` is what follows '$', without braces: a, a.b, :a.b, ..a. Returns NULL if
  * there is none. As in OpenFOAM, a dictionary that is still being read has no entries for a path that comes from
  * above. */
@@ -35,7 +42,9 @@ static struct entry *find_entry(struct dict *d, const char *name) {
             if (!e || !e->sub || e->open) break;
             in = e->sub;
         }
-        if (rest != name && !strchr(rest, '.') && (e = dict_find_exact(in, rest))) return e;
+        if (rest == name || strchr(rest, '.') || !(e = dict_find_exact(in, rest))) continue;
+        use_path(d, in);
+        return e;
     }
     return NULL;
 }
@@ -52,6 +61,8 @@ status macro_find(const struct file *f, struct dict *d, const char *text, int le
     if (!*out || (*out)->open)
         return reading_fail(
             f, line, "macro '$%s' names no entry that stands before it (environment variables are not read)", name);
+    (*out)->used = true; /* the key may be a variable of the user's own */
+    if ((*out)->sub) dict_mark_used((*out)->sub);
     return OK;
 }
 

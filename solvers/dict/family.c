@@ -50,6 +50,10 @@ static bool is_offered(const struct family *k, int i) {
     return !k->offered || k->offered(row_of(k, i));
 }
 
+const struct model *family_row(const struct family *k, int i) {
+    return is_offered(k, i) ? row_of(k, i) : NULL;
+}
+
 static status leave_coeffs(const struct family *k, struct dict *d, const struct model *but) {
     struct dict *sub;
     for (int i = 0; i < *k->count; i++) {

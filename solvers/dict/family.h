@@ -11,9 +11,10 @@
 #include <stdio.h>
 
 struct family {
-    const char *file;  /* file of the keyword, relative to the case */
-    const char *title; /* title of the list of rows */
-    const char *sub;   /* dictionary that the keyword stands in, in which it must be given; NULL: the file itself */
+    const char *file;            /* file of the keyword, relative to the case */
+    const char *title;           /* title of the list of rows */
+    const char *meaning, *usual; /* for the reference: of the keyword; the default in words, NULL: as below */
+    const char *sub; /* dictionary that the keyword stands in, in which it must be given; NULL: the file itself */
     const char *key;
     const void *rows; /* [*count] of `stride` bytes */
     size_t stride;
@@ -41,6 +42,8 @@ status family_read(const struct family *k, struct dict *d, void *base);
 /* Marks the keyword and all NAMECoeffs as known, for programs that leave the family to others. */
 status family_leave(const struct family *k, struct dict *d);
 
+/* Returns row i of the table, NULL if it is not offered. */
+const struct model *family_row(const struct family *k, int i);
 void family_list(FILE *f, const struct family *k);                    /* prints title, rows, their parameters */
 void family_print(FILE *f, const struct family *k, const void *base); /* prints the chosen row and its parameters */
 

@@ -26,8 +26,8 @@ static status missing(struct dict *d, const struct param *p) {
     double none;
     int index;
     /* the error of reading says where the key is missing and how it may be misspelt */
-    status cause = p->kind == PARAM_CHOICE ? dict_choice(d, p->name, p->words, count_words(p), &index)
-                                           : dict_number(d, p->name, p->unit, &none);
+    status cause =
+        p->words ? dict_choice(d, p->name, p->words, count_words(p), &index) : dict_number(d, p->name, p->unit, &none);
     status s = fail(ERR_INPUT, "%s (%s)", status_text(cause), p->meaning);
     status_free(cause);
     return s;
@@ -36,15 +36,28 @@ static status missing(struct dict *d, const struct param *p) {
 static status read_choice(struct dict *d, const struct param *p, bool given, void *member) {
     int index = (int)p->standard;
     if (given) TRY(dict_choice(d, p->name, p->words, count_words(p), &index));
-    memcpy(member, &index, sizeof index);
+    const bool odd = index % 2;
+    if (p->kind == PARAM_EITHER) memcpy(member, &odd, sizeof odd);
+    if (p->kind == PARAM_CHOICE) memcpy(member, &index, sizeof index);
+    return OK;
+}
+
+/* Makes the key, and all below it, known: it is for other programs. */
+static status ignore(struct dict *d, const struct param *p) {
+    struct dict *sub = NULL;
+    status not_a_dictionary = dict_sub_optional(d, p->name, &sub);
+    status_free(not_a_dictionary);
+    if (sub) dict_mark_used(sub);
     return OK;
 }
 
 static status read_one(struct dict *d, const struct param *p, void *member) {
+    if (p->kind == PARAM_NOTED) return OK;
+    if (p->kind == PARAM_IGNORED) return ignore(d, p);
     const bool given = dict_has(d, p->name);
     double v[3] = {p->standard, p->standard, p->standard};
     if (!given && isnan(p->standard)) return missing(d, p);
-    if (p->kind == PARAM_CHOICE) return read_choice(d, p, given, member);
+    if (p->words) return read_choice(d, p, given, member);
     if (p->kind == PARAM_SWITCH) return dict_switch_or(d, p->name, p->standard != 0, member);
     if (given && p->kind == PARAM_VECTOR)
         TRY(dict_vector(d, p->name, p->unit, v));
@@ -67,7 +80,7 @@ status params_read(struct dict *d, const struct param *table, int n, void *base)
     return OK;
 }
 
-static void print_unit(char text[64], const signed char unit[3]) {
+void param_unit(char text[64], const signed char unit[3]) {
     static const char *const names[] = {"kg", "m", "s"};
     size_t used = 0;
     text[0] = 0;
@@ -99,43 +112,52 @@ static void print_allowed(const struct param *p, char standard[32], char allowed
     if (p->kind == PARAM_SWITCH) {
         snprintf(standard, 32, "%s", chosen ? "on" : "off");
         snprintf(allowed, 128, "on, off");
-    } else if (p->kind == PARAM_CHOICE) {
+    } else if (p->words) {
         snprintf(standard, 32, "%s", chosen < 0 ? "-" : p->words[chosen]);
         print_words(p, chosen, allowed, 128);
     }
     if (isnan(p->standard)) snprintf(standard, 32, "required");
 }
 
+bool param_fills(const struct param *p) {
+    return p->kind < PARAM_ONLY;
+}
+
 void params_print(FILE *f, const struct param *table, int n) {
     for (int i = 0; i < n; i++) {
         const struct param *p = &table[i];
+        if (!param_fills(p)) continue;
         char unit[64], standard[32], allowed[128];
-        print_unit(unit, p->unit);
+        param_unit(unit, p->unit);
         print_allowed(p, standard, allowed);
         fprintf(f, "    %-20s %-10s %-16s %-10s %s\n", p->name, standard, allowed, unit, p->meaning);
     }
 }
 
-static void print_value(FILE *f, const struct param *p, const void *member) {
+void param_value(char text[PARAM_VALUE], const struct param *p, const void *base) {
+    const char *member = (const char *)base + p->offset;
     double v[3] = {0, 0, 0};
     int whole = 0;
     bool on = false;
     if (p->kind == PARAM_NUMBER || p->kind == PARAM_VECTOR)
         memcpy(v, member, (p->kind == PARAM_VECTOR ? 3 : 1) * sizeof *v);
-    else if (p->kind == PARAM_SWITCH)
+    else if (p->kind == PARAM_SWITCH || p->kind == PARAM_EITHER)
         memcpy(&on, member, sizeof on);
     else
         memcpy(&whole, member, sizeof whole);
-    if (p->kind == PARAM_NUMBER) fprintf(f, "%.10g\n", v[0]);
-    if (p->kind == PARAM_WHOLE) fprintf(f, "%d\n", whole);
-    if (p->kind == PARAM_SWITCH) fprintf(f, "%s\n", on ? "yes" : "no");
-    if (p->kind == PARAM_VECTOR) fprintf(f, "(%.10g %.10g %.10g)\n", v[0], v[1], v[2]);
-    if (p->kind == PARAM_CHOICE) fprintf(f, "%s\n", whole < 0 ? "-" : p->words[whole]);
+    if (p->kind == PARAM_NUMBER) snprintf(text, PARAM_VALUE, "%.10g", v[0]);
+    if (p->kind == PARAM_WHOLE) snprintf(text, PARAM_VALUE, "%d", whole);
+    if (p->kind == PARAM_SWITCH) snprintf(text, PARAM_VALUE, "%s", on ? "yes" : "no");
+    if (p->kind == PARAM_VECTOR) snprintf(text, PARAM_VALUE, "(%.10g %.10g %.10g)", v[0], v[1], v[2]);
+    if (p->kind == PARAM_CHOICE) snprintf(text, PARAM_VALUE, "%s", whole < 0 ? "-" : p->words[whole]);
+    if (p->kind == PARAM_EITHER) snprintf(text, PARAM_VALUE, "%s", p->words[on]);
 }
 
 void params_print_values(FILE *f, const struct param *table, int n, const void *base) {
+    char value[PARAM_VALUE];
     for (int i = 0; i < n; i++) {
-        fprintf(f, "    %-22s ", table[i].name);
-        print_value(f, &table[i], (const char *)base + table[i].offset);
+        if (!param_fills(&table[i])) continue;
+        param_value(value, &table[i], base);
+        fprintf(f, "    %-22s %s\n", table[i].name, value);
     }
 }

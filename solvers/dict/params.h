@@ -13,4 +13,10 @@ void params_print(FILE *f, const struct param *table, int n); /* prints name, de
 /* Prints names and the values that the struct at base holds. */
 void params_print_values(FILE *f, const struct param *table, int n, const void *base);
 
+enum { PARAM_VALUE = 128 };
+/* Writes the value that the struct at base holds. */
+void param_value(char text[PARAM_VALUE], const struct param *p, const void *base);
+bool param_fills(const struct param *p);                   /* is a member filled by the row? */
+void param_unit(char text[64], const signed char unit[3]); /* writes "kg m^-1 s^-2", or "-" */
+
 #endif

@@ -30,6 +30,41 @@ void functions_list(const struct medium_type *m, FILE *f) {
     fprintf(f, "\n");
 }
 
+#define PARAM_STRUCT struct function
+static const struct param any_param[] = {
+    SWITCH("enabled", enabled, true, "is it executed? If not, nothing of it is read"),
+    SWITCH("log", log, false, "are results printed, too?"),
+    IGNORED("libs", "for OpenFOAM"),
+    IGNORED("functionObjectLibs", "for OpenFOAM"),
+    IGNORED("writeFields", "for OpenFOAM"),
+    IGNORED("region", "for OpenFOAM"),
+    IGNORED("executeControl", "for OpenFOAM: writeControl says when"),
+    IGNORED("executeInterval", "for OpenFOAM: writeInterval says when"),
+};
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+void functions_keywords(struct keywords *k, const struct medium_type *m) {
+    char type[KEYWORD_TEXT] = "list of words", entry[80];
+    for (int i = 0; i < m->noffered; i++)
+        snprintf(type + strlen(type), sizeof type - strlen(type), "%s%s", i ? ", " : ": ", m->quantity[i].name);
+    snprintf(entry, sizeof entry, "fields (%s U);", m->quantity[0].name);
+    const struct param first[] = {
+        NOTED("type", "word", NULL, "what it does", "type probes;"),
+        NOTED("fields", type, "required, but for energyBudget; vtk: all that are shown", "fields that it takes", entry),
+    };
+    keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, NULL);
+    keywords_params(k, first, 1);
+    for (int i = 0; i < TYPES; i++) keywords_word(k, "type", function_table[i]->name, function_table[i]->about);
+    keywords_params(k, first + 1, 1);
+    trigger_keywords(k);
+    keywords_params(k, any_param, COUNT(any_param));
+    for (int i = 0; i < TYPES; i++) {
+        keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, function_table[i]->name);
+        keywords_params(k, function_table[i]->param, function_table[i]->nparam);
+        if (function_table[i]->keywords) function_table[i]->keywords(k);
+    }
+}
+
 static status read_fields(struct function *f, struct dict *d) {
     const struct medium_type *m = f->setup->medium->type;
     const char *const *words, *names[MAX_QUANTITIES];
@@ -60,18 +95,15 @@ static status read_fields(struct function *f, struct dict *d) {
 }
 
 static status make_one(struct function *f, struct dict *d) {
-    static const char *const ignored[] = {"libs",   "functionObjectLibs", "writeFields",    "enabled",
-                                          "region", "executeControl",     "executeInterval"};
     const char *names[TYPES];
     int index;
     long largest = 1;
     for (int i = 0; i < TYPES; i++) names[i] = function_table[i]->name;
     TRY(dict_choice(d, "type", names, TYPES, &index));
     f->type = function_table[index];
-    for (int i = 0; i < 7; i++) (void)dict_has(d, ignored[i]);
+    TRY(params_read(d, any_param, COUNT(any_param), f));
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));
-    TRY(dict_switch_or(d, "log", false, &f->log));
     if (!f->type->no_fields) TRY(read_fields(f, d));
     TRY(f->type->make(f, d));
     for (int b = 0; b < f->setup->grid->nblocks; b++)
@@ -97,10 +129,9 @@ status functions_make(const struct setup *s, struct functions **out) {
         struct function *g = &f->all[f->n];
         const char *name = dict_key(all, i);
         e = dict_sub(all, name, &one);
-        bool enabled = true;
         if (!e) e = function_name(all, name);
-        if (!e) e = dict_switch_or(one, "enabled", true, &enabled);
-        if (!e && !enabled) {
+        if (!e) e = params_read(one, any_param, 1, g); /* enabled */
+        if (!e && !g->enabled) {
             dict_mark_used(one);
             continue;
         }

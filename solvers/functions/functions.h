@@ -12,6 +12,8 @@ status functions_make(const struct setup *s, struct functions **out);
 void functions_free(struct functions *f);
 void functions_list(const struct medium_type *m, FILE *f); /* prints every type with its line */
 
+void functions_keywords(struct keywords *k, const struct medium_type *m); /* goes through all their keywords */
+
 /* Returns the first time after t at which a function object wants a step to end; INFINITY: none does. */
 double functions_next(const struct functions *f, double t);
 /* Lets averages take in the end of a step, before any of it is written; before NULL: the start. Collective. */

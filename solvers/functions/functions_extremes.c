@@ -12,13 +12,15 @@ struct extremes {
     FILE *file; /* on the root; opened by the first execution */
 };
 
+static const char *const modes[] = {"magnitude", NULL};
+static const struct param extremes_param[] = {
+    ONLY("mode", 0, modes, "of a vector: its magnitude"),
+    IGNORED("location", "for OpenFOAM: places are written"),
+};
+
 static status extremes_make(struct function *f, struct dict *d) {
-    static const char *const modes[] = {"magnitude"};
-    int index;
     TRY(allocate(&f->own, 1, sizeof(struct extremes), "extremes"));
-    (void)dict_has(d, "location");
-    if (dict_has(d, "mode")) TRY(dict_choice(d, "mode", modes, 1, &index));
-    return OK;
+    return params_read(d, f->type->param, f->type->nparam, f->own);
 }
 
 /* Replaces a vector's first component by its magnitude. */
@@ -131,6 +133,7 @@ static void extremes_free(void *own) {
 const struct function_type function_extremes = {
     .name = "fieldMinMax",
     .about = "smallest and largest value and where",
+    FUNCTION_PARAMS(extremes_param),
     .make = extremes_make,
     .execute = extremes_execute,
     .free = extremes_free,

@@ -9,17 +9,20 @@ struct integral {
     FILE *file;    /* on the root; opened by the first execution */
 };
 
-enum { VOL_INTEGRATE, VOL_AVERAGE, SUM, MINIMUM, MAXIMUM, OPERATIONS };
-static const char *const operation_names[OPERATIONS] = {"volIntegrate", "volAverage", "sum", "min", "max"};
+enum { VOL_INTEGRATE, VOL_AVERAGE, SUM, MINIMUM, MAXIMUM };
+static const char *const operation_names[] = {"volIntegrate", "volAverage", "sum", "min", "max", NULL};
+static const char *const regions[] = {"all", NULL};
+#define PARAM_STRUCT struct integral
+static const struct param integral_param[] = {
+    CHOICE("operation", operation, REQUIRED, operation_names, "over all cells"),
+    ONLY("regionType", 0, regions, "the whole mesh"),
+};
 
 static status integral_make(struct function *f, struct dict *d) {
     struct integral *v;
-    static const char *const regions[] = {"all"};
-    int index;
     TRY(allocate(&v, 1, sizeof *v, "an integral"));
     f->own = v;
-    if (dict_has(d, "regionType")) TRY(dict_choice(d, "regionType", regions, 1, &index));
-    return dict_choice(d, "operation", operation_names, OPERATIONS, &v->operation);
+    return params_read(d, f->type->param, f->type->nparam, v);
 }
 
 /* Reduces one block: to the sums of a field's m components and, for an average, of the weights in sum[m]; or to
@@ -122,6 +125,7 @@ static void integral_free(void *own) {
 const struct function_type function_integral = {
     .name = "volFieldValue",
     .about = "volIntegrate, volAverage, sum, min or max over all cells",
+    FUNCTION_PARAMS(integral_param),
     .make = integral_make,
     .execute = integral_execute,
     .free = integral_free,

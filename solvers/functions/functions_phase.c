@@ -26,6 +26,13 @@ struct phases {
     char file[128];           /* file of the sums in a time folder */
 };
 
+#define PARAM_STRUCT struct phases
+static const struct param phases_param[] = {
+    NUMBER("period", period, USUALLY(0, "that of constant/shaking"), POSITIVE, UNIT(0, 0, 1), "of the average"),
+    NUMBER("start", start, 0, ANY_NUMBER, UNIT(0, 0, 1), "time of the first phase"),
+    WHOLE("phases", n, 20, FROM_TO(1, MOST_PHASES), "of a period, at equal distances"),
+};
+
 static void phases_free(void *own) {
     struct phases *p = own;
     for (int j = 0; j < p->n; j++) free(p->sum[j]);
@@ -264,11 +271,11 @@ static status load(const struct function *f) {
 
 /* ---- the dictionary ---- */
 
-/* Reads the period, by default that of constant/shaking, if the medium has that file. */
-static status read_period(const struct function *f, struct dict *d, double *out) {
+/* Takes the period that is not given from constant/shaking, if the medium has that file. */
+static status shaken_period(const struct function *f, struct dict *d, double *out) {
     static const signed char second[3] = {0, 0, 1}, hertz[3] = {0, 0, -1};
     const struct setup *s = f->setup;
-    for (int i = 0; i < s->nfiles && !dict_has(d, "period"); i++) {
+    for (int i = 0; i < s->nfiles; i++) {
         const struct dict *shaking = s->file[i].dict;
         if (strcmp(s->file[i].name, "shaking") || !shaking || !dict_has(shaking, "frequency")) continue;
         TRY(dict_number((struct dict *)(uintptr_t)shaking, "frequency", hertz, out));
@@ -282,15 +289,10 @@ static status read_period(const struct function *f, struct dict *d, double *out)
 static status phases_make(struct function *f, struct dict *d) {
     const struct medium_type *m = f->setup->medium->type;
     struct phases *p;
-    long phases;
     TRY(allocate(&p, 1, sizeof *p, "averages"));
     f->own = p;
-    TRY(read_period(f, d, &p->period));
-    if (!(p->period > 0)) return dict_fail(d, "period", "it must be positive");
-    TRY(dict_number_or(d, "start", (const signed char[3]){0, 0, 1}, 0, &p->start));
-    TRY(dict_count_or(d, "phases", 20, &phases));
-    if (phases < 1 || phases > MOST_PHASES) return dict_fail(d, "phases", "it must be 1 .. %d", MOST_PHASES);
-    p->n = (int)phases;
+    TRY(params_read(d, f->type->param, f->type->nparam, p));
+    if (p->period == 0) TRY(shaken_period(f, d, &p->period));
     if (snprintf(p->file, sizeof p->file, "uniform/phaseAverage.%s", f->name) >= 90)
         return fail(ERR_INPUT, "%s: the name '%s' is too long for a file of its sums; give it a shorter one",
                     dict_path(d), f->name);
@@ -310,6 +312,7 @@ static status phases_make(struct function *f, struct dict *d) {
 const struct function_type function_phases = {
     .name = "phaseAverage",
     .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
+    FUNCTION_PARAMS(phases_param),
     .make = phases_make,
     .execute = phases_execute,
     .free = phases_free,

@@ -3,6 +3,7 @@
 #ifndef SOLVERS_FUNCTIONS_PRIVATE_H
 #define SOLVERS_FUNCTIONS_PRIVATE_H
 
+#include "solvers/dict/params.h"
 #include "solvers/functions/functions.h"
 
 struct function { /* one function object; its members are for all types */
@@ -10,7 +11,8 @@ struct function { /* one function object; its members are for all types */
     const struct setup *setup;
     char name[128];
     struct trigger trigger;
-    bool log; /* are results printed, too? */
+    bool enabled; /* is it made at all? */
+    bool log;     /* are results printed, too? */
     int nfields;
     int field[MAX_QUANTITIES]; /* [nfields] the fields that it takes, as indices of the medium's quantities */
     double *block_values;      /* [3][cells of the largest block] room for function_block */
@@ -18,6 +20,9 @@ struct function { /* one function object; its members are for all types */
 };
 struct function_type {
     const char *name, *about;
+    const struct param *param; /* [nparam] the type's own entries, for `make` and the reference; NULL: there are none */
+    int nparam;
+    void (*keywords)(struct keywords *k); /* goes through those of dictionaries in it; NULL: there are none */
     /* Reads the type's own entries and allocates f->own, which free gets even if make failed. Collective. */
     status (*make)(struct function *f, struct dict *d);
     /* Writes the results at a time, whose name is for files. Collective. */
@@ -31,6 +36,10 @@ struct function_type {
     status (*collect)(struct function *f, const struct moment *before, const struct moment *now);
     status (*save)(const struct function *f, const struct field_writer *w, struct checksums *sums);
 };
+
+#define FUNCTION_PARAMS(table) .param = table, .nparam = sizeof(table) / sizeof *(table)
+#define FUNCTION_FILE          "system/controlDict"
+#define FUNCTION_DICT          "functions/NAME"
 
 const struct quantity *quantity_of(const struct function *f, int field);
 /* Computes the values of a block's cells in f->block_values; lines[c] are those along computational axis c. */

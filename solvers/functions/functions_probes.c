@@ -6,23 +6,29 @@
 struct probes {
     struct spots spots;
     FILE *file[MAX_QUANTITIES]; /* [fields] on the root; opened by the first execution */
+    bool outside;               /* may points lie outside the mesh? */
+};
+
+#define PARAM_STRUCT struct probes
+static const char *const schemes[] = {"cell", NULL};
+static const struct param probes_param[] = {
+    NOTED("probeLocations", "list of vectors", NULL, "the points", "probeLocations ((0.5 0.5 0.5));"),
+    SWITCH("allowOutside", outside, false,
+           "points outside the mesh give -1e300, as in OpenFOAM; else they are an error"),
+    ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),
+    IGNORED("fixedLocations", "for OpenFOAM: points stay where they are"),
 };
 
 static status probes_make(struct function *f, struct dict *d) {
     struct probes *p;
     const double *points;
     int n;
-    bool outside;
-    static const char *const schemes[] = {"cell"};
-    int scheme;
     TRY(allocate(&p, 1, sizeof *p, "probes"));
     f->own = p;
-    TRY(dict_switch_or(d, "allowOutside", false, &outside));
-    if (dict_has(d, "interpolationScheme")) TRY(dict_choice(d, "interpolationScheme", schemes, 1, &scheme));
-    if (dict_has(d, "fixedLocations")) TRY(dict_switch_or(d, "fixedLocations", true, &(bool){false}));
+    TRY(params_read(d, f->type->param, f->type->nparam, p));
     TRY(dict_vectors(d, "probeLocations", &n, &points));
     if (n < 1) return dict_fail(d, "probeLocations", "it is empty; give ((x y z) ...)");
-    return spots_add(&p->spots, f, d, "probeLocations", n, points, outside);
+    return spots_add(&p->spots, f, d, "probeLocations", n, points, p->outside);
 }
 
 static status probes_open(const struct function *f, int field) {
@@ -72,6 +78,7 @@ static void probes_free(void *own) {
 const struct function_type function_probes = {
     .name = "probes",
     .about = "values of the cells that hold given points, one row per time",
+    FUNCTION_PARAMS(probes_param),
     .make = probes_make,
     .execute = probes_execute,
     .free = probes_free,

@@ -16,23 +16,50 @@ struct sets {
     struct line *line; /* [nlines] */
 };
 
-static const char *const axis_names[] = {"x", "y", "z", "distance", "xyz"};
+static const char *const axis_names[] = {"x", "y", "z", "distance", "xyz", NULL};
+static const char *const types[] = {"uniform", NULL}, *const formats[] = {"raw", NULL},
+                         *const schemes[] = {"cell", NULL};
+struct ends { /* what a line's dictionary says beside its axis */
+    double start[3], end[3];
+    int n;
+};
+#define PARAM_STRUCT struct line
+static const struct param axis_param[] = {
+    ONLY("type", REQUIRED, types, "points at equal distances"),
+    CHOICE("axis", axis, REQUIRED, axis_names, "coordinate that is written"),
+};
+#undef PARAM_STRUCT
+#define PARAM_STRUCT struct ends
+static const struct param ends_param[] = {
+    VECTOR("start", start, REQUIRED_AS("start (0 0.5 0.5);"), ANY_NUMBER, UNIT(0, 1, 0), "first point"),
+    VECTOR("end", end, REQUIRED_AS("end (1 0.5 0.5);"), ANY_NUMBER, UNIT(0, 1, 0), "last point"),
+    WHOLE("nPoints", n, REQUIRED_AS("nPoints 100;"), FROM_TO(2, MOST_SPOTS), "points; those off the mesh are left out"),
+};
+static const struct param sets_param[] = {
+    ONLY("setFormat", 0, formats, "columns of text"),
+    ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),
+    NOTED("sets", "dictionary", NULL, "a dictionary for each line; its name, which is yours, is that of the file",
+          "sets { middle { type uniform; axis x; start (0 0.5 0.5); end (1 0.5 0.5); nPoints 100; } }"),
+};
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+static void sets_keywords(struct keywords *k) {
+    keywords_at(k, FUNCTION_FILE, FUNCTION_DICT "/sets/LINE", NULL);
+    keywords_params(k, axis_param, COUNT(axis_param));
+    keywords_params(k, ends_param, COUNT(ends_param));
+}
 
 static status set_make(struct function *f, struct sets *sets, const char *name, struct dict *d) {
-    static const char *const types[] = {"uniform"};
     struct line *l = &sets->line[sets->nlines];
-    double start[3], end[3], *points;
-    long n;
-    int index;
-    TRY(dict_choice(d, "type", types, 1, &index));
-    TRY(dict_choice(d, "axis", axis_names, 5, &l->axis));
-    TRY(dict_vector(d, "start", NULL, start));
-    TRY(dict_vector(d, "end", NULL, end));
-    TRY(dict_count_or(d, "nPoints", 0, &n));
-    if (n < 2 || n > MOST_SPOTS) return dict_fail(d, "nPoints", "give a number from 2 to %d", (int)MOST_SPOTS);
+    struct ends ends;
+    double *points;
+    TRY(params_read(d, axis_param, COUNT(axis_param), l));
+    TRY(params_read(d, ends_param, COUNT(ends_param), &ends));
+    const double *start = ends.start, *end = ends.end;
+    const long n = ends.n;
     snprintf(l->name, sizeof l->name, "%s", name);
     l->first = sets->spots.n;
-    l->n = (int)n;
+    l->n = ends.n;
     TRY(allocate(&points, 3 * n, sizeof(double), "points of a line"));
     for (long i = 0; i < n; i++)
         for (int x = 0; x < 3; x++)
@@ -47,14 +74,11 @@ static status set_make(struct function *f, struct sets *sets, const char *name, 
 }
 
 static status sets_make(struct function *f, struct dict *d) {
-    static const char *const formats[] = {"raw"}, *const schemes[] = {"cell"};
     struct dict *all, *one;
     struct sets *sets;
-    int index;
     TRY(allocate(&sets, 1, sizeof *sets, "lines"));
     f->own = sets;
-    if (dict_has(d, "setFormat")) TRY(dict_choice(d, "setFormat", formats, 1, &index));
-    if (dict_has(d, "interpolationScheme")) TRY(dict_choice(d, "interpolationScheme", schemes, 1, &index));
+    TRY(params_read(d, f->type->param, f->type->nparam, sets));
     TRY(dict_sub(d, "sets", &all));
     int n = dict_count(all);
     if (!n) return dict_fail(d, "sets", "it is empty");
@@ -132,6 +156,8 @@ static void sets_free(void *own) {
 const struct function_type function_sets = {
     .name = "sets",
     .about = "values along lines, one file per line and time",
+    FUNCTION_PARAMS(sets_param),
+    .keywords = sets_keywords,
     .make = sets_make,
     .execute = sets_execute,
     .free = sets_free,

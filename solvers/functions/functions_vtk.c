@@ -13,15 +13,17 @@ struct vtk {
     double *values;        /* on the root: [fields][3 cells] */
 };
 
+static const char *const formats[] = {"binary", "ascii", NULL};
+#define PARAM_STRUCT struct vtk
+static const struct param vtk_param[] = {
+    EITHER("writeFormat", ascii, false, formats, "of the VTK files"),
+};
+
 static status vtk_make(struct function *f, struct dict *d) {
     struct vtk *v;
-    static const char *const formats[] = {"binary", "ascii"};
-    int index = 0;
     TRY(allocate(&v, 1, sizeof *v, "VTK files"));
     f->own = v;
-    if (dict_has(d, "writeFormat")) TRY(dict_choice(d, "writeFormat", formats, 2, &index));
-    v->ascii = index == 1;
-    return OK;
+    return params_read(d, f->type->param, f->type->nparam, v);
 }
 
 static status write_cloud(const struct function *f, const struct moment *now, const char *folder, const char *time) {
@@ -80,6 +82,7 @@ static void vtk_free(void *own) {
 const struct function_type function_vtk = {
     .name = "vtk",
     .about = "legacy VTK files in VTK/, with a .vtk.series",
+    FUNCTION_PARAMS(vtk_param),
     .make = vtk_make,
     .execute = vtk_execute,
     .free = vtk_free,

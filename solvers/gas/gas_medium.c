@@ -446,13 +446,14 @@ static const struct patch_field *gas_patch(const struct medium *m, int quantity,
 }
 
 static const char help[] =
-    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
     "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
     "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
+    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n\n"
     "SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written "
     "and\n"
@@ -499,6 +500,7 @@ const struct medium_type gas_medium = {
     .help = help,
     .list_models = models_list,
     .list_boundaries = boundaries_list,
+    .keywords = models_keywords,
     .quantity = quantities,
     .noffered = GAS_FIELDS,
     .written = written,

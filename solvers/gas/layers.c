@@ -25,7 +25,7 @@ struct layers {
 static const char *const of_words[] = {"density", "depth", NULL}, *const axis_words[] = {"x", "y", "z", NULL};
 #define PARAM_STRUCT struct layers
 static const struct param settled_param[] = {
-    NUMBER("depth", depth, REQUIRED, POSITIVE, NO_UNIT, "in grain diameters"),
+    NUMBER("depth", depth, REQUIRED_AS("depth 6;"), POSITIVE, NO_UNIT, "in grain diameters"),
     NUMBER("packing", packing, 0, FROM_TO(0, 1), NO_UNIT,
            "of that depth: both say the mass; 0: alphaMax of the equation of state"),
     SWITCH("hydrostatic", hydrostatic, true,
@@ -37,10 +37,17 @@ static const struct param settled_param[] = {
 };
 static const struct param perturbation_param[] = {
     WHOLE("modes", modes, 20, FROM_TO(1, 100000), "the longest waves of the box"),
-    NUMBER("amplitude", amplitude, REQUIRED, FROM_TO(0, 1), NO_UNIT, "of each, relative"),
+    NUMBER("amplitude", amplitude, REQUIRED_AS("amplitude 1e-3;"), FROM_TO(0, 1), NO_UNIT, "of each, relative"),
     WHOLE("seed", seed, 1, FROM_TO(0, 2147483647), "of their phases"),
     CHOICE("of", of_depth, 0, of_words, "what it multiplies: density, or the mass of each column of a settledLayer"),
-    CHOICE("axis", axis, -1, axis_words, "a cyclic one; default the longest across gravity"),
+    CHOICE("axis", axis, USUALLY(-1, "the longest"), axis_words, "a cyclic one; default the longest across gravity"),
+};
+static const struct param file_param[] = {
+    NOTED("settledLayer", "dictionary", "none",
+          "a layer at rest on the side of the box that gravity points to, in place of internalField",
+          "settledLayer { depth 6; packing 0.82; }"),
+    NOTED("perturbation", "dictionary", "none", "a factor 1 + amplitude sum sin(2 pi (k x/L + random phase))",
+          "perturbation { modes 20; amplitude 1e-3; seed 1; }"),
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
@@ -104,6 +111,16 @@ void layers_list(FILE *f) {
     params_print(f, settled_param, COUNT(settled_param));
     fprintf(f, "\n0.orig/alpha or rho: perturbation { }, 1 + amplitude sum sin(2 pi (k x/L + random phase))\n");
     params_print(f, perturbation_param, COUNT(perturbation_param));
+}
+
+void layers_keywords(struct keywords *k) {
+    static const char where[] = "0/alpha, 0/rho";
+    keywords_at(k, where, "", NULL);
+    keywords_params(k, file_param, COUNT(file_param));
+    keywords_at(k, where, file_param[0].name, NULL);
+    keywords_params(k, settled_param, COUNT(settled_param));
+    keywords_at(k, where, file_param[1].name, NULL);
+    keywords_params(k, perturbation_param, COUNT(perturbation_param));
 }
 
 /* ---- on the cells ---- */

@@ -29,7 +29,8 @@ void layers_free(struct layers *l);
 /* Takes the waves away; returns whether what remains is at rest: a hydrostatic settledLayer, where alpha is above its
  * *background. l may be NULL. */
 bool layers_calm(struct layers *l, double *background);
-void layers_list(FILE *f); /* prints keys, defaults, ranges */
+void layers_list(FILE *f);                /* prints keys, defaults, ranges */
+void layers_keywords(struct keywords *k); /* goes through the same, for the reference */
 
 /* Sets the cells' values of f (rho or alpha, whose file said l). T: the field of T, NULL if the case gives p. */
 status layers_apply(const struct layers *l, struct field *f, const struct field_place *place, int dim,

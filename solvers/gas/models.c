@@ -15,15 +15,30 @@
 enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
+#define PARAM_STRUCT struct forces
+static const struct param gravity_param[] = {
+    NOTED("dimensions", "dimensions", "none", "checked where they are given", "dimensions [0 1 -2 0 0 0 0];"),
+    VECTOR("value", gravity, REQUIRED_AS("value (0 -9.81 0);"), ANY_NUMBER, UNIT(0, 1, -2),
+           "acceleration; 0 along the axes that 'empty' patches take away, but where the gas may move along them"),
+};
+static const char *const shaking_names[] = {"none", "sinusoidal", NULL};
+static const struct param shaking_type[] = {
+    CHOICE("type", shaken, REQUIRED_AS("type sinusoidal;"), shaking_names,
+           "sinusoidal: gravity is g (1 + amplitude cos(2 pi frequency t + phase))"),
+};
+#undef PARAM_STRUCT
 #define PARAM_STRUCT struct sources
 static const struct param shaking_param[] = {
-    NUMBER("amplitude", amplitude, REQUIRED, ANY_NUMBER, NO_UNIT,
+    NUMBER("amplitude", amplitude, REQUIRED_AS("amplitude table ((0 2.75) (2 2.75) (4 2));"), TABLE_OR_NUMBER, NO_UNIT,
            "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or  table ((t a) (t a) ..);"),
-    NUMBER("frequency", frequency, REQUIRED, POSITIVE, UNIT(0, 0, -1), "Hz"),
+    NUMBER("frequency", frequency, REQUIRED_AS("frequency 10;"), POSITIVE, UNIT(0, 0, -1), "Hz"),
     NUMBER("phase", phase, 0, ANY_NUMBER, NO_UNIT, "rad"),
 };
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct case_models
+static const struct param properties_param[] = {
+    NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
+};
 static const struct param limits_param[] = {
     NUMBER("minDeltaTFraction", min_fraction, 1e-3, BETWEEN(0, 1), NO_UNIT,
            "the run has collapsed when dt falls below this part of what calm cells allow"),
@@ -35,9 +50,21 @@ static const struct param solution_param[] = {
            "leave out cells whose surroundings are uniform to the bit; the result has the same bits"),
     SWITCH("skipUniformAxes", skip_axes, true,
            "compute one layer of cells along a periodic axis along which all is uniform to the bit; the same bits"),
+    NOTED("diffusion", "dictionary", "none", "how transport is integrated", "diffusion { type RKJ2; }"),
+    NOTED("acoustics", "dictionary", "none", "how sound is integrated", "acoustics { type implicit; }"),
+    NOTED("limits", "dictionary", "none", "where a run ends, or mass is added", "limits { minDeltaTFraction 1e-4; }"),
+    IGNORED("solvers", "for OpenFOAM"),
+    IGNORED("SIMPLE", "for OpenFOAM"),
+    IGNORED("PIMPLE", "for OpenFOAM"),
+    IGNORED("PISO", "for OpenFOAM"),
+    IGNORED("relaxationFactors", "for OpenFOAM"),
 };
-static const char *const shaking_names[] = {"none", "sinusoidal"};
-
+static const struct param schemes_param[] = {
+    IGNORED("ddtSchemes", "for OpenFOAM"),           IGNORED("gradSchemes", "for OpenFOAM"),
+    IGNORED("divSchemes", "for OpenFOAM"),           IGNORED("laplacianSchemes", "for OpenFOAM"),
+    IGNORED("interpolationSchemes", "for OpenFOAM"), IGNORED("snGradSchemes", "for OpenFOAM"),
+    IGNORED("fluxRequired", "for OpenFOAM"),
+};
 static const struct mesh_engine engine_table[] = {
     {MODEL("lattice", "tiles of equal boxes, with `reconstruct` (default where the mesh is one)"), false},
     {MODEL("polyhedral", "any cells, with `polyReconstruct` (default where the mesh is no lattice)"), true},
@@ -119,28 +146,37 @@ enum {
     FAMILIES
 };
 static const struct family families[FAMILIES] = {
-    [EOS] = {PROPERTIES, "equationOfState", FAMILY_ROWS(eos), .key = "equationOfState", .must = true,
-             .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits, .holds = eos_holds},
-    [COOLING] = {PROPERTIES, "cooling", FAMILY_ROWS(cooling), .key = "cooling", .none = "no energy sink",
-                 .chosen = MEMBER(source.cooling), .params = MEMBER(source.cooling_params), .suits = cooling_suits},
-    [TRANSPORT] = {PROPERTIES, "transport", FAMILY_ROWS(transport), .key = "transport", .none = "inviscid",
-                   .tacit = true, .chosen = MEMBER(gas.transport), .params = MEMBER(gas.transport_params),
-                   .suits = transport_suits},
-    [SOURCES] = {PROPERTIES, "sources ( .. )", FAMILY_ROWS(source), .key = "sources", .list = true,
-                 .offered = source_offered, .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
-    [FLUX] = {SCHEMES, "system/fvSchemes: fluxScheme", FAMILY_ROWS(flux), .key = "fluxScheme", .standard = "common",
-              .chosen = MEMBER(gas.flux), .params = MEMBER(gas.flux_params)},
-    [RECONSTRUCT] = {SCHEMES, "system/fvSchemes: reconstruct", FAMILY_ROWS(reconstruct), .key = "reconstruct",
-                     .standard = "WPENO5", .chosen = MEMBER(gas.reconstruct)},
-    [STEPPER] = {SCHEMES, "system/fvSchemes: timeScheme", FAMILY_ROWS(stepper), .key = "timeScheme",
-                 .standard = "SSPRK43", .chosen = MEMBER(gas.stepper)},
-    [ENGINE] = {SCHEMES, "system/fvSchemes: meshEngine", FAMILY_ROWS(engine), .key = "meshEngine",
-                .chosen = MEMBER(engine)},
-    [POLYNOMIAL] = {SCHEMES, "system/fvSchemes: polyReconstruct", FAMILY_ROWS(polynomial), .key = "polyReconstruct",
-                    .standard = "CWENO3", .chosen = MEMBER(gas.polynomial)},
-    [DIFFUSION] = {SOLUTION, "system/fvSolution: diffusion { type .. }", FAMILY_ROWS(diffusion), .sub = "diffusion",
-                   .key = "type", .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
-    [ACOUSTICS] = {SOLUTION, "system/fvSolution: acoustics { type .. }", FAMILY_ROWS(acoustics), .sub = "acoustics",
+    [EOS] = {PROPERTIES, "equationOfState", .meaning = "equation of state", FAMILY_ROWS(eos), .key = "equationOfState",
+             .must = true, .chosen = MEMBER(gas.eos), .params = MEMBER(gas.material), .suits = eos_suits,
+             .holds = eos_holds},
+    [COOLING] = {PROPERTIES, "cooling", .meaning = "energy lost in impacts",
+                 .usual = "required with restitution below 1", FAMILY_ROWS(cooling), .key = "cooling",
+                 .none = "no energy sink", .chosen = MEMBER(source.cooling), .params = MEMBER(source.cooling_params),
+                 .suits = cooling_suits},
+    [TRANSPORT] = {PROPERTIES, "transport", .meaning = "viscosity and heat conduction", FAMILY_ROWS(transport),
+                   .key = "transport", .none = "inviscid", .tacit = true, .chosen = MEMBER(gas.transport),
+                   .params = MEMBER(gas.transport_params), .suits = transport_suits},
+    [SOURCES] = {PROPERTIES, "sources ( .. )", .meaning = "what acts on the gas besides gravity and impacts",
+                 FAMILY_ROWS(source), .key = "sources", .list = true, .offered = source_offered,
+                 .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
+    [FLUX] = {SCHEMES, "system/fvSchemes: fluxScheme", .meaning = "numerical flux between cells", FAMILY_ROWS(flux),
+              .key = "fluxScheme", .standard = "common", .chosen = MEMBER(gas.flux), .params = MEMBER(gas.flux_params)},
+    [RECONSTRUCT] = {SCHEMES, "system/fvSchemes: reconstruct",
+                     .meaning = "reconstruction within the cells of a lattice", FAMILY_ROWS(reconstruct),
+                     .key = "reconstruct", .standard = "WPENO5", .chosen = MEMBER(gas.reconstruct)},
+    [STEPPER] = {SCHEMES, "system/fvSchemes: timeScheme", .meaning = "Runge-Kutta scheme of a step",
+                 FAMILY_ROWS(stepper), .key = "timeScheme", .standard = "SSPRK43", .chosen = MEMBER(gas.stepper)},
+    [ENGINE] = {SCHEMES, "system/fvSchemes: meshEngine", .meaning = "insists on one of the two kinds of mesh",
+                .usual = "as the mesh is", FAMILY_ROWS(engine), .key = "meshEngine", .chosen = MEMBER(engine)},
+    [POLYNOMIAL] = {SCHEMES, "system/fvSchemes: polyReconstruct", .meaning = "reconstruction within polyhedral cells",
+                    FAMILY_ROWS(polynomial), .key = "polyReconstruct", .standard = "CWENO3",
+                    .chosen = MEMBER(gas.polynomial)},
+    [DIFFUSION] = {SOLUTION, "system/fvSolution: diffusion { type .. }",
+                   .meaning = "integration in time of viscosity and heat conduction",
+                   .usual = "RKJ2 without the dictionary", FAMILY_ROWS(diffusion), .sub = "diffusion", .key = "type",
+                   .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
+    [ACOUSTICS] = {SOLUTION, "system/fvSolution: acoustics { type .. }", .meaning = "integration in time of sound",
+                   .usual = "explicit without the dictionary", FAMILY_ROWS(acoustics), .sub = "acoustics",
                    .key = "type", .standard = "explicit", .chosen = MEMBER(gas.acoustics),
                    .params = MEMBER(gas.acoustics_params), .suits = acoustics_suits},
 };
@@ -181,28 +217,15 @@ status models_equation(struct dict *properties, struct gas_models *out) {
     return OK;
 }
 
-static void mark_subs(struct dict *d, const char *const *names, int n) {
-    for (int i = 0; i < n; i++) {
-        struct dict *sub = NULL;
-        if (!dict_has(d, names[i])) continue;
-        status s = dict_sub_optional(d, names[i], &sub);
-        if (!s && sub) dict_mark_used(sub);
-        status_free(s);
-    }
-}
-
 static status read_schemes(struct dict *d, struct case_models *m) {
-    static const char *const others[] = {"ddtSchemes",           "gradSchemes",   "divSchemes",  "laplacianSchemes",
-                                         "interpolationSchemes", "snGradSchemes", "fluxRequired"};
     /* asked for first, so that messages that list the known keywords begin with it */
     (void)dict_has(d, families[ENGINE].key);
     TRY(read_families(SCHEMES, d, m));
-    mark_subs(d, others, COUNT(others));
+    TRY(params_read(d, schemes_param, COUNT(schemes_param), m));
     return dict_check_used(d);
 }
 
 static status read_solution(struct dict *d, struct case_models *m) {
-    static const char *const others[] = {"solvers", "SIMPLE", "PIMPLE", "PISO", "relaxationFactors"};
     struct dict *limits, *none = NULL;
     TRY(params_read(d, solution_param, COUNT(solution_param), m));
     TRY(read_families(SOLUTION, d, m));
@@ -211,7 +234,6 @@ static status read_solution(struct dict *d, struct case_models *m) {
     status s = params_read(limits ? limits : none, limits_param, COUNT(limits_param), m);
     dict_free(none);
     TRY(s);
-    mark_subs(d, others, COUNT(others));
     return dict_check_used(d);
 }
 
@@ -221,20 +243,19 @@ static void turn_vector(int components, const int axis[3], const double physical
 }
 
 static status read_gravity(struct dict *d, struct forces *m) {
-    static const signed char unit[3] = {0, 1, -2}, expected[7] = {0, 1, -2, 0, 0, 0, 0};
+    static const signed char expected[7] = {0, 1, -2, 0, 0, 0, 0};
     signed char dimensions[7];
     if (dict_has(d, "dimensions")) {
         TRY(dict_dimensions(d, "dimensions", dimensions));
         if (memcmp(dimensions, expected, 7)) return dict_fail(d, "dimensions", "gravity needs [0 1 -2 0 0 0 0]");
     }
-    TRY(dict_vector(d, "value", unit, m->gravity));
+    TRY(params_read(d, gravity_param, COUNT(gravity_param), m));
     return dict_check_used(d);
 }
 
 static status read_shaking(struct dict *d, struct forces *m) {
-    int type;
-    TRY(dict_choice(d, "type", shaking_names, COUNT(shaking_names), &type));
-    if (type == 1) {
+    TRY(params_read(d, shaking_type, COUNT(shaking_type), m));
+    if (m->shaken) {
         if (!m->g) return dict_fail(d, "type", "shaking modulates gravity; constant/g is missing");
         if (dict_has(d, "amplitude")) TRY(dict_table(d, "amplitude", &m->source.knots, &m->source.ramp));
         const int ramped = m->source.knots > 0; /* a table stands in place of the first row, the amplitude */
@@ -363,6 +384,53 @@ void models_list(FILE *f) {
     fprintf(f, "\n%s: limits { }\n", SOLUTION);
     params_print(f, limits_param, COUNT(limits_param));
     layers_list(f);
+}
+
+/* Goes through a file of the models, whose other keywords are top[n]. */
+static void go_through(struct keywords *k, const char *file, const struct param *top, int n) {
+    for (int i = 0; i < FAMILIES; i++)
+        if (stands_in(&families[i], file) && !families[i].sub) keywords_family(k, &families[i]);
+    keywords_at(k, file, "", NULL);
+    keywords_params(k, top, n);
+    if (!strcmp(file, PROPERTIES)) grain_keywords(k);
+    for (int i = 0; i < FAMILIES; i++) {
+        if (!stands_in(&families[i], file)) continue;
+        if (families[i].sub) keywords_family(k, &families[i]);
+        keywords_coeffs(k, &families[i]);
+    }
+}
+
+void models_leave_keywords(struct keywords *k) {
+    keywords_at(k, PROPERTIES, "", NULL);
+    for (int i = 0; i < FAMILIES; i++) {
+        const struct param row = IGNORED(families[i].key, "for granularGas");
+        if (stands_in(&families[i], PROPERTIES) && !families[i].list) keywords_params(k, &row, 1);
+    }
+}
+
+void grain_keywords(struct keywords *k) {
+    keywords_at(k, PROPERTIES, "grain", NULL);
+    keywords_params(k, grain_param, grain_nparam);
+}
+
+void forces_keywords(struct keywords *k) {
+    keywords_at(k, "constant/g", "", NULL);
+    keywords_params(k, gravity_param, COUNT(gravity_param));
+    keywords_at(k, "constant/shaking", "", NULL);
+    keywords_params(k, shaking_type, COUNT(shaking_type));
+    keywords_at(k, "constant/shaking", "", shaking_names[1]);
+    keywords_params(k, shaking_param, COUNT(shaking_param));
+}
+
+void models_keywords(struct keywords *k) {
+    go_through(k, PROPERTIES, properties_param, COUNT(properties_param));
+    forces_keywords(k);
+    go_through(k, SCHEMES, schemes_param, COUNT(schemes_param));
+    go_through(k, SOLUTION, solution_param, COUNT(solution_param));
+    keywords_at(k, SOLUTION, "limits", NULL);
+    keywords_params(k, limits_param, COUNT(limits_param));
+    fields_keywords(k, FIELD_FILES, NULL);
+    layers_keywords(k);
 }
 
 void boundaries_list(FILE *f) {

@@ -3,7 +3,7 @@
 #define SOLVERS_MODELS_H
 
 #include "libcore/gas/gas.h"
-#include "solvers/dict/dict.h"
+#include "solvers/dict/keywords.h"
 #include <stdio.h>
 
 struct mesh_engine {
@@ -13,6 +13,7 @@ struct mesh_engine {
 struct forces {               /* the contents of constant/g and constant/shaking */
     struct dict *g, *shaking; /* NULL: there is no such file */
     double gravity[3];        /* m/s^2, along physical axes */
+    int shaken;               /* is there shaking that is not of type none? */
     struct sources source;    /* gravity in computational axes, and shaking */
 };
 struct case_models {
@@ -44,6 +45,12 @@ status forces_read(const char *case_dir, int dim, const int axis[3], struct forc
 void forces_free(struct forces *f);
 void forces_list(FILE *f);
 void forces_print(FILE *f, const struct forces *forces);
+
+/* Go through the keywords of grain { }, of constant/g and shaking, and of all that a run of the gas reads. */
+void grain_keywords(struct keywords *k);
+void models_leave_keywords(struct keywords *k); /* those that models_leave marks */
+void forces_keywords(struct keywords *k);
+void models_keywords(struct keywords *k);
 
 void models_list(FILE *f);     /* prints every model with its line and parameters */
 void boundaries_list(FILE *f); /* prints every boundary condition */

@@ -482,7 +482,7 @@ static status medium_save(const struct medium *m, const char *folder, const char
 }
 
 static const char help[] =
-    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
     "in\n"
@@ -493,6 +493,7 @@ static const char help[] =
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  parameters and function objects\n"
     "  -listBCs     boundary conditions\n"
+    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n\n"
     "It runs on one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
@@ -501,6 +502,7 @@ const struct medium_type grains_medium = {
     .help = help,
     .list_models = grains_models_list,
     .list_boundaries = grains_boundaries_list,
+    .keywords = grains_models_keywords,
     .quantity = quantities,
     .noffered = QUANTITIES,
     .written = written,

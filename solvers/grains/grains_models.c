@@ -18,8 +18,14 @@ static const struct param grains_param[] = {
           "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"),
     WHOLE("seed", seed, 1, FROM_TO(0, 2e9), "of the random places and velocities"),
     SWITCH("writeCloud", write_cloud, true, "lagrangian/grains in every written time; restarts do not need it"),
+    NOTED("walls", "dictionary", "none", "a dictionary for each patch that is not elastic, by its name",
+          "walls { floor { restitution 0.7; } }"),
+    NOTED("coarseGraining", "dictionary", "none", "how fields come from grains",
+          "coarseGraining { kernel Heaviside; width 2e-3; }"),
 };
+static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian", NULL};
 static const struct param coarse_param[] = {
+    CHOICE("kernel", kernel, 0, kernel_names, "what a mean is taken over"),
     NUMBER("width", width, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 1, 0),
            "radius of Heaviside, standard deviation of Gaussian; 0: a grain diameter"),
     NUMBER("window", window, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 0, 1),
@@ -31,10 +37,13 @@ struct wall {
     double restitution;
 };
 #define PARAM_STRUCT struct wall
+static const struct param granular_param[] = {
+    NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
+    NOTED("sources", "list: ()", "()", "sources of the gas; grains have none", "sources ();"),
+};
 static const struct param wall_param[] = {
     NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "of impacts on that patch"),
 };
-static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian"};
 static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
                                            "over a normal distribution around a centre, cut at 3 width"};
 
@@ -79,13 +88,6 @@ static status read_walls(struct dict *d, const struct polymesh *mesh, struct gra
     return OK;
 }
 
-static status read_coarse(struct dict *d, struct grains_models *m) {
-    int kernel = 0;
-    if (dict_has(d, "kernel")) TRY(dict_choice(d, "kernel", kernel_names, COUNT(kernel_names), &kernel));
-    m->kernel = (enum coarse_kernel)kernel;
-    return params_read(d, coarse_param, COUNT(coarse_param), m);
-}
-
 static status read_properties(struct dict *d, const struct polymesh *mesh, const struct control *c,
                               struct grains_models *m) {
     struct dict *coarse = NULL, *none = NULL;
@@ -93,7 +95,7 @@ static status read_properties(struct dict *d, const struct polymesh *mesh, const
     TRY(read_walls(d, mesh, m));
     TRY(dict_sub_optional(d, "coarseGraining", &coarse));
     if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
-    status s = read_coarse(coarse ? coarse : none, m);
+    status s = params_read(coarse ? coarse : none, coarse_param, COUNT(coarse_param), m);
     dict_free(none);
     TRY(s);
     if (m->width == 0) m->width = m->grain.diameter;
@@ -158,7 +160,30 @@ void grains_models_list(FILE *f) {
     params_print(f, wall_param, COUNT(wall_param));
     fprintf(f, "\ncoarseGraining { }: the fields of written times\n");
     params_print(f, coarse_param, COUNT(coarse_param));
-    for (int i = 0; i < COUNT(kernel_names); i++) fprintf(f, "  kernel %-13s %s\n", kernel_names[i], kernel_about[i]);
+    for (int i = 0; kernel_names[i]; i++) fprintf(f, "  kernel %-13s %s\n", kernel_names[i], kernel_about[i]);
+}
+
+/* Is the boundary condition one of walls of grains, or of scalars there? */
+static bool is_offered(const struct boundary_type *b) {
+    return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient");
+}
+
+void grains_models_keywords(struct keywords *k) {
+    static const char properties[] = "constant/particleProperties";
+    keywords_at(k, "constant/granularProperties", "", NULL);
+    keywords_params(k, granular_param, COUNT(granular_param));
+    models_leave_keywords(k);
+    grain_keywords(k);
+    forces_keywords(k);
+    keywords_at(k, properties, "", NULL);
+    keywords_params(k, grains_param, COUNT(grains_param));
+    keywords_at(k, properties, "walls/PATCH", NULL);
+    keywords_params(k, wall_param, COUNT(wall_param));
+    keywords_at(k, properties, "coarseGraining", NULL);
+    keywords_params(k, coarse_param, 1);
+    keywords_words(k, "kernel", kernel_names, kernel_about);
+    keywords_params(k, coarse_param + 1, COUNT(coarse_param) - 1);
+    fields_keywords(k, FIELD_FILES, is_offered);
 }
 
 void grains_boundaries_list(FILE *f) {

@@ -25,6 +25,7 @@ status grains_models_read(const char *case_dir, const struct polymesh *mesh, int
                           const struct control *control, struct grains_models **out);
 void grains_models_free(struct grains_models *m);
 void grains_models_list(FILE *f);
+void grains_models_keywords(struct keywords *k); /* goes through all that a run of grains reads */
 void grains_boundaries_list(FILE *f);
 void grains_models_print(FILE *f, const struct grains_models *m);
 const char *grains_kernel_name(const struct grains_models *m);

@@ -19,6 +19,7 @@ static const char HELP[] =
     "  -ascii      numbers as text with 17 digits (default)\n"
     "  -binary     numbers as they are in memory\n"
     "  -compress   files are gzipped\n"
+    "  -keywords [NAME]  every keyword of system/meshDict, or that one\n"
     "  -help       this text\n"
     "\n"
     "Types of patches: names that begin with wall or empty have that type, all others are patch, unless\n"
@@ -33,13 +34,15 @@ struct request {
     char plain[PLAIN_PATH]; /* dir without links */
     struct foam_format format;
     bool help;
+    struct lookup keywords;
 };
 
 static status parse(int argc, char **argv, struct request *o) {
-    static const char *const names[] = {"MESH.msh", "-case", "-ascii", "-binary", "-compress", "-help"};
+    static const char *const names[] = {"MESH.msh", "-case", "-ascii", "-binary", "-compress", "-keywords", "-help"};
     *o = (struct request){.format = {.precision = 17}};
     for (int i = 1; i < argc; i++) {
         const char *a = argv[i];
+        if (lookup_option(argc, argv, &i, &o->keywords)) continue;
         if (strcmp(a, "-case") == 0)
             TRY(option_value(argc, argv, &i, &o->dir));
         else if (strcmp(a, "-ascii") == 0)
@@ -51,11 +54,11 @@ static status parse(int argc, char **argv, struct request *o) {
         else if (strcmp(a, "-help") == 0)
             o->help = true;
         else if (*a == '-' || o->mesh)
-            return option_unknown(a, names, 6);
+            return option_unknown(a, names, 7);
         else
             o->mesh = a;
     }
-    if (o->help) return OK;
+    if (o->help || o->keywords.asked) return OK;
     if (!o->mesh || !o->dir) return fail(ERR_INPUT, "usage: gmshToCase MESH.msh -case DIR (more with -help)");
     struct stat st;
     if (stat(o->dir, &st) != 0 || !S_ISDIR(st.st_mode))
@@ -157,7 +160,7 @@ int main(int argc, char **argv) {
         fputs(HELP, stdout);
         return 0;
     }
-    if (!s) s = run(&o);
+    if (!s) s = o.keywords.asked ? lookup_print(&o.keywords, mesh_rules_keywords, NULL) : run(&o);
     int code = status_print(s, false);
     status_free(s);
     return code;

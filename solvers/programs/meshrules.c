@@ -9,6 +9,25 @@
 
 enum { PATH = 4096 };
 
+static const struct param file_param[] = {
+    NOTED("patches", "dictionary", NULL, "a dictionary for each patch whose type its name does not say",
+          "patches { floor { type wall; } }"),
+};
+static const struct param patch_param[] = {
+    NOTED("type", "word: patch, wall, empty, symmetry, symmetryPlane, cyclic", NULL, "of the patch in the polyMesh",
+          "type wall;"),
+    NOTED("neighbourPatch", "word", "required with cyclic", "the other half of a cyclic patch",
+          "neighbourPatch right;"),
+};
+
+void mesh_rules_keywords(struct keywords *k, const void *none) {
+    (void)none;
+    keywords_at(k, "system/meshDict", "", NULL);
+    keywords_params(k, file_param, sizeof file_param / sizeof *file_param);
+    keywords_at(k, "system/meshDict", "patches/PATCH", NULL);
+    keywords_params(k, patch_param, sizeof patch_param / sizeof *patch_param);
+}
+
 void mesh_rules_free(struct mesh_rules *r) {
     if (!r) return;
     if (r->dict) dict_free(r->dict);

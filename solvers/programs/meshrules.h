@@ -4,6 +4,7 @@
 #define SOLVERS_MESHRULES_H
 
 #include "mesh/format/gmsh.h"
+#include "solvers/dict/keywords.h"
 
 /* Rules for patches, with the dictionary that owns their words. */
 struct mesh_rules {
@@ -16,5 +17,6 @@ struct mesh_rules {
 /* Reads the rules of the case in `dir`; n = 0 if it has no system/meshDict. */
 status mesh_rules_read(const char *dir, struct mesh_rules **out);
 void mesh_rules_free(struct mesh_rules *r);
+void mesh_rules_keywords(struct keywords *k, const void *none); /* goes through the keywords of the file */
 
 #endif

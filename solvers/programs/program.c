@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAMES = 8 }; /* options of a solver */
+enum { NAMES = 8 }; /* options of a solver, but -keywords */
 
 status option_unknown(const char *word, const char *const *names, int n) {
     const char *near = nearest_name(word, names, n);
@@ -35,6 +35,22 @@ status option_value(int argc, char **argv, int *i, const char **out) {
     return OK;
 }
 
+bool lookup_option(int argc, char **argv, int *i, struct lookup *out) {
+    const char *word = argv[*i], *next = *i + 1 < argc ? argv[*i + 1] : "-";
+    if (strcmp(word, "-keywords") && strcmp(word, "--keywords")) return false;
+    out->asked = true;
+    out->tables = !strcmp(next, "-markdown");
+    if (*next != '-') out->name = next;
+    *i += out->tables || out->name;
+    return true;
+}
+
+status lookup_print(const struct lookup *l, keywords_walk *walk, const void *of) {
+    if (!l->tables) return keywords_print(stdout, walk, of, l->name);
+    keywords_print_tables(stdout, walk, of);
+    return OK;
+}
+
 /* Refuses more ranks than this machine has processors for: beyond a few for each they only wait for each other. */
 static status check_ranks(long n) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN), most = 8 * (processors > 0 ? processors : 1);
@@ -48,16 +64,17 @@ static status check_ranks(long n) {
 
 status options_read(int argc, char **argv, struct options *out) {
     static const char *const names[] = {"-case",  "-np",   "-dry-run",    "-strict",
-                                        "-debug", "-help", "-listModels", "-listBCs"};
+                                        "-debug", "-help", "-listModels", "-listBCs", "-keywords"};
     *out = (struct options){.dir = "."};
     bool *const flags[] = {NULL,        NULL,       &out->dry_run,     &out->strict,
                            &out->debug, &out->help, &out->list_models, &out->list_boundaries};
     for (int i = 1; i < argc; i++) {
         int k = 0;
+        if (lookup_option(argc, argv, &i, &out->keywords)) continue;
         const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
         if (!strcmp(word, "-h")) word = "-help";
         while (k < NAMES && strcmp(word, names[k])) k++;
-        if (k == NAMES) return option_unknown(argv[i], names, NAMES);
+        if (k == NAMES) return option_unknown(argv[i], names, NAMES + 1);
         if (k >= 2) {
             *flags[k] = true;
             continue;
@@ -71,7 +88,7 @@ status options_read(int argc, char **argv, struct options *out) {
         if (k == 1) TRY(check_ranks(n));
         if (k == 1) out->ranks = (int)n;
     }
-    return out->help || out->list_models || out->list_boundaries ? OK : case_folder(out->dir);
+    return out->help || out->list_models || out->list_boundaries || out->keywords.asked ? OK : case_folder(out->dir);
 }
 
 status options_relaunch(int argc, char **argv, const struct options *o) {

@@ -4,10 +4,20 @@
 
 #include "mesh/base/comm.h"
 #include "mesh/format/files.h"
+#include "solvers/dict/keywords.h"
+
+struct lookup {         /* -keywords [NAME | -markdown] */
+    bool asked, tables; /* tables: of docs/reference.md */
+    const char *name;   /* NULL: all keywords */
+};
+/* Is argv[*i] -keywords? Then *i goes to its last word. */
+bool lookup_option(int argc, char **argv, int *i, struct lookup *out);
+status lookup_print(const struct lookup *l, keywords_walk *walk, const void *of); /* on standard output */
 
 struct options {
     char dir[PLAIN_PATH]; /* -case DIR; default "."; without links, so that what is written goes through none */
     bool dry_run, strict, debug, help, list_models, list_boundaries;
+    struct lookup keywords;
     int ranks; /* -np N; 0: not given */
 };
 /* Helpers for the arguments of any program: option_unknown returns the error for an unknown word, which lists the known

@@ -67,11 +67,10 @@ static void print_control(const struct setup *s) {
     printf("Keys of system/controlDict\n");
     for (int i = 0; i < control_table_size; i++) {
         const struct param *p = &control_table[i];
-        const char *at = (const char *)c + p->offset;
-        double value = p->kind == PARAM_NUMBER  ? *(const double *)(const void *)at
-                       : p->kind == PARAM_WHOLE ? *(const int *)(const void *)at
-                                                : *(const bool *)(const void *)at;
-        printf("    %-18s %-12g %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default",
+        char value[PARAM_VALUE];
+        if (!param_fills(p)) continue;
+        param_value(value, p, c);
+        printf("    %-18s %-12s %-9s %s\n", p->name, value, dict_has(c->dict, p->name) ? "read" : "default",
                p->meaning);
     }
 }

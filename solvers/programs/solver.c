@@ -3,11 +3,18 @@
 #include "solvers/programs/program.h"
 #include "solvers/programs/run.h"
 
+static void go_through(struct keywords *k, const void *type) {
+    control_keywords(k);
+    functions_keywords(k, type);
+    ((const struct medium_type *)type)->keywords(k);
+}
+
 int solver_main(int argc, char **argv, const struct medium_type *type) {
     struct options o;
     struct comm *c = NULL;
     status s = options_read(argc, argv, &o);
     if (s) return program_end(NULL, s, false);
+    if (o.keywords.asked) return program_end(NULL, lookup_print(&o.keywords, go_through, type), o.debug);
     if (o.help || o.list_models || o.list_boundaries) {
         if (o.help) printf("%s", type->help);
         if (o.list_models) {

@@ -273,7 +273,7 @@ static const struct patch_field *mixture_patch(const struct medium *m, int quant
 }
 
 static const char help[] =
-    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-help]\n\n"
+    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
     "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
     "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
@@ -287,6 +287,7 @@ static const char help[] =
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
+    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n\n"
     "Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
@@ -295,6 +296,7 @@ const struct medium_type segregation_medium = {
     .help = help,
     .list_models = segregation_models_list,
     .list_boundaries = segregation_boundaries_list,
+    .keywords = segregation_models_keywords,
     .quantity = quantities,
     .noffered = QUANTITIES,
     .written = written,

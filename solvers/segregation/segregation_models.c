@@ -1,6 +1,7 @@
 /* Reads, checks and prints the choices for a segregation from its dictionaries (segregation_models.h). */
 #include "solvers/segregation/segregation_models.h"
 
+#include "libcore/models/boundary.h"
 #include "solvers/dict/params.h"
 
 #include <math.h>
@@ -9,10 +10,43 @@
 enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
+static const char *const percolation_names[] = {"constant", "expression", "exponential", "kineticStress", NULL};
+static const char *const diffusivity_names[] = {"constant", "expression", NULL};
+static const char *const closure_names[] = {"conservative", "paper", "neumann", NULL};
+static const char *const iteration_names[] = {"Picard", "Newton", NULL};
+static const char *const wall_names[] = {"cell", "wall", NULL};
+static const char *const weight_names[] = {"uniform", "rho", NULL};
+
+static const struct param gravity_param[] = {
+    {.name = "value",
+     .kind = PARAM_VECTOR,
+     .standard = REQUIRED_AS("value (0 -9.81 0);"),
+     ANY_NUMBER,
+     .unit = UNIT(0, 1, -2),
+     .meaning = "against which f is counted; the rest of the file is not read"},
+};
 #define PARAM_STRUCT struct segregation_models
+#define CASE_OF_GAS(use)                                                                                               \
+    NOTED("case", "path, relative to the case", NULL, use, "case \"../gas\";"),                                        \
+        NOTED("time", "number in s, or latestTime", "latestTime", "time folder of that case", "time latestTime;")
+static const struct param properties_param[] = {
+    NOTED("percolation", "dictionary", NULL, "velocity f at which small grains fall through large ones",
+          "percolation { type constant; velocity -0.1; }"),
+    NOTED("diffusivity", "dictionary", NULL, "of the small grains among the large ones",
+          "diffusivity { type constant; value 1e-3; }"),
+    NOTED("velocity", "dictionary", "the start folder's U, at rest without one", "the flow that carries the grains",
+          "velocity { case \"../gas\"; }"),
+};
+static const struct param percolation_param[] = {
+    CHOICE("type", percolation, REQUIRED, percolation_names, "what f is"),
+    NOTED("direction", "vector", "against constant/g", "along which f is counted; any length", "direction (0 1 0);"),
+};
 static const struct param velocity_param[] = {
     NUMBER("velocity", velocity, REQUIRED, ANY_NUMBER, UNIT(0, 1, -1),
            "f, along the solved axis, or direction (x y z) (default: against constant/g)"),
+};
+static const struct param velocity_law_param[] = {
+    NOTED("velocity", "expression of x, y, z", NULL, "f in m/s", "velocity \"-0.1*exp(-y)\";"),
 };
 static const struct param exponential_param[] = {
     NUMBER("A", A, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(1, -1, -2), "kinetic stress A exp(B|y|)"),
@@ -23,11 +57,38 @@ static const struct param exponential_param[] = {
 static const struct param stress_param[] = {
     NUMBER("q", q, REQUIRED, ANY_NUMBER, UNIT(0, 0, 1), "f = (q/rho) d(rho T)/dy of that run's fields"),
     NUMBER("rho", rho, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the grains"),
+    CASE_OF_GAS("of granularGas; on lines the mean over the other axes"),
+};
+static const struct param flow_param[] = {
+    EITHER("weight", weighted, false, weight_names,
+           "rho: (rho phi)_t + div(rho U phi) + ..: of a steady gas rho U has no divergence"),
+    CASE_OF_GAS("of granularGas, whose U carries; on lines the mean over the other axes, for the shear rate"),
+};
+static const struct param diffusivity_type[] = {
+    CHOICE("type", diffusivity_kind, REQUIRED, diffusivity_names, "what D is"),
 };
 static const struct param diffusivity_param[] = {
-    NUMBER("value", diffusivity, REQUIRED, FROM_TO(0, HUGE_VAL), UNIT(0, 2, -1), "D"),
+    NUMBER("value", diffusivity, REQUIRED_AS("value 1e-3;"), FROM_TO(0, HUGE_VAL), UNIT(0, 2, -1), "D"),
+};
+static const struct param diffusivity_law_param[] = {
+    NOTED("value", "expression of x, y, z, phi, shearRate", NULL, "D in m^2/s; shearRate is sqrt(2 S:S) of the flow",
+          "value \"1e-3*(1 + shearRate)\";"),
+};
+static const struct param schemes_param[] = {
+    CHOICE("closure", scheme.closure, 0, closure_names, "of the end cells"),
+    EITHER("wallValues", on_walls, false, wall_names,
+           "where the values of the end cells stand: at their centres, or on the walls (half cells, the paper's line)"),
+    NOTED("bounded", "switch", "on with closure conservative, else off", "0 <= phi <= 1 whatever D", "bounded on;"),
+    IGNORED("ddtSchemes", "for OpenFOAM"),
+    IGNORED("gradSchemes", "for OpenFOAM"),
+    IGNORED("divSchemes", "for OpenFOAM"),
+    IGNORED("laplacianSchemes", "for OpenFOAM"),
+    IGNORED("interpolationSchemes", "for OpenFOAM"),
+    IGNORED("snGradSchemes", "for OpenFOAM"),
 };
 static const struct param solution_param[] = {
+    EITHER("iteration", scheme.newton, true, iteration_names,
+           "for the nonlinear equations of a step; Picard: the paper's"),
     NUMBER("tolerance", scheme.tolerance, 1e-8, FROM_TO(1e-15, 1), NO_UNIT,
            "largest change of an iteration / largest phi"),
     WHOLE("maxIterations", scheme.most, 100, FROM_TO(1, 1e6), "iterations a step may take"),
@@ -35,24 +96,23 @@ static const struct param solution_param[] = {
           "first steps by two implicit Euler halves, which end the ringing of a start that does not meet the walls"),
     NUMBER("timeTolerance", time_tolerance, 1e-6, POSITIVE, NO_UNIT, "with adjustTimeStep: mean error of a step"),
 };
-static const char *const percolation_names[] = {"constant", "expression", "exponential", "kineticStress"};
-static const char *const diffusivity_names[] = {"constant", "expression"};
-static const char *const closure_names[] = {"conservative", "paper", "neumann"};
-static const char *const iteration_names[] = {"Newton", "Picard"};
-static const char *const wall_names[] = {"cell", "wall"};
-static const char *const weight_names[] = {"uniform", "rho"};
 static const char *const closure_about[] = {"no flux through the walls: conserves to round-off (default)",
                                             "f phi (1 - phi) = D phi_y at the walls, one-sided: does not conserve",
                                             "phi_y = 0 at the walls, one-sided: for the kink"};
 
 static const char *const phi_types[] = {"noFlux", "fixedValue", "zeroGradient", NULL};
+static const char *const phi_about[] = {
+    "a wall: nothing goes through; all that a line of cells takes",
+    "phi on the patch is the value (needs value): U phi, percolation and diffusion go through. Wanted where U leads "
+    "in. "
+    "Where cells are too wide for D, (|U| + |f|) h > 2 D, waves that run out carry phi of the cell out",
+    "phi on the patch is that of the cell: U phi and percolation go through, diffusion does not. Not where U leads in"};
+static const struct param phi_param[] = {
+    NOTED("value", "uniform VALUE, or nonuniform List<scalar>", NULL, "phi on the faces of the patch",
+          "value uniform 0.3;"),
+};
 const struct field_kind segregation_phi = {
     "phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", phi_types};
-
-static status choice_or(struct dict *d, const char *key, const char *const *names, int n, int *out) {
-    *out = 0;
-    return dict_has(d, key) ? dict_choice(d, key, names, n, out) : OK;
-}
 
 static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
     const char *text;
@@ -85,10 +145,9 @@ static status read_direction(struct dict *d, struct segregation_models *m) {
 
 /* Reads constant/g: without a direction f is counted against gravity. */
 static status read_gravity(struct dict *d, struct segregation_models *m) {
-    static const signed char unit[3] = {0, 1, -2};
     double g[3];
     dict_mark_used(d);
-    TRY(dict_vector(d, "value", unit, g));
+    TRY(params_read(d, gravity_param, COUNT(gravity_param), g));
     if (m->has_direction || !make_unit(g)) return OK;
     m->has_direction = true;
     for (int k = 0; k < 3; k++) m->direction[k] = -g[k];
@@ -110,18 +169,13 @@ static status read_time(struct dict *d, double *out) {
 }
 
 static status read_velocity(struct dict *d, struct segregation_models *m) {
-    int weight;
     TRY(dict_word(d, "case", &m->velocity_case));
     TRY(read_time(d, &m->velocity_time));
-    TRY(choice_or(d, "weight", weight_names, COUNT(weight_names), &weight));
-    m->weighted = weight == 1;
-    return OK;
+    return params_read(d, flow_param, COUNT(flow_param), m);
 }
 
 static status read_percolation(struct dict *d, struct segregation_models *m) {
-    int type;
-    TRY(dict_choice(d, "type", percolation_names, COUNT(percolation_names), &type));
-    m->percolation = (enum percolation)type;
+    TRY(params_read(d, percolation_param, COUNT(percolation_param), m));
     TRY(read_direction(d, m));
     if (m->percolation == PERCOLATION_EXPRESSION) return read_law(d, "velocity", false, &m->velocity_law);
     if (m->percolation == PERCOLATION_EXPONENTIAL)
@@ -134,12 +188,11 @@ static status read_percolation(struct dict *d, struct segregation_models *m) {
 
 static status read_properties(struct dict *d, struct segregation_models *m) {
     struct dict *percolation, *diffusivity, *velocity = NULL;
-    int type;
     TRY(dict_sub(d, "percolation", &percolation));
     TRY(read_percolation(percolation, m));
     TRY(dict_sub(d, "diffusivity", &diffusivity));
-    TRY(dict_choice(diffusivity, "type", diffusivity_names, COUNT(diffusivity_names), &type));
-    if (type == 1)
+    TRY(params_read(diffusivity, diffusivity_type, COUNT(diffusivity_type), m));
+    if (m->diffusivity_kind == 1)
         TRY(read_law(diffusivity, "value", true, &m->diffusivity_law));
     else
         TRY(params_read(diffusivity, diffusivity_param, COUNT(diffusivity_param), m));
@@ -150,34 +203,20 @@ static status read_properties(struct dict *d, struct segregation_models *m) {
 }
 
 static status read_schemes(struct dict *d, struct segregation_models *m) {
-    static const char *const others[] = {"ddtSchemes",       "gradSchemes",          "divSchemes",
-                                         "laplacianSchemes", "interpolationSchemes", "snGradSchemes"};
-    int closure, walls;
     bool bounded;
-    TRY(choice_or(d, "closure", closure_names, COUNT(closure_names), &closure));
-    TRY(choice_or(d, "wallValues", wall_names, COUNT(wall_names), &walls));
-    TRY(dict_switch_or(d, "bounded", closure == SEGREGATION_CONSERVATIVE, &bounded));
-    m->scheme.closure = (enum segregation_closure)closure;
+    TRY(params_read(d, schemes_param, COUNT(schemes_param), m));
+    TRY(dict_switch_or(d, "bounded", m->scheme.closure == SEGREGATION_CONSERVATIVE, &bounded));
     m->scheme.unbounded = !bounded;
-    m->on_walls = walls == 1;
     if (m->scheme.closure != SEGREGATION_CONSERVATIVE && !m->on_walls)
         return dict_fail(d, "closure",
                          "it needs values on the walls: add  wallValues wall;  or say  closure conservative;");
     if (m->scheme.closure != SEGREGATION_CONSERVATIVE && bounded)
         return dict_fail(d, "bounded", "closure %s keeps no bounds; leave it out, or say  closure conservative;",
-                         closure_names[closure]);
-    for (int i = 0; i < COUNT(others); i++) {
-        struct dict *sub = NULL;
-        TRY(dict_sub_optional(d, others[i], &sub));
-        if (sub) dict_mark_used(sub);
-    }
+                         closure_names[m->scheme.closure]);
     return dict_check_used(d);
 }
 
 static status read_solution(struct dict *d, struct segregation_models *m) {
-    int iteration;
-    TRY(choice_or(d, "iteration", iteration_names, COUNT(iteration_names), &iteration));
-    m->scheme.newton = iteration == 0;
     TRY(params_read(d, solution_param, COUNT(solution_param), m));
     return dict_check_used(d);
 }
@@ -264,31 +303,68 @@ void segregation_models_list(FILE *f) {
             "the mean over the\n"
             "      other axes, for the shear rate\n"
             "    weight (uniform): or rho: (rho phi)_t + div(rho U phi) + ..: of a steady gas rho U has no divergence\n"
-            "\nsystem/fvSchemes: closure\n");
-    for (int i = 0; i < COUNT(closure_names); i++) fprintf(f, "  %-20s %s\n", closure_names[i], closure_about[i]);
-    fprintf(f, "\nsystem/fvSchemes: wallValues\n  %-20s %s\n  %-20s %s\n", "cell",
-            "at the centres of all cells (default)", "wall",
-            "of the first and last cell on the walls: half cells, the paper's line");
-    fprintf(f, "\nsystem/fvSchemes: bounded\n  %-20s %s\n", "on, off",
-            "0 <= phi <= 1 whatever D; on with conservative");
-    fprintf(f, "\nsystem/fvSolution: iteration\n  %-20s %s\n  %-20s %s\n", "Newton", "(default)", "Picard",
-            "the paper's");
-    fprintf(f, "\nsystem/fvSolution\n");
+            "\nsystem/fvSchemes\n");
+    params_print(f, schemes_param, COUNT(schemes_param));
+    for (int i = 0; closure_names[i]; i++) fprintf(f, "  closure %-12s %s\n", closure_names[i], closure_about[i]);
+    fprintf(f, "  bounded on, off      0 <= phi <= 1 whatever D; on with conservative\n\nsystem/fvSolution\n");
     params_print(f, solution_param, COUNT(solution_param));
 }
 
+static void percolation_keywords(struct keywords *k, const char *file) {
+    keywords_at(k, file, "percolation", NULL);
+    keywords_params(k, percolation_param, COUNT(percolation_param));
+    keywords_at(k, file, "percolation", percolation_names[PERCOLATION_CONSTANT]);
+    keywords_params(k, velocity_param, COUNT(velocity_param));
+    keywords_at(k, file, "percolation", percolation_names[PERCOLATION_EXPRESSION]);
+    keywords_params(k, velocity_law_param, COUNT(velocity_law_param));
+    keywords_at(k, file, "percolation", percolation_names[PERCOLATION_EXPONENTIAL]);
+    keywords_params(k, exponential_param, COUNT(exponential_param));
+    keywords_at(k, file, "percolation", percolation_names[PERCOLATION_STRESS]);
+    keywords_params(k, stress_param, COUNT(stress_param));
+}
+
+static void properties_keywords(struct keywords *k, const char *file) {
+    keywords_at(k, file, "", NULL);
+    keywords_params(k, properties_param, COUNT(properties_param));
+    percolation_keywords(k, file);
+    keywords_at(k, file, "diffusivity", NULL);
+    keywords_params(k, diffusivity_type, COUNT(diffusivity_type));
+    keywords_at(k, file, "diffusivity", diffusivity_names[0]);
+    keywords_params(k, diffusivity_param, COUNT(diffusivity_param));
+    keywords_at(k, file, "diffusivity", diffusivity_names[1]);
+    keywords_params(k, diffusivity_law_param, COUNT(diffusivity_law_param));
+    keywords_at(k, file, "velocity", NULL);
+    keywords_params(k, flow_param, COUNT(flow_param));
+}
+
+static bool no_boundary(const struct boundary_type *b) {
+    (void)b;
+    return false;
+}
+static bool of_velocity(const struct boundary_type *b) {
+    return boundary_takes(b, 3);
+}
+
+void segregation_models_keywords(struct keywords *k) {
+    properties_keywords(k, "constant/segregationProperties");
+    keywords_at(k, "constant/g", "", NULL);
+    keywords_params(k, gravity_param, COUNT(gravity_param));
+    keywords_at(k, "system/fvSchemes", "", NULL);
+    keywords_params(k, schemes_param, 1);
+    keywords_words(k, "closure", closure_names, closure_about);
+    keywords_params(k, schemes_param + 1, COUNT(schemes_param) - 1);
+    keywords_at(k, "system/fvSolution", "", NULL);
+    keywords_params(k, solution_param, COUNT(solution_param));
+    fields_keywords(k, "0/phi", no_boundary);
+    keywords_words(k, "type", phi_types, phi_about);
+    keywords_at(k, k->file, k->dict, "fixedValue");
+    keywords_params(k, phi_param, COUNT(phi_param));
+    fields_keywords(k, "0/U", of_velocity);
+}
+
 void segregation_boundaries_list(FILE *f) {
-    fprintf(
-        f, "  noFlux         a wall: nothing goes through; all that a line of cells takes\n"
-           "  fixedValue     phi on the patch is the value (needs value): U phi, percolation and diffusion go through. "
-           "Wanted where\n"
-           "                 U leads in. Where cells are too wide for D, (|U| + |f|) h > 2 D, waves that run out carry "
-           "phi of the\n"
-           "                 cell out\n"
-           "  zeroGradient   phi on the patch is that of the cell: U phi and percolation go through, diffusion does "
-           "not. Not where\n"
-           "                 U leads in\n"
-           "  empty          the axis is not solved; on patches of type empty\n");
+    for (int i = 0; phi_types[i]; i++) fprintf(f, "  %-14s %s\n", phi_types[i], phi_about[i]);
+    fprintf(f, "  %-14s %s\n", "empty", "the axis is not solved; on patches of type empty");
 }
 
 static const char *text_of(const struct dict *d, const char *sub, const char *key) {
@@ -331,5 +407,5 @@ const char *segregation_closure_name(const struct segregation_models *m) {
     return closure_names[m->scheme.closure];
 }
 const char *segregation_iteration_name(const struct segregation_models *m) {
-    return iteration_names[!m->scheme.newton];
+    return iteration_names[m->scheme.newton];
 }

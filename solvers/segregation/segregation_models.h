@@ -19,6 +19,7 @@ struct segregation_models {
     struct expr *diffusivity_law; /* D(x, y, z, phi, shearRate), m^2/s; NULL: the number */
     bool sheared;                 /* does D depend on the shear rate? */
     double velocity, diffusivity;
+    int diffusivity_kind;      /* 0: the number, 1: the law */
     double A, B, q, rho;       /* f = (q/rho) d/dy A exp(B|y|): kg/m/s^2, 1/m, s, kg/m^3 */
     bool has_direction;        /* is `direction` set? needed with two or three solved axes */
     double direction[3];       /* unit vector along which f is counted, physical axes; default: against g */
@@ -35,6 +36,7 @@ struct segregation_models {
 status segregation_models_read(const char *case_dir, struct segregation_models **out);
 void segregation_models_free(struct segregation_models *m);
 void segregation_models_list(FILE *f);
+void segregation_models_keywords(struct keywords *k); /* goes through all that a run of segregation reads */
 void segregation_boundaries_list(FILE *f);
 void segregation_models_print(FILE *f, const struct segregation_models *m);
 /* Returns D at the place x (m), m^2/s; shear_rate in 1/s. */

@@ -177,10 +177,10 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
         self.assertEqual(means(case)[1], {"0": "5", "0.2": "4", "0.4": "4", "0.6": "4", "0.8": "4"})
 
     def test_wrong(self):
-        rows = [("period 0.01; phases 0;", ("'phases'", "1 .. 1000")),
-                ("period 0.01; phases 1001;", ("'phases'", "1 .. 1000")),
-                ("period 0;", ("'period'", "positive")),
-                ("period -1;", ("'period'", "positive")),
+        rows = [("period 0.01; phases 0;", ("phases is 0", "1 .. 1000")),
+                ("period 0.01; phases 1001;", ("phases is 1001", "1 .. 1000")),
+                ("period 0;", ("period is 0", "greater than 0")),
+                ("period -1;", ("period is -1", "greater than 0")),
                 ("period [0 1 0 0 0 0 0] 1;", ("'period'",)),
                 ("period 0.01; start later;", ("'start'", "later")),
                 ("phases 3;", ("'period'", "missing", "constant/shaking")),

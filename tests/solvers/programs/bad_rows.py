@@ -317,7 +317,7 @@ DICTIONARIES = [
     Row("probes of two numbers", (CONTROL, "(3 2 0.5)", "(3 2)"), "'probeLocations'", "((x y z) ...)"),
     Row("line outside", (CONTROL, "start (0.5 1 0.5);\n                end (5 1 0.5);",
                          "start (0.5 9 0.5);\n                end (5 9 0.5);"), "no point of the line", "mesh"),
-    Row("nPoints 1", (CONTROL, "nPoints 5;", "nPoints 1;"), "'nPoints' is 1", "from 2"),
+    Row("nPoints 1", (CONTROL, "nPoints 5;", "nPoints 1;"), "nPoints is 1", "2 .. "),
     # dimensions
     Row("unit of g", (GRAVITY, "[0 1 -2 0 0 0 0]", "[0 1 -1 0 0 0 0]"), "[0 1 -1 0 0 0 0]", "[0 1 -2 0 0 0 0]"),
     Row("unit of the value of g", (GRAVITY, "value (1", "value [0 1 0 0 0 0 0] (1"), "[0 1 -2 0 0 0 0]"),

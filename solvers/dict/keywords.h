@@ -1,0 +1,46 @@
+/* The reference of all keywords that a program reads: -keywords and docs/reference.md. The rows come from the tables
+ * that drive the reading (params.h, family.h), so that a new row is in the reference by itself. */
+#ifndef SOLVERS_KEYWORDS_H
+#define SOLVERS_KEYWORDS_H
+
+#include "solvers/dict/family.h"
+
+enum { KEYWORD_TEXT = 600 };
+struct keyword {
+    const char *file;        /* relative to the case: "system/controlDict" */
+    const char *dict;        /* dictionary in the file, with '/' between the levels; "": the file itself */
+    const char *when;        /* word of the `type` of that dictionary that the row belongs to; NULL: any */
+    const char *name, *word; /* word: what the row is about is that word as a value of the keyword; NULL: the keyword */
+    const struct param *row; /* the row of the table that says so; NULL: a family's keyword or word */
+    const char *meaning;
+    char type[KEYWORD_TEXT]; /* as a user writes it, with the words of a choice: "word: ascii, binary" */
+    char unit[64], range[64], standard[64], example[KEYWORD_TEXT];
+};
+
+/* What goes through the rows of a program: a function that takes each of them, and the place that it has come to. */
+struct keywords {
+    void (*take)(void *context, const struct keyword *k);
+    void *context;
+    const char *file, *dict, *when;
+};
+typedef void keywords_walk(struct keywords *k, const void *of);
+
+/* Goes to a place; the rows that follow stand there. when may be NULL. */
+void keywords_at(struct keywords *k, const char *file, const char *dict, const char *when);
+void keywords_params(struct keywords *k, const struct param *table, int n);
+/* The keyword of a family and its words; keywords_coeffs: the dictionaries NAMECoeffs of its rows. Both stand in the
+ * file (or `sub`) that the family names. */
+void keywords_family(struct keywords *k, const struct family *f);
+void keywords_coeffs(struct keywords *k, const struct family *f);
+/* A word that the keyword `name` takes. */
+void keywords_word(struct keywords *k, const char *name, const char *word, const char *meaning);
+/* All of a list that ends with NULL. */
+void keywords_words(struct keywords *k, const char *name, const char *const *words, const char *const *meanings);
+
+/* Prints all rows by file or, if `name` is not NULL, those of that keyword, word or dictionary. Fails with a suggestion
+ * if there is none. */
+status keywords_print(FILE *f, keywords_walk *walk, const void *of, const char *name);
+/* Prints all rows as tables of Markdown, a heading for each dictionary. */
+void keywords_print_tables(FILE *f, keywords_walk *walk, const void *of);
+
+#endif
