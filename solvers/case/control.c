@@ -50,7 +50,7 @@ const struct param control_table[] = {
     EITHER("onError", write_on_error, true, errors, "what becomes of the last good state when the medium fails"),
     EITHER("onCorruptTime", previous_if_corrupt, false, corrupt, "if the time to start from is damaged: take another?"),
     NOTED("functions", "dictionary", "none", "function objects by their names, which are yours",
-          "functions { p1 { type probes; fields (alpha); probeLocations ((0.5 0.5 0.5)); } }"),
+          "functions { p1 { type probes; fields (alpha); probeLocations ((0.01 0.02 0)); } }"),
     IGNORED("libs", "for OpenFOAM: nothing is loaded at run time"),
     IGNORED("graphFormat", "for OpenFOAM"),
     IGNORED("DebugSwitches", "for OpenFOAM"),
@@ -89,7 +89,7 @@ static const char *const any_times[] = {"timeStep", "runTime",    "adjustableRun
                                         "none",     "adjustable", "writeTime",         "outputTime", NULL};
 #define INTERVAL(usually)                                                                                              \
     NOTED("writeInterval", "number: steps with timeStep, else s", usually, "what lies between two writes",             \
-          "writeInterval 0.1;")
+          "writeInterval 10;")
 static const struct param fields_trigger[] = {
     CHOICE("writeControl", index, USUALLY(0, "required"), own_times,
            "what writeInterval counts; adjustableRunTime: steps end on the times"),

@@ -31,9 +31,9 @@ static const struct param field_param[] = {
           "internalField uniform 0.3;"),
     NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
           "the cells' values, in place of internalField; constants pi, e; functions as in C",
-          "expression \"0.1 + 0.2*exp(-x^2)\";"),
+          "expression \"0.1 + 0.2*exp(-y^2)\";"),
     NOTED("boundaryField", "dictionary", NULL, "a dictionary for each patch of the mesh, by its name",
-          "boundaryField { floor { type slip; } }"),
+          "boundaryField { lid { type slip; } }"),
 };
 static const struct param type_param[] = {
     NOTED("type", "word", NULL, "boundary condition", "type zeroGradient;"),

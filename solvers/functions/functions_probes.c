@@ -12,7 +12,7 @@ struct probes {
 #define PARAM_STRUCT struct probes
 static const char *const schemes[] = {"cell", NULL};
 static const struct param probes_param[] = {
-    NOTED("probeLocations", "list of vectors", NULL, "the points", "probeLocations ((0.5 0.5 0.5));"),
+    NOTED("probeLocations", "list of vectors", NULL, "the points", "probeLocations ((0.01 0.02 0));"),
     SWITCH("allowOutside", outside, false,
            "points outside the mesh give -1e300, as in OpenFOAM; else they are an error"),
     ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),

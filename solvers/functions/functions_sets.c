@@ -31,15 +31,15 @@ static const struct param axis_param[] = {
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct ends
 static const struct param ends_param[] = {
-    VECTOR("start", start, REQUIRED_AS("start (0 0.5 0.5);"), ANY_NUMBER, UNIT(0, 1, 0), "first point"),
-    VECTOR("end", end, REQUIRED_AS("end (1 0.5 0.5);"), ANY_NUMBER, UNIT(0, 1, 0), "last point"),
+    VECTOR("start", start, REQUIRED_AS("start (0.01 0 0);"), ANY_NUMBER, UNIT(0, 1, 0), "first point"),
+    VECTOR("end", end, REQUIRED_AS("end (0.01 0.04 0);"), ANY_NUMBER, UNIT(0, 1, 0), "last point"),
     WHOLE("nPoints", n, REQUIRED_AS("nPoints 100;"), FROM_TO(2, MOST_SPOTS), "points; those off the mesh are left out"),
 };
 static const struct param sets_param[] = {
     ONLY("setFormat", 0, formats, "columns of text"),
     ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),
     NOTED("sets", "dictionary", NULL, "a dictionary for each line; its name, which is yours, is that of the file",
-          "sets { middle { type uniform; axis x; start (0 0.5 0.5); end (1 0.5 0.5); nPoints 100; } }"),
+          "sets { upwards { type uniform; axis y; start (0.01 0 0); end (0.01 0.04 0); nPoints 100; } }"),
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 

@@ -15,7 +15,7 @@ static const struct param file_param[] = {
 };
 static const struct param patch_param[] = {
     NOTED("type", "word: patch, wall, empty, symmetry, symmetryPlane, cyclic", NULL, "of the patch in the polyMesh",
-          "type wall;"),
+          "type cyclic;"),
     NOTED("neighbourPatch", "word", "required with cyclic", "the other half of a cyclic patch",
           "neighbourPatch right;"),
 };

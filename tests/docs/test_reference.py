@@ -1,0 +1,271 @@
+"""The reference of all keywords: -keywords, docs/reference.md, docs/examples.
+
+Two ways to find a key that is read but not told, since each sees what the other cannot. A scan of the sources finds every call of a typed
+read, also on ways that no case takes: its key is the text of a row, or stands there as a name that belongs to a table. Where a key counts,
+the programs are asked: an unknown key in a dictionary makes them list all that they asked for there, by whatever way."""
+import glob
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+from tests.cases import harness
+from tests.cases.harness import boxes
+
+SOURCE = harness.SOURCE
+DOCS = os.path.join(SOURCE, "docs")
+PROGRAMS = {"granularGas": "gas", "granularMD": "grains", "granularSegregation": "segregation", "gmshToCase": "gas"}
+
+# Reads whose key is no text in the source: the name of a row of a table, or a name that the user gave.
+TABLES = {
+    "solvers/case/changes.c": {"file[i].name"},
+    "solvers/case/checksums.c": {"group_name[g]", "dict_key(group, i)"},
+    "solvers/case/fields.c": {"key", "p->name", "m->patch[i].name"},
+    "solvers/functions/functions.c": {"name"},
+    "solvers/functions/functions_phase.c": {"key"},
+    "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
+    "solvers/gas/limiter.c": {"counts[i].key"},
+    "solvers/gas/models.c": {"families[ENGINE].key"},
+    "solvers/grains/grains_models.c": {"patch->name"},
+    "solvers/programs/meshrules.c": {"rule->patch"},
+    "solvers/programs/run.c": {"p->name"},
+    "solvers/segregation/segregation_models.c": {"key", "sub"},
+}
+# Files that programs write and read again: no user writes them.
+WRITTEN = {
+    "solvers/case/changes.c": {"cells", "meshChecksum", "version", "date", "dictionaries"},
+    "solvers/case/checksums.c": {"size", "crc32", "files", "part"},
+    "solvers/case/times.c": {"index"},
+    "solvers/functions/functions_phase.c": {"counts"},
+    "solvers/gas/limiter.c": {"energy", "fillMass", "fillEnergy", "place"},
+}
+READ = re.compile(r"\bdict_(?:has|sub|sub_optional|number|number_or|count_or|switch_or|word|word_or|vector|choice|words|numbers|vectors|"
+                  r"dimensions|table|raw)\(\s*((?:[^,()]|\([^()]*\))+),\s*((?:[^,()]|\((?:[^()]|\([^()]*\))*\))+)")
+ROW = re.compile(r"\b(?:NUMBER|WHOLE|SWITCH|VECTOR|CHOICE|EITHER|ONLY|NOTED|IGNORED)\(\s*\"([^\"]+)\"")
+
+
+def sources(*folders):
+    found = {}
+    for folder in folders:
+        for path in glob.glob(os.path.join(SOURCE, folder, "**", "*.[ch]"), recursive=True):
+            with open(path, encoding="utf-8") as file:
+                found[os.path.relpath(path, SOURCE)] = re.sub(r"/\*.*?\*/|^[ \t]*#define.*?(?<!\\)$", "", file.read(), flags=re.DOTALL | re.MULTILINE)
+    return found
+
+
+def untold(files, names):
+    """Complaints about reads and rows whose key is not among the names; and the exceptions above that were needed."""
+    wrong, needed = [], set()
+    for path, text in files.items():
+        for found in READ.finditer(text):
+            key = " ".join(found[2].split())
+            known = names if key.startswith('"') else TABLES.get(path, set())
+            if key.strip('"') in known:
+                needed.add((path, key))
+            elif key.startswith('"') and key.strip('"') in WRITTEN.get(path, set()):
+                needed.add((path, key.strip('"')))
+            elif key.startswith('"') or not path.startswith("solvers/dict/"):
+                wrong.append(f"{path}: reads the key {key}, which no row tells of")
+        wrong += [f"{path}: the row {key} is in no reference" for key in ROW.findall(text) if key not in names]
+        for table in set(re.findall(r"\bparams_read\([^;]*?,\s*(\w+_(?:param|type|table))\b", text)):
+            where = text if re.search(rf"struct param {table}\[\]", text) else "".join(files.values())
+            if not re.search(rf"keywords_params\(k,\s*{table}\b|go_through\(k, \w+, {table}\b", where):
+                wrong.append(f"{path}: {table} is read, but goes into no reference")
+    return wrong, needed
+
+
+class Row:
+    def __init__(self, file, inside, when, cells):
+        self.files, self.inside, self.when = file.split(", "), inside, when
+        self.word = cells[0].startswith("&nbsp;")
+        self.name = re.search("`(.*)`", cells[0])[1]
+        self.type, self.unit, self.range, self.standard, self.meaning = cells[1:6]
+        self.example = cells[6].strip("`").replace("\\|", "|")
+
+
+def reference(program):
+    rows = []
+    for line in harness.program(program, "-keywords", "-markdown").stdout.splitlines():
+        if line.startswith("### "):
+            place, _, when = line[4:].partition(", type ")
+            file, _, inside = place.partition(": ")
+        elif line.startswith("| ") and not line.startswith("| keyword"):
+            rows.append(Row(file, inside, when, [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]))
+    return rows
+
+
+class Sources(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.rows = {program: reference(program) for program in PROGRAMS}
+        cls.names = {part for rows in cls.rows.values() for row in rows for part in (row.name, *row.inside.split("/"))}
+
+    def test_every_key_is_told(self):
+        files = sources("solvers", "libcore")
+        self.assertGreater(sum(len(READ.findall(text)) for text in files.values()), 80)
+        self.assertGreater(sum(len(ROW.findall(text)) for text in files.values()), 150)
+        wrong, needed = untold(files, self.names)
+        self.assertEqual(wrong, [])
+        for path, keys in [*TABLES.items(), *WRITTEN.items()]:
+            self.assertEqual({key for key in keys if (path, key) not in needed}, set(), f"{path}: exceptions that nothing needs")
+
+    def test_a_new_key_is_found(self):
+        """The scan itself: each of these is a way to read a key that is not told."""
+        for text in ('TRY(dict_number(d, "newKey", NULL, &x));', 'if (dict_has(\n    d,\n    "newKey"))', "dict_word(d, key, &word)",
+                     'NUMBER("newKey", x, 0, POSITIVE, NO_UNIT, "of x")', "params_read(d, new_param, COUNT(new_param), m)",
+                     'dict_sub_optional(of(m)->dict, "newKey", &sub)'):
+            self.assertTrue(untold({"solvers/gas/new.c": text}, self.names)[0], text)
+        told = 'dict_has(d, "maxCo") params_read(d, a_param, 1, m) keywords_params(k, a_param, 1)'
+        self.assertFalse(untold({"solvers/gas/new.c": told}, self.names)[0])
+
+    def test_every_row_is_read(self):
+        """A row that documents a key with a reader of its own: that reader is there."""
+        files = sources("solvers", "libcore")
+        text = "".join(files.values())
+        read = {found[2].strip().strip('"') for found in READ.finditer(text)}
+        read |= set(re.findall(r'\.sub = "(\w+)"', text))
+        noted = set(re.findall(r"\bNOTED\(\s*\"([^\"]+)\"", text))
+        self.assertEqual(noted - read, set())
+
+    def test_rows_say_what_a_user_needs(self):
+        for program, rows in self.rows.items():
+            for row in rows:
+                with self.subTest(f"{program} {row.files} {row.inside} {row.name}"):
+                    self.assertTrue(row.type and row.meaning)
+                    self.assertTrue(row.word or row.standard)
+                    self.assertTrue(row.example or row.standard == "ignored")
+
+
+class Page(unittest.TestCase):
+    def test_is_up_to_date(self):
+        made = subprocess.run(["/usr/bin/python3", os.path.join(DOCS, "makeReference"), "-print"], capture_output=True, text=True,
+                              env={**os.environ, "HAFF_BIN": harness.BIN})
+        self.assertEqual(made.returncode, 0, made.stderr)
+        with open(os.path.join(DOCS, "reference.md"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), made.stdout, "docs/reference.md is stale: run docs/makeReference")
+
+
+class Options(unittest.TestCase):
+    def test_one_keyword(self):
+        said = harness.program("granularGas", "-keywords", "maxCo").stdout
+        for part in ("system/controlDict", "number", "1e-06 .. 6", "default    1", "largest Courant number", "maxCo 1;"):
+            self.assertIn(part, said)
+        self.assertEqual(said.count("means"), 1)
+
+    def test_a_name_in_several_places(self):
+        said = harness.program("granularGas", "-keywords", "restitution").stdout
+        self.assertIn("constant/granularProperties: grain\n", said)
+        self.assertIn("boundaryField/PATCH, type granularWall\n", said)
+
+    def test_words_and_dictionaries(self):
+        self.assertIn("cooling Haff;", harness.program("granularGas", "-keywords", "Haff").stdout)
+        self.assertIn("knudsenCut", harness.program("granularGas", "-keywords", "GarzoDuftyCoeffs").stdout)
+
+    def test_unknown(self):
+        for program, word, near in (("granularGas", "maxC0", "did you mean 'maxCo'?"), ("granularMD", "kernell", "did you mean 'kernel'?"),
+                                    ("granularSegregation", "clozure", "did you mean 'closure'?"),
+                                    ("gmshToCase", "neighborPatch", "did you mean 'neighbourPatch'?"), ("granularGas", "xyzzyx", "lists all")):
+            done = harness.program(program, "-keywords", word, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(near, done.stderr)
+
+    def test_all_by_file(self):
+        said = harness.program("granularGas", "-keywords").stdout
+        places = [line for line in said.splitlines() if line and not line.startswith(" ")]
+        self.assertEqual(len(places), len(set(places)), "each dictionary stands in one place")
+        self.assertIn("system/fvSolution: acoustics/implicitCoeffs", places)
+        for program in PROGRAMS:
+            self.assertIn("-keywords", harness.program(program, "-help").stdout)
+
+
+# Names of the user's own, in the made dictionaries.
+NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
+# What a dictionary made of the examples of its rows needs besides: what its own examples do not go together with, or need.
+BEFORE = {
+    ("system/controlDict", "functions/NAME"): "type vtk; fields (%(field)s);",
+    ("system/controlDict", "functions/NAME/sets/LINE"): "",
+}
+BEHIND = {
+    ("system/controlDict", "functions/NAME", ""): "probeLocations ((0.01 0.02 0));",
+    ("constant/granularProperties", "", ""): "transport GarzoDufty;",
+}
+DIMENSIONS = {"alpha": "[0 0 0 0 0 0 0]", "rho": "[1 -3 0 0 0 0 0]", "U": "[0 1 -1 0 0 0 0]", "T": "[0 2 -2 0 0 0 0]", "phi": "[0 0 0 0 0 0 0]"}
+JUNK = "zzzzzzzz"
+
+
+class Programs(unittest.TestCase):
+    """Each dictionary of the reference, made of the examples of its rows, in a case of docs/examples: checkCase takes it, and tells of no key
+    that the reference lacks."""
+
+    @classmethod
+    def setUpClass(cls):
+        if not shutil.which("gmsh"):
+            raise unittest.SkipTest("gmsh is not installed")
+        cls.folder = tempfile.mkdtemp(prefix="reference")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        shutil.copytree(os.path.join(DOCS, "examples"), cls.folder, dirs_exist_ok=True)
+        cls.msh = os.path.join(cls.folder, "mesh.msh")
+        subprocess.run(["gmsh", "-3", "-v", "2", os.path.join(cls.folder, "mesh.geo"), "-o", cls.msh], check=True, capture_output=True)
+        harness.program("gmshToCase", cls.msh, "-case", os.path.join(cls.folder, "gas"))
+        for name in ("grains", "segregation"):
+            shutil.copytree(os.path.join(cls.folder, "gas", "constant", "polyMesh"), os.path.join(cls.folder, name, "constant", "polyMesh"))
+        cls.make_line()
+        cls.rows = {program: reference(program) for program in PROGRAMS}
+
+    @classmethod
+    def make_line(cls):
+        """The example of segregation on a line of cells: some of its choices are for lines only."""
+        line = os.path.join(cls.folder, "line")
+        shutil.copytree(os.path.join(cls.folder, "segregation"), line, ignore=shutil.ignore_patterns("polyMesh", "U"))
+        boxes.write_mesh(line, (1, 20, 1), (0.01, 0.04, 0.01))
+        with open(os.path.join(line, "0", "phi"), "w", encoding="utf-8") as file:
+            file.write('dimensions [0 0 0 0 0 0 0]; internalField uniform 0.5;\n'
+                       'boundaryField { "y.*" { type noFlux; } ".*Empty" { type empty; } }\n')
+        with open(os.path.join(line, "constant", "segregationProperties"), "w", encoding="utf-8") as file:
+            file.write("percolation { type constant; velocity 0.01; } diffusivity { type constant; value 1e-6; }\n")
+
+    def check(self, program, base, changes):
+        """A copy of an example with lines added to files, through checkCase (or gmshToCase): what it says."""
+        case = os.path.join(self.folder, "copy")
+        shutil.copytree(os.path.join(self.folder, base), case)
+        try:
+            for file, text in changes.items():
+                with open(os.path.join(case, file), "a", encoding="utf-8") as out:
+                    out.write(text)
+            if program == "gmshToCase":
+                return harness.program(program, self.msh, "-case", case, check=False)
+            return harness.program("checkCase", case, check=False)
+        finally:
+            shutil.rmtree(case)
+
+    def dictionaries(self, program):
+        """(file, dictionary, type) -> its rows, keywords only."""
+        found = {}
+        for row in self.rows[program]:
+            for file in row.files:
+                if not row.word and row.standard != "ignored":
+                    found.setdefault((file, row.inside, row.when), []).append(row)
+        return found
+
+    def text(self, place, rows, last=""):
+        """The dictionary as text: the examples of its rows, in the dictionaries around it."""
+        file, inside, when = place
+        field = os.path.basename(file)
+        entries = " ".join(row.example for row in rows)
+        if field in DIMENSIONS:
+            entries = re.sub(r"dimensions \[[^]]*\]", f"dimensions {DIMENSIONS[field]}", entries)
+        if field == "U":
+            entries = re.sub(r'uniform [\d.]+', "uniform (1 0 0)", entries)
+            entries = re.sub(r'expression (".*?")', r"expression (\1 \1 \1)", entries)
+        entries += f" {BEHIND.get(place, '')} {f'type {when};' if when else ''} {last}"
+        before = ""
+        for part in reversed(inside.split("/") if inside else []):
+            entries = f"{NAMES.get(part, part)} {{ {entries} }}"
+        return before + entries + "\n"
+
+    def test_examples(self):
+        for name in ("gas", "grains", "segregation", "line"):
+            with self.subTest(name):
+                self.assertIn("The case is sound.", harness.program("checkCase", os.path.join(self.folder, name)).stdout)
