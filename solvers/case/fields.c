@@ -33,10 +33,10 @@ static const struct param field_param[] = {
           "the cells' values, in place of internalField; constants pi, e; functions as in C",
           "expression \"0.1 + 0.2*exp(-y^2)\";"),
     NOTED("boundaryField", "dictionary", NULL, "a dictionary for each patch of the mesh, by its name",
-          "boundaryField { lid { type slip; } }"),
+          "boundaryField { \"front|back\" { type empty; } }"),
 };
 static const struct param type_param[] = {
-    NOTED("type", "word", NULL, "boundary condition", "type zeroGradient;"),
+    NOTED("type", "word", NULL, "boundary condition", "type empty;"),
     IGNORED("value", "the values of a type that needs none: written by OpenFOAM"),
     IGNORED("phi", "written by OpenFOAM"),
     IGNORED("rho", "written by OpenFOAM"),
@@ -60,7 +60,8 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     keywords_params(k, b->model.param, b->model.nparam);
     if (!value) return;
     snprintf(entry, sizeof entry, "%s uniform %s;", value, scalar ? "0.3" : "(1 0 0)");
-    const struct param row = NOTED(value, VALUE_TYPE, NULL, "on the faces of the patch", entry);
+    const struct param row =
+        NOTED(value, VALUE_TYPE, NULL, scalar ? "on the faces of the patch" : "of U on the faces of the patch", entry);
     keywords_params(k, &row, 1);
 }
 

@@ -80,7 +80,8 @@ class Row:
     def __init__(self, file, inside, when, cells):
         self.files, self.inside, self.when = file.split(", "), inside, when
         self.word = cells[0].startswith("&nbsp;")
-        self.name = re.search("`(.*)`", cells[0])[1]
+        self.value = re.search("`(.*)`", cells[0])[1]
+        self.name = cells[1].removeprefix("word of ") if self.word else self.value
         self.type, self.unit, self.range, self.standard, self.meaning = cells[1:6]
         self.example = cells[6].strip("`").replace("\\|", "|")
 
@@ -182,15 +183,21 @@ class Options(unittest.TestCase):
 
 # Names of the user's own, in the made dictionaries.
 NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
-# What a dictionary made of the examples of its rows needs besides: what its own examples do not go together with, or need.
-BEFORE = {
-    ("system/controlDict", "functions/NAME"): "type vtk; fields (%(field)s);",
-    ("system/controlDict", "functions/NAME/sets/LINE"): "",
-}
-BEHIND = {
+# What a dictionary made of the examples of its rows needs besides: its own examples need it, or do not go together.
+BESIDES = {
     ("system/controlDict", "functions/NAME", ""): "probeLocations ((0.01 0.02 0));",
-    ("constant/granularProperties", "", ""): "transport GarzoDufty;",
+    ("constant/granularProperties", "", ""): "transport GarzoDufty; sources ();",
+    ("constant/segregationProperties", "percolation", ""): "velocity 0.1;",
+    ("constant/segregationProperties", "percolation", "constant"): "direction (0 1 0);",
+    ("constant/segregationProperties", "percolation", "expression"): "direction (0 1 0);",
+    ("constant/segregationProperties", "percolation", "kineticStress"): "direction (0 1 0);",
+    ("constant/segregationProperties", "diffusivity", ""): "value 1e-6;",
 }
+ALSO = {("0/phi", "fixedValue"): {"0/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+OF_WALLS = ("granularWall", "JohnsonJacksonSlip")  # at walls alpha is zeroGradient
+# Dictionaries that are put in place of those of the example, whose entries are of another type.
+ANEW = ("percolation", "diffusivity")
+FIELD = {"granularGas": "rho", "granularMD": "rho", "granularSegregation": "phi", "gmshToCase": ""}
 DIMENSIONS = {"alpha": "[0 0 0 0 0 0 0]", "rho": "[1 -3 0 0 0 0 0]", "U": "[0 1 -1 0 0 0 0]", "T": "[0 2 -2 0 0 0 0]", "phi": "[0 0 0 0 0 0 0]"}
 JUNK = "zzzzzzzz"
 
@@ -212,6 +219,12 @@ class Programs(unittest.TestCase):
         for name in ("grains", "segregation"):
             shutil.copytree(os.path.join(cls.folder, "gas", "constant", "polyMesh"), os.path.join(cls.folder, name, "constant", "polyMesh"))
         cls.make_line()
+        cls.make_plain()
+        # a run of granularGas beside the copies, for the rows of granularSegregation that read one
+        shutil.copytree(os.path.join(cls.folder, "gas"), os.path.join(cls.folder, "run", "gas"))
+        with open(os.path.join(cls.folder, "run", "gas", "system", "controlDict"), "a", encoding="utf-8") as file:
+            file.write("endTime 1e-3; writeInterval 1e-3;\n")
+        harness.program("granularGas", "-case", os.path.join(cls.folder, "run", "gas"))
         cls.rows = {program: reference(program) for program in PROGRAMS}
 
     @classmethod
@@ -226,9 +239,24 @@ class Programs(unittest.TestCase):
         with open(os.path.join(line, "constant", "segregationProperties"), "w", encoding="utf-8") as file:
             file.write("percolation { type constant; velocity 0.01; } diffusivity { type constant; value 1e-6; }\n")
 
+    @classmethod
+    def make_plain(cls):
+        """The example of granularGas without a layer at rest, dense gas and rough walls: for any model and any boundary condition."""
+        plain = os.path.join(cls.folder, "plain")
+        shutil.copytree(os.path.join(cls.folder, "gas"), plain)
+        for file, text in {"0/alpha": "", "0/T": "", "0/U": "", "system/fvSolution": ""}.items():
+            path = os.path.join(plain, file)
+            with open(path, encoding="utf-8") as old:
+                text = re.sub(r"^(settledLayer|perturbation|expression|acoustics).*\n", "", old.read(), flags=re.MULTILINE)
+            text = re.sub(r"JohnsonJacksonSlip;[^}]*", "slip; " if file == "0/U" else "zeroGradient; ", text)
+            if file[:2] == "0/" and "internalField" not in text:
+                text += "internalField uniform 0.1;\n"
+            with open(path, "w", encoding="utf-8") as new:
+                new.write(text)
+
     def check(self, program, base, changes):
         """A copy of an example with lines added to files, through checkCase (or gmshToCase): what it says."""
-        case = os.path.join(self.folder, "copy")
+        case = os.path.join(self.folder, "run", "copy")
         shutil.copytree(os.path.join(self.folder, base), case)
         try:
             for file, text in changes.items():
@@ -241,31 +269,93 @@ class Programs(unittest.TestCase):
             shutil.rmtree(case)
 
     def dictionaries(self, program):
-        """(file, dictionary, type) -> its rows, keywords only."""
+        """(files, dictionary, type) -> its rows, keywords only."""
         found = {}
         for row in self.rows[program]:
-            for file in row.files:
-                if not row.word and row.standard != "ignored":
-                    found.setdefault((file, row.inside, row.when), []).append(row)
+            if not row.word and row.standard != "ignored":
+                found.setdefault((tuple(row.files), row.inside, row.when), []).append(row)
         return found
 
-    def text(self, place, rows, last=""):
-        """The dictionary as text: the examples of its rows, in the dictionaries around it."""
+    def text(self, program, place, rows, last):
+        """A dictionary of the examples of rows, in the dictionaries around it."""
         file, inside, when = place
         field = os.path.basename(file)
-        entries = " ".join(row.example for row in rows)
+        entries = " ".join(row.example for row in rows if field == "U" or not row.meaning.startswith("of U "))
         if field in DIMENSIONS:
             entries = re.sub(r"dimensions \[[^]]*\]", f"dimensions {DIMENSIONS[field]}", entries)
         if field == "U":
-            entries = re.sub(r'uniform [\d.]+', "uniform (1 0 0)", entries)
-            entries = re.sub(r'expression (".*?")', r"expression (\1 \1 \1)", entries)
-        entries += f" {BEHIND.get(place, '')} {f'type {when};' if when else ''} {last}"
-        before = ""
+            entries = re.sub(r"uniform [\d.]+", "uniform (1 0 0)", entries)
+            entries = re.sub(r'expression (".*?")', r'expression (\1 "0" "0")', entries)
+        if program != "granularGas":
+            entries = entries.replace("application granularGas", f"application {program}").replace("(alpha)", f"({FIELD[program]})")
+        if program == "granularMD":
+            entries = re.sub(r"table \(.*?\)\);", "2;", entries)
+        entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
-            entries = f"{NAMES.get(part, part)} {{ {entries} }}"
-        return before + entries + "\n"
+            if part == "NAME":
+                entries = f"{'type sets; ' if 'LINE' in inside else ''} fields ({FIELD[program]}); {entries}"
+            name = "left" if "patches" in inside else "front" if not when else NAMES["PATCH"]
+            entries = f"{name if part == 'PATCH' and file != 'constant/particleProperties' else NAMES.get(part, part)} {{ {entries} }}"
+        if inside.endswith("Coeffs") and "/" not in inside:
+            row = next(row for row in self.rows[program] if row.word and row.value + "Coeffs" == inside and file in row.files)
+            entries = f"{row.example} {entries}"
+        return f"\n{'#inputMode overwrite' if inside in ANEW else ''}\n{entries}\n"
+
+    def changes(self, program, base, place, rows, last=""):
+        """Text for the files of a case. A boundary condition is given to all fields that take it."""
+        files, inside, when = place
+        takes = [row.meaning.split(":")[0] for row in self.rows[program] if row.word and row.value == when and row.inside == inside]
+        here = [file for file in files if len(files) == 1 or os.path.exists(os.path.join(self.folder, base, file))]
+        here = [file for file in here if when not in OF_WALLS or file != "0/alpha"]
+        if when and len(files) > 1:
+            here = [file for file in here if ("U" if file == "0/U" else "scalars") in takes[0].split(", ")]
+        return {file: self.text(program, (file, inside, when), rows, last) for file in here} | ALSO.get((files[0], when), {})
+
+    def each(self):
+        """(program, example, place, rows) of every dictionary."""
+        for program, example in PROGRAMS.items():
+            for place, rows in self.dictionaries(program).items():
+                plain = len(place[0]) == 5 or place[1].endswith("Coeffs") and "/" not in place[1]
+                base = "line" if place[2] == "exponential" else "plain" if plain and program == "granularGas" else example
+                yield program, base, place, rows
+
+    def known(self, program, place):
+        """Keys that the reference knows in a dictionary."""
+        files, inside, _ = place
+        names = set()
+        for row in self.rows[program]:
+            if not set(row.files) & set(files):
+                continue
+            if row.inside == inside:
+                names.add(row.name)
+            elif row.inside.startswith(f"{inside}/" if inside else ""):
+                names.add(row.inside[len(inside) + 1 if inside else 0:].split("/")[0])
+        return names
+
+    def test_examples_of_rows(self):
+        for program, base, place, rows in self.each():
+            with self.subTest(f"{program} {place}"):
+                changes = self.changes(program, base, place, rows)
+                done = self.check(program, base, changes)
+                self.assertEqual(done.returncode, 0, f"{changes}\n{done.stderr}")
+
+    def test_no_key_is_asked_for_that_is_not_told(self):
+        for program, base, place, rows in self.each():
+            if (program, place[0]) == ("granularSegregation", ("constant/g",)):
+                continue  # of that file it takes the value, and leaves the rest to others
+            with self.subTest(f"{program} {place}"):
+                changes = self.changes(program, base, place, rows)
+                file = list(changes)[0]
+                changes[file] = self.changes(program, base, place, rows, f"{JUNK} 1;")[file]
+                said = self.check(program, base, changes).stderr
+                found = re.search(rf"{file}:\d+: keyword '{JUNK}' is not used; remove it; known here: (.*?) \(", said)
+                self.assertTrue(found, f"{changes}\n{said}")
+                asked = set(found[1].split())
+                if program == "granularMD":  # parameters of the gas, which may stay in the file; and what it refuses, with a cure
+                    asked = {key for key in asked - {"settledLayer", "perturbation"} if not key.endswith("Coeffs")}
+                self.assertEqual(asked - self.known(program, place), set())
 
     def test_examples(self):
-        for name in ("gas", "grains", "segregation", "line"):
+        for name in ("gas", "grains", "segregation", "line", "plain"):
             with self.subTest(name):
                 self.assertIn("The case is sound.", harness.program("checkCase", os.path.join(self.folder, name)).stdout)
