@@ -299,6 +299,47 @@ static void test_unused(void **state) {
     dict_free(d);
 }
 
+/* A key that the program does not ask for may be a variable of the user's own: it counts as used if a macro behind it
+ * names it, also inside #eval and by its way through dictionaries; else, or with a value that comes too late, not. */
+static void test_own_variables(void **state) {
+    (void)state;
+    static const char *const fine[] = {
+        "cfl 0.5; a $cfl;",
+        "cfl 0.5; a #eval{ 2*$cfl };",
+        "cfl 0.5; b ${cfl}; a $b;",
+        "my { cfl 0.5; } a $my.cfl;",
+        "my { deep { cfl 0.5; } } a $:my.deep.cfl;",
+        "cfl 0.5; s { x $cfl; } a 1;",
+        "my { x 1; } s { $my; } a 1;",
+        "my { x 1; } s $my; a 1;",
+    };
+    static const char *const wrong[][2] = {
+        {"cfl 0.5; a 1;", "T:1:|'cfl' is not used"},
+        {"cfl 0.5;\na $cfl;\ncfl 0.7;", "T:3:|'cfl' is not used"},
+        {"my { cfl 0.5;\nother 1; } a $my.cfl;", "T:2:|'other' is not used"},
+        {"my { cfl 0.5; } s { x 1; cfl 1; } a $my.cfl;", "'cfl' is not used"},
+        {"my { x 1; y 2; } s { $my; } a 1;", "'y' is not used"},
+        {"cfl $cfl0; a 1;", "names no entry"},
+    };
+    struct dict *d, *s;
+    double v;
+    for (size_t i = 0; i < sizeof fine / sizeof *fine + sizeof wrong / sizeof *wrong; i++) {
+        const size_t w = i - sizeof fine / sizeof *fine;
+        const char *text = i < sizeof fine / sizeof *fine ? fine[i] : wrong[w][0];
+        status e = dict_from_text("T", text, &d);
+        if (!e) e = dict_number(d, "a", NULL, &v);
+        if (!e) e = dict_sub_optional(d, "s", &s);
+        if (!e && s) e = dict_number(s, "x", NULL, &v);
+        if (!e || i < sizeof fine / sizeof *fine) ok(e);
+        if (!e) e = dict_check_used(d);
+        if (i < sizeof fine / sizeof *fine)
+            ok(e);
+        else
+            says(e, wrong[w][1]);
+        dict_free(d);
+    }
+}
+
 /* ---- files ---- */
 
 struct folder {
@@ -487,6 +528,7 @@ int main(void) {
         cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_words_and_lists),
         cmocka_unit_test(test_unused),
+        cmocka_unit_test(test_own_variables),
         cmocka_unit_test(test_named_lists),
         cmocka_unit_test_setup_teardown(test_include, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_raw, set_up, tear_down),

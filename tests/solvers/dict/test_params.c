@@ -105,6 +105,51 @@ static void test_required_word(void **state) {
     assert_string_equal(text, "    shape                required   disk, sphere, cube -          of a grain\n");
 }
 
+/* Rows that fill a switch from words, or fill nothing. */
+static void test_other_rows(void **state) {
+    (void)state;
+    static const char *const formats[] = {"ascii", "binary", "text", "raw", NULL}, *const cells[] = {"cell", NULL};
+    static const struct param rows[] = {
+        EITHER("format", rough, false, formats, "of files"),
+        ONLY("scheme", 0, cells, "of points"),
+        NOTED("points", "list", NULL, "read elsewhere", "points ();"),
+        IGNORED("libs", "for others"),
+    };
+    enum { ROWS = sizeof rows / sizeof *rows };
+    static const struct {
+        const char *text;
+        bool on;
+        const char *error;
+    } cases[] = {
+        {"", false, NULL},
+        {"format raw; scheme cell; libs (a b);", true, NULL},
+        {"format text; libs { a { b 1; } }", false, NULL},
+        {"format bin;", false, "allowed are: ascii, binary, text, raw"},
+        {"scheme point;", false, "allowed are: cell"},
+        {"points (1 2);", false, "'points' is not used"}, /* its own reader would ask for it */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct dict *d = parse(cases[i].text);
+        struct grain g = {.rough = true};
+        status s = params_read(d, rows, ROWS, &g);
+        if (!s) s = dict_check_used(d);
+        if (!s && cases[i].error) fail_msg("'%s' was taken", cases[i].text);
+        if (s && (!cases[i].error || !strstr(status_text(s), cases[i].error))) fail_msg("%s", status_text(s));
+        if (!s) assert_int_equal(g.rough, cases[i].on);
+        status_free(s);
+        dict_free(d);
+    }
+    char line[100] = "";
+    FILE *f = tmpfile();
+    assert_non_null(f);
+    params_print_values(f, rows, ROWS, &(struct grain){.rough = true});
+    rewind(f);
+    assert_non_null(fgets(line, sizeof line, f));
+    assert_string_equal(line, "    format                 binary\n");
+    assert_null(fgets(line, sizeof line, f)); /* the others have no value */
+    fclose(f);
+}
+
 static void test_print_values(void **state) {
     (void)state;
     const struct grain g = {
@@ -147,8 +192,8 @@ static void test_print(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_read), cmocka_unit_test(test_errors),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_read),          cmocka_unit_test(test_errors),
                                        cmocka_unit_test(test_required_word), cmocka_unit_test(test_print),
-                                       cmocka_unit_test(test_print_values)};
+                                       cmocka_unit_test(test_print_values),  cmocka_unit_test(test_other_rows)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
