@@ -87,18 +87,18 @@ static const char *const own_times[] = {"timeStep",  "runTime", "adjustableRunTi
                                         "clockTime", "none",    "adjustable",        NULL};
 static const char *const any_times[] = {"timeStep", "runTime",    "adjustableRunTime", "cpuTime",    "clockTime",
                                         "none",     "adjustable", "writeTime",         "outputTime", NULL};
-#define INTERVAL(usually)                                                                                              \
-    NOTED("writeInterval", "number: steps with timeStep, else s", usually, "what lies between two writes",             \
-          "writeInterval 10;")
+#define INTERVAL                                                                                                       \
+    NOTED("writeInterval", "number: steps with timeStep, else s", "required; 1 with timeStep",                         \
+          "what lies between two writes", "writeInterval 10;")
 static const struct param fields_trigger[] = {
     CHOICE("writeControl", index, USUALLY(0, "required"), own_times,
            "what writeInterval counts; adjustableRunTime: steps end on the times"),
-    INTERVAL("required; 1 with timeStep"),
+    INTERVAL,
 };
 static const struct param function_trigger[] = {
     CHOICE("writeControl", index, USUALLY(0, "that of the type"), any_times,
            "what writeInterval counts; writeTime: whenever fields are written"),
-    INTERVAL("required; 1 with timeStep"),
+    INTERVAL,
 };
 
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out) {

@@ -17,14 +17,15 @@ static const char *const iteration_names[] = {"Picard", "Newton", NULL};
 static const char *const wall_names[] = {"cell", "wall", NULL};
 static const char *const weight_names[] = {"uniform", "rho", NULL};
 
-static const struct param gravity_param[] = {
-    {.name = "value",
-     .kind = PARAM_VECTOR,
-     .standard = REQUIRED_AS("value (0 -9.81 0);"),
-     ANY_NUMBER,
-     .unit = UNIT(0, 1, -2),
-     .meaning = "against which f is counted; the rest of the file is not read"},
+struct gravity {
+    double value[3];
 };
+#define PARAM_STRUCT struct gravity
+static const struct param gravity_param[] = {
+    VECTOR("value", value, REQUIRED_AS("value (0 -9.81 0);"), ANY_NUMBER, UNIT(0, 1, -2),
+           "against which f is counted; the rest of the file is not read"),
+};
+#undef PARAM_STRUCT
 #define PARAM_STRUCT struct segregation_models
 #define CASE_OF_GAS(use)                                                                                               \
     NOTED("case", "path, relative to the case", NULL, use, "case \"../gas\";"),                                        \
@@ -145,12 +146,12 @@ static status read_direction(struct dict *d, struct segregation_models *m) {
 
 /* Reads constant/g: without a direction f is counted against gravity. */
 static status read_gravity(struct dict *d, struct segregation_models *m) {
-    double g[3];
+    struct gravity g;
     dict_mark_used(d);
-    TRY(params_read(d, gravity_param, COUNT(gravity_param), g));
-    if (m->has_direction || !make_unit(g)) return OK;
+    TRY(params_read(d, gravity_param, COUNT(gravity_param), &g));
+    if (m->has_direction || !make_unit(g.value)) return OK;
     m->has_direction = true;
-    for (int k = 0; k < 3; k++) m->direction[k] = -g[k];
+    for (int k = 0; k < 3; k++) m->direction[k] = -g.value[k];
     return OK;
 }
 
