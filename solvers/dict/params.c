@@ -34,7 +34,7 @@ static status missing(struct dict *d, const struct param *p) {
 }
 
 static status read_choice(struct dict *d, const struct param *p, bool given, void *member) {
-    int index = (int)p->standard;
+    int index = given ? 0 : (int)p->standard;
     if (given) TRY(dict_choice(d, p->name, p->words, count_words(p), &index));
     const bool odd = index % 2;
     if (p->kind == PARAM_EITHER) memcpy(member, &odd, sizeof odd);

@@ -31,8 +31,8 @@ static const struct param shaking_type[] = {
 static const struct param shaking_param[] = {
     NUMBER("amplitude", amplitude, REQUIRED_AS("amplitude table ((0 2.75) (2 2.75) (4 2));"), TABLE_OR_NUMBER, NO_UNIT,
            "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or, in granularGas,  table ((t a) (t a) ..);"),
-    NUMBER("frequency", frequency, REQUIRED_AS("frequency 10;"), POSITIVE, UNIT(0, 0, -1), "Hz"),
-    NUMBER("phase", phase, 0, ANY_NUMBER, NO_UNIT, "rad"),
+    NUMBER("frequency", frequency, REQUIRED_AS("frequency 10;"), POSITIVE, UNIT(0, 0, -1), "of the shaking, in Hz"),
+    NUMBER("phase", phase, 0, ANY_NUMBER, NO_UNIT, "of the shaking at t = 0, in rad"),
 };
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct case_models
