@@ -92,7 +92,7 @@ class Row:
         self.word = cells[0].startswith("&nbsp;")
         self.value = re.search("`(.*)`", cells[0])[1]
         self.name = cells[1].removeprefix("word of ") if self.word else self.value
-        self.type, self.unit, self.range, self.standard, self.meaning = cells[1:6]
+        self.type, self.standard, self.meaning = cells[1], cells[4], cells[5]
         self.example = cells[6].strip("`").replace("\\|", "|")
 
 
@@ -255,7 +255,7 @@ class Programs(unittest.TestCase):
         """The example of granularGas without a layer at rest, dense gas and rough walls: for any model and any boundary condition."""
         plain = os.path.join(cls.folder, "plain")
         shutil.copytree(os.path.join(cls.folder, "gas"), plain)
-        for file, text in {"0/alpha": "", "0/T": "", "0/U": "", "system/fvSolution": ""}.items():
+        for file in ("0/alpha", "0/T", "0/U", "system/fvSolution"):
             path = os.path.join(plain, file)
             with open(path, encoding="utf-8") as old:
                 text = re.sub(r"^(settledLayer|perturbation|expression|acoustics).*\n", "", old.read(), flags=re.MULTILINE)
@@ -305,8 +305,11 @@ class Programs(unittest.TestCase):
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
                 entries = f"{'type sets; ' if 'LINE' in inside else ''} fields ({FIELD[program]}); {entries}"
-            name = "left" if "patches" in inside else "front" if not when else NAMES["PATCH"]
-            entries = f"{name if part == 'PATCH' and file != 'constant/particleProperties' else NAMES.get(part, part)} {{ {entries} }}"
+            if part == "PATCH" and inside.startswith("patches"):
+                part = "left"  # one of the two that are cyclic
+            elif part == "PATCH" and field in DIMENSIONS and not when:
+                part = "front"  # one that is empty
+            entries = f"{NAMES.get(part, part)} {{ {entries} }}"
         if inside.endswith("Coeffs") and "/" not in inside:
             row = next(row for row in self.rows[program] if row.word and row.value + "Coeffs" == inside and file in row.files)
             entries = f"{row.example} {entries}"
