@@ -24,8 +24,8 @@ static const char *const zips[] = {"off", "on", "no", "yes",          "false",  
 
 #define PARAM_STRUCT struct control
 const struct param control_table[] = {
-    NOTED("application", "word: granularGas, granularMD, granularSegregation, or another", "the program that runs",
-          "the other solvers of these refuse the case", "application granularGas;"),
+    NOTED("application", "word: granularGas, granularMD, granularSegregation", "the program that runs",
+          "whose case it is: the others refuse it", "application granularGas;"),
     CHOICE("startFrom", start_from, START_LATEST, starts,
            "time folder to start from; startTime: that of the keyword startTime"),
     NUMBER("startTime", start_time, 0, ANY_NUMBER, UNIT(0, 0, 1), "time to start from, with startFrom startTime"),
@@ -53,6 +53,8 @@ const struct param control_table[] = {
     EITHER("onError", write_on_error, true, errors, "what becomes of the last good state when the run fails"),
     EITHER("onCorruptTime", previous_if_corrupt, false, corrupt,
            "if the time to start from is damaged: end, or start from the time before"),
+    NOTED("acceptWarnings", "list of words", "()", "warnings that are no errors with the option -strict",
+          "acceptWarnings (fewGrains);"),
     NOTED("functions", "dictionary", "none", "function objects by their names, which are yours",
           "functions { p1 { type probes; fields (alpha); probeLocations ((0.01 0.02 0)); } }"),
     IGNORED("libs", "for OpenFOAM: nothing is loaded at run time"),
@@ -118,12 +120,14 @@ status trigger_read(struct dict *d, const struct trigger *standard, bool fields_
 }
 
 void control_keywords(struct keywords *k) {
-    int times_of_steps = 0;
-    while (strcmp(control_table[times_of_steps].name, "purgeWrite")) times_of_steps++;
     keywords_at(k, "system/controlDict", "", NULL);
-    keywords_params(k, control_table, times_of_steps);
-    keywords_params(k, fields_trigger, COUNT(fields_trigger));
-    keywords_params(k, control_table + times_of_steps, control_table_size - times_of_steps);
+    for (int i = 0; i < control_table_size; i++) {
+        const char *name = control_table[i].name;
+        if (!strcmp(name, "purgeWrite")) keywords_params(k, fields_trigger, COUNT(fields_trigger));
+        keywords_params(k, &control_table[i], 1);
+        for (int w = 0; w < WARNINGS && !strcmp(name, "acceptWarnings"); w++)
+            keywords_word(k, name, warning_names[w], warning_meanings[w]);
+    }
 }
 void trigger_keywords(struct keywords *k) {
     keywords_params(k, function_trigger, COUNT(function_trigger));

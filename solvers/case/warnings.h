@@ -22,6 +22,7 @@ enum warning {
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];
+extern const char *const warning_meanings[WARNINGS]; /* for the reference of all keywords */
 
 struct warnings {
     bool strict;          /* is a warning that is not accepted an error? */

@@ -446,7 +446,8 @@ static const struct patch_field *gas_patch(const struct medium *m, int quantity,
 }
 
 static const char help[] =
-    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
+    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
+    "[-help]\n\n"
     "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
     "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"

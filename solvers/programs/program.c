@@ -63,8 +63,8 @@ static status check_ranks(long n) {
 }
 
 status options_read(int argc, char **argv, struct options *out) {
-    static const char *const names[] = {"-case",  "-np",   "-dry-run",    "-strict",
-                                        "-debug", "-help", "-listModels", "-listBCs", "-keywords"};
+    static const char *const names[] = {"-case", "-np",         "-dry-run", "-strict",  "-debug",
+                                        "-help", "-listModels", "-listBCs", "-keywords"};
     *out = (struct options){.dir = "."};
     bool *const flags[] = {NULL,        NULL,       &out->dry_run,     &out->strict,
                            &out->debug, &out->help, &out->list_models, &out->list_boundaries};

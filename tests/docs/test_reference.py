@@ -27,6 +27,7 @@ TABLES = {
     "solvers/functions/functions.c": {"name"},
     "solvers/functions/functions_phase.c": {"key"},
     "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
+    "solvers/gas/gas_medium.c": {"names[polyhedral]", "names[!polyhedral]"},  # reconstruct, polyReconstruct
     "solvers/gas/limiter.c": {"counts[i].key"},
     "solvers/gas/models.c": {"families[ENGINE].key"},
     "solvers/grains/grains_models.c": {"patch->name"},
@@ -81,7 +82,7 @@ def untold(files, names):
         wrong += [f"{path}: the row {key} is in no reference" for key in ROW.findall(text) if key not in names]
         for table in set(re.findall(r"\bparams_read\([^;]*?,\s*(\w+_(?:param|type|table))\b", text)):
             where = text if re.search(rf"struct param {table}\[\]", text) else "".join(files.values())
-            if not re.search(rf"keywords_params\(k,\s*{table}\b|go_through\(k, \w+, {table}\b", where):
+            if not re.search(rf"keywords_params\(k,\s*&?{table}\b|go_through\(k, \w+, {table}\b", where):
                 wrong.append(f"{path}: {table} is read, but goes into no reference")
     return wrong, needed
 
@@ -265,6 +266,12 @@ class Programs(unittest.TestCase):
             with open(path, "w", encoding="utf-8") as new:
                 new.write(text)
 
+        boundary = os.path.join(plain, "constant", "polyMesh", "boundary")
+        with open(boundary, encoding="utf-8") as old:
+            text = re.sub(r"(lid\s*\{\s*type\s+)wall", r"\1patch", old.read())  # which is open with some of the conditions
+        with open(boundary, "w", encoding="utf-8") as new:
+            new.write(text)
+
     def check(self, program, base, changes):
         """A copy of an example with lines added to files, through checkCase (or gmshToCase): what it says."""
         case = os.path.join(self.folder, "run", "copy")
@@ -370,6 +377,8 @@ class Programs(unittest.TestCase):
                 self.assertEqual(asked - self.known(program, place), set())
 
     def test_examples(self):
-        for name in ("gas", "grains", "segregation", "line", "plain"):
+        for name in ("gas", "grains", "segregation"):
             with self.subTest(name):
-                self.assertIn("The case is sound.", harness.program("checkCase", os.path.join(self.folder, name)).stdout)
+                said = harness.program("checkCase", os.path.join(self.folder, name)).stdout
+                self.assertIn("The case is sound.", said)
+                self.assertNotIn("warning", said)
