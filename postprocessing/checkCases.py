@@ -17,7 +17,7 @@ import time
 import expected
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-RESULTS = shutil.ignore_patterns("[1-9]*", "0.[0-9]*", "polyMesh", "postProcessing", "VTK", "*.msh", "log.*", ".haff.lock", "__pycache__")
+RESULTS = shutil.ignore_patterns("[1-9]*", "0", "0.[0-9]*", "polyMesh", "postProcessing", "VTK", "*.msh", "log.*", ".haff.lock", "__pycache__")
 UNREAD = re.compile(r"README\.md|expected\.json|figure\.py|.*\.png")  # what a run does not depend on
 
 

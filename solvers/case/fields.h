@@ -45,7 +45,7 @@ struct field_place {
     double t;             /* s */
 };
 
-#define FIELD_FILES "0/alpha, 0/rho, 0/U, 0/T, 0/p"
+#define FIELD_FILES "0.orig/alpha, 0.orig/rho, 0.orig/U, 0.orig/T, 0.orig/p"
 /* Goes through the keywords of a field's file, or of several alike, with the boundary conditions that are offered
  * (NULL: all). */
 struct boundary_type;

@@ -17,12 +17,14 @@ const char *const warning_names[WARNINGS] = {
 
 const char *const warning_meanings[WARNINGS] = {
     [WARN_HEADER] = "a file lacks the FoamFile header",
+    [WARN_UNEVALUATED] = "the start is given by expressions in a folder that other programs read",
     [WARN_SCHEME] = "the scheme that is given is for the other kind of mesh",
     [WARN_NARROW] = "a cell is far narrower than the others",
     [WARN_GRAIN_SIZE] = "grains are wider than cells, or than the domain",
     [WARN_FEW_GRAINS] = "cells hold less than a grain",
     [WARN_RAREFIED] = "the mean free path is no small part of the domain",
     [WARN_TEMPERATURE] = "T is far from the square of every other speed",
+    [WARN_SHAPE] = "the gas of the case is one of spheres and its grains are disks, or the other way round",
     [WARN_LONG_STEP] = "deltaT is longer than the time scheme allows",
     [WARN_COLLAPSE] = "grains hit each other too slowly to part again: inelastic collapse",
     [WARN_FRICTION] = "dense gas is slow, where real grains would hold each other",

@@ -114,7 +114,7 @@ void layers_list(FILE *f) {
 }
 
 void layers_keywords(struct keywords *k) {
-    static const char where[] = "0/alpha, 0/rho";
+    static const char where[] = "0.orig/alpha, 0.orig/rho";
     keywords_at(k, where, "", NULL);
     keywords_params(k, file_param, COUNT(file_param));
     keywords_at(k, where, file_param[0].name, NULL);

@@ -356,11 +356,11 @@ void segregation_models_keywords(struct keywords *k) {
     keywords_params(k, schemes_param + 1, COUNT(schemes_param) - 1);
     keywords_at(k, "system/fvSolution", "", NULL);
     keywords_params(k, solution_param, COUNT(solution_param));
-    fields_keywords(k, "0/phi", no_boundary);
+    fields_keywords(k, "0.orig/phi", no_boundary);
     keywords_words(k, "type", phi_types, phi_about);
     keywords_at(k, k->file, k->dict, "fixedValue");
     keywords_params(k, phi_param, COUNT(phi_param));
-    fields_keywords(k, "0/U", of_velocity);
+    fields_keywords(k, "0.orig/U", of_velocity);
 }
 
 void segregation_boundaries_list(FILE *f) {

@@ -205,7 +205,7 @@ BESIDES = {
     ("constant/segregationProperties", "percolation", "kineticStress"): "direction (0 1 0);",
     ("constant/segregationProperties", "diffusivity", ""): "value 1e-6;",
 }
-ALSO = {("0/phi", "fixedValue"): {"0/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+ALSO = {("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
 OF_WALLS = ("granularWall", "JohnsonJacksonSlip")  # at walls alpha is zeroGradient
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
 ANEW = ("percolation", "diffusivity")
@@ -245,7 +245,7 @@ class Programs(unittest.TestCase):
         line = os.path.join(cls.folder, "line")
         shutil.copytree(os.path.join(cls.folder, "segregation"), line, ignore=shutil.ignore_patterns("polyMesh", "U"))
         boxes.write_mesh(line, (1, 20, 1), (0.01, 0.04, 0.01))
-        with open(os.path.join(line, "0", "phi"), "w", encoding="utf-8") as file:
+        with open(os.path.join(line, "0.orig", "phi"), "w", encoding="utf-8") as file:
             file.write('dimensions [0 0 0 0 0 0 0]; internalField uniform 0.5;\n'
                        'boundaryField { "y.*" { type noFlux; } ".*Empty" { type empty; } }\n')
         with open(os.path.join(line, "constant", "segregationProperties"), "w", encoding="utf-8") as file:
@@ -256,12 +256,12 @@ class Programs(unittest.TestCase):
         """The example of granularGas without a layer at rest, dense gas and rough walls: for any model and any boundary condition."""
         plain = os.path.join(cls.folder, "plain")
         shutil.copytree(os.path.join(cls.folder, "gas"), plain)
-        for file in ("0/alpha", "0/T", "0/U", "system/fvSolution"):
+        for file in ("0.orig/alpha", "0.orig/T", "0.orig/U", "system/fvSolution"):
             path = os.path.join(plain, file)
             with open(path, encoding="utf-8") as old:
                 text = re.sub(r"^(settledLayer|perturbation|expression|acoustics).*\n", "", old.read(), flags=re.MULTILINE)
-            text = re.sub(r"JohnsonJacksonSlip;[^}]*", "slip; " if file == "0/U" else "zeroGradient; ", text)
-            if file[:2] == "0/" and "internalField" not in text:
+            text = re.sub(r"JohnsonJacksonSlip;[^}]*", "slip; " if file == "0.orig/U" else "zeroGradient; ", text)
+            if file.startswith("0.orig/") and "internalField" not in text:
                 text += "internalField uniform 0.1;\n"
             with open(path, "w", encoding="utf-8") as new:
                 new.write(text)
@@ -327,9 +327,9 @@ class Programs(unittest.TestCase):
         files, inside, when = place
         takes = [row.meaning.split(":")[0] for row in self.rows[program] if row.word and row.value == when and row.inside == inside]
         here = [file for file in files if len(files) == 1 or os.path.exists(os.path.join(self.folder, base, file))]
-        here = [file for file in here if when not in OF_WALLS or file != "0/alpha"]
+        here = [file for file in here if when not in OF_WALLS or file != "0.orig/alpha"]
         if when and len(files) > 1:
-            here = [file for file in here if ("U" if file == "0/U" else "scalars") in takes[0].split(", ")]
+            here = [file for file in here if ("U" if file == "0.orig/U" else "scalars") in takes[0].split(", ")]
         return {file: self.text(program, (file, inside, when), rows, last) for file in here} | ALSO.get((files[0], when), {})
 
     def each(self):
