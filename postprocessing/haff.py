@@ -93,7 +93,8 @@ def read_field(path, cells):
     entry = re.search(rb"(?:internalField|value)\s+(uniform|nonuniform)\s*(?:List<\w+>)?", f.body)
     if not entry:
         raise FormatError(f"{path}: no internalField")
-    if re.search(rb"^\s*expression\b", f.body, re.M):
+    outside = f.body.split(b"boundaryField", 1)[0] + b"\n" + f.body.rsplit(b"}", 1)[-1]  # patches may have expressions, too
+    if re.search(rb"^\s*expression\b", outside, re.M):
         raise FormatError(f"{path}: the field is given by an expression, which only the solver evaluates")
     if entry.group(1) == b"uniform":
         value = np.array(words(f.body[entry.end():f.body.index(b";", entry.end())]), float)

@@ -170,12 +170,17 @@ static bool leaves(struct gas *g) {
 }
 
 /* Does one super step of stress or heat from Y0 to `to`, which may be Y0; returns this rank's number of inadmissible
- * cells, or 1 if the step is left. */
+ * cells, or 1 if the step is left. Walls that change in time have in S_j their values at one time, its centroid:
+ * S_j is an integral of q over the time weight[0], and `moment` is what it would be if q were the time since the start,
+ * as q_j is the time weight[0] of S_j if dq/dt = 1. The error is of third order in dt, as that of the scheme. Other
+ * patches keep the value of the middle. */
 static long super_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                        const struct lapse *l, int stages) {
     double c[5], weight[2] = {0, 0}; /* values of S_j and S_(j-1) if q were 1 throughout */
+    double moment[2] = {0, 0};
     g->models.diffusion->stage(stages, 1, c);
     weight[0] = c[2] * l->dt;
+    renew_patches(g, l->t + 0.5 * l->dt);
     g->engine->diffusion.begin(g, what, Y0, weight[0], l->rest);
     for (int j = 2; j <= stages; j++) {
         g->models.diffusion->stage(stages, j, c);
@@ -183,13 +188,18 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
         c[2] *= l->dt;
         c[3] *= l->dt;
         c[4] = c[2] * l->part * weight[0] / l->dt;
+        renew_patches(g, l->t + moment[0] / weight[0]);
         g->engine->diffusion.stage(g, what, Y0, c, weight[0]);
         const double next = c[0] * weight[0] + c[1] * weight[1] + c[2] + c[3];
+        const double later = c[0] * moment[0] + c[1] * moment[1] + c[2] * weight[0];
         weight[1] = weight[0];
         weight[0] = next;
+        moment[1] = moment[0];
+        moment[0] = later;
         if (leaves(g)) return 1;
     }
     g->counts.stages[what] += stages;
+    renew_patches(g, l->t + moment[0] / weight[0]);
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
 }
 
@@ -219,7 +229,7 @@ static bool too_stiff(struct gas *g, const struct state *from, double dt, const 
 /* Returns the i-th of `parts` equal parts of a lapse. */
 static struct lapse part_of(const struct lapse *l, long i, long parts) {
     const double n = (double)parts;
-    return (struct lapse){l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
+    return (struct lapse){l->t + l->dt * (double)i / n, l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
 }
 
 /* Covers a lapse by super steps, or by an implicit step; returns this rank's number of inadmissible cells. */
@@ -238,8 +248,8 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
 
 /* Conducts heat from `from` to `to`, another state, in as many parts as it takes until all cells are admissible: super
  * steps are not monotone, so a hot thin gas on a cold dense one may end at a hundredth of its T, of either sign. */
-static long conduct(struct gas *g, const struct state *from, const struct state *to, double dt, double rate) {
-    const struct lapse whole = {dt, 1, 1};
+static long conduct(struct gas *g, const struct state *from, const struct state *to, double t, double dt, double rate) {
+    const struct lapse whole = {t, dt, 1, 1};
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
         for (int i = 0; i < parts && !g->left; i++) {
@@ -268,23 +278,25 @@ static void dilate(struct gas *g, const struct state *from, const struct state *
 
 /* Applies the stress, then conducts heat, by way of a third state. again: the heat of dilation is no source of
  * conduction, but has gone before. */
-static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double dt,
+static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          const double rate[2], bool again) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;
-    const struct lapse stress = {dt, 0, 0};
+    const struct lapse stress = {t, dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
     if (!again) dilate(g, from, mid, dt);
     if (g->terms.cross) g->engine->diffusion.cross(g, mid, dt);
     note_friction(g, from, mid);
     if (again) dilate(g, from, mid, dt);
-    return conduct(g, mid, to, dt, rate[HEAT]);
+    return conduct(g, mid, to, t, dt, rate[HEAT]);
 }
 
-bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad) {
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
+             long bad) {
     double rate[2], most[3] = {bad > 0, 0, 0};
     g->ahead = g->ahead && second;
     g->late = second;
+    renew_patches(g, second ? t + dt : t);
     g->engine->diffusion.rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
@@ -295,7 +307,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     audit_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS && !g->left; parts *= repeats > 1 ? 2 : 1) {
         for (int i = 0; i < parts && !g->left; i++)
-            bad = diffuse_both(g, i ? to : from, to, dt / parts, most + 1, repeats > 0);
+            bad = diffuse_both(g, i ? to : from, to, t + i * (dt / parts), dt / parts, most + 1, repeats > 0);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);
         if (most[0] == 0) break;
@@ -310,6 +322,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->counts.repeated += repeats;
     g->counts.plain += plain;
     if (first && most[0] == 0) {
+        renew_patches(g, t + dt);
         g->engine->diffusion.ahead(g, to);
         g->ahead = true;
     }

@@ -14,6 +14,7 @@ static status make(const struct gas *like, struct gas **out) {
     g->terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limit = density_limit(g->models.eos, &g->models.material);
     g->parts = !gas_can_collapse(g);
+    for (int p = 0; p < g->npatches; p++) g->fed |= patch_feeds(&g->rules[p]);
     if (g->models.alpha_floor > 0)
         g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
@@ -62,6 +63,7 @@ void gas_free(struct gas *g) {
     dense_free(g);
     g->engine->state.free(g);
     audit_free(g->audit);
+    status_free(g->unrenewed);
     free(g);
 }
 
@@ -156,6 +158,15 @@ status gas_check(const struct gas *g) {
 
 void gas_heed(struct gas *g, bool (*asked)(void)) {
     g->asked = asked;
+}
+
+void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *context) {
+    g->renew = renew;
+    g->renewer = context;
+}
+
+void renew_patches(struct gas *g, double t) {
+    if (g->renew && !g->unrenewed) g->unrenewed = g->renew(g->renewer, t);
 }
 
 void gas_speed(struct gas *g, struct gas_speed *speed) {

@@ -41,6 +41,10 @@ struct gas {
     long images;                     /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
     long size;                       /* numbers in a line of a block: the distance from one variable to the next */
     const struct patch_rules *rules; /* [npatches] */
+    bool fed;                        /* is there a patch that gives the mass that flows in? */
+    status (*renew)(void *renewer, double t); /* of gas_vary; NULL: the values of patches do not change */
+    void *renewer;
+    status unrenewed; /* why they could not be renewed in this step */
     const struct reconstruct *first_order;
 
     struct state U;          /* the state between steps */
@@ -105,17 +109,21 @@ struct gas {
  * Collective. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 
-/* Moves `from` by viscous stress and heat conduction over dt, in the first or the second half of a step. bad: number of
- * cells of `from` on this rank that are not admissible. Returns false, on all ranks, if a rank has such cells or would
- * have them in `to`. */
-bool diffuse(struct gas *g, const struct state *from, const struct state *to, double dt, bool second, long bad);
+/* Gives the patches their values at time t (gas_vary). */
+void renew_patches(struct gas *g, double t);
+
+/* Moves `from` by viscous stress and heat conduction over dt from t on, in the first or the second half of a step. bad:
+ * number of cells of `from` on this rank that are not admissible. Returns false, on all ranks, if a rank has such cells
+ * or would have them in `to`. */
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
+             long bad);
 
 /* Sets g->cooled to the fall of T from one state to the other by sources. It is negative where T rose, if a source
  * heats. */
 void note_cooled(struct gas *g, const struct state *from, const struct state *to);
 
-struct lapse { /* one step of conduction */
-    double dt; /* its length, s */
+struct lapse {    /* one step of stress or conduction */
+    double t, dt; /* its start and its length, s */
     /* fraction of the half step's frictional heating that Y0's T contains although it is not yet conducted */
     double rest;
     double part; /* fraction of that heating that this step adds */

@@ -15,7 +15,7 @@ enum {
 struct problem { /* one of the two linear systems */
     struct gas *gas;
     enum diffusing what;
-    double factor; /* s: gamma dt */
+    double t, factor; /* s: start of the step; gamma dt */
     const struct state *Y0;
     int *place; /* [unknowns * links] place of a link's weight in system.value */
     struct linear_system system;
@@ -217,6 +217,7 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
  */
 static bool one_stage(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
+    renew_patches(p->gas, p->t + p->factor);
     for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + gamma * m->source[k];
     operate(p, m->q, true, m->moved);
     if (!stage(m, p, m->f, m->q)) return false;
@@ -229,6 +230,10 @@ static bool two_stages(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
     if (!one_stage(m, p, gamma)) return false;
     for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k] + (1 - gamma) * m->source[k];
+    if (p->gas->renew) {
+        renew_patches(p->gas, p->t + p->factor / gamma);
+        operate(p, m->q, true, m->moved);
+    }
     if (!stage(m, p, m->f, m->q)) return false;
     for (int k = 0; k < rows; k++) m->mean[k] += gamma * (m->q[k] - m->mean[k]);
     return true;
@@ -256,10 +261,25 @@ static int correct_mean(struct implicit *m, struct problem *p, double s) {
     return false;
 }
 
+/* Patches whose values change in time give the stages of Gauss & Legendre different heat, dt h_1 and dt h_2 with a mean
+ * of the middle: in the equation of the mean, q_0 has -s dt (h_2 - h_1)/2 besides, a twelfth of the change over dt. */
+static void change_edges(struct implicit *m, struct problem *p, double s) {
+    const int rows = p->system.rows;
+    const double dt = p->factor / s;
+    memset(m->d, 0, (size_t)rows * sizeof *m->d);
+    renew_patches(p->gas, p->t);
+    operate(p, m->d, true, m->b);
+    renew_patches(p->gas, p->t + dt);
+    operate(p, m->d, true, m->moved);
+    for (int k = 0; k < rows; k++) m->mean[k] -= (m->moved[k] - m->b[k]) / (12 * s);
+    renew_patches(p->gas, p->t + 0.5 * dt);
+}
+
 /* The two stages of Gauss & Legendre. The first guess is their mean by the midpoint rule with s for 1/2. */
 static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
     const int rows = p->system.rows;
     memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
+    if (p->gas->renew) change_edges(m, p, s);
     for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + s * m->source[k];
     operate(p, m->q, true, m->moved);
     if (!stage(m, p, m->f, m->q)) return false;
@@ -303,9 +323,12 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
     const double gamma = monotone ? 1 : share_of(scheme);
     p->factor = gamma * l->dt;
     p->Y0 = Y0;
+    p->t = l->t;
+    renew_patches(g, l->t + 0.5 * l->dt);
     take_start(m, p, l);
     const bool solved = !prepare(m, p) && stages(m, p, scheme, gamma);
     for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? l->dt * m->mean[k] : NAN;
     g->engine->implicit.move(g, what, m->mean, true);
+    if (!monotone) renew_patches(g, l->t + 0.5 * l->dt); /* the mean of all stages acts at the middle */
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, l->dt);
 }

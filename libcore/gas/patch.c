@@ -2,10 +2,10 @@
  * line of cells, on the conserved variables. */
 #include "libcore/gas/patch.h"
 
-static void apply(const struct rule *rule, const struct patch_line *l, int components, int normal,
+static void apply(const struct rule *rule, const struct patch_line *l, int components, int normal, const double *rho,
                   double (*inner)[BATCH], double (*ghost)[BATCH]) {
     struct ghost_line line = {
-        .n = l->n, .components = components, .face = l->face, .outflow = l->outflow, .normal = normal};
+        .n = l->n, .components = components, .face = l->face, .outflow = l->outflow, .rho = rho, .normal = normal};
     for (int c = 0; c < components; c++) {
         line.inner[c] = inner[c];
         line.ghost[c] = ghost[c];
@@ -45,14 +45,40 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
         const struct rule mirror = {.type = boundary_mirror};
-        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->components, l->normal, inner + 1,
-              ghost + 1);
+        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->components, l->normal, NULL,
+              inner + 1, ghost + 1);
         memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
         return;
     }
     to_primitive(g, r->pressure, l->n, inner);
-    apply(&r->density, l, 1, -1, inner, ghost);
-    apply(&r->velocity, l, g->components, l->normal, inner + 1, ghost + 1);
-    apply(&r->temperature, l, 1, -1, inner + last, ghost + last);
+    apply(&r->density, l, 1, -1, NULL, inner, ghost);
+    apply(&r->velocity, l, g->components, l->normal, ghost[0], inner + 1, ghost + 1);
+    apply(&r->temperature, l, 1, -1, NULL, inner + last, ghost + last);
     to_conserved(g, r->pressure, l->n, ghost);
+}
+
+/* Computes E + p of states, where a state gives its work, too. */
+static void find_enthalpy(const struct gas *g, int n, double (*q)[BATCH], double *out) {
+    double eps[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < n; i++) {
+        double kinetic = 0;
+        for (int k = 1; k <= g->components; k++) kinetic += 0.5 * (q[k][i] / q[0][i]) * (q[k][i] / q[0][i]);
+        eps[i] = q[g->components + 1][i] / q[0][i] - kinetic;
+    }
+    g->models.eos->state(&g->models.material, n, q[0], eps, p, c2, gruneisen);
+    for (int i = 0; i < n; i++) out[i] = q[g->components + 1][i] + p[i];
+}
+
+void feed_fluxes(const struct gas *g, int n, const double *mass, double (*inner)[BATCH], double (*ghost)[BATCH],
+                 double (*flux)[BATCH]) {
+    const int last = g->components + 1;
+    double enthalpy[BATCH];
+    find_enthalpy(g, n, ghost, enthalpy);
+    for (int i = 0; i < n; i++) {
+        const double more = mass[i] - flux[0][i];
+        const double part = more / (more > 0 ? ghost[0][i] : inner[0][i]);
+        for (int k = 1; k <= g->components; k++) flux[k][i] += part * (more > 0 ? ghost[k][i] : inner[k][i]);
+        flux[last][i] += part * (more > 0 ? enthalpy[i] : inner[last][i]);
+        flux[0][i] = mass[i];
+    }
 }

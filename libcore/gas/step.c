@@ -35,9 +35,12 @@ static double part_of(const struct stepper *s, int stage) {
     return state;
 }
 
-/* Sets the gravity of a stage. */
-static void set_gravity(struct gas *g, double t, double dt, int stage) {
-    if (g->falls) source_gravity(&g->models.source, t, dt, part_of(g->models.stepper, stage), g->gravity);
+/* Sets the gravity of a stage, and the values of patches at its time. */
+static void set_time(struct gas *g, double t, double dt, int stage) {
+    if (!g->falls && !g->renew) return;
+    const double part = part_of(g->models.stepper, stage);
+    if (g->falls) source_gravity(&g->models.source, t, dt, part, g->gravity);
+    renew_patches(g, t + part * dt);
 }
 
 /* Returns the eps above which cells are warm. */
@@ -182,7 +185,7 @@ static bool diffuse_half(struct gas *g, const struct state *from, const struct s
                          bool second, long bad) {
     const struct gas_models *m = &g->models;
     source_pull(&m->source, m->eos, &m->material, g->components, t, 0.5 * dt, g->pull);
-    return diffuse(g, from, to, 0.5 * dt, second, bad);
+    return diffuse(g, from, to, t, 0.5 * dt, second, bad);
 }
 
 /* Does the second half of the diffusion on V. Returns false, on all ranks, if a state was or is not admissible. */
@@ -260,6 +263,7 @@ static void kick_falling(struct gas *g, double t, double dt, bool second, const 
 /* Prepares the stages of a step with a bed from the state U0 after its first halves. Returns whether it can be made. */
 static bool start_bed(struct gas *g, const struct state *U0, double t, double dt, long bad) {
     if (any_rank(g, bad)) return false;
+    renew_patches(g, t + dt); /* the bed's step is implicit */
     g->dense->failed = dense_begin(g, U0);
     if (g->dense->failed) return false;
     kick_falling(g, t, dt, false, U0);
@@ -303,7 +307,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     for (int stage = 0; stage < stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         const double a = s->a[stage], b = s->b[stage] * dt;
-        set_gravity(g, t, dt, stage);
+        set_time(g, t, dt, stage);
         audit_weight(g, from, (1 - a) * share_of(s, stage) * b);
         const long found = at_once && stage + 1 == s->stages
                                ? g->engine->stage.last_stage(g, U0, from, &g->W, a, b, &ending)
@@ -402,6 +406,13 @@ static status bed_failure(struct gas *g) {
     return s;
 }
 
+/* Returns the error of values of patches that could not be renewed in an attempt; OK: there was none. */
+static status renewal_failure(struct gas *g) {
+    const status s = g->unrenewed;
+    g->unrenewed = OK;
+    return s;
+}
+
 /* Counts a step that stands. */
 static status count_step(struct gas *g) {
     if (g->guarded > 0) {
@@ -429,7 +440,9 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     g->speed_known = g->held = false;
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
-        if (try_step(g, t, *dt, maxCo, speed, &tried)) break;
+        const bool stands = try_step(g, t, *dt, maxCo, speed, &tried);
+        TRY(renewal_failure(g));
+        if (stands) break;
         TRY(bed_failure(g));
         if (asked_to_leave(g)) return leave(g, &start, dt);
         if (hopeless(g) && !g->hybrid) return stop_of_diffusion(g, t);

@@ -141,6 +141,11 @@ struct strip {
     int row;  /* of activity_row: that of the left cells */
 };
 
+/* Does a side of a tile lie on a patch that gives the mass that flows in? */
+bool tiles_fed(const struct gas *g, int tile, int side);
+/* Gives the fluxes `out`, in program order, through such faces of a strip that mass (libcore/gas/patch.h). */
+void tiles_feed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column);
+
 /* Does gravity act along an axis? */
 bool balance_acts(const struct gas *g, int axis);
 /* Where along the axes the faces on walls of a tile are, by the place of the cell below; far below or above the tile

@@ -206,7 +206,8 @@ static int side_of_row(const struct tile *t, int j, int k) {
     return k < 0 ? 4 : k >= t->n[2] ? 5 : j < 0 ? 2 : 3;
 }
 
-/* The columns of a row, of the tile or of its ghosts, that differ from the background. */
+/* The columns of a row, of the tile or of its ghosts, that differ from the background, or whose fluxes do: beside a
+ * patch that gives the mass that flows in they may differ from those of the same states in the last bit. */
 static struct span differ_with_ghosts(const struct gas *g, int tile, const struct state *s, int j, int k) {
     const struct tile *t = &g->forest->tile[tile];
     const double *U = s->block[tile];
@@ -214,13 +215,17 @@ static struct span differ_with_ghosts(const struct gas *g, int tile, const struc
     bool out_j = j < 0 || j >= t->n[1], out_k = k < 0 || k >= t->n[2];
     long row = row_offset(g->forest, j, k);
     if (out_j && out_k) return SPAN_EMPTY;
-    if (out_j || out_k)
-        return quiet[side_of_row(t, j, k)] ? SPAN_EMPTY : differing(g, U, NULL, row, (struct span){0, t->n[0]});
+    const struct span whole = {0, t->n[0]};
+    if (out_j || out_k) {
+        const int side = side_of_row(t, j, k);
+        return quiet[side] ? SPAN_EMPTY : tiles_fed(g, tile, side) ? whole : differing(g, U, NULL, row, whole);
+    }
     struct span differ = *activity_row(&g->tiles->activity, s->varied[tile], j, k);
     for (int m = 0; m < GHOSTS; m++)
         for (int high = 0; high < 2; high++) {
             int i = high ? t->n[0] + m : -1 - m;
-            if (!quiet[high] && !same_cell(g, U, NULL, row + i, 0)) differ = span_join(differ, (struct span){i, i + 1});
+            if (!quiet[high] && (tiles_fed(g, tile, high) || !same_cell(g, U, NULL, row + i, 0)))
+                differ = span_join(differ, (struct span){i, i + 1});
         }
     return differ;
 }

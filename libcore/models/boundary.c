@@ -38,6 +38,12 @@ static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
             l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : value_of(rule, l->components, l->face[i], c);
 }
 
+/* The values are rho u: what flows in is the same at any density. */
+static void fed(const struct rule *rule, const struct ghost_line *l) {
+    for (int c = 0; c < l->components; c++)
+        for (int i = 0; i < l->n; i++) l->ghost[c][i] = value_of(rule, l->components, l->face[i], c) / l->rho[i];
+}
+
 /* ---- walls of a gas with transport ---- */
 
 /* Computes the pressure on the wall itself, p of the cell + rho push d/2: gas that stays at a wall has dp/dn = rho push
@@ -70,11 +76,11 @@ static const struct param moving_param[] = {
 };
 #undef PARAM_STRUCT
 
+/* A wall that does not move alike everywhere has values. */
 static void moving_velocity(const struct rule *rule, int components, int face, double out[3]) {
     struct moving_wall own;
-    (void)face;
     memcpy(&own, &rule->params, sizeof own);
-    for (int c = 0; c < components; c++) out[c] = own.U[c];
+    for (int c = 0; c < components; c++) out[c] = rule->values ? value_of(rule, components, face, c) : own.U[c];
 }
 
 /* A wall of restitution e takes the heat q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), with T_w of the gas on it: per
@@ -203,8 +209,17 @@ const struct boundary_type boundary_table[] = {
     {MODEL("zeroGradient", "in- or outflow of the cell's own state"), FIELDS(true, true), .ghost = copy},
     {MODEL("fixedValue", "given value"), FIELDS(true, true), VALUES("value"), .ghost = fixed, .heat = half_way,
      .temperature = temperature_given},
+    {MODEL("uniformFixedValue", "given value, a constant or  table ((t v) ..)  in time"), FIELDS(true, true),
+     VALUES("uniformValue"), .giving = BY_FUNCTION, .ghost = fixed, .heat = half_way, .temperature = temperature_given},
+    {MODEL("exprFixedValue", "given value, \"..\" of pos().x(), pos().y(), pos().z(), time(); of U  vector(a, b, c)"),
+     FIELDS(true, true), VALUES("valueExpr"), .giving = BY_EXPRESSION, .ghost = fixed, .heat = half_way,
+     .temperature = temperature_given},
     {MODEL("inletOutlet", "zeroGradient outwards, given value inwards"), FIELDS(true, true), VALUES("inletValue"),
      .ghost = inlet_outlet},
+    {MODEL("uniformInletOutlet", "the same, a constant or  table ((t v) ..)  in time"), FIELDS(true, true),
+     VALUES("uniformInletValue"), .giving = BY_FUNCTION, .ghost = inlet_outlet},
+    {MODEL("flowRateInletVelocity", "mass that flows in, kg/s, a constant or  table ((t v) ..)  in time"),
+     FIELDS(false, true), .value = {NULL, "massFlowRate"}, .giving = BY_RATE, .ghost = fed},
 };
 const struct boundary_type *const boundary_mirror = &boundary_table[0];
 const int boundary_count = sizeof boundary_table / sizeof *boundary_table;
@@ -242,6 +257,14 @@ bool rule_holds(const struct rule *rule) {
 
 bool patch_is_wall(const struct patch_rules *r) {
     return r->velocity.type->wall;
+}
+
+bool patch_feeds(const struct patch_rules *r) {
+    return r->velocity.type && r->velocity.type->ghost == fed;
+}
+
+double patch_feed(const struct patch_rules *r, int components, int face, int axis) {
+    return value_of(&r->velocity, components, face, axis);
 }
 
 bool patch_needs_values(const struct patch_rules *r) {

@@ -26,6 +26,7 @@ struct ghost_line { /* n ghost cells of one layer along a patch, for one field *
     const int *face;        /* [n] faces within the patch */
     const double *inner[3]; /* [components][n] cells for the ghosts: at a wall the mirror images, else the first ones */
     const double *outflow;  /* [n] m/s: velocities of the first cells out of the domain */
+    const double *rho;      /* [n] of the ghosts, for a velocity; NULL: no rule of the patch gives values */
     int normal;             /* component along the normal; -1: the field is a scalar */
     double *ghost[3];       /* [components][n] out */
 };
@@ -51,12 +52,17 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
     double denser[BATCH];  /* rho of the mirror image less rho of the cell, with the gradient of rho at the wall */
 };
 
+/* How a case writes the values of a row: as OpenFOAM's lists and uniform values, as a function of time (a constant or
+ * `table ((t v) ..)`), as expressions in OpenFOAM's grammar, or as the rate of a flow, a function of time. */
+enum giving { BY_LIST, BY_FUNCTION, BY_EXPRESSION, BY_RATE };
+
 struct boundary_type {
     struct model model;   /* its parameters, numbers and vectors without defaults, fill the params of a rule */
     bool scalar, vector;  /* is the row allowed for scalars? for vectors? */
     const char *value[2]; /* keyword of the values that a scalar, or a vector, needs besides; NULL: it needs none */
-    bool transport;       /* is the row for gases with transport only? */
-    bool wall;            /* is a patch whose velocity has this row a wall, which no gas passes? */
+    enum giving giving;
+    bool transport; /* is the row for gases with transport only? */
+    bool wall;      /* is a patch whose velocity has this row a wall, which no gas passes? */
     /* Computes the ghosts of a line. */
     void (*ghost)(const struct rule *rule, const struct ghost_line *line);
     /* Computes the velocity (m/s) of a wall at a face; NULL: the wall is at rest. */
@@ -83,6 +89,7 @@ bool boundary_gives(const struct boundary_type *t);     /* has t parameters or v
 bool boundary_takes(const struct boundary_type *t, int components);
 const char *boundary_value(const struct boundary_type *t, int components);
 
+/* Values that change in time are renewed by whoever owns the rules (gas_vary in libcore/gas/gas.h). */
 struct rule {
     const struct boundary_type *type;
     struct own_params params; /* filled by the type's table; vectors in computational axes, as all vectors here */
@@ -91,13 +98,17 @@ struct rule {
 };
 struct patch_rules {         /* the rules of one patch; an empty or cyclic patch has none (type NULL) */
     struct rule density;     /* its values are rho */
-    struct rule velocity;    /* its values are u, with all components that the gas has (libcore/gas/gas.h) */
+    struct rule velocity;    /* its values are u, with all components that the gas has (libcore/gas/gas.h), or rho u */
     struct rule temperature; /* its values are T, or p */
     bool pressure;           /* are they p? */
 };
 
 bool rule_holds(const struct rule *rule); /* does the rule give values to the gas beyond the patch? */
 bool patch_is_wall(const struct patch_rules *r);
+/* Does the patch give the mass that flows in? The values of its velocity are rho u then. Returns along one axis, at a
+ * face, that mass per area and time (kg/m^2 s). */
+bool patch_feeds(const struct patch_rules *r);
+double patch_feed(const struct patch_rules *r, int components, int face, int axis);
 bool patch_needs_values(const struct patch_rules *r); /* are the patch's ghosts made from rho, u and T? */
 
 /* Walls in a gas with transport; the answers are false for any other patch. */

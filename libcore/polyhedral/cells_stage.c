@@ -1,6 +1,7 @@
 /* One Runge-Kutta stage on polyhedra: mirrors, polynomials, fluxes through the points of faces in their frames, update,
  * admissibility. The fluxes are those of the tiles: the two states of a point are the two cells of a first-order
  * stencil. */
+#include "libcore/gas/patch.h"
 #include "libcore/polyhedral/cells.h"
 
 enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
@@ -238,6 +239,38 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     }
 }
 
+/* Gives the fluxes through faces first <= i < last of a patch the mass that it gives (libcore/gas/patch.h). */
+static void feed(struct gas *g, int first, int last, const double *const *U) {
+    const struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    const struct polyhedra_faces *f = &m->face;
+    const struct patch_rules *r = &g->rules[f->patch[first - f->ninternal]];
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], mass[BATCH];
+    for (int i = 0; i < last - first; i++) {
+        const int face = first + i, at = face - f->ninternal;
+        mass[i] = 0;
+        for (int k = 0; k < g->dim; k++) mass[i] -= f->normal[k][face] * patch_feed(r, g->components, f->place[at], k);
+        for (int v = 0; v < g->nvar; v++) {
+            inner[v][i] = U[v][f->left[face]];
+            ghost[v][i] = U[v][m->ncells + at];
+            flux[v][i] = -c->flux[v][face] / f->area[face];
+        }
+    }
+    feed_fluxes(g, last - first, mass, inner, ghost, flux);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < last - first; i++) c->flux[v][first + i] = -flux[v][i] * f->area[first + i];
+}
+
+/* Limits the fluxes through faces first <= i < last, all of one patch or all internal, of flagged cells. */
+static void limit_run(struct gas *g, int first, int last, const double *const *U, struct points *p) {
+    const struct cells *c = g->cells;
+    const struct polyhedra_faces *f = &c->polyhedra->face;
+    p->n = 0;
+    for (int face = first; face < last; face++)
+        if (c->flag[f->left[face]] + c->flag[f->right[face]] > 0) p->face[p->n++] = face;
+    if (p->n) limit_batch(g, U, p);
+}
+
 /* Faces first <= i < last, in batches; those of flagged cells limited. */
 static void face_fluxes(struct gas *g, int first, int last, const double *const *U) {
     const struct cells *c = g->cells;
@@ -248,11 +281,8 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
         for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
             if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
         batch_fluxes(g, first, end, U, &p);
-        if (!c->flagged) continue;
-        p.n = 0;
-        for (int face = first; face < end; face++)
-            if (c->flag[f->left[face]] + c->flag[f->right[face]] > 0) p.face[p.n++] = face;
-        if (p.n) limit_batch(g, U, &p);
+        if (c->flagged) limit_run(g, first, end, U, &p);
+        if (g->fed && patch >= 0 && patch_feeds(&g->rules[patch])) feed(g, first, end, U);
     }
 }
 

@@ -232,24 +232,54 @@ static status read_parameter(struct dict *d, const struct param *p, double *out)
                                              : dict_fail(d, p->name, "it must lie between %g and %g", p->low, p->high);
 }
 
-/* Reads the parameters and values that a type needs. */
-static status read_type(struct dict *d, const struct field_kind *kind, const struct patch *p,
-                        const struct boundary_type *type, struct patch_field *out) {
-    const char *value = boundary_value(type, kind->components);
-    const struct model *m = &type->model;
-    if (value || m->nparam > 0) out->value_line = dict_line(d, value ? value : m->param->name);
-    for (int i = 0; i < m->nparam; i++)
-        TRY(read_parameter(d, &m->param[i], out->params.room + m->param[i].offset / sizeof(double)));
-    return value ? read_value(d, value, kind->components, p->nfaces, out->uniform, &out->values) : OK;
+static const struct varying_range any_value = {-HUGE_VAL, HUGE_VAL, "be finite"};
+
+/* Returns where a patch keeps values that follow a rule: one for each face, or one for all, which may be the parameter
+ * of a type that has no other values. */
+static double *values_of(struct patch_field *q) {
+    const struct boundary_type *type = boundary_find(q->type);
+    const bool parameter = !type->value[0] && !type->value[1];
+    return q->values ? q->values : parameter ? q->params.room + type->model.param->offset / sizeof(double) : q->uniform;
 }
 
-static status read_patch(struct dict *d, const struct field_kind *kind, const struct patch *p,
+/* Reads the parameters and values that a type needs besides a rule. */
+static status read_given(struct dict *d, const struct field_kind *kind, long nfaces, const struct boundary_type *type,
+                         struct patch_field *out) {
+    const char *value = boundary_value(type, kind->components);
+    const char *rule = out->varying ? varying_key(out->varying) : "";
+    const struct model *m = &type->model;
+    for (int i = 0; i < m->nparam; i++)
+        if (strcmp(rule, m->param[i].name) != 0)
+            TRY(read_parameter(d, &m->param[i], out->params.room + m->param[i].offset / sizeof(double)));
+    return value && type->giving == BY_LIST ? read_value(d, value, kind->components, nfaces, out->uniform, &out->values)
+                                            : OK;
+}
+
+/* Reads the parameters and values that a type needs. What follows a rule is known at the time of the place. */
+static status read_type(struct dict *d, const struct field_kind *kind, const struct field_place *at, int patch,
+                        const struct boundary_type *type, struct patch_field *out) {
+    const char *value = boundary_value(type, kind->components);
+    const long nfaces = at->mesh->patch[patch].nfaces;
+    if (!kind->types) TRY(varying_read(d, kind->components, type, at->mesh, patch, &out->varying));
+    if (value || type->model.nparam > 0) out->value_line = dict_line(d, value ? value : type->model.param->name);
+    TRY(read_given(d, kind, nfaces, type, out));
+    if (!out->varying) return OK;
+    free(out->values);
+    out->values = NULL;
+    if (varying_in_space(out->varying))
+        TRY(allocate(&out->values, nfaces * kind->components, sizeof(double), "values of a patch"));
+    varying_at(out->varying, at->t, values_of(out));
+    TRY(varying_check_table(out->varying, &any_value));
+    return varying_check(out->varying, at->t, values_of(out), &any_value, ERR_INPUT);
+}
+
+static status read_patch(struct dict *d, const struct field_kind *kind, const struct field_place *at, int patch,
                          struct patch_field *out) {
     TRY(dict_word(d, "type", &out->type));
     out->line = dict_line(d, "type");
-    TRY(check_type(d, kind, p, out->type));
+    TRY(check_type(d, kind, &at->mesh->patch[patch], out->type));
     const struct boundary_type *type = boundary_find(out->type);
-    if (type) TRY(read_type(d, kind, p, type, out));
+    if (type) TRY(read_type(d, kind, at, patch, type, out));
     return params_read(d, type_param, COUNT(type_param), out);
 }
 
@@ -274,7 +304,7 @@ static status read_patches(struct field *f, const struct field_place *at) {
         TRY(status_note(dict_sub(all, m->patch[i].name, &one),
                         "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)%s", dict_path(f->dict),
                         m->patch[i].name, m->patch[i].type, idle));
-        TRY(status_note(read_patch(one, f->kind, &m->patch[i], &f->patch[i]), "%s: patch %s", dict_path(f->dict),
+        TRY(status_note(read_patch(one, f->kind, at, i, &f->patch[i]), "%s: patch %s", dict_path(f->dict),
                         m->patch[i].name));
     }
     return OK;
@@ -294,6 +324,7 @@ status field_read_with(const char *path, const struct field_kind *kind, const st
     struct field *f = NULL;
     TRY(allocate(&f, 1, sizeof *f, "field"));
     f->kind = kind;
+    f->range = any_value;
     status s = dict_read(path, &f->dict);
     if (!s) s = read_all(f, place, read, context);
     if (s) {
@@ -311,7 +342,10 @@ status field_read(const char *path, const struct field_kind *kind, const struct 
 
 void field_free(struct field *f) {
     if (!f) return;
-    for (int i = 0; i < f->npatches; i++) free(f->patch[i].values);
+    for (int i = 0; i < f->npatches; i++) {
+        varying_free(f->patch[i].varying);
+        free(f->patch[i].values);
+    }
     free(f->patch);
     free(f->values);
     dict_free(f->dict);
@@ -373,23 +407,45 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
                 x[2], f->kind->name, *v, text);
 }
 
-status field_check_range(const struct field *f, const struct field_place *place, double low, double high,
-                         const char *cure) {
-    char allowed[300];
-    snprintf(allowed, sizeof allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s", low, high, cure);
-    for (int i = 0; i < place->mesh->ncells; i++)
-        if (!(f->values[i] > low && f->values[i] < high)) return field_fail(f, place, i, "it must %s", allowed);
-    for (int p = 0; p < place->mesh->npatches; p++) {
-        const struct patch_field *q = &f->patch[p];
-        const char *value = boundary_value(boundary_find(q->type), f->kind->components);
-        if (!value) continue;
-        for (int i = 0; i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
-            double v = q->values ? q->values[i] : q->uniform[0];
-            if (v > low && v < high) continue;
-            return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
-                        place->mesh->patch[p].name, value, f->kind->name, v, allowed);
-        }
+/* Checks the values of a patch: of a rule, at all times of a table and at the time of the place. */
+static status check_patch(struct field *f, const struct field_place *place, int p) {
+    struct patch_field *q = &f->patch[p];
+    const char *value = boundary_value(boundary_find(q->type), f->kind->components);
+    if (q->varying) {
+        TRY(varying_check_table(q->varying, &f->range));
+        return varying_check(q->varying, place->t, values_of(q), &f->range, ERR_INPUT);
     }
+    for (int i = 0; value && i < (q->values ? place->mesh->patch[p].nfaces : 1); i++) {
+        double v = q->values ? q->values[i] : q->uniform[0];
+        if (v > f->range.low && v < f->range.high) continue;
+        return fail(ERR_INPUT, "%s:%d: patch %s: %s of %s is %g; it must %s", dict_path(f->dict), q->value_line,
+                    place->mesh->patch[p].name, value, f->kind->name, v, f->range.allowed);
+    }
+    return OK;
+}
+
+status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
+    f->range = (struct varying_range){.low = low, .high = high};
+    snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
+             low, high, cure);
+    for (int i = 0; i < place->mesh->ncells; i++)
+        if (!(f->values[i] > low && f->values[i] < high))
+            return field_fail(f, place, i, "it must %s", f->range.allowed);
+    for (int p = 0; p < place->mesh->npatches; p++) TRY(check_patch(f, place, p));
+    return OK;
+}
+
+status field_renew(struct field *f, int patch, double t, enum status_kind kind) {
+    struct patch_field *q = &f->patch[patch];
+    varying_at(q->varying, t, values_of(q));
+    return varying_check(q->varying, t, values_of(q), &f->range, kind);
+}
+
+status field_steady(const struct field *f, const struct polymesh *m) {
+    for (int p = 0; p < f->npatches; p++)
+        if (f->patch[p].varying && varying_in_time(f->patch[p].varying))
+            return fail(ERR_INPUT, "%s:%d: patch %s: its values change in time, which this program does not follow",
+                        dict_path(f->dict), f->patch[p].line, m->patch[p].name);
     return OK;
 }
 

@@ -4,6 +4,7 @@
 
 #include "libcore/models/param.h"
 #include "mesh/format/polymesh.h"
+#include "solvers/case/varying.h"
 #include "solvers/dict/keywords.h"
 
 enum field_id { FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_COUNT };
@@ -23,6 +24,7 @@ struct patch_field {
     double uniform[3];        /* the `value` or `inletValue`, if the type needs one and it is uniform */
     double *values;           /* [faces][components] the same if it is not uniform; else NULL */
     int line, value_line;     /* lines of the file: of the type; of its values or first parameter */
+    struct varying *varying;  /* the rule that gave params, uniform or values at the last time; NULL: there is none */
 };
 /* The effect of a program's own entries on the values of the cells, after field_read. */
 struct field_plan {
@@ -35,7 +37,8 @@ struct field {
     struct field_plan plan;
     double *values; /* [ncells][components] */
     int npatches;
-    struct patch_field *patch; /* [npatches] */
+    struct patch_field *patch;  /* [npatches] */
+    struct varying_range range; /* of scalars on patches: any, or from field_check_range */
 };
 
 /* The mesh, geometry and time (for expressions) that a field is read for. */
@@ -72,10 +75,14 @@ bool field_has_expression(const struct field *f);
 /* Evaluates such a field at points[npoints][3] (m) and time t: out[npoints][components]. */
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out);
 
-/* Checks that every value of cells and patches lies within low .. high, both excluded. The error names file, line, cell
- * and place, and ends with the cure if there is a greatest value. */
-status field_check_range(const struct field *f, const struct field_place *place, double low, double high,
-                         const char *cure);
+/* Checks that every value of cells and patches lies within low .. high, both excluded, those of a table at all times.
+ * The error names file, line, cell and place, and ends with the cure if there is a greatest value. */
+status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure);
+
+/* Gives a patch whose values follow a rule those of time t, and checks them; the error is of the kind given. */
+status field_renew(struct field *f, int patch, double t, enum status_kind kind);
+/* Fails on a patch whose values change in time, for programs that take them once. */
+status field_steady(const struct field *f, const struct polymesh *m);
 
 /* Returns the error "FILE:LINE: cell 7 at (x y z): T is -1; <format...>". */
 status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...)

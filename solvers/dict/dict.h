@@ -52,6 +52,9 @@ status dict_dimensions(struct dict *d, const char *key, signed char out[7]);    
 /* Reads `table ((t v) ...)`, a Function1 of OpenFOAM: (*out)[*count][2] of rising t; *count = 0: the value is no
  * table. */
 status dict_table(struct dict *d, const char *key, int *count, const double **out);
+/* Reads a Function1 of OpenFOAM with values of 1 or 3 components: `v`, `constant v` or `table ((t v) ...)`, where v of
+ * three is (x y z): (*out)[*count][1 + components], t and v, of rising t. A constant is one row, t = 0. */
+status dict_function(struct dict *d, const char *key, int components, int *count, const double **out);
 
 /* Gives the tokens of a value, macros expanded: the lexer stands before the first one, and ';' follows the last. A
  * nonuniform List<...> of any size is read through this function alone: the parser skipped it; dict_header says how its

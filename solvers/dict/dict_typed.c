@@ -165,7 +165,7 @@ status dict_number_or(struct dict *d, const char *key, const signed char unit[3]
 }
 
 status dict_count_or(struct dict *d, const char *key, long standard, long *out) {
-    double v;
+    double v = 0;
     *out = standard;
     if (!dict_has(d, key)) return OK;
     TRY(dict_number(d, key, NULL, &v));
@@ -319,6 +319,13 @@ status dict_vectors(struct dict *d, const char *key, int *count, const double **
     return numbers(d, key, "a list of vectors ((x y z) ...)", 0, 3, count, out);
 }
 
+static status check_rising(struct dict *d, const char *key, int width, int count, const double *rows) {
+    for (int i = 1; i < count; i++)
+        if (!(rows[width * i] > rows[width * (i - 1)]))
+            return dict_fail(d, key, "its times must rise: %g follows %g", rows[width * i], rows[width * (i - 1)]);
+    return OK;
+}
+
 status dict_table(struct dict *d, const char *key, int *count, const double **out) {
     static const char what[] = "table ((t v) (t v) ...)";
     struct entry *e;
@@ -327,10 +334,59 @@ status dict_table(struct dict *d, const char *key, int *count, const double **ou
     if (!e->count || e->value[0].kind != TOKEN_WORD || strcmp(e->value[0].text, "table")) return OK;
     TRY(numbers(d, key, what, 1, 2, count, out));
     if (!*count) return dict_fail(d, key, "expected %s with one pair at least", what);
-    for (int i = 1; i < *count; i++)
-        if (!((*out)[2 * i] > (*out)[2 * i - 2]))
-            return dict_fail(d, key, "its times must rise: %g follows %g", (*out)[2 * i], (*out)[2 * i - 2]);
-    return OK;
+    return check_rising(d, key, 2, *count, *out);
+}
+
+/* Reads a value of `components` numbers at value *i, which is moved behind it. */
+static bool read_item(const struct entry *e, int *i, int components, double *out) {
+    if (components > 1) return read_tuple(e, i, components, out);
+    if (!is_number(e, *i)) return false;
+    *out = e->value[(*i)++].number;
+    return true;
+}
+
+/* Reads the rows `(t v)` of a table whose list is open, from value *i on; returns their number, or -1. */
+static int read_rows(const struct entry *e, int *i, int components, double *out) {
+    int n = 0;
+    for (; !is_mark(e, *i, ')'); n++) {
+        double *row = out + (long)n * (1 + components);
+        if (!is_mark(e, *i, '(') || !is_number(e, *i + 1)) return -1;
+        *row = e->value[*i + 1].number;
+        *i += 2;
+        if (!read_item(e, i, components, row + 1) || !is_mark(e, *i, ')')) return -1;
+        ++*i;
+    }
+    ++*i;
+    return n;
+}
+
+static status read_table(struct dict *d, const char *key, const struct entry *e, const char *what, int components,
+                         int *count, double *out) {
+    int i = 1, wanted;
+    bool uniform;
+    TRY(open_list(d, key, e, what, &i, &wanted, &uniform));
+    *count = uniform ? -1 : read_rows(e, &i, components, out);
+    if (*count < 1 || i != e->count) return dict_fail(d, key, "expected %s, and nothing behind it", what);
+    if (wanted >= 0 && *count != wanted)
+        return dict_fail(d, key, "the list says %d entries, but has %d", wanted, *count);
+    return check_rising(d, key, 1 + components, *count, out);
+}
+
+status dict_function(struct dict *d, const char *key, int components, int *count, const double **out) {
+    const char *what = components > 1 ? "(x y z),  constant (x y z)  or  table ((t (x y z)) (t (x y z)) ...)"
+                                      : "a number,  constant NUMBER  or  table ((t v) (t v) ...)";
+    struct entry *e;
+    double *v = NULL;
+    TRY(need(d, key, what, &e));
+    TRY(document_take(d->document, (size_t)(e->count + 1 + components) * sizeof *v, &v));
+    *out = v;
+    const bool word = e->count > 0 && e->value[0].kind == TOKEN_WORD;
+    if (word && !strcmp(e->value[0].text, "table")) return read_table(d, key, e, what, components, count, v);
+    int i = word && !strcmp(e->value[0].text, "constant");
+    *count = 1;
+    v[0] = 0;
+    if (read_item(e, &i, components, v + 1) && i == e->count) return OK;
+    return dict_fail(d, key, "expected %s", what);
 }
 
 status dict_words(struct dict *d, const char *key, int *count, const char *const **out) {

@@ -83,6 +83,10 @@ static double neg(double a) {
     return a < 0;
 }
 
+static double square(double a) {
+    return a * a;
+}
+
 static const struct function {
     const char *name;
     double (*one)(double);
@@ -93,7 +97,7 @@ static const struct function {
     {"atan", atan, 0},   {"sinh", sinh, 0},   {"cosh", cosh, 0},   {"tanh", tanh, 0},   {"abs", fabs, 0},
     {"floor", floor, 0}, {"ceil", ceil, 0},   {"round", round, 0}, {"sign", sign, 0},   {"pos", pos, 0},
     {"neg", neg, 0},     {"atan2", 0, atan2}, {"pow", 0, pow},     {"min", 0, smaller}, {"max", 0, larger},
-    {"mod", 0, fmod},    {"hypot", 0, hypot},
+    {"mod", 0, fmod},    {"hypot", 0, hypot}, {"sqr", square, 0},  {"mag", fabs, 0},
 };
 
 /* Binary operators by rank; all but ^ group to the left. Longer names stand first. */
@@ -111,7 +115,10 @@ enum { RANKS = 5 };
 struct compiler {
     const char *text, *p;
     int depth, stack;
-    bool mixture; /* are phi and shearRate known? */
+    bool mixture;  /* are phi and shearRate known? */
+    bool foam;     /* is it OpenFOAM's grammar? */
+    int component; /* of the vector that the expression gives; -1: it gives a scalar */
+    bool vector;   /* is what was compiled last a vector? */
     struct expr *e;
 };
 
@@ -146,21 +153,101 @@ static status bracket(struct compiler *c, char which, const char *what) {
     return OK;
 }
 
+/* Compiles what must be a scalar. */
+static status scalar(struct compiler *c) {
+    TRY(ternary(c));
+    return c->vector ? complain(c, "what stands before it is a vector; a scalar is wanted: .x(), .y() or .z() of pos()")
+                     : OK;
+}
+
 static status call(struct compiler *c, const struct function *f) {
     TRY(bracket(c, '(', "expected '(' after the name of a function"));
-    TRY(ternary(c));
+    TRY(scalar(c));
     if (f->two) {
         TRY(bracket(c, ',', "expected ',' and a second argument"));
-        TRY(ternary(c));
+        TRY(scalar(c));
     }
     TRY(bracket(c, ')', f->two ? "expected ')' after two arguments" : "expected ')' after one argument"));
     return emit(c, (struct step){.op = f->two ? CALL2 : CALL1, .one = f->one, .two = f->two});
+}
+
+/* ---- OpenFOAM's grammar ---- */
+
+static const char foam_known[] = "known are pos().x() pos().y() pos().z() time() pi() vector(a, b, c) and functions "
+                                 "like sin, sqr, pow, min";
+
+/* Moves behind `text` if it is what follows, blanks aside. */
+static bool follows(struct compiler *c, const char *text) {
+    const char *p = c->p;
+    for (; *text; text++) {
+        while (isspace((unsigned char)*p)) p++;
+        if (*p++ != *text) return false;
+    }
+    c->p = p;
+    return true;
+}
+
+/* vector(a, b, c): of the three only the component that is wanted stays. */
+static status foam_vector(struct compiler *c) {
+    if (c->component < 0) return complain(c, "this is a vector; the field is a scalar");
+    c->p += 6;
+    TRY(bracket(c, '(', "expected vector(a, b, c)"));
+    for (int i = 0; i < 3; i++) {
+        const int count = c->e->count, stack = c->stack;
+        TRY(scalar(c));
+        if (i != c->component) {
+            c->e->count = count;
+            c->stack = stack;
+        }
+        TRY(bracket(c, i < 2 ? ',' : ')', "expected vector(a, b, c)"));
+    }
+    c->vector = true;
+    return OK;
+}
+
+/* pos() is the place of a face, pos().x() a component of it. */
+static status foam_place(struct compiler *c) {
+    static const char *const component[] = {".x()", ".y()", ".z()"};
+    for (int i = 0; i < 3; i++)
+        if (follows(c, component[i])) return emit(c, (struct step){.op = VARIABLE, .variable = i});
+    if (c->component < 0) return complain(c, "pos() is a vector; the field is a scalar: pos().x()");
+    c->vector = true;
+    return emit(c, (struct step){.op = VARIABLE, .variable = c->component});
+}
+
+/* Compiles a name that only OpenFOAM's grammar has; *done: it was one. */
+static status foam_name(struct compiler *c, int length, bool *done) {
+    const struct step pi = {.op = NUMBER, .number = acos(-1)}, time = {.op = VARIABLE, .variable = 3};
+    const bool is_pos = length == 3 && !memcmp(c->p, "pos", 3), single = length == 1 && strchr("xyzte", *c->p);
+    *done = true;
+    if (length == 6 && !memcmp(c->p, "vector", 6)) return foam_vector(c);
+    if (is_pos && follows(c, "pos()")) return foam_place(c);
+    if (length == 4 && follows(c, "time()")) return emit(c, time);
+    if (length == 2 && follows(c, "pi()")) return emit(c, pi);
+    if (single || (length == 2 && !memcmp(c->p, "pi", 2))) return complain(c, foam_known);
+    *done = false;
+    return OK;
+}
+
+/* What type have two operands together? */
+static status foam_types(struct compiler *c, const char *operator, bool left) {
+    const bool right = c->vector;
+    const char which = operator[1] ? 'c' : * operator;
+    if (!left && !right) return OK;
+    c->vector = true;
+    if ((which == '+' || which == '-') && left && right) return OK;
+    if ((which == '*' && left != right) || (which == '/' && left && !right)) return OK;
+    return complain(c, "before it, a vector stands where OpenFOAM's grammar here has none: vectors are added to "
+                       "vectors, and multiplied or divided by scalars");
 }
 
 static status name(struct compiler *c) {
     int length = 0;
     while (isalnum((unsigned char)c->p[length]) || c->p[length] == '_') length++;
     const char *word = c->p, *variable = length == 1 ? strchr("xyzt", *word) : NULL;
+    bool done = false;
+    if (c->foam) TRY(foam_name(c, length, &done));
+    if (done) return OK;
     struct step step = {.op = NUMBER, .number = acos(-1)};
     for (int i = 0; c->mixture && i < 2; i++)
         if (strlen(mixture_names[i]) == (size_t)length && !memcmp(word, mixture_names[i], (size_t)length)) {
@@ -190,9 +277,10 @@ static status name(struct compiler *c) {
         snprintf(question, sizeof question, "did you mean '%s'?", near);
         return complain(c, question);
     }
+    if (c->foam) return complain(c, foam_known);
     return complain(
-        c, "known are x y z t pi e exp log log10 sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "
-           "min max abs floor ceil round sign pos neg mod hypot");
+        c, "known are x y z t pi e exp log log10 sqr sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "
+           "min max abs mag floor ceil round sign pos neg mod hypot");
 }
 
 /* Reads a number: foam_number wants a blank or bracket behind it, but here an operator may follow. */
@@ -217,6 +305,7 @@ static status unary(struct compiler *c);
 
 static status primary(struct compiler *c) {
     blanks(c);
+    c->vector = false;
     if (*c->p == '(') {
         c->p++;
         TRY(ternary(c));
@@ -230,6 +319,7 @@ static status primary(struct compiler *c) {
     }
     blanks(c);
     if (*c->p != '^') return OK;
+    if (c->foam) return complain(c, "OpenFOAM's grammar has pow(a, b)");
     c->p++;
     TRY(unary(c));
     return emit(c, (struct step){.op = CALL2, .two = pow});
@@ -242,6 +332,7 @@ static status unary(struct compiler *c) {
     if (sign_ == '-' || sign_ == '+' || sign_ == '!') {
         c->p++;
         TRY(unary(c));
+        if (sign_ == '!' && c->vector) return complain(c, "what stands before it is a vector");
         if (sign_ != '+') TRY(emit(c, (struct step){.op = CALL1, .one = sign_ == '-' ? negate : invert}));
     } else {
         TRY(primary(c));
@@ -264,8 +355,10 @@ static status binary(struct compiler *c, int rank) {
         blanks(c);
         const struct infix *o = find_operator(c->p, rank);
         if (!o) return OK;
+        const bool left = c->vector;
         c->p += strlen(o->name);
         TRY(binary(c, rank + 1));
+        TRY(foam_types(c, o->name, left));
         TRY(emit(c, (struct step){.op = CALL2, .two = o->two}));
     }
 }
@@ -275,26 +368,31 @@ static status ternary(struct compiler *c) {
     TRY(binary(c, 0));
     blanks(c);
     if (*c->p == '?') {
+        if (c->vector) return complain(c, "what stands before it is a vector");
         c->p++;
         TRY(ternary(c));
+        const bool first = c->vector;
         TRY(bracket(c, ':', "expected ':' of '?'"));
         TRY(ternary(c));
+        if (c->vector != first) return complain(c, "one branch of '?' is a vector, the other a scalar");
         TRY(emit(c, (struct step){.op = SELECT}));
     }
     c->depth--;
     return OK;
 }
 
-static status compile(const char *text, bool mixture, struct expr **out) {
+static status compile(const char *text, struct compiler c, struct expr **out) {
     *out = NULL;
     size_t length = strlen(text);
     if (length > LENGTH) return fail(ERR_INPUT, "expression '%.60s...' is longer than %d characters", text, LENGTH);
-    struct compiler c = {.text = text, .p = text, .mixture = mixture};
+    c.text = c.p = text;
     c.e = calloc(1, sizeof *c.e + (length + 1) * sizeof *c.e->step); /* a step takes one character or more */
     if (!c.e) return fail(ERR_SYSTEM, "no memory for an expression");
     status e = ternary(&c);
     blanks(&c);
     if (!e && *c.p) e = complain(&c, "expected an operator or the end");
+    if (!e && c.foam && c.component >= 0 && !c.vector)
+        e = fail(ERR_INPUT, "expression '%.200s' gives a scalar; the field is a vector: vector(a, b, c)", text);
     if (e) {
         free(c.e);
         return e;
@@ -304,10 +402,13 @@ static status compile(const char *text, bool mixture, struct expr **out) {
 }
 
 status expr_compile(const char *text, struct expr **out) {
-    return compile(text, false, out);
+    return compile(text, (struct compiler){.component = -1}, out);
 }
 status expr_compile_mixture(const char *text, struct expr **out) {
-    return compile(text, true, out);
+    return compile(text, (struct compiler){.mixture = true, .component = -1}, out);
+}
+status expr_compile_foam(const char *text, int component, struct expr **out) {
+    return compile(text, (struct compiler){.foam = true, .component = component}, out);
 }
 
 void expr_free(struct expr *e) {

@@ -7,11 +7,17 @@
 
 struct expr;
 /* Compiles an expression. Known are + - * / % ^ comparison && || ! ?: ( ) numbers, pi e, x y z t, and exp log log10
- * sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow min max abs floor ceil round sign pos neg mod hypot.
+ * sqr sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow min max abs mag floor ceil round sign pos neg mod
+ * hypot.
  * Depth and length are bounded. The error names the column, what was found, what is known. */
 status expr_compile(const char *text, struct expr **out);
 void expr_free(struct expr *e);
 double expr_value(const struct expr *e, double x, double y, double z, double t);
+/* Compiles one component (0 .. 2) of an expression for a vector, or an expression for a scalar (component -1), in the
+ * part of OpenFOAM's grammar that exprFixedValue needs here: pos() and its .x() .y() .z(), time(), pi(), vector(a, b,
+ * c), numbers, the functions above, + - * / % comparison && || ! ?: ( ). A vector may be added to one and multiplied by
+ * scalars. */
+status expr_compile_foam(const char *text, int component, struct expr **out);
 /* Compile and evaluate expressions with two more variables, phi and shearRate. */
 enum { EXPR_PHI = 4, EXPR_SHEAR_RATE };
 status expr_compile_mixture(const char *text, struct expr **out);

@@ -173,6 +173,7 @@ static status gas_start(struct medium *m) {
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
     gas_heed(g->gas, m->asked);
+    if (i->varies) gas_vary(g->gas, initial_renew, g->initial);
     TRY(rest_lay(s, models, g->gas, &g->unknown));
     if (i->conserved[0])
         gas_set_conserved(g->gas, (const double *const *)i->conserved);
@@ -194,9 +195,22 @@ static void gas_medium_free(struct medium *m) {
     free(g);
 }
 
+/* Names the patches whose values follow a rule. */
+static void describe_patches(FILE *f, const struct polymesh *m, const struct initial *s) {
+    for (int p = 0; p < m->npatches; p++)
+        for (int i = 0; i < 3; i++) {
+            const struct varying *v = initial_varying(s, p, i);
+            if (!v || !(varying_in_time(v) || varying_in_space(v))) continue;
+            fprintf(f, "    %-22s %s of %s changes%s%s\n", m->patch[p].name, varying_key(v),
+                    s->field[s->from[p][i]]->kind->name, varying_in_time(v) ? " in time" : "",
+                    varying_in_space(v) ? " from face to face" : "");
+        }
+}
+
 static void gas_describe(const struct medium *m, FILE *f) {
     const struct setup *s = m->setup;
     models_print(f, of(m)->models, s->grid->polyhedra != NULL);
+    describe_patches(f, s->mesh, of(m)->initial);
     for (int k = s->dim; k < s->components; k++)
         fprintf(f, "    %-22s along %c, too, an axis without cells\n", "velocity", "xyz"[s->axis[k]]);
     if (of(m)->unknown)
@@ -295,10 +309,15 @@ static void gas_bound(struct medium *m, char *text, size_t size) {
 
 static status gas_medium_step(struct medium *m, const struct control *c, double t, double *dt) {
     struct gas_state *g = of(m);
-    return gas_step(g->gas, t, dt, c->max_co, c->min_delta_t, g->models->min_fraction, &g->speed);
+    const status e = gas_step(g->gas, t, dt, c->max_co, c->min_delta_t, g->models->min_fraction, &g->speed);
+    const status late = initial_renew(g->initial, e ? t : t + *dt); /* what is written with the state */
+    if (!e) return late;
+    status_free(late);
+    return e;
 }
 
 static status gas_after(struct medium *m, const struct moment *now) {
+    TRY(initial_renew(of(m)->initial, now->t)); /* it may miss t + dt by a bit */
     return limiter_record(&of(m)->limiter, m->setup, of(m)->gas, now);
 }
 

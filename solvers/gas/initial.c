@@ -101,7 +101,8 @@ static bool leads_along(const struct field *U, const struct polymesh *m, int x) 
             if (type->model.param[i].kind == PARAM_VECTOR &&
                 q->params.room[type->model.param[i].offset / sizeof(double) + (size_t)x] != 0)
                 return true;
-        if (!boundary_value(type, 3)) continue;
+        if (q->varying && varying_leads(q->varying, x)) return true;
+        if (!boundary_value(type, 3) || q->varying) continue;
         if (!q->values && q->uniform[x] != 0) return true;
         for (int i = 0; q->values && i < m->patch[p].nfaces; i++)
             if (q->values[3 * (long)i + x] != 0) return true;
@@ -205,34 +206,71 @@ static status take_conserved(const struct reader *r, struct initial *s) {
 }
 
 /* Returns the parameters of a type as a rule has them, with vectors along the components of u. */
-static struct own_params take_parameters(const struct reader *r, const struct patch_field *q,
+static struct own_params take_parameters(const struct initial *s, const struct patch_field *q,
                                          const struct boundary_type *type) {
     struct own_params own = q->params;
     for (int i = 0; type && i < type->model.nparam; i++) {
         const size_t at = type->model.param[i].offset / sizeof(double);
-        for (int k = 0; k < r->components && type->model.param[i].kind == PARAM_VECTOR; k++)
-            own.room[at + (size_t)k] = q->params.room[at + (size_t)r->axis[k]];
+        for (int k = 0; k < s->components && type->model.param[i].kind == PARAM_VECTOR; k++)
+            own.room[at + (size_t)k] = q->params.room[at + (size_t)s->axis[k]];
     }
     return own;
 }
 
-/* Takes the rule of one field on one patch, with values multiplied by `scale`, and vectors along the components of
- * u. */
-static status take_rule(const struct reader *r, const struct field *f, int p, double scale, struct rule *rule,
-                        double **values) {
+static struct rule *rule_of(const struct initial *s, int p, int i) {
+    struct patch_rules *r = &s->rules[p];
+    return i == 0 ? &r->density : i == 1 ? &r->velocity : &r->temperature;
+}
+
+/* Takes what rule i of a patch (density, velocity, temperature) has from its field: densities from packing fractions,
+ * vectors along the components of u, nonuniform values into s->values. */
+static void take_values(const struct initial *s, int p, int i, int nfaces) {
+    const struct field *f = s->field[s->from[p][i]];
     const struct patch_field *q = &f->patch[p];
-    int m = f->kind->components == 3 ? r->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
-    rule->type = boundary_find(q->type);
-    rule->params = take_parameters(r, q, rule->type);
-    for (int k = 0; k < m; k++)
-        rule->uniform[k] = scale * q->uniform[m == 1 && f->kind->components == 1 ? 0 : r->axis[k]];
-    if (!q->values) return OK;
-    TRY(allocate(values, (long)nfaces * m, sizeof(double), "boundary values"));
-    for (int i = 0; i < nfaces; i++)
+    const double scale = s->from[p][i] == FIELD_ALPHA ? 1 / s->packing_per_density : 1;
+    const int m = f->kind->components == 3 ? s->components : 1;
+    struct rule *rule = rule_of(s, p, i);
+    double *values = s->values[3 * p + i];
+    rule->params = take_parameters(s, q, rule->type);
+    for (int k = 0; k < m; k++) rule->uniform[k] = scale * q->uniform[f->kind->components == 1 ? 0 : s->axis[k]];
+    for (long face = 0; face < nfaces && values; face++)
         for (int k = 0; k < m; k++)
-            (*values)[(long)i * m + k] =
-                scale * (f->kind->components == 1 ? q->values[i] : q->values[3 * (long)i + r->axis[k]]);
-    rule->values = *values;
+            values[face * m + k] =
+                scale * (f->kind->components == 1 ? q->values[face] : q->values[3 * face + s->axis[k]]);
+    rule->values = values;
+}
+
+/* Takes rule i of a patch. A flow by volume has given velocities. */
+static status take_rule(const struct reader *r, struct initial *s, int p, int i) {
+    const struct field *f = s->field[s->from[p][i]];
+    const struct patch_field *q = &f->patch[p];
+    const int m = f->kind->components == 3 ? s->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
+    rule_of(s, p, i)->type = boundary_find(q->varying && varying_is_volumetric(q->varying) ? "fixedValue" : q->type);
+    if (q->values) TRY(allocate(&s->values[3 * p + i], (long)nfaces * m, sizeof(double), "boundary values"));
+    s->varies |= q->varying && varying_in_time(q->varying);
+    take_values(s, p, i, nfaces);
+    return OK;
+}
+
+const struct varying *initial_varying(const struct initial *s, int patch, int i) {
+    return s->rules[patch].velocity.type ? s->field[s->from[patch][i]]->patch[patch].varying : NULL;
+}
+
+static status renew_patch(struct initial *s, int p, double t) {
+    for (int i = 0; i < 3; i++) {
+        const struct varying *v = initial_varying(s, p, i);
+        if (!v || !varying_in_time(v)) continue;
+        TRY(field_renew(s->field[s->from[p][i]], p, t, ERR_STATE));
+        take_values(s, p, i, s->mesh->patch[p].nfaces);
+    }
+    return OK;
+}
+
+status initial_renew(void *initial, double t) {
+    struct initial *s = initial;
+    if (t == s->t) return OK;
+    for (int p = 0; p < s->npatches; p++) TRY(renew_patch(s, p, t));
+    s->t = t;
     return OK;
 }
 
@@ -285,6 +323,16 @@ static status check_tangential(const struct reader *r, const struct field *U, in
     }
     free(geometry);
     return s;
+}
+
+/* Fails on a patch that gives mass to a gas with implicit acoustics: there open patches hold the pressure. */
+static status check_feed(const struct reader *r, const struct initial *s, int p) {
+    const struct field *U = s->field[FIELD_U];
+    if (!patch_feeds(&s->rules[p]) || !r->models->acoustics->implicit) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: massFlowRate is for explicit acoustics; give volumetricFlowRate or a velocity, or  "
+                "acoustics { type explicit; }  in system/fvSolution",
+                dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name);
 }
 
 static status check_viscous(const struct reader *r, const struct field *f, int p) {
@@ -357,14 +405,12 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     s->from[p][0] = density;
     s->from[p][1] = FIELD_U;
     s->from[p][2] = thermal;
-    double scale = density == FIELD_ALPHA ? 1 / packing_per_density(&r->models->material) : 1;
-    TRY(take_rule(r, s->field[density], p, scale, &rules->density, &s->values[3 * p]));
-    TRY(take_rule(r, s->field[FIELD_U], p, 1, &rules->velocity, &s->values[3 * p + 1]));
-    TRY(take_rule(r, s->field[thermal], p, 1, &rules->temperature, &s->values[3 * p + 2]));
+    for (int i = 0; i < 3; i++) TRY(take_rule(r, s, p, i));
     rules->pressure = thermal == FIELD_P;
     TRY(check_viscous(r, s->field[FIELD_U], p));
     TRY(check_viscous(r, s->field[thermal], p));
     if (!rules->velocity.type) return OK;
+    TRY(check_feed(r, s, p));
     if (!patch_is_wall(rules)) return check_open(r, s, p, density, thermal);
     if (rules->velocity.type->velocity) TRY(check_tangential(r, s->field[FIELD_U], p));
     TRY(check_wall(r, s, p, density, thermal));
@@ -381,6 +427,9 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
     TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
     TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
     TRY(allocate(&s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
+    s->packing_per_density = packing_per_density(&r->models->material);
+    s->mesh = r->place->mesh;
+    s->t = r->place->t;
     for (int p = 0; p < s->npatches; p++) TRY(take_patch(r, s, p));
     return OK;
 }

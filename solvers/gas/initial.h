@@ -17,9 +17,18 @@ struct initial {                      /* the same on every rank */
     double *conserved[MAX_VAR]; /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
     bool *rests;                /* [ncells] of initial_rest: is the cell at rest? else NULL */
     int npatches;
-    struct patch_rules *rules; /* [npatches] */
-    double **values;           /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
+    struct patch_rules *rules;   /* [npatches] */
+    double **values;             /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
+    const struct polymesh *mesh; /* borrowed */
+    double packing_per_density;
+    bool varies; /* does a rule of a patch change in time? */
+    double t;    /* s: the time that the rules' values are those of */
 };
+/* The rule of values that gives rule i (density, velocity, temperature) of a patch; NULL: it has none. */
+const struct varying *initial_varying(const struct initial *s, int patch, int i);
+/* Gives the rules the values of time t: a renewal of gas_vary, whose context is a struct initial. The error is of
+ * ERR_STATE. */
+status initial_renew(void *initial, double t);
 /* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
  * them to at->digits. dim, axis: of the mesh; along other axes u has a component if U is not 0 along them, in a cell or
  * on a patch, or if they are `moved` (physical axes: models_move). */

@@ -23,6 +23,8 @@ static bool same_faces(const struct polymesh *m, const struct initial *s, long a
     if (b < start || b >= start + m->patch[p].nfaces) return false;
     for (int i = 0; i < 3; i++) {
         const double *values = s->values[3 * p + i];
+        const struct varying *v = initial_varying(s, p, i);
+        if (v && !varying_alike(v, a - start, b - start)) return false;
         const long n = i == 1 ? s->components : 1;
         if (values && memcmp(values + (a - start) * n, values + (b - start) * n, (size_t)n * sizeof *values))
             return false;

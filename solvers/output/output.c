@@ -120,9 +120,10 @@ static void print_list(struct sink *s, const struct foam_format *f, int componen
 }
 
 /* Prints the parameters of a type with all digits, because the next start reads them. */
-static void print_parameters(struct sink *s, const struct model *m, const struct own_params *params) {
+static void print_parameters(struct sink *s, const struct model *m, const struct patch_field *q) {
     for (int i = 0; i < m->nparam; i++) {
-        const double *v = params->room + m->param[i].offset / sizeof(double);
+        if (q->varying && !strcmp(varying_key(q->varying), m->param[i].name)) continue; /* the rule is printed */
+        const double *v = q->params.room + m->param[i].offset / sizeof(double);
         sink_printf(s, "        %-15s ", m->param[i].name);
         if (m->param[i].kind == PARAM_VECTOR)
             sink_printf(s, "(%.17g %.17g %.17g);\n", v[0], v[1], v[2]);
@@ -184,9 +185,12 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
     const char *value = boundary_value(b, c->components);
-    if (b) print_parameters(s, &b->model, &given->params);
-    if (value) print_given(s, w, p, value, given, c);
-    if (!b || (boundary_gives(b) && !(value && !strcmp(value, "value"))))
+    if (b) print_parameters(s, &b->model, given);
+    if (value && b->giving == BY_LIST) print_given(s, w, p, value, given, c);
+    if (given && given->varying) varying_print(s, given->varying);
+    if (b && (b->giving == BY_FUNCTION || b->giving == BY_EXPRESSION))
+        print_given(s, w, p, "value", given, c);
+    else if (!b || (boundary_gives(b) && !(value && !strcmp(value, "value"))))
         print_cells(s, w, p, c, false); /* OpenFOAM demands a `value` for this type */
 }
 

@@ -74,6 +74,7 @@ static status read_own(const struct setup *s, struct segregation_flow *f) {
     if (!field_exists(path)) return OK;
     snprintf(f->source, sizeof f->source, "%s/U", name);
     TRY(field_read(path, &field_kinds[FIELD_U], &place, &f->given));
+    TRY(field_steady(f->given, s->mesh));
     TRY(allocate(&f->U, 3L * s->mesh->ncells, sizeof(double), "a flow"));
     for (int i = 0; i < s->mesh->ncells; i++)
         if (s->dim == 1 && f->given->values[3L * i + s->axis[0]] != 0)

@@ -120,7 +120,7 @@ static inline void start(struct scene *s, initial *at) {
 static inline void spread(struct scene *s, int steps, double dt) {
     struct gas *g = s->gas;
     for (int i = 0; i < steps; i++) {
-        assert_true(diffuse(g, &g->U, &g->U0, dt, i % 2, 0));
+        assert_true(diffuse(g, &g->U, &g->U0, i * dt, dt, i % 2, 0));
         struct state moved = g->U0;
         g->U0 = g->U;
         g->U = moved;

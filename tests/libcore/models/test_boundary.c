@@ -5,6 +5,7 @@
 
 static void ghosts_of(const char *name, int components, int normal, const double values[][3], double out[3][4]) {
     static const double x[] = {1, -2, 3, 4}, y[] = {5, 6, -7, 8}, z[] = {-9, 10, 11, 12}, outflow[] = {1, -1, 0, -2};
+    static const double rho[] = {1, 2, 4, 8};
     static const int face[] = {3, 2, 1, 0};
     struct rule rule = {.type = boundary_find(name), .uniform = {70, 80, 90}, .values = values ? &values[0][0] : NULL};
     struct ghost_line line = {.n = 4,
@@ -12,6 +13,7 @@ static void ghosts_of(const char *name, int components, int normal, const double
                               .face = face,
                               .inner = {x, y, z},
                               .outflow = outflow,
+                              .rho = rho,
                               .normal = normal,
                               .ghost = {out[0], out[1], out[2]}};
     rule.type->ghost(&rule, &line);
@@ -53,6 +55,46 @@ static void open_ends(void **state) {
     ghosts_of("inletOutlet", 2, 0, NULL, out); /* outflow > 0, < 0, = 0, < 0 */
     check(out, 0, 1, 70, 3, 70);
     check(out, 1, 5, 80, -7, 80);
+    ghosts_of("flowRateInletVelocity", 2, 0, NULL, out); /* the values are rho u */
+    check(out, 0, 70, 35, 17.5, 8.75);
+    check(out, 1, 80, 40, 20, 10);
+}
+
+/* A row whose values a case gives in another way has the functions of the row with lists. */
+static void values_by_rules(void **state) {
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"uniformFixedValue", "fixedValue"}, {"exprFixedValue", "fixedValue"}, {"uniformInletOutlet", "inletOutlet"}};
+    for (int i = 0; i < 3; i++) {
+        const struct boundary_type *a = boundary_find(pairs[i][0]), *b = boundary_find(pairs[i][1]);
+        assert_true(a->giving != BY_LIST && b->giving == BY_LIST);
+        assert_true(a->ghost == b->ghost && a->heat == b->heat && a->temperature == b->temperature && !a->wall);
+    }
+}
+
+/* Only a patch that gives mass feeds; then its values are that mass, along each axis. */
+static void feeding(void **state) {
+    (void)state;
+    const double values[4][3] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
+    for (int k = 0; k < boundary_count; k++) {
+        const struct patch_rules r = {.velocity = {.type = &boundary_table[k], .values = values[0]}};
+        assert_int_equal(patch_feeds(&r), boundary_table[k].giving == BY_RATE);
+        if (patch_feeds(&r)) assert_true(patch_feed(&r, 3, 2, 1) == 8);
+    }
+    assert_false(patch_feeds(&(struct patch_rules){.pressure = false})); /* an empty patch */
+}
+
+/* A wall that does not move alike everywhere has values, which count before its parameter. */
+static void moving_walls(void **state) {
+    (void)state;
+    const double values[4][3] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
+    struct patch_rules r = {.velocity = {.type = boundary_find("translatingWallVelocity"), .params = {{21, 22, 23}}}};
+    double w[3];
+    wall_velocity(&r, 3, 2, w);
+    assert_true(w[0] == 21 && w[1] == 22 && w[2] == 23);
+    r.velocity.values = values[0];
+    wall_velocity(&r, 3, 2, w);
+    assert_true(w[0] == 7 && w[1] == 8 && w[2] == 9);
 }
 
 static void values_per_face(void **state) {
@@ -66,7 +108,7 @@ static void values_per_face(void **state) {
 
 static void names(void **state) {
     (void)state;
-    assert_int_equal(boundary_count, 10); /* a new row needs its test here */
+    assert_int_equal(boundary_count, 14); /* a new row needs its test here */
     for (int k = 0; k < boundary_count; k++) {
         assert_ptr_equal(boundary_find(boundary_table[k].model.name), &boundary_table[k]);
         assert_true(boundary_table[k].scalar || boundary_table[k].vector);
@@ -221,6 +263,9 @@ int main(void) {
         cmocka_unit_test(walls),
         cmocka_unit_test(open_ends),
         cmocka_unit_test(values_per_face),
+        cmocka_unit_test(values_by_rules),
+        cmocka_unit_test(feeding),
+        cmocka_unit_test(moving_walls),
         cmocka_unit_test(names),
         cmocka_unit_test(parameters),
         cmocka_unit_test(shares),

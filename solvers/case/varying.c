@@ -1,0 +1,286 @@
+/* Reads and evaluates values of patches that follow a rule (varying.h). */
+#include "solvers/case/varying.h"
+
+#include "solvers/dict/expr.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct varying {
+    struct dict *dict;
+    const char *key, *patch; /* the entry, and the patch's name */
+    int line, components, nfaces;
+    struct expr *expr[3];
+    const char *const *text; /* [components] of `expression`, [1] of valueExpr; NULL: a function of time */
+    int ntexts;
+    int knots, width; /* rows of the function, and their length: time and values, or time and a rate */
+    const double *table;
+    bool rate, wall;
+    double *centre, *normal; /* [nfaces][3] m; unit, out of the domain */
+    double area;             /* m^2 of the patch */
+};
+
+/* The keyword of a wall's own velocity, a parameter; NULL: the type has none. */
+static const char *wall_motion(const struct boundary_type *t) {
+    const struct model *m = &t->model;
+    return t->wall && t->velocity && m->nparam && m->param->kind == PARAM_VECTOR ? m->param->name : NULL;
+}
+
+/* ---- reading ---- */
+
+static status take_geometry(struct varying *v, const struct polymesh *m, const struct patch *p) {
+    double *all;
+    TRY(allocate(&v->centre, 6L * p->nfaces + 1, sizeof *v->centre, "faces of a patch"));
+    v->normal = v->centre + 3L * p->nfaces;
+    TRY(allocate(&all, 6L * m->nfaces, sizeof *all, "face geometry"));
+    polymesh_face_geometry(m, all, all + 3L * m->nfaces);
+    memcpy(v->centre, all + 3L * p->start, 3 * (size_t)p->nfaces * sizeof *all);
+    for (int i = 0; i < p->nfaces; i++) {
+        const double *A = all + 3L * (m->nfaces + p->start + i);
+        const double size = sqrt(A[0] * A[0] + A[1] * A[1] + A[2] * A[2]);
+        for (int k = 0; k < 3; k++) v->normal[3L * i + k] = A[k] / size;
+        v->area += size;
+    }
+    free(all);
+    return OK;
+}
+
+static status compile_one(struct varying *v, const char *text, int component, bool foam) {
+    status s = foam ? expr_compile_foam(text, v->components == 3 ? component : -1, &v->expr[component])
+                    : expr_compile(text, &v->expr[component]);
+    if (s && dict_is_foreign(v->dict, v->key)) {
+        status_free(s);
+        return dict_fail(v->dict, v->key, "it cannot be read");
+    }
+    return status_note(s, "%s:%d: %s \"%s\"", dict_path(v->dict), v->line, v->key, text);
+}
+
+static status read_expressions(struct varying *v, bool foam) {
+    TRY(dict_words(v->dict, v->key, &v->ntexts, &v->text));
+    const int wanted = foam ? 1 : v->components;
+    if (v->ntexts != wanted)
+        return dict_fail(v->dict, v->key, "it holds %d expressions; wanted %s %s", v->ntexts,
+                         wanted == 1 ? "is one:" : "are three:", wanted == 1 ? "\"...\"" : "(\"u\" \"v\" \"w\")");
+    for (int c = 0; c < v->components; c++) TRY(compile_one(v, v->text[foam ? 0 : c], c, foam));
+    return OK;
+}
+
+static status read_rate(struct varying *v) {
+    const bool volume = dict_has(v->dict, "volumetricFlowRate");
+    bool extrapolate;
+    if (volume && dict_has(v->dict, v->key))
+        return dict_fail(v->dict, v->key, "volumetricFlowRate is there, too; remove one");
+    if (volume) v->key = "volumetricFlowRate";
+    (void)dict_has(v->dict, "rhoInlet"); /* for OpenFOAM's tools: rho on the patch is that of the field rho or alpha */
+    TRY(dict_switch_or(v->dict, "extrapolateProfile", false, &extrapolate));
+    if (extrapolate)
+        return dict_fail(v->dict, "extrapolateProfile",
+                         "the profile is uniform here; for another one give the velocity "
+                         "itself, as by exprFixedValue");
+    TRY(dict_function(v->dict, v->key, 1, &v->knots, &v->table));
+    v->rate = true;
+    v->width = 2;
+    return OK;
+}
+
+static status read_function(struct varying *v) {
+    v->width = 1 + v->components;
+    return dict_function(v->dict, v->key, v->components, &v->knots, &v->table);
+}
+
+/* Reads the entry at v->key, which the type's row says how to read. */
+static status read_entry(struct varying *v, const struct boundary_type *type) {
+    const bool expression = !strcmp(v->key, "expression");
+    if (type->giving == BY_RATE) TRY(read_rate(v));
+    v->line = dict_line(v->dict, v->key);
+    if (expression || type->giving == BY_EXPRESSION) return read_expressions(v, !expression);
+    return type->giving == BY_RATE ? OK : read_function(v);
+}
+
+/* Does the value begin with the word `table`? */
+static status find_table(struct dict *d, const char *key, bool *is_table) {
+    struct lexer l;
+    struct token t;
+    *is_table = false;
+    if (!dict_has(d, key)) return OK;
+    TRY(dict_raw(d, key, &l));
+    TRY(lexer_next(&l, &t));
+    *is_table = token_is(&t, "table");
+    return OK;
+}
+
+/* Finds the entry that gives a rule; NULL: there is none. */
+static status find_key(struct dict *d, int components, const struct boundary_type *type, const char **key) {
+    const char *value = boundary_value(type, components), *motion = components == 3 ? wall_motion(type) : NULL;
+    bool table = false;
+    *key = type->giving != BY_LIST ? value : NULL;
+    if (*key || (!value && !motion)) return OK;
+    if (motion && !value) TRY(find_table(d, motion, &table));
+    if (table && dict_has(d, "expression"))
+        return dict_fail(d, "expression", "%s is a table; remove one of the two", motion);
+    *key = table ? motion : dict_has(d, "expression") ? "expression" : NULL;
+    return OK;
+}
+
+status varying_read(struct dict *d, int components, const struct boundary_type *type, const struct polymesh *m,
+                    int patch, struct varying **out) {
+    const char *key;
+    struct varying *v;
+    *out = NULL;
+    TRY(find_key(d, components, type, &key));
+    if (!key) return OK;
+    TRY(allocate(&v, 1, sizeof *v, "values of a patch"));
+    *v = (struct varying){.dict = d,
+                          .key = key,
+                          .patch = m->patch[patch].name,
+                          .components = components,
+                          .nfaces = m->patch[patch].nfaces,
+                          .wall = type->wall};
+    status s = read_entry(v, type);
+    if (!s) s = take_geometry(v, m, &m->patch[patch]);
+    if (s)
+        varying_free(v);
+    else
+        *out = v;
+    return s;
+}
+
+void varying_free(struct varying *v) {
+    if (!v) return;
+    for (int c = 0; c < 3; c++) expr_free(v->expr[c]);
+    free(v->centre);
+    free(v);
+}
+
+/* ---- questions ---- */
+
+static bool uses(const struct varying *v, int variable) {
+    bool any = false;
+    for (int c = 0; c < v->components; c++) any |= v->expr[c] && expr_uses(v->expr[c], variable);
+    return any;
+}
+
+bool varying_in_time(const struct varying *v) {
+    return v->text ? uses(v, 3) : v->knots > 1;
+}
+
+bool varying_in_space(const struct varying *v) {
+    return v->rate || uses(v, 0) || uses(v, 1) || uses(v, 2);
+}
+
+bool varying_leads(const struct varying *v, int x) {
+    bool any = false;
+    if (v->rate) return false; /* it leads along the normals, which the mesh has */
+    if (v->text) {
+        for (int i = 0; i < 4; i++) any |= expr_uses(v->expr[x], i);
+        return any || expr_value(v->expr[x], 0, 0, 0, 0) != 0;
+    }
+    for (int i = 0; i < v->knots; i++) any |= v->table[i * v->width + 1 + x] != 0;
+    return any;
+}
+
+bool varying_alike(const struct varying *v, long a, long b) {
+    if (v->rate) return !memcmp(v->normal + 3 * a, v->normal + 3 * b, 3 * sizeof *v->normal);
+    for (int k = 0; k < 3; k++)
+        if (uses(v, k) && v->centre[3 * a + k] != v->centre[3 * b + k]) return false;
+    return true;
+}
+
+bool varying_is_volumetric(const struct varying *v) {
+    return v->rate && strcmp(v->key, "massFlowRate") != 0;
+}
+
+const char *varying_key(const struct varying *v) {
+    return v->key;
+}
+
+/* ---- values ---- */
+
+/* Computes the columns of the table at time t: linear in between, constant outside. */
+static void look_up(const struct varying *v, double t, double *out) {
+    const double *row = v->table;
+    int i = 1;
+    while (i < v->knots && v->table[i * v->width] <= t) i++;
+    row += (i - 1) * v->width;
+    const bool between = i < v->knots && t > row[0];
+    const double part = between ? (t - row[0]) / (row[v->width] - row[0]) : 0;
+    for (int c = 1; c < v->width; c++) out[c - 1] = between ? row[c] + part * (row[v->width + c] - row[c]) : row[c];
+}
+
+void varying_at(const struct varying *v, double t, double *out) {
+    const int n = varying_in_space(v) ? v->nfaces : 1;
+    double row[3];
+    if (!v->text) look_up(v, t, v->rate ? row : out);
+    for (long i = 0; i < n && v->text; i++)
+        for (int c = 0; c < v->components; c++) {
+            const double *x = v->centre + 3 * i;
+            out[i * v->components + c] = expr_value(v->expr[c], x[0], x[1], x[2], t);
+        }
+    for (long i = 0; i < 3L * n && v->rate; i++) out[i] = -v->normal[i] * (row[0] / v->area);
+}
+
+/* Returns the error for the values of face i. */
+static status wrong(const struct varying *v, double t, const double *value, long i, const char *allowed,
+                    enum status_kind kind) {
+    const double *x = v->centre + 3 * i;
+    char text[100];
+    if (v->components == 3)
+        snprintf(text, sizeof text, "(%g %g %g)", value[0], value[1], value[2]);
+    else
+        snprintf(text, sizeof text, "%g", value[0]);
+    return fail(kind, "%s:%d: patch %s: %s gives %s at the face at (%g %g %g), t = %.10g; it must %s",
+                dict_path(v->dict), v->line, v->patch, v->key, text, x[0], x[1], x[2], t, allowed);
+}
+
+status varying_check(const struct varying *v, double t, const double *values, const struct varying_range *range,
+                     enum status_kind kind) {
+    const bool each = varying_in_space(v) || v->wall; /* a wall has as many normals as faces */
+    const int m = v->components;
+    for (long i = 0; i < (each ? v->nfaces : 1); i++) {
+        const double *q = values + (varying_in_space(v) ? i * m : 0), *n = v->normal + 3 * i;
+        for (int c = 0; c < m; c++)
+            if (!isfinite(q[c])) return wrong(v, t, q, i, "be finite", kind);
+        if (m == 1 && !(q[0] > range->low && q[0] < range->high)) return wrong(v, t, q, i, range->allowed, kind);
+        if (m == 1) continue;
+        const double along = q[0] * n[0] + q[1] * n[1] + q[2] * n[2];
+        if (v->wall && fabs(along) > 1e-6 * sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]))
+            return wrong(v, t, q, i, "lead along the wall, not through it", kind);
+        if (v->rate && along > 0) return wrong(v, t, q, i, "lead into the domain: a rate of 0 or more", kind);
+    }
+    return OK;
+}
+
+status varying_check_table(const struct varying *v, const struct varying_range *range) {
+    double *values;
+    status s = OK;
+    TRY(allocate(&values, (long)v->nfaces * v->components + 3, sizeof *values, "values of a patch"));
+    for (int i = 0; i < v->knots && !s; i++) {
+        varying_at(v, v->table[i * v->width], values);
+        s = varying_check(v, v->table[i * v->width], values, range, ERR_INPUT);
+    }
+    free(values);
+    return s;
+}
+
+/* ---- printing ---- */
+
+static void print_item(struct sink *s, int n, const double *value) {
+    if (n == 3)
+        sink_printf(s, "(%.17g %.17g %.17g)", value[0], value[1], value[2]);
+    else
+        sink_printf(s, "%.17g", value[0]);
+}
+
+void varying_print(struct sink *s, const struct varying *v) {
+    const bool table = v->knots > 1;
+    sink_printf(s, "        %-15s %s", v->key, v->text ? v->ntexts > 1 ? "(" : "" : table ? "table (" : "constant ");
+    for (int i = 0; i < v->ntexts; i++) sink_printf(s, "%s\"%s\"", i ? " " : "", v->text[i]);
+    for (int i = 0; i < v->knots; i++) {
+        if (table) sink_printf(s, "%s(%.17g ", i ? " " : "", v->table[i * v->width]);
+        print_item(s, v->width - 1, v->table + i * v->width + 1);
+        if (table) sink_printf(s, ")");
+    }
+    sink_printf(s, "%s;\n", table || v->ntexts > 1 ? ")" : "");
+}

@@ -1,0 +1,47 @@
+/* Values of one patch of a field by a rule: expressions in x, y, z, t at the centres of its faces, a function of time,
+ * or the rate of a flow through it. They may change in time or from face to face.
+ *
+ *     fixedValue inletOutlet JohnsonJacksonSlip   expression "..", of a vector ("..", "..", ".."), beside their values
+ *     translatingWallVelocity                     the same beside U; or U is  table ((t (ux uy uz)) ..)
+ *     uniformFixedValue uniformInletOutlet        a constant or  table ((t v) ..), linear in between, constant outside
+ *     exprFixedValue                              valueExpr "..", in OpenFOAM's grammar (solvers/dict/expr.h)
+ *     flowRateInletVelocity                       massFlowRate (kg/s) or volumetricFlowRate (m^3/s), >= 0, as a
+ * function of time
+ *
+ * The values of flowRateInletVelocity are rho u, the same mass per area on each face along its normal, or u. */
+#ifndef SOLVERS_VARYING_H
+#define SOLVERS_VARYING_H
+
+#include "libcore/models/boundary.h"
+#include "mesh/format/polymesh.h"
+#include "solvers/dict/dict.h"
+
+struct varying;
+/* Reads what a patch of a field with so many components gives besides its type; *out is NULL if that is none of the
+ * above. The dictionary must live as long as *out. */
+status varying_read(struct dict *d, int components, const struct boundary_type *type, const struct polymesh *m,
+                    int patch, struct varying **out);
+void varying_free(struct varying *v);
+
+bool varying_in_time(const struct varying *v);
+bool varying_in_space(const struct varying *v);              /* else all faces have one value */
+bool varying_leads(const struct varying *v, int x);          /* may component x be other than 0? */
+bool varying_alike(const struct varying *v, long a, long b); /* are two faces the same at any time? */
+bool varying_is_volumetric(const struct varying *v);         /* is it a flowRateInletVelocity that gives u? */
+const char *varying_key(const struct varying *v);            /* the entry that gives the rule */
+/* Computes the values at time t: out[faces if varying_in_space, else 1][components]. */
+void varying_at(const struct varying *v, double t, double *out);
+struct varying_range { /* what values may be */
+    double low, high;  /* both excluded */
+    char allowed[300]; /* "be greater than 0" */
+};
+/* Checks values of time t: finite, of scalars within the range, along the wall of walls, rates of a flow not negative.
+ * The error, of the kind given, names file, line, patch, face and time. */
+status varying_check(const struct varying *v, double t, const double *values, const struct varying_range *range,
+                     enum status_kind kind);
+/* The same at each time of a table: what lies in between is then right, too. */
+status varying_check_table(const struct varying *v, const struct varying_range *range);
+/* Prints the entry as it was given; numbers have all digits. */
+void varying_print(struct sink *s, const struct varying *v);
+
+#endif
