@@ -222,6 +222,12 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
                          "patch %s is of type %s in constant/polyMesh/boundary; change it there to %s, or give "
                          "field %s another type here",
                          p->name, p->type, type, kind->name);
+    const struct boundary_type *row = boundary_find(type);
+    if (row && row->giving == BY_RATE && !strcmp(p->type, "wall"))
+        return dict_fail(d, "type",
+                         "patch %s is a wall in constant/polyMesh/boundary, and nothing flows through it; "
+                         "make it a `patch` there",
+                         p->name);
     return OK;
 }
 

@@ -201,9 +201,10 @@ static void describe_patches(FILE *f, const struct polymesh *m, const struct ini
         for (int i = 0; i < 3; i++) {
             const struct varying *v = initial_varying(s, p, i);
             if (!v || !(varying_in_time(v) || varying_in_space(v))) continue;
-            fprintf(f, "    %-22s %s of %s changes%s%s\n", m->patch[p].name, varying_key(v),
-                    s->field[s->from[p][i]]->kind->name, varying_in_time(v) ? " in time" : "",
-                    varying_in_space(v) ? " from face to face" : "");
+            const bool both = varying_in_time(v) && varying_in_space(v);
+            fprintf(f, "    %-22s %s changes%s%s%s (%s)\n", m->patch[p].name, s->field[s->from[p][i]]->kind->name,
+                    varying_in_time(v) ? " in time" : "", both ? " and" : "",
+                    varying_in_space(v) ? " from face to face" : "", varying_key(v));
         }
 }
 

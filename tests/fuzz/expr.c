@@ -17,6 +17,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         PROMISE(a == b || (isnan(a) && isnan(b)), "an expression has one value");
         expr_free(e);
     }
+    for (int component = -1; component < 3; component++)
+        if (accepted(expr_compile_foam(text, component, &e))) {
+            (void)expr_value(e, 0.5, -2, 1e300, 3);
+            expr_free(e);
+        }
     if (accepted(expr_constant(text, &v))) PROMISE(isfinite(v), "a constant is finite");
     free(text);
     return 0;

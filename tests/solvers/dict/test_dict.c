@@ -276,6 +276,37 @@ static void test_words_and_lists(void **state) {
     dict_free(d);
 }
 
+/* Functions of time: constants are one row; rows of a table are a time and the components of a value. */
+static void test_functions(void **state) {
+    (void)state;
+    struct dict *d =
+        parse("a 5; b constant 5; c table ((0 1) (2 -3e1)); d (1 2 3); e constant (1 2 3);\n"
+              "f table 2((0 (1 2 3)) (1 (4 5 6))); g table ((0 1) (0 2)); h sine; i constant; j table ((0 (1 2)));\n"
+              "k table (0 1); l table 3((0 1)); m { x 1; } n 5 6; o table ((0 1)); p table;");
+    int n;
+    const double *v;
+    for (int i = 0; i < 2; i++) {
+        ok(dict_function(d, i ? "b" : "a", 1, &n, &v));
+        assert_true(n == 1 && v[0] == 0 && v[1] == 5);
+        ok(dict_function(d, i ? "e" : "d", 3, &n, &v));
+        assert_true(n == 1 && v[0] == 0 && v[1] == 1 && v[3] == 3);
+    }
+    ok(dict_function(d, "c", 1, &n, &v));
+    assert_true(n == 2 && v[0] == 0 && v[1] == 1 && v[2] == 2 && v[3] == -30);
+    ok(dict_function(d, "f", 3, &n, &v));
+    assert_true(n == 2 && v[3] == 3 && v[4] == 1 && v[7] == 6);
+    ok(dict_function(d, "o", 1, &n, &v));
+    assert_true(n == 1 && v[1] == 1);
+    says(dict_function(d, "g", 1, &n, &v), "T:2:|its times must rise: 0 follows 0");
+    static const char *const wrong[] = {"d", "h", "i", "j", "k", "m", "n", "p"};
+    for (int i = 0; i < 8; i++) says(dict_function(d, wrong[i], 1, &n, &v), "T:|table ((t v) (t v) ...)");
+    says(dict_function(d, "l", 1, &n, &v), "T:3:|says 3 entries, but has 1");
+    says(dict_function(d, "a", 3, &n, &v), "T:1:|(x y z)");
+    says(dict_function(d, "c", 3, &n, &v), "T:1:|table ((t (x y z)) (t (x y z)) ...)");
+    says(dict_function(d, "q", 1, &n, &v), "'q' is missing");
+    dict_free(d);
+}
+
 static void test_unused(void **state) {
     (void)state;
     struct dict *d = parse("maxC0 0.2;\nsub { a 1;\n b 2; }\nother { x 1; }"), *sub;
@@ -527,6 +558,7 @@ int main(void) {
         cmocka_unit_test(test_patterns),
         cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_words_and_lists),
+        cmocka_unit_test(test_functions),
         cmocka_unit_test(test_unused),
         cmocka_unit_test(test_own_variables),
         cmocka_unit_test(test_named_lists),

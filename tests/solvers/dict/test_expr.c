@@ -93,6 +93,71 @@ static void test_errors(void **state) {
     refused(deep, "", "too deeply");
 }
 
+/* ---- OpenFOAM's grammar ---- */
+
+static void foam_gives(const char *text, int component, double expected) {
+    struct expr *e;
+    status s = expr_compile_foam(text, component, &e);
+    if (s) print_error("%s\n", status_text(s));
+    assert_null(s);
+    assert_true(expr_value(e, 2, 3, 5, 7) == expected);
+    expr_free(e);
+}
+
+static void foam_refused(const char *text, int component, const char *says) {
+    struct expr *e;
+    status s = expr_compile_foam(text, component, &e);
+    assert_non_null(s);
+    assert_null(e);
+    if (!strstr(status_text(s), says)) print_error("%s\n", status_text(s));
+    assert_non_null(strstr(status_text(s), says));
+    status_free(s);
+}
+
+static void test_foam_scalars(void **state) {
+    (void)state;
+    foam_gives("pos().x()", -1, 2);
+    foam_gives("pos ( ) . z ( ) * time()", -1, 35);
+    foam_gives("pos(pos().y()) + neg(-1)", -1, 2);
+    foam_gives("sqr(mag(-3)) - pow(2, 3)", -1, 1);
+    foam_gives("time() > 6 ? pi() : 0", -1, acos(-1));
+    foam_gives("max(1e0, !0 && 1)", -1, 1);
+    foam_refused("x", -1, "pos().x()");
+    foam_refused("2*t", -1, "column 3");
+    foam_refused("pi", -1, "pi()");
+    foam_refused("2^3", -1, "pow(a, b)");
+    foam_refused("pos()", -1, "the field is a scalar");
+    foam_refused("vector(1, 2, 3)", -1, "the field is a scalar");
+    foam_refused("internalField(T)", -1, "known are pos().x()");
+    foam_refused("tiem()", -1, "known are");
+    foam_refused("sinn(1)", -1, "did you mean 'sin'?");
+    foam_refused("pos().w()", -1, "the field is a scalar");
+}
+
+/* Component by component; types as OpenFOAM has them. */
+static void test_foam_vectors(void **state) {
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        foam_gives("vector(2, 3, 5)", i, (const double[]){2, 3, 5}[i]);
+        foam_gives("pos()", i, (const double[]){2, 3, 5}[i]);
+        foam_gives("2*pos() - vector(time(), 1, pos().x())/2", i, (const double[]){0.5, 5.5, 9}[i]);
+        foam_gives("-vector(1, 2, 3)*(1 + time())", i, -8 * (i + 1));
+        foam_gives("time() < 1 ? pos() : (vector(1, 2, 3))", i, i + 1);
+        foam_refused("1", i, "vector(a, b, c)");
+        foam_refused("1 + vector(1, 2, 3)", i, "vectors are added to vectors");
+        foam_refused("pos()*pos()", i, "vectors are added to vectors");
+        foam_refused("2/pos()", i, "divided by scalars");
+        foam_refused("pos() == pos()", i, "vectors are added to vectors");
+        foam_refused("sin(pos())", i, "a scalar is wanted");
+        foam_refused("vector(pos(), 1, 1)", i, "a scalar is wanted");
+        foam_refused("vector(1, 2)", i, "expected vector(a, b, c)");
+        foam_refused("pos() ? pos() : pos()", i, "is a vector");
+        foam_refused("time() ? pos() : 1", i, "the other a scalar");
+        foam_refused("!pos()", i, "is a vector");
+        foam_refused("vector(1, 2, 3).x()", i, "expected an operator");
+    }
+}
+
 static void test_constant(void **state) {
     (void)state;
     double v = 0;
@@ -109,6 +174,7 @@ static void test_constant(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_values), cmocka_unit_test(test_errors),
+                                       cmocka_unit_test(test_foam_scalars), cmocka_unit_test(test_foam_vectors),
                                        cmocka_unit_test(test_constant)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
