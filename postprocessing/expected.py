@@ -14,6 +14,7 @@ import sys
 
 import numpy as np
 
+import bunches
 import cellmap
 import clustering
 import columns
@@ -213,6 +214,7 @@ QUANTITIES = {
     "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
     "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
     "wavelength": wavelength,
+    "error of the bunches": lambda case, field, time: bunches.error(case, time),
 }
 
 

@@ -89,6 +89,7 @@ SHIPPED = {
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
     "pile": Row("pile", {"N": 10}, ended(0.1)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
+    "pulsedInlet": Row("pulsedInlet", {"N": 160}, ended(2), stop=1),
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),
     "sedimentationMD": Row("sedimentationMD", {"N": 20, "W": 0.01}, ended(0.04), [("constant/particleProperties", r"N +0;", "N 1500;")]),

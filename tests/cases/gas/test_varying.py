@@ -88,6 +88,14 @@ class Waves(harness.Folder, unittest.TestCase):
                 self.assertGreater(np.log2(error[1] / error[2]), 2.7)
 
 
+class Pulses(harness.Folder, unittest.TestCase):
+    def test_expected(self):
+        """The shipped case on coarser grids."""
+        for cells in (160, 320):
+            with self.subTest(cells):
+                self.compare(self.short("pulsedInlet", cells), harness.entries("pulsedInlet", cells=cells))
+
+
 class Mass(harness.Folder, unittest.TestCase):
     def inflow(self, name, rate, engine="", end=0.2, ranks=1, rho=50.0, **options):
         n, size = (24, 8, 1), (1.2, 0.4, 0.1)
