@@ -195,8 +195,9 @@ const struct boundary_type boundary_table[] = {
     {MODEL("symmetry", "mirror, as slip"), SLIPS},
     {MODEL("symmetryPlane", "mirror on a plane, as slip"), SLIPS},
     {MODEL("noSlip", "wall at rest that the gas sticks to (without transport: turns the velocity)"), HOLDS},
-    {MODEL_WITH("translatingWallVelocity", "the same, moving along itself: U (ux uy uz);", moving_param), HOLDS,
-     .transport = true, .velocity = moving_velocity},
+    {MODEL_WITH("translatingWallVelocity",
+                "the same, moving along itself: U (ux uy uz);  or  U table ((t (ux uy uz)) ..);", moving_param),
+     HOLDS, .transport = true, .velocity = moving_velocity},
     {MODEL_WITH("granularWall",
                 "T at a wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
                 granular_param),
@@ -218,7 +219,8 @@ const struct boundary_type boundary_table[] = {
      .ghost = inlet_outlet},
     {MODEL("uniformInletOutlet", "the same, a constant or  table ((t v) ..)  in time"), FIELDS(true, true),
      VALUES("uniformInletValue"), .giving = BY_FUNCTION, .ghost = inlet_outlet},
-    {MODEL("flowRateInletVelocity", "mass that flows in, kg/s, a constant or  table ((t v) ..)  in time"),
+    {MODEL("flowRateInletVelocity",
+           "mass (or volumetricFlowRate) that flows in, a constant or  table ((t v) ..)  in time"),
      FIELDS(false, true), .value = {NULL, "massFlowRate"}, .giving = BY_RATE, .ghost = fed},
 };
 const struct boundary_type *const boundary_mirror = &boundary_table[0];

@@ -447,6 +447,8 @@ void boundaries_list(FILE *f) {
     fprintf(f, "  %-24s %-11s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-24s %-11s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
     fprintf(f, "  %-24s %-11s %s\n", "calculated", "scalars", "in a written field that is not read again");
+    fprintf(f, "beside value, inletValue, or U of a moving wall:  expression \"..\";  in x, y, z, t, of U  "
+               "(\"u\" \"v\" \"w\")\n");
 }
 
 void forces_print(FILE *f, const struct forces *m) {

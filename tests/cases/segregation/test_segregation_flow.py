@@ -107,6 +107,18 @@ class Flow(mixtures.Mixture, unittest.TestCase):
             with open(os.path.join(own, name), "rb") as a, open(os.path.join(other, name), "rb") as b:
                 self.assertEqual(a.read(), b.read())
 
+    def test_flow_that_changes(self):
+        """A flow is taken once: patches of U that change in time are refused, as those of phi."""
+        case, inlet = self.chute(10), "inlet   { type zeroGradient; }"
+        value = 'value uniform (0 0 0); expression ("%s" "0" "0");'
+        rows = (("0/U", inlet, "inlet { type fixedValue; %s }" % (value % "t"), "patch inlet: its values change in time"),
+                ("0/U", inlet, "inlet { type uniformFixedValue; uniformValue table ((0 (0 0 0)) (1 (1 0 0))); }", "change in time"))
+        self.refused(case, rows, ("checkCase", case))
+        with open(case + "/0/phi") as f:
+            fixed = "type fixedValue;" in f.read()
+        if fixed:
+            self.refused(case, (("0/phi", "type fixedValue;", 'type fixedValue; expression "t";', "'expression' is not used"),), ("checkCase", case))
+
     def test_flow_errors(self):
         gas = self.wedge(8)
         case = self.over_wedge(gas, 8, -5, 0.1, "weight rho;")
