@@ -59,6 +59,7 @@ struct medium_type {
     double (*memory)(const struct medium *m);                   /* bytes, of all ranks, without mesh and fields */
 
     void (*plan)(struct medium *m, const struct control *c, struct pace *out);
+    double (*knot)(const struct medium *m, double t); /* s: the first kink in time after t; NULL: there is none */
     void (*place)(struct medium *m, double place[3]); /* m, of the cell that gave the last plan's rate */
     /* Says which cell, in which state, gave the last plan's rate, and what can be done about it: ", cell at ..".
      * Collective; NULL: it cannot. */

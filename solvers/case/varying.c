@@ -196,6 +196,12 @@ const char *varying_key(const struct varying *v) {
     return v->key;
 }
 
+double varying_knot(const struct varying *v, double t) {
+    for (int i = 0; i < v->knots && v->knots > 1; i++)
+        if (v->table[i * v->width] > t + 1e-12 * fabs(t)) return v->table[i * v->width];
+    return HUGE_VAL;
+}
+
 /* ---- values ---- */
 
 /* Computes the columns of the table at time t: linear in between, constant outside. */

@@ -29,6 +29,8 @@ bool varying_leads(const struct varying *v, int x);          /* may component x 
 bool varying_alike(const struct varying *v, long a, long b); /* are two faces the same at any time? */
 bool varying_is_volumetric(const struct varying *v);         /* is it a flowRateInletVelocity that gives u? */
 const char *varying_key(const struct varying *v);            /* the entry that gives the rule */
+/* Returns the first time of a table after t, beyond round-off; HUGE_VAL: there is none. */
+double varying_knot(const struct varying *v, double t);
 /* Computes the values at time t: out[faces if varying_in_space, else 1][components]. */
 void varying_at(const struct varying *v, double t, double *out);
 struct varying_range { /* what values may be */

@@ -289,6 +289,10 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
     out->limit = limit;
 }
 
+static double gas_knot(const struct medium *m, double t) {
+    return initial_knot(of(m)->initial, t);
+}
+
 static void gas_place(struct medium *m, double place[3]) {
     gas_fastest_place(of(m)->gas, &of(m)->speed, place);
 }
@@ -535,6 +539,7 @@ const struct medium_type gas_medium = {
     .provenance = gas_provenance,
     .memory = gas_memory,
     .plan = gas_plan,
+    .knot = gas_knot,
     .place = gas_place,
     .bound = gas_bound,
     .step = gas_medium_step,

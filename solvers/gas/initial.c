@@ -266,6 +266,14 @@ static status renew_patch(struct initial *s, int p, double t) {
     return OK;
 }
 
+double initial_knot(const struct initial *s, double t) {
+    double knot = HUGE_VAL;
+    for (int p = 0; p < s->npatches && s->varies; p++)
+        for (int i = 0; i < 3; i++)
+            if (initial_varying(s, p, i)) knot = fmin(knot, varying_knot(initial_varying(s, p, i), t));
+    return knot;
+}
+
 status initial_renew(void *initial, double t) {
     struct initial *s = initial;
     if (t == s->t) return OK;

@@ -26,6 +26,8 @@ struct initial {                      /* the same on every rank */
 };
 /* The rule of values that gives rule i (density, velocity, temperature) of a patch; NULL: it has none. */
 const struct varying *initial_varying(const struct initial *s, int patch, int i);
+/* The first time after t at which a table has a knot; HUGE_VAL: there is none. */
+double initial_knot(const struct initial *s, double t);
 /* Gives the rules the values of time t: a renewal of gas_vary, whose context is a struct initial. The error is of
  * ERR_STATE. */
 status initial_renew(void *initial, double t);

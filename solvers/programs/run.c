@@ -273,7 +273,9 @@ static status step_once(struct run *r) {
     const struct pace pace = plan(r);
     outlook_steps(&r->outlook, s, &pace, r->now.t);
     double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
-    double dt = control_step(c, r->now.t, r->now.step, pace.stable, next, &end, &limit), planned = dt;
+    /* steps end where tables have knots: a stepper of second order then integrates them exactly, and sees pulses */
+    const double knot = c->adjust && m->type->knot ? m->type->knot(m, r->now.t) : HUGE_VAL;
+    double dt = control_step(c, r->now.t, r->now.step, pace.stable, fmin(next, knot), &end, &limit), planned = dt;
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
@@ -296,6 +298,7 @@ static status step_once(struct run *r) {
         e.courant = dt * pace.rate;
         e.step = r->now.step;
         e.limit = dt < planned                        ? (pace.early ? pace.early : "a rejected step")
+                  : limit == DT_WRITE && knot < next  ? "a table of a patch"
                   : limit == DT_COURANT && pace.limit ? pace.limit
                                                       : dt_limit_name(limit);
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;

@@ -132,9 +132,16 @@ class Mass(harness.Folder, unittest.TestCase):
                 runs.same(self, runs.results(case), runs.results(other))
 
     def test_table(self):
-        """A rate linear in time: its integral is exact."""
+        """A rate linear in time, and one in pulses, shorter than a step: the integral is exact, as steps end at the knots."""
         _, table = self.inflow("ramp", "massFlowRate table ((0 0) (1 6))")
         self.grown(table, 3 * table[:, 0]**2)
+        knots = np.array([(0, 0.2), (0.05, 0.2), (0.0501, 3), (0.07, 3), (0.0701, 0), (0.12, 0), (0.1501, 1), (1, 1)])
+        _, table = self.inflow("pulses", "massFlowRate table (%s)" % " ".join("(%.17g %.17g)" % tuple(k) for k in knots))
+        fine = np.sort(np.concatenate([table[:, 0], knots[knots[:, 0] < table[-1, 0], 0]]))
+        rate = np.interp(fine, *knots.T)
+        given = np.concatenate([[0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
+        self.grown(table, np.interp(table[:, 0], fine, given))
+        self.assertLessEqual(np.abs(table[:, 0] - knots[1:-1, :1]).min(axis=1).max(), 1e-12)
 
     def test_volume(self):
         """volumetricFlowRate gives the velocity, as fixedValue does."""
@@ -278,8 +285,9 @@ class Streams(harness.Folder, unittest.TestCase):
     def test_clamped(self):
         """A table is linear in between and constant outside, as `clamp`, the default of OpenFOAM."""
         for table, text in (("table ((0.005 90) (0.01 110))", "t < 0.005 ? 90 : t > 0.01 ? 110 : 90 + (t - 0.005)/0.005*20"),):
-            a = self.result(self.stream("table", {"rho": f"uniformFixedValue; uniformValue {table}"}))[1]
-            b = self.result(self.stream("text", {"rho": f'fixedValue; value uniform 1; expression "{text}"'}))[1]
+            steps = {"adjust": "no", "step": 2e-4}  # of one length, as else they would end at the knots
+            a = self.result(self.stream("table", {"rho": f"uniformFixedValue; uniformValue {table}"}, **steps))[1]
+            b = self.result(self.stream("text", {"rho": f'fixedValue; value uniform 1; expression "{text}"'}, **steps))[1]
             for field in a:
                 np.testing.assert_allclose(a[field], b[field], rtol=1e-12, atol=1e-12)
         self.assertGreater(np.ptp(a["rho"]), 10)
