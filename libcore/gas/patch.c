@@ -2,11 +2,20 @@
  * line of cells, on the conserved variables. */
 #include "libcore/gas/patch.h"
 
-static void apply(const struct rule *rule, const struct patch_line *l, int components, int normal, const double *rho,
-                  double (*inner)[BATCH], double (*ghost)[BATCH]) {
-    struct ghost_line line = {
-        .n = l->n, .components = components, .face = l->face, .outflow = l->outflow, .rho = rho, .normal = normal};
+/* Applies the rule of `components` variables from `first` on. */
+static void apply(const struct rule *rule, const struct patch_line *l, int first, int components, int normal,
+                  const double *rho, double (*inner)[BATCH], double (*ghost)[BATCH]) {
+    struct ghost_line line = {.n = l->n,
+                              .components = components,
+                              .face = l->face,
+                              .outflow = l->outflow,
+                              .rho = rho,
+                              .layer = l->layer,
+                              .normal = normal};
+    inner += first;
+    ghost += first;
     for (int c = 0; c < components; c++) {
+        if (l->next) line.next[c] = l->next[first + c];
         line.inner[c] = inner[c];
         line.ghost[c] = ghost[c];
     }
@@ -45,15 +54,16 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
         const struct rule mirror = {.type = boundary_mirror};
-        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, g->components, l->normal, NULL,
-              inner + 1, ghost + 1);
+        apply(g->models.transport && patch_is_wall(r) ? &mirror : &r->velocity, l, 1, g->components, l->normal, NULL,
+              inner, ghost);
         memcpy(ghost[last], inner[last], (size_t)l->n * sizeof(double));
         return;
     }
     to_primitive(g, r->pressure, l->n, inner);
-    apply(&r->density, l, 1, -1, NULL, inner, ghost);
-    apply(&r->velocity, l, g->components, l->normal, ghost[0], inner + 1, ghost + 1);
-    apply(&r->temperature, l, 1, -1, NULL, inner + last, ghost + last);
+    if (l->next) to_primitive(g, r->pressure, l->n, l->next);
+    apply(&r->density, l, 0, 1, -1, NULL, inner, ghost);
+    apply(&r->velocity, l, 1, g->components, l->normal, ghost[0], inner, ghost);
+    apply(&r->temperature, l, last, 1, -1, NULL, inner, ghost);
     to_conserved(g, r->pressure, l->n, ghost);
 }
 

@@ -10,6 +10,8 @@ struct patch_line {        /* n ghosts along a patch */
     int normal;            /* component along the normal, if the patch reflects */
     const int *face;       /* [n] faces within the patch */
     const double *outflow; /* [n] m/s: velocity out of the domain, if the patch needs values */
+    int layer;             /* of ghosts, as in struct ghost_line; 0: the states on the patch are wanted */
+    double (*next)[BATCH]; /* [nvar][n] with layer > 0: the cells behind `inner`; may be changed. NULL: unknown */
 };
 /* Computes the ghosts of a patch from `inner`, which may be changed, by its rules: conserved variables [nvar][n]. */
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],

@@ -7,17 +7,25 @@ struct line { /* a run of cells along a side of a tile, and their ghosts in one 
     long step;        /* from cell to cell */
     long first, from; /* offsets of the first cell inside and of the cell that the ghost is made from */
     long ghost;
-    double out; /* +1 at the high side, -1 at the low side */
+    long inward; /* from cell to cell into the tile; 0: it has one cell there */
+    int layer;   /* of the ghosts: 1, 2, .. */
+    double out;  /* +1 at the high side, -1 at the low side */
 };
 
 static void fill_line(const struct gas *g, const struct patch_rules *r, struct line *l, double *U) {
     const long size = g->forest->size;
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
+    double inner[MAX_VAR][BATCH], next[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
     int n = l->patch.n;
     if (patch_needs_values(r)) {
         const double *rho = U + l->first, *mom = U + (l->patch.normal + 1) * size + l->first;
         for (int i = 0; i < n; i++) outflow[i] = l->out * (mom[i * l->step] / rho[i * l->step]);
         l->patch.outflow = outflow;
+    }
+    if (g->renew && l->inward && patch_needs_values(r)) {
+        for (int v = 0; v < g->nvar; v++)
+            for (int i = 0; i < n; i++) next[v][i] = U[v * size + l->first + l->inward + i * l->step];
+        l->patch.next = next;
+        l->patch.layer = l->layer;
     }
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < n; i++) inner[v][i] = U[v * size + l->from + i * l->step];
@@ -41,7 +49,9 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
     for (int k = 0; k < t->n[deep]; k++)
         for (int start = 0; start < t->n[across]; start += BATCH)
             for (int m = 1; m <= GHOSTS; m++) {
-                struct line l = {.step = f->stride[across], .out = high ? 1 : -1, .patch = {.normal = axis}};
+                struct line l = {
+                    .step = f->stride[across], .out = high ? 1 : -1, .layer = m, .patch = {.normal = axis}};
+                l.inward = t->n[axis] > 1 ? inward : 0;
                 l.patch.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
                 l.first = f->first + (high ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +
                           start * f->stride[across];

@@ -27,6 +27,8 @@ struct ghost_line { /* n ghost cells of one layer along a patch, for one field *
     const double *inner[3]; /* [components][n] cells for the ghosts: at a wall the mirror images, else the first ones */
     const double *outflow;  /* [n] m/s: velocities of the first cells out of the domain */
     const double *rho;      /* [n] of the ghosts, for a velocity; NULL: no rule of the patch gives values */
+    int layer;              /* 1, 2, ..: the ghosts lie layer - 1/2 widths of a cell beyond the patch; 0: on it */
+    const double *next[3];  /* [components][n] with layer > 0: the cells behind `inner`; NULL: unknown */
     int normal;             /* component along the normal; -1: the field is a scalar */
     double *ghost[3];       /* [components][n] out */
 };
@@ -95,6 +97,7 @@ struct rule {
     struct own_params params; /* filled by the type's table; vectors in computational axes, as all vectors here */
     double uniform[3];        /* the value, if `values` is NULL */
     const double *values;     /* [faces of the patch][components], or NULL; borrowed */
+    bool changes;             /* do the values change in time? */
 };
 struct patch_rules {         /* the rules of one patch; an empty or cyclic patch has none (type NULL) */
     struct rule density;     /* its values are rho */

@@ -42,7 +42,7 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
-    struct patch_line line = {.n = n, .face = m->mirror.place + from, .outflow = outflow};
+    struct patch_line line = {.n = n, .face = m->mirror.place + from, .outflow = outflow, .layer = 1};
     const bool reflects = patch_is_wall(r);
     for (int i = 0; i < n; i++) {
         struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);

@@ -247,7 +247,8 @@ static status take_rule(const struct reader *r, struct initial *s, int p, int i)
     const int m = f->kind->components == 3 ? s->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
     rule_of(s, p, i)->type = boundary_find(q->varying && varying_is_volumetric(q->varying) ? "fixedValue" : q->type);
     if (q->values) TRY(allocate(&s->values[3 * p + i], (long)nfaces * m, sizeof(double), "boundary values"));
-    s->varies |= q->varying && varying_in_time(q->varying);
+    rule_of(s, p, i)->changes = q->varying && varying_in_time(q->varying);
+    s->varies |= rule_of(s, p, i)->changes;
     take_values(s, p, i, nfaces);
     return OK;
 }

@@ -45,22 +45,21 @@ class Waves(harness.Folder, unittest.TestCase):
         if engine:
             runs.add(case, "system/fvSchemes", engine)
         harness.program("granularGas", "-case", case)
-        error = np.abs(harness.haff.Case(case).field("rho") - exact(end)) / 100
+        error = np.abs(harness.haff.Case(case).field("rho") - exact(end))[x < 0.9] / 100  # the outlet has errors of its own
         return error.mean(), error.max()
 
     def test_order(self):
-        """Second order in the mean: the states beyond a patch are all those of its face, so that the first cells, where the
-        wave has a slope, are of first order."""
-        for most, engine, options in ((2e-4, "", dict(reconstruct="WENO5")),
-                                      (2e-4, "", dict(reconstruct="WPENO5", stepper="SSPRK43", courant=1.0)),
-                                      (4.3e-4, "", dict(reconstruct="PHM")),
-                                      (2.1e-4, POLYHEDRAL.format("CWENO3"), {}), (5e-4, POLYHEDRAL.format("linear"), {})):
+        """Second order in the mean and at the inlet, down to fine grids; with CWENO3 third order in the mean."""
+        for least, most, engine, options in ((1.9, 5.3e-6, "", dict(reconstruct="WENO5")),
+                                             (1.85, 5.9e-6, "", dict(reconstruct="WPENO5", stepper="SSPRK43", courant=1.0)),
+                                             (2.9, 6.3e-7, POLYHEDRAL.format("CWENO3"), {}),
+                                             (1.9, 1.7e-5, POLYHEDRAL.format("linear"), {})):
             with self.subTest(engine=engine, **options):
-                errors = np.array([self.wave(n, engine, **options) for n in (50, 100, 200)])
-                order = np.log2(errors[:-1] / errors[1:])
-                self.assertGreater(order[:, 0].min(), 1.65)
-                self.assertLess(errors[-1, 0], most / 4)
-                self.assertGreater(np.log2(errors[0, 1] / errors[-1, 1]) / 2, 0.4)
+                errors = np.array([self.wave(n, engine, **options) for n in (200, 400)])
+                order = np.log2(errors[0] / errors[1])
+                self.assertGreater(order[0], least, errors)
+                self.assertGreater(order[1], 1.85, errors)
+                self.assertLess(errors[1, 0], most)  # 1.3 times the error measured
 
     def late(self, stepper, step):
         """rho at a time, by constant steps, of a stream whose density and pressure change as it enters."""
@@ -79,13 +78,12 @@ class Waves(harness.Folder, unittest.TestCase):
         return harness.haff.Case(case).field("rho")
 
     def test_order_in_time(self):
-        """Values at the times of the stages: the steppers of third order keep it in the mean (with the cells as they are), as
-        the error that a stage of second order makes beside the patch is as narrow as a step is short."""
+        """Values at the times of the stages: the steppers of third order keep it in the mean, with the cells as they are."""
         exact = self.late("SSPRK104", 1.25e-5)
         for stepper in ("SSPRK3", "SSPRK43"):
             with self.subTest(stepper):
-                error = [np.abs(self.late(stepper, step) - exact).mean() for step in (2e-4, 1e-4, 5e-5)]
-                self.assertGreater(np.log2(error[1] / error[2]), 2.7)
+                error = [np.abs(self.late(stepper, step) - exact).mean() for step in (2e-4, 1e-4)]
+                self.assertGreater(np.log2(error[0] / error[1]), 2.85)
 
 
 class Pulses(harness.Folder, unittest.TestCase):
@@ -273,7 +271,7 @@ class Streams(harness.Folder, unittest.TestCase):
                  "p": "fixedValue; value uniform 800"}
         forms = {"rho": "uniformFixedValue; uniformValue 90", "U": 'exprFixedValue; valueExpr "vector(30 + pos().y(), 0, 0)"',
                  "p": 'fixedValue; value uniform 1; expression "800"'}
-        tables = {"rho": "uniformInletOutlet; uniformInletValue table ((0 90) (1 90))",
+        tables = {"rho": "uniformInletOutlet; uniformInletValue table ((0 90))",
                   "U": 'fixedValue; value uniform (0 0 0); expression ("30 + y" "0" "0")', "p": 'exprFixedValue; valueExpr "800"'}
         known = self.result(self.stream("plain", plain))[1]
         for name, rules in (("forms", forms), ("tables", tables)):

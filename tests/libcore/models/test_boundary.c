@@ -60,6 +60,44 @@ static void open_ends(void **state) {
     check(out, 1, 80, 40, 20, 10);
 }
 
+/* Where values change in time ghosts lie on a line through the value on the patch, 70, 80, 90 here, unless the cells
+ * disagree; scalars keep half of it. */
+static void slopes(void **state) {
+    (void)state;
+    static const double first[] = {72, 72, 72, 60}, second[] = {80, 73, 71, 10}, outflow[] = {-1, -1, -1, 1};
+    static const int face[] = {0, 0, 0, 0};
+    static const char *const names_of[] = {"fixedValue", "uniformFixedValue", "exprFixedValue", "inletOutlet"};
+    for (int k = 0; k < 4; k++) {
+        double out[4];
+        struct rule rule = {.type = boundary_find(names_of[k]), .uniform = {70}, .changes = true};
+        struct ghost_line line = {.n = 4,
+                                  .components = 1,
+                                  .face = face,
+                                  .inner = {first},
+                                  .outflow = outflow,
+                                  .layer = 2,
+                                  .next = {second},
+                                  .normal = -1,
+                                  .ghost = {out}};
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 70 - 3 * 2 && out[1] == 70 - 3 * 0.5 && out[2] == 70);
+        assert_true(out[3] == (k == 3 ? 60 : 70 + 3 * 10));
+        line.next[0] = NULL; /* no second cell is known */
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 64 && out[1] == 64 && out[2] == 64);
+        line.layer = 0; /* on the patch */
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 70 && out[1] == 70 && out[2] == 70);
+        line.layer = 2;
+        rule.changes = false; /* values that stay are the state beyond, at any distance */
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 70 && out[1] == 70 && out[2] == 70);
+        rule = (struct rule){.type = rule.type, .uniform = {1}, .changes = true};
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 0.5);
+    }
+}
+
 /* A row whose values a case gives in another way has the functions of the row with lists. */
 static void values_by_rules(void **state) {
     (void)state;
@@ -263,6 +301,7 @@ int main(void) {
         cmocka_unit_test(walls),
         cmocka_unit_test(open_ends),
         cmocka_unit_test(values_per_face),
+        cmocka_unit_test(slopes),
         cmocka_unit_test(values_by_rules),
         cmocka_unit_test(feeding),
         cmocka_unit_test(moving_walls),
