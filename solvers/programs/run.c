@@ -263,6 +263,13 @@ static struct pace plan(struct run *r) {
     return r->pace;
 }
 
+/* Returns the next time at which a table of values has a knot. Steps end there: a stepper of second order then
+ * integrates the table exactly, and sees its pulses. */
+static double next_knot(const struct run *r) {
+    const struct medium *m = r->setup->medium;
+    return r->setup->control->adjust && m->type->knot ? m->type->knot(m, r->now.t) : HUGE_VAL;
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
@@ -272,9 +279,8 @@ static status step_once(struct run *r) {
     const struct control *c = s->control;
     const struct pace pace = plan(r);
     outlook_steps(&r->outlook, s, &pace, r->now.t);
-    double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
-    /* steps end where tables have knots: a stepper of second order then integrates them exactly, and sees pulses */
-    const double knot = c->adjust && m->type->knot ? m->type->knot(m, r->now.t) : HUGE_VAL;
+    const double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
+    const double knot = next_knot(r);
     double dt = control_step(c, r->now.t, r->now.step, pace.stable, fmin(next, knot), &end, &limit), planned = dt;
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;

@@ -111,8 +111,8 @@ class Flow(mixtures.Mixture, unittest.TestCase):
         """A flow is taken once: patches of U that change in time are refused, as those of phi."""
         case, inlet = self.chute(10), "inlet   { type zeroGradient; }"
         value = 'value uniform (0 0 0); expression ("%s" "0" "0");'
-        rows = (("0/U", inlet, "inlet { type fixedValue; %s }" % (value % "t"), "patch inlet: its values change in time"),
-                ("0/U", inlet, "inlet { type uniformFixedValue; uniformValue table ((0 (0 0 0)) (1 (1 0 0))); }", "change in time"))
+        rows = (("0.orig/U", inlet, "inlet { type fixedValue; %s }" % (value % "t"), "patch inlet: its values change in time"),
+                ("0.orig/U", inlet, "inlet { type uniformFixedValue; uniformValue table ((0 (0 0 0)) (1 (1 0 0))); }", "change in time"))
         self.refused(case, rows, ("checkCase", case))
         with open(case + "/0/phi") as f:
             fixed = "type fixedValue;" in f.read()

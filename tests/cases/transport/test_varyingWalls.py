@@ -98,12 +98,12 @@ class VaryingWalls(harness.Folder, unittest.TestCase):
         lid = "type translatingWallVelocity; U (2 0 0);"
         for expression, code, says in (('("2" "t > 1 ? 1e-3 : 0" "0")', 2, "lid: expression gives (2 0.001 0) at the face at"),
                                        ('("2" "0" "t")', 1, "along z, out of it")):
-            case, _ = self.channel(16, [("0/U", lid, lid + f" expression {expression};")])
+            case, _ = self.channel(16, [("0.orig/U", lid, lid + f" expression {expression};")])
             harness.edit(case, "system/controlDict", endTime=2, writeInterval=2)
             done = harness.program("granularGas", "-case", case, check=False)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(says, done.stderr)
-        case, _ = self.channel(16, [("0/U", lid, lid + ' expression ("t" "0" "0");')])
+        case, _ = self.channel(16, [("0.orig/U", lid, lid + ' expression ("t" "0" "0");')])
         harness.edit(case, "system/controlDict", application="granularMD")
         done = harness.program("granularMD", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
@@ -111,11 +111,11 @@ class VaryingWalls(harness.Folder, unittest.TestCase):
 
     def test_heated_grains(self):
         """granularMD has no walls that give heat, in time or not."""
-        case, _ = self.channel(16, [("0/T", "lid              { type fixedValue; value uniform 1; }",
+        case, _ = self.channel(16, [("0.orig/T", "lid              { type fixedValue; value uniform 1; }",
                                      "lid              { type uniformFixedValue; uniformValue table ((0 1) (1 2)); }"),
-                                    ("0/U", "type translatingWallVelocity; U (-2 0 0);", "type slip;"),
-                                    ("0/U", "type translatingWallVelocity; U (2 0 0);", "type slip;"),
-                                    ("0/T", "floor            { type fixedValue; value uniform 1; }", "floor { type zeroGradient; }")])
+                                    ("0.orig/U", "type translatingWallVelocity; U (-2 0 0);", "type slip;"),
+                                    ("0.orig/U", "type translatingWallVelocity; U (2 0 0);", "type slip;"),
+                                    ("0.orig/T", "floor            { type fixedValue; value uniform 1; }", "floor { type zeroGradient; }")])
         harness.edit(case, "system/controlDict", application="granularMD")
         done = harness.program("granularMD", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
