@@ -70,7 +70,7 @@ const char *dict_key(const struct dict *d, int i);
  * used; did you mean 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
 status dict_check_used(const struct dict *d);
 const char *dict_unused(const struct dict *d); /* the first such key in d, but not below; NULL: there is none */
-void dict_mark_used(struct dict *d); /* marks all keys in d and below as read: they are for other programs */
+void dict_mark_used(struct dict *d);           /* marks all keys in d and below as read: they are for other programs */
 
 /* Returns the whole dictionary as text, macros expanded (for provenance); the caller frees it. */
 char *dict_print(const struct dict *d);

@@ -403,7 +403,8 @@ static void go_through(struct keywords *k, const char *file, const struct param 
 void models_leave_keywords(struct keywords *k) {
     keywords_at(k, PROPERTIES, "", NULL);
     for (int i = 0; i < FAMILIES; i++) {
-        const struct param row = IGNORED(families[i].key, "for granularGas");
+        const struct param row =
+            IGNORED(families[i].key, i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
         if (stands_in(&families[i], PROPERTIES) && !families[i].list) keywords_params(k, &row, 1);
     }
 }

@@ -4,6 +4,7 @@
 #include "libcore/models/boundary.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/params.h"
+#include "solvers/gas/layers.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -165,7 +166,7 @@ void grains_models_list(FILE *f) {
 
 /* Is the boundary condition one of walls of grains, or of scalars there? */
 static bool is_offered(const struct boundary_type *b) {
-    return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient");
+    return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }
 
 void grains_models_keywords(struct keywords *k) {
@@ -184,6 +185,7 @@ void grains_models_keywords(struct keywords *k) {
     keywords_words(k, "kernel", kernel_names, kernel_about);
     keywords_params(k, coarse_param + 1, COUNT(coarse_param) - 1);
     fields_keywords(k, FIELD_FILES, is_offered);
+    layers_keywords(k);
 }
 
 void grains_boundaries_list(FILE *f) {
