@@ -52,6 +52,15 @@ static void boundary_word(struct keywords *k, const struct boundary_type *b) {
     keywords_word(k, "type", b->model.name, about);
 }
 
+static const struct {
+    const char *type, *scalar, *vector; /* as a user writes it; examples */
+} forms[] = {
+    [BY_LIST] = {VALUE_TYPE, "uniform 0.3", "uniform (1 0 0)"},
+    [BY_FUNCTION] = {"VALUE, or table ((t VALUE) (t VALUE) ..)", "0.3", "(1 0 0)"},
+    [BY_EXPRESSION] = {"expression of pos(), time()", "\"0.3\"", "\"vector(1, 0, 0)\""},
+    [BY_RATE] = {"number in kg/s, or table ((t v) (t v) ..)", "0.3", "0.3"},
+};
+
 /* The parameters and values of a boundary condition. */
 static void boundary_keywords(struct keywords *k, const char *file, const struct boundary_type *b) {
     const char *scalar = boundary_value(b, 1), *value = scalar ? scalar : boundary_value(b, 3);
@@ -59,9 +68,9 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     keywords_at(k, file, PATCH_DICT, b->model.name);
     keywords_params(k, b->model.param, b->model.nparam);
     if (!value) return;
-    snprintf(entry, sizeof entry, "%s uniform %s;", value, scalar ? "0.3" : "(1 0 0)");
-    const struct param row =
-        NOTED(value, VALUE_TYPE, NULL, scalar ? "on the faces of the patch" : "of U on the faces of the patch", entry);
+    snprintf(entry, sizeof entry, "%s %s;", value, scalar ? forms[b->giving].scalar : forms[b->giving].vector);
+    const struct param row = NOTED(value, forms[b->giving].type, NULL,
+                                   scalar ? "on the faces of the patch" : "of U on the faces of the patch", entry);
     keywords_params(k, &row, 1);
 }
 

@@ -305,7 +305,8 @@ class Programs(unittest.TestCase):
         if field in DIMENSIONS:
             entries = re.sub(r"dimensions \[[^]]*\]", f"dimensions {DIMENSIONS[field]}", entries)
         if field == "U":
-            entries = re.sub(r"uniform [\d.]+", "uniform (1 0 0)", entries)
+            entries = re.sub(r"(uniform|uniformValue|uniformInletValue) [\d.]+", r"\1 (1 0 0)", entries)
+            entries = re.sub(r'valueExpr "[\d.]+"', 'valueExpr "vector(1, 0, 0)"', entries)
             entries = re.sub(r'expression (".*?")', r'expression (\1 "0" "0")', entries)
         if program != "granularGas":
             entries = entries.replace("application granularGas", f"application {program}").replace("(alpha)", f"({FIELD[program]})")
