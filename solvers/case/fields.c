@@ -52,6 +52,18 @@ static void boundary_word(struct keywords *k, const struct boundary_type *b) {
     keywords_word(k, "type", b->model.name, about);
 }
 
+static const struct param varying_param[] = {
+    NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
+          "in place of the values", "expression \"0.3\";"),
+    NOTED("expression", "three expressions of x, y, z, t: (\"..\" \"..\" \"..\")", "none",
+          "of U in place of the values", "expression (\"0.3\" \"0\" \"0\");"),
+};
+static const struct param rate_param[] = {
+    NOTED("volumetricFlowRate", "number in m^3/s, or table ((t v) (t v) ..)", "none", "in place of massFlowRate",
+          "volumetricFlowRate 0.3;"),
+    NOTED("extrapolateProfile", "switch: off", "off", "the velocity is uniform", "extrapolateProfile off;"),
+    IGNORED("rhoInlet", "for OpenFOAM: rho on the patch is that of the field rho or alpha"),
+};
 static const struct {
     const char *type, *scalar, *vector; /* as a user writes it; examples */
 } forms[] = {
@@ -67,6 +79,8 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     char entry[80];
     keywords_at(k, file, PATCH_DICT, b->model.name);
     keywords_params(k, b->model.param, b->model.nparam);
+    if (b->giving == BY_RATE) keywords_params(k, rate_param, COUNT(rate_param));
+    if (b->giving == BY_LIST && (value || b->velocity)) keywords_params(k, &varying_param[scalar ? 0 : 1], 1);
     if (!value) return;
     snprintf(entry, sizeof entry, "%s %s;", value, scalar ? forms[b->giving].scalar : forms[b->giving].vector);
     const struct param row = NOTED(value, forms[b->giving].type, NULL,
