@@ -115,9 +115,9 @@ static status medium_state(struct setup *s) {
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
-    TRY(grains_start_check(s, &x->start));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
+    TRY(grains_start_check(s, &x->start));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
     return setup_grid(s, false, 1);

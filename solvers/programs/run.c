@@ -285,10 +285,8 @@ static status step_once(struct run *r) {
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
-    if (w.log > 0 && limit == DT_COURANT && !pace.limit) {
-        m->type->place(m, e.place);
-        e.at_cell = true;
-    }
+    e.at_cell = w.log > 0 && limit == DT_COURANT && !pace.limit;
+    if (e.at_cell) m->type->place(m, e.place);
     m->end = end;
     TRY(m->type->step(m, c, r->now.t, &dt));
     if (dt == 0) return end_early(r);

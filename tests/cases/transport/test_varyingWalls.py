@@ -53,7 +53,7 @@ class VaryingWalls(harness.Folder, unittest.TestCase):
 
     def finish(self, case, fields, rules, time):
         for name, values in fields.items():
-            boxes.write_field(case, name, values, rules[name] + EMPTY)
+            boxes.write_field(case, name, values, rules[name] + EMPTY, time="0.orig")
         harness.edit(case, "system/controlDict", endTime=repr(time), writeInterval=repr(time), maxCo=0.4)
         harness.program("granularGas", "-case", case)
         return harness.haff.Case(case)
@@ -107,7 +107,7 @@ class VaryingWalls(harness.Folder, unittest.TestCase):
         harness.edit(case, "system/controlDict", application="granularMD")
         done = harness.program("granularMD", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"0/U:\d+: patch (floor|lid): type is translatingWallVelocity; walls of grains are smooth")
+        self.assertRegex(done.stderr, r"0.orig/U:\d+: patch (floor|lid): type is translatingWallVelocity; walls of grains are smooth")
 
     def test_heated_grains(self):
         """granularMD has no walls that give heat, in time or not."""
@@ -119,7 +119,7 @@ class VaryingWalls(harness.Folder, unittest.TestCase):
         harness.edit(case, "system/controlDict", application="granularMD")
         done = harness.program("granularMD", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"0/T:\d+: patch lid: U is 'slip', a wall; .* T cannot be 'uniformFixedValue'")
+        self.assertRegex(done.stderr, r"0.orig/T:\d+: patch lid: U is 'slip', a wall; .* T cannot be 'uniformFixedValue'")
 
 
 if __name__ == "__main__":
