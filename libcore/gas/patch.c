@@ -48,6 +48,18 @@ static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[
     }
 }
 
+/* Gives the ghosts of a density that would be packed beyond the patch the density on it. */
+static void unpack(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
+                   double (*ghost)[BATCH]) {
+    struct patch_line on = *l;
+    double plain[1][BATCH];
+    if (!r->density.changes || l->layer == 0) return;
+    on.layer = 0;
+    apply(&r->density, &on, 0, 1, -1, NULL, inner, plain);
+    for (int i = 0; i < l->n; i++)
+        if (!(ghost[0][i] < PACKED * g->limit)) ghost[0][i] = plain[0][i];
+}
+
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]) {
     int last = g->components + 1;
@@ -62,6 +74,7 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     to_primitive(g, r->pressure, l->n, inner);
     if (l->next) to_primitive(g, r->pressure, l->n, l->next);
     apply(&r->density, l, 0, 1, -1, NULL, inner, ghost);
+    unpack(g, r, l, inner, ghost);
     apply(&r->velocity, l, 1, g->components, l->normal, ghost[0], inner, ghost);
     apply(&r->temperature, l, last, 1, -1, NULL, inner, ghost);
     to_conserved(g, r->pressure, l->n, ghost);

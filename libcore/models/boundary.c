@@ -30,14 +30,14 @@ static double value_of(const struct rule *rule, int components, int face, int c)
 /* Returns the state beyond the patch at ghost i. Where the value g on the patch changes in time, what has come in has a
  * slope, which goes on beyond the patch: the line through g and the first cell, or if that of the first two cells is
  * less steep, that slope; g, if they disagree. (With g itself high orders see a kink at the patch, and do not
- * converge.) Scalars lose half of g at most. */
+ * converge.) Scalars change by half of g at most. */
 static double beyond(const struct rule *rule, const struct ghost_line *l, int c, int i) {
     const double g = value_of(rule, l->components, l->face[i], c);
     if (!rule->changes || l->layer == 0) return g;
     const double first = l->inner[c][i] - g, most = 0.5 * g / (2 * l->layer - 1); /* slopes by half a width */
     const double second = l->next[0] ? 0.5 * (l->next[c][i] - l->inner[c][i]) : first;
     double slope = first * second <= 0 ? 0 : fabs(first) < fabs(second) ? first : second;
-    if (l->normal < 0 && slope > most) slope = most;
+    if (l->normal < 0) slope = larger(smaller(slope, most), -most);
     return g - (2 * l->layer - 1) * slope;
 }
 

@@ -270,6 +270,13 @@ static double next_knot(const struct run *r) {
     return r->setup->control->adjust && m->type->knot ? m->type->knot(m, r->now.t) : HUGE_VAL;
 }
 
+/* Returns what limited a step: one that was shortened, one that ended at the knot of a table, or any other. */
+static const char *limit_name(const struct pace *p, enum dt_limit limit, bool shortened, bool knot) {
+    if (shortened) return p->early ? p->early : "a rejected step";
+    if (limit == DT_WRITE && knot) return "a table of a patch";
+    return limit == DT_COURANT && p->limit ? p->limit : dt_limit_name(limit);
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
@@ -301,10 +308,7 @@ static status step_once(struct run *r) {
         e.dt = dt;
         e.courant = dt * pace.rate;
         e.step = r->now.step;
-        e.limit = dt < planned                        ? (pace.early ? pace.early : "a rejected step")
-                  : limit == DT_WRITE && knot < next  ? "a table of a patch"
-                  : limit == DT_COURANT && pace.limit ? pace.limit
-                                                      : dt_limit_name(limit);
+        e.limit = limit_name(&pace, limit, dt < planned, knot < next);
         if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
         TRY(progress_print(&r->progress, s, &e));
     }

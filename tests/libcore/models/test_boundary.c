@@ -95,6 +95,9 @@ static void slopes(void **state) {
         rule = (struct rule){.type = rule.type, .uniform = {1}, .changes = true};
         rule.type->ghost(&rule, &line);
         assert_true(out[0] == 0.5);
+        rule.uniform[0] = 300;
+        rule.type->ghost(&rule, &line);
+        assert_true(out[0] == 450);
     }
 }
 
