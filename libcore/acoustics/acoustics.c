@@ -4,26 +4,32 @@
 #include <string.h>
 
 #define PARAM_STRUCT struct acoustics_params
-static const struct param implicit_param[] = {
-    NUMBER("dense", dense, 0.9, BETWEEN(0, 1), NO_UNIT,
-           "alpha/alphaMax above which cells, and those beside them, are implicit"),
-    NUMBER("thin", thin, 1e-3, FROM_TO(0, 1), NO_UNIT,
-           "alpha/alphaMax below which cells are implicit, too, where they would limit dt: hot remains above a bed"),
-    NUMBER("gain", gain, 4, FROM_TO(1, 1e6), NO_UNIT,
-           "a step is implicit if it is so many times as long as the explicit scheme's"),
-    NUMBER("governor", governor, 1, BETWEEN(0, 1e6), NO_UNIT,
-           "most of dt times the cooling rate of dense cells: less resolves impacts of a bed better"),
-    NUMBER("soft", soft, 0.2, BETWEEN(0, 1), NO_UNIT,
-           "friction between neighbouring cells, in h/dt: less keeps slow flow longer"),
-    NUMBER("keep", keep, 0.05, FROM_TO(0, 1), NO_UNIT, "part of its energy that a cell may lose in a step beyond p dV"),
-};
+#define BED_PARAMS(gain_by_default)                                                                                    \
+    NUMBER("dense", dense, 0.9, BETWEEN(0, 1), NO_UNIT,                                                                \
+           "alpha/alphaMax above which cells, and those beside them, are implicit"),                                   \
+        NUMBER(                                                                                                        \
+            "thin", thin, 1e-3, FROM_TO(0, 1), NO_UNIT,                                                                \
+            "alpha/alphaMax below which cells are implicit, too, where they would limit dt: hot remains above a bed"), \
+        NUMBER("gain", gain, gain_by_default, FROM_TO(1, 1e6), NO_UNIT,                                                \
+               "a step is implicit if it is so many times as long as the explicit scheme's"),                          \
+        NUMBER("governor", governor, 1, BETWEEN(0, 1e6), NO_UNIT,                                                      \
+               "most of dt times the cooling rate of dense cells: less resolves impacts of a bed better"),             \
+        NUMBER("soft", soft, 0.2, BETWEEN(0, 1), NO_UNIT,                                                              \
+               "friction between neighbouring cells, in h/dt: less keeps slow flow longer"),                           \
+        NUMBER("keep", keep, 0.05, FROM_TO(0, 1), NO_UNIT,                                                             \
+               "part of its energy that a cell may lose in a step beyond p dV")
+static const struct param implicit_param[] = {BED_PARAMS(4)}, automatic_param[] = {BED_PARAMS(8)};
 #undef PARAM_STRUCT
 OWN_PARAMS_FIT(struct acoustics_params);
 
 const struct acoustics acoustics_table[] = {
-    {MODEL("explicit", "sound limits the time step everywhere"), false},
+    {MODEL("explicit", "sound limits the time step everywhere"), false, false},
     {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows", implicit_param),
-     true},
+     true, false},
+    {MODEL_WITH("automatic",
+                "implicit steps of cold beds, whose impacts are slower than thresholdSpeed; else explicit ones",
+                automatic_param),
+     true, true},
 };
 const int acoustics_count = sizeof acoustics_table / sizeof *acoustics_table;
 

@@ -21,10 +21,18 @@ static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
 static const double HARD = 0.98;
+/* The restitution up to which the rate of cooling says how often impacts are faster than the threshold. */
+static const double MILD = 0.9;
+
+/* Without a threshold speed, or a loss in impacts, no bed comes to rest in which sound does not matter. */
+bool gas_may_be_dense(const struct gas_models *m) {
+    if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;
+    return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
+}
 
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
-    if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded || !g->engine->bed.make) return OK;
+    if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,
@@ -82,6 +90,17 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
 enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
 static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
 
+/* Returns the longest step that the rate of cooling in dense cells allows. Waves that reach hot gas live there for some
+ * 1/(1 - e^2) impacts of a grain, and implicit steps would damp them. Where steps are implicit by themselves only, dt
+ * is therefore held as if e were MILD at most, which is shorter than `gain` explicit steps in cells of a grain's size
+ * until most impacts are slower than the threshold. On demand impacts of a bed take `gain` explicit steps at once. */
+static double limit_of_cooling(const struct gas *g, double plain, double rate) {
+    const struct acoustics_params *p = &g->dense->bed.params;
+    const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;
+    if (!g->models.acoustics->automatic) return larger(p->governor / rate, p->gain * plain);
+    return p->governor / (rate * larger(1, mild / loss));
+}
+
 /* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. */
 static void find_limits(struct gas *g, double maxCo, double plain, double fall, bool thick, double limit[CAUSES]) {
     struct dense *d = g->dense;
@@ -92,7 +111,7 @@ static void find_limits(struct gas *g, double maxCo, double plain, double fall, 
     d->inertia = most[3];
     limit[BY_THIN] = THIN * maxCo / most[0];
     limit[BY_FLOW] = FLOW / most[1];
-    limit[BY_COOLING] = larger(d->bed.params.governor / most[2], d->bed.params.gain * plain);
+    limit[BY_COOLING] = limit_of_cooling(g, plain, most[2]);
     limit[BY_FALL] = FALL * fall;
 }
 

@@ -114,6 +114,8 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
  * the cooling of the bed, or the fall. Returns 0 if the next step should be explicit. speed: of the present state; fall
  * (s): the longest step that gravity allows the explicit scheme. Collective. */
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
+/* Can a gas of these models ever take such steps? */
+bool gas_may_be_dense(const struct gas_models *m);
 /* The largest inertial number |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the last gas_bed_step, an upper
  * estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
 double gas_inertia(const struct gas *g);

@@ -64,10 +64,11 @@ static status leave_coeffs(const struct family *k, struct dict *d, const struct 
     return OK;
 }
 
+/* d NULL: the row was chosen without a dictionary, and its parameters are the defaults. */
 static status read_params(struct dict *d, const struct model *row, void *params) {
-    struct dict *sub, *none = NULL;
+    struct dict *sub = NULL, *none = NULL;
     char name[128];
-    TRY(find_coeffs(d, row, &sub));
+    if (d) TRY(find_coeffs(d, row, &sub));
     snprintf(name, sizeof name, "%sCoeffs", row->name);
     if (!sub) TRY(dict_from_text(name, "", &none));
     status s = params_read(sub ? sub : none, row->param, row->nparam, params);
@@ -126,7 +127,7 @@ static status read_one(const struct family *k, struct dict *d, void *base) {
     memcpy((char *)base + k->chosen, &row, sizeof row);
     if (k->suits) TRY(k->suits(d, base));
     if (d) TRY(leave_coeffs(k, d, row));
-    return d && row && row->nparam > 0 ? read_params(d, row, (char *)base + k->params) : OK;
+    return row && row->nparam > 0 ? read_params(d, row, (char *)base + k->params) : OK;
 }
 
 status family_read(const struct family *k, struct dict *d, void *base) {

@@ -250,9 +250,8 @@ static double gas_memory(const struct medium *medium) {
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
         const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
-        const double bed = g->acoustics->implicit
-                               ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim)
-                               : 0;
+        const double bed =
+            gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
         return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
     }
     const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
@@ -263,7 +262,7 @@ static double gas_memory(const struct medium *medium) {
     const double diffuser = transport ? 8. * (u * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
     double cell =
         diffuser + (2 + u) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    const double bed = g->acoustics->implicit
+    const double bed = gas_may_be_dense(g)
                            ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
                            : 0;
     return 8 * bed + s->mesh->ncells * cell +

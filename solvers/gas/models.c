@@ -119,7 +119,7 @@ static status diffusion_suits(struct dict *d, void *base) {
 
 static status acoustics_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
-    if (!m->acoustics->implicit || m->eos->bounded) return OK;
+    if (!m->acoustics->implicit || m->acoustics->automatic || m->eos->bounded) return OK;
     return dict_fail(d, "type",
                      "implicit acoustics are for gas near packing, and %s has no alphaMax: say  type explicit;",
                      m->eos->model.name);
@@ -176,8 +176,8 @@ static const struct family families[FAMILIES] = {
                    .usual = "RKJ2 without the dictionary", FAMILY_ROWS(diffusion), .sub = "diffusion", .key = "type",
                    .standard = "RKJ2", .chosen = MEMBER(gas.diffusion), .suits = diffusion_suits},
     [ACOUSTICS] = {SOLUTION, "system/fvSolution: acoustics { type .. }", .meaning = "integration in time of sound",
-                   .usual = "explicit without the dictionary", FAMILY_ROWS(acoustics), .sub = "acoustics",
-                   .key = "type", .standard = "explicit", .chosen = MEMBER(gas.acoustics),
+                   .usual = "automatic without the dictionary", FAMILY_ROWS(acoustics), .sub = "acoustics",
+                   .key = "type", .standard = "automatic", .chosen = MEMBER(gas.acoustics),
                    .params = MEMBER(gas.acoustics_params), .suits = acoustics_suits},
 };
 

@@ -10,27 +10,27 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.gas import test_layers
 
-IMPLICIT = "acoustics { type implicit; }\n"
+EXPLICIT, IMPLICIT = "acoustics { type explicit; }\n", "acoustics { type implicit; }\n"
 SLIP = ("xLow", "xHigh", "yLow", "yHigh", "zLow", "zHigh")
 LIMIT = 0.65  # alphaMax of GoldshteinShapiro
 
 
 class Acoustics(harness.Folder, unittest.TestCase):
-    def block(self, name, n, end, acoustics=IMPLICIT, interval=None, e=0.9, **options):
-        """A block of dense gas falls in a corner of a box of walls and breaks; gravity 10 along -y."""
+    def block(self, name, n, end, acoustics=IMPLICIT, interval=None, e=0.9, threshold=0.03, alpha=0.55, p=1e-3, **options):
+        """A block of gas of given alpha and p over rho falls in a corner of a box of walls and breaks; gravity 10 along -y."""
         case = os.path.join(self.folder, name)
         size = tuple(0.25 * k for k in n)
         at = harness.boxes.centres(n, size)
         inside = (at[:, 0] <= 0.5 * size[0]) & (at[:, 1] < 0.7 * size[1]) & (at[:, 2] <= 0.6 * size[2])
-        rho = np.where(inside, 0.55, 1e-4) / (np.pi / 6 * 0.1 ** 3)
+        rho = np.where(inside, alpha, 1e-4) / (np.pi / 6 * 0.1 ** 3)
         options = {"eos": "GoldshteinShapiro", "reconstruct": "WPENO5", **options}
-        harness.box_case(case, n, size, rho, np.zeros((len(at), 3)), 1e-3 * rho, end, gravity=(0.0, -10.0, 0.0), slip=SLIP, e=e,
+        harness.box_case(case, n, size, rho, np.zeros((len(at), 3)), p * rho, end, gravity=(0.0, -10.0, 0.0), slip=SLIP, e=e,
                          cooling="none" if e == 1 else "Haff", interval=interval or end, **options)
         harness.edit(case, "constant/granularProperties", diameter=0.1)
         with open(os.path.join(case, "constant", "granularProperties")) as f:
             text = f.read()
         with open(os.path.join(case, "constant", "granularProperties"), "w") as f:
-            f.write(re.sub(r"grain\s*\{", "grain { thresholdSpeed 0.03; ", text))
+            f.write(re.sub(r"grain\s*\{", f"grain {{ thresholdSpeed {threshold}; ", text))
         self.solution(case, acoustics)
         return case
 
@@ -59,12 +59,37 @@ class Acoustics(harness.Folder, unittest.TestCase):
         self.assertGreater(steps, 1000)
 
     def test_explicit_until_a_cell_is_dense(self):
-        explicit, _ = self.run_case(self.block("explicit", (24, 16, 1), 0.2, "", interval=0.05))
+        explicit, _ = self.run_case(self.block("explicit", (24, 16, 1), 0.2, EXPLICIT, interval=0.05))
         implicit, log = self.run_case(self.block("implicit", (24, 16, 1), 0.2, interval=0.05))
         self.assertIn("implicit acoustics", log)
         self.same(explicit, implicit, "0.05")
         self.assertGreater(explicit.field("alpha", "0.05").max(), 0.551)
         self.assertNotEqual(list(explicit.field("rho")), list(implicit.field("rho")))
+
+    def test_default(self):
+        """Nobody asks: steps are implicit once the bed is cold, with the same bits on two ranks, after a restart and by the word `automatic`."""
+        options = {"interval": 0.5, "threshold": 0.3}
+        whole, log = self.run_case(self.block("tacit", (24, 16, 1), 1.0, "", **options))
+        self.assertRegex(log, r"acoustics +automatic")
+        self.assertIn("implicit acoustics", log)
+        plain = self.run_case(self.block("plain", (24, 16, 1), 1.0, EXPLICIT, **options))[1]
+        steps, more = (int(re.findall(r"(\d+) steps in", text)[-1]) for text in (log, plain))
+        self.assertLess(2 * steps, more)
+        for name, text, ranks in (("named", "acoustics { type automatic; }\n", 1), ("two", "", 2)):
+            self.same(whole, self.run_case(self.block(name, (24, 16, 1), 1.0, text, **options), ranks)[0], "1")
+        shutil.rmtree(os.path.join(self.folder, "two", "1"))
+        self.same(whole, self.run_case(os.path.join(self.folder, "two"))[0], "1")
+
+    def test_default_of_gas_that_is_not_cold(self):
+        """The default has the bits of explicit steps in elastic gas, in gas that may collapse and in hot dense gas; `implicit` has not."""
+        for name, end, options in (("elastic", 0.2, {"alpha": 0.62, "e": 1}), ("collapsing", 0.02, {"threshold": 0, "alpha": 0.62, "p": 1e3}),
+                                   ("hot", 2e-3, {"alpha": 0.62, "p": 1e3}), ("nearlyElastic", 2e-3, {"alpha": 0.62, "p": 1e3, "e": 0.999}),
+                                   ("perfect", 0.2, {"eos": "perfectGas", "e": 1})):
+            words = ("", EXPLICIT) if name == "perfect" else ("", EXPLICIT, IMPLICIT)
+            with self.subTest(name):
+                results = [self.run_case(self.block(name + str(i), (24, 16, 1), end, text, **options)) for i, text in enumerate(words)]
+                self.same(results[0][0], results[1][0], f"{end:g}")
+                self.assertEqual(["implicit acoustics" in log for _, log in results], [False, False, True][:len(words)])
 
     def test_bits_on_ranks_and_over_restarts(self):
         """Two tiles side by side, with the bed across their border; uniform gas skipped or not."""

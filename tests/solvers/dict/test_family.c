@@ -55,7 +55,8 @@ static status not_soft(struct dict *d, void *base) {
 static const struct family must = {SPRINGS, .must = true}, optional = {SPRINGS},
                            checked = {SPRINGS, .suits = not_rigid, .holds = not_soft},
                            none = {SPRINGS, .none = "falls", .tacit = true}, standard = {SPRINGS, .standard = "linear"},
-                           within = {SPRINGS, .sub = "inner", .standard = "rigid"};
+                           within = {SPRINGS, .sub = "inner", .standard = "rigid"},
+                           tacit = {SPRINGS, .sub = "inner", .standard = "linear"};
 
 static status read_text(const struct family *k, const char *text, struct chosen *c, struct dict **d) {
     *c = (struct chosen){.before = 7};
@@ -104,6 +105,10 @@ static void rows_are_chosen(void **state) {
     assert_true(v == 4);
     assert_string_equal(taken(&within, "", &v), "rigid");
     assert_string_equal(taken(&within, "inner { spring linear; }", &v), "linear");
+    assert_string_equal(taken(&tacit, "", &v), "linear");
+    assert_true(v == 2);
+    assert_string_equal(taken(&tacit, "inner { spring linear; linearCoeffs { stiffness 4; } }", &v), "linear");
+    assert_true(v == 4);
 }
 
 /* Coefficients of rows that are not chosen may stay, whatever they hold; those of the chosen one are checked. */
