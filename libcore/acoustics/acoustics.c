@@ -27,7 +27,7 @@ const struct acoustics acoustics_table[] = {
     {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows", implicit_param),
      true, false},
     {MODEL_WITH("automatic",
-                "implicit steps of cold beds, whose impacts are slower than thresholdSpeed; else explicit ones",
+                "implicit steps of beds that thresholdSpeed lets rest, where cooling does not hold them; else explicit ones",
                 automatic_param),
      true, true},
 };

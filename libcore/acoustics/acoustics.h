@@ -1,6 +1,6 @@
-/* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit`
- * (dense cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they
- * do so where they are too cold for impacts to take anything from sound: libcore/gas/dense.c). */
+/* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit` (dense
+ * cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they do so
+ * where they can rest and cooling does not hold dt: libcore/gas/dense.c). */
 #ifndef LIBCORE_ACOUSTICS_H
 #define LIBCORE_ACOUSTICS_H
 
@@ -8,7 +8,7 @@
 
 struct acoustics {
     struct model model;       /* its parameters fill a struct acoustics_params */
-    bool implicit, automatic; /* are there implicit steps? only where the bed is cold? */
+    bool implicit, automatic; /* are there implicit steps? only in beds that come to rest? */
 };
 extern const struct acoustics acoustics_table[];
 extern const int acoustics_count;

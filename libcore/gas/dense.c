@@ -21,10 +21,11 @@ static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
 static const double HARD = 0.98;
-/* The restitution up to which the rate of cooling says how often impacts are faster than the threshold. */
+/* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
-/* Without a threshold speed, or a loss in impacts, no bed comes to rest in which sound does not matter. */
+/* Nobody asked for implicit steps: only beds that can come to rest get them, in which impacts take energy unless they are
+ * slow. */
 bool gas_may_be_dense(const struct gas_models *m) {
     if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;
     return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
@@ -90,10 +91,11 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
 enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
 static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
 
-/* Returns the longest step that the rate of cooling in dense cells allows. Waves that reach hot gas live there for some
- * 1/(1 - e^2) impacts of a grain, and implicit steps would damp them. Where steps are implicit by themselves only, dt
- * is therefore held as if e were MILD at most, which is shorter than `gain` explicit steps in cells of a grain's size
- * until most impacts are slower than the threshold. On demand impacts of a bed take `gain` explicit steps at once. */
+/* Returns the longest step that the rate of cooling in dense cells allows. On demand a bed takes `gain` explicit steps
+ * at once even where it cools faster. Where nobody asked for that, steps are explicit then, for hot dense gas has shocks
+ * and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them a step at e = 0.9, at
+ * any density, until most impacts are slower than the threshold. Less inelastic gas cools more slowly and has the same
+ * waves, so that it is held as if e were MILD. */
 static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     const struct acoustics_params *p = &g->dense->bed.params;
     const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;
