@@ -24,8 +24,8 @@ static const double HARD = 0.98;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
-/* Nobody asked for implicit steps: only beds that can come to rest get them, in which impacts take energy unless they are
- * slow. */
+/* Nobody asked for implicit steps: only beds that can come to rest get them, in which impacts take energy unless they
+ * are slow. */
 bool gas_may_be_dense(const struct gas_models *m) {
     if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;
     return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
@@ -92,10 +92,10 @@ enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
 static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
 
 /* Returns the longest step that the rate of cooling in dense cells allows. On demand a bed takes `gain` explicit steps
- * at once even where it cools faster. Where nobody asked for that, steps are explicit then, for hot dense gas has shocks
- * and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them a step at e = 0.9, at
- * any density, until most impacts are slower than the threshold. Less inelastic gas cools more slowly and has the same
- * waves, so that it is held as if e were MILD. */
+ * at once even where it cools faster. Where nobody asked for that, steps are explicit then, for hot dense gas has
+ * shocks and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them a step at e =
+ * 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools more slowly and has
+ * the same waves, so that it is held as if e were MILD. */
 static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     const struct acoustics_params *p = &g->dense->bed.params;
     const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;

@@ -15,10 +15,11 @@
  *
  * Cooling enters conduction in the same way. In the first half of a step, where cooling comes before diffusion, heat is
  * conducted from the T before cooling with the loss as a constant sink. In the second half, where cooling comes last,
- * conduction has the sink of the first half, and the loss is given back to T at the end. The step is symmetric in time,
- * so any sink used in both halves keeps second order; with this one, conduction and cooling that balance each other do
- * so in each half step, also at walls that hold T. Other sources that change T count with cooling: the sink is what all
- * of them took together, and where a thermostat gave more than the others took, it is negative.
+ * conduction has the sink of the first half, and the loss is given back to T at the end. The sink takes T of the cell
+ * at most: below zero T would draw heat from walls that take it in proportion to T. The step is symmetric in time, so
+ * any sink used in both halves keeps second order; with this one, conduction and cooling that balance each other do so
+ * in each half step, also at walls that hold T. Other sources that change T count with cooling: the sink is what all of
+ * them took together, and where a thermostat gave more than the others took, it is negative.
  *
  * T stays positive where the schemes are monotone and the stress on a face follows the jump across it (diffusion.h).
  * That does not cover tangential derivatives in the stress, super steps, which are no means of Euler steps, and the
@@ -134,9 +135,12 @@ static void rise_row(void *rise, const struct row *row) {
     double *friction = r->g->friction[row->block] + row->at, *cooled = r->g->cooled[row->block] + row->at;
     temperature_row(r->g, row->n, r->from->block[row->block] + row->at, before);
     temperature_row(r->g, row->n, r->to->block[row->block] + row->at, after);
-    if (!r->friction)
+    if (!r->friction) {
         for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], r->least);
-    else if (r->g->engine->diffusion.cooled_first)
+        return;
+    }
+    for (int i = 0; i < row->n && r->g->late; i++) cooled[i] = smaller(cooled[i], before[i]);
+    if (r->g->engine->diffusion.cooled_first)
         for (int i = 0; i < row->n; i++) friction[i] = after[i] - (before[i] + cooled[i]);
     else
         for (int i = 0; i < row->n; i++) friction[i] = after[i] - before[i] - cooled[i];
