@@ -129,17 +129,19 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     struct dense *d = g->dense;
     if (!d) return 0;
     const double plain = smaller(maxCo / speed->rate, fall), gain = d->bed.params.gain;
+    /* The steps that implicit ones are compared with. A small maxCo asks for accuracy, not for implicit steps. */
+    const double usual = g->models.acoustics->automatic ? smaller(larger(maxCo, 1) / speed->rate, fall) : plain;
     double count = (double)g->engine->bed.find(g, d->above), step[CAUSES];
     comm_max(g->comm, &count, 1);
     d->longest = 0;
-    if (count == 0 || FALL * fall < gain * plain) return 0;
+    if (count == 0 || FALL * fall < gain * usual) return 0;
     find_limits(g, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
         g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
         find_limits(g, maxCo, plain, fall, false, step);
     }
     const int least = least_of(step);
-    if (!(step[least] >= gain * plain && step[least] > plain)) return 0;
+    if (!(step[least] >= gain * usual && step[least] > plain)) return 0;
     if (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->calm) return 0;
     *limit = cause_name[least];
     return d->longest = step[least];
