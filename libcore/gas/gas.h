@@ -129,7 +129,7 @@ void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_c
  * gives the rules their values of that time. These are the times of the Runge-Kutta stages; of each half step of
  * diffusion its coefficients' time, its middle, and the times at which walls act in its stages; and the end of a step
  * for a bed of implicit acoustics. All ranks call it alike, and must get the same result; an error ends gas_step.
- * Patches that give mass (patch_feeds) do not go with implicit acoustics. */
+ * Patches that give mass (patch_feeds) do not go with implicit acoustics; automatic ones are explicit then. */
 void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *context);
 /* Lets gas_step ask, between parts of a step that takes long, whether to leave it. It is left if any rank is told so;
  * each rank sets `asked`, or none. */

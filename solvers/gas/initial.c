@@ -318,7 +318,8 @@ static status check_tangential(const struct reader *r, const struct field *U, in
     const struct polymesh *m = r->place->mesh;
     const struct patch *patch = &m->patch[p];
     const struct patch_field *q = &U->patch[p];
-    struct patch_rules given = {.velocity = {boundary_find(q->type), q->params, {0}, q->values}}; /* in axes x, y, z */
+    struct patch_rules given = {
+        .velocity = {.type = boundary_find(q->type), .params = q->params, .values = q->values}}; /* in axes x, y, z */
     double *geometry, *areas, u[3];
     status s = OK;
     memcpy(given.velocity.uniform, q->uniform, sizeof q->uniform);
@@ -334,10 +335,12 @@ static status check_tangential(const struct reader *r, const struct field *U, in
     return s;
 }
 
-/* Fails on a patch that gives mass to a gas with implicit acoustics: there open patches hold the pressure. */
+/* Fails on a patch that gives mass to a gas that was to have implicit acoustics: there open patches hold the pressure.
+ * Automatic acoustics are explicit then. */
 static status check_feed(const struct reader *r, const struct initial *s, int p) {
     const struct field *U = s->field[FIELD_U];
-    if (!patch_feeds(&s->rules[p]) || !r->models->acoustics->implicit) return OK;
+    const struct acoustics *a = r->models->acoustics;
+    if (!patch_feeds(&s->rules[p]) || !a->implicit || a->automatic) return OK;
     return fail(ERR_INPUT,
                 "%s:%d: patch %s: massFlowRate is for explicit acoustics; give volumetricFlowRate or a velocity, or  "
                 "acoustics { type explicit; }  in system/fvSolution",

@@ -322,6 +322,8 @@ class Programs(unittest.TestCase):
             elif part == "PATCH" and field in DIMENSIONS and not when:
                 part = "front"  # one that is empty
             entries = f"{NAMES.get(part, part)} {{ {entries} }}"
+            if part.endswith("Coeffs") and part != inside:  # beside the word that it belongs to
+                entries = f"type {part.removesuffix('Coeffs')}; {entries}"
         if inside.endswith("Coeffs") and "/" not in inside:
             row = next(row for row in self.rows[program] if row.word and row.value + "Coeffs" == inside and file in row.files)
             entries = f"{row.example} {entries}"

@@ -18,7 +18,7 @@ class CoolingDisks(harness.Folder, unittest.TestCase):
         case = harness.copy("coolingDisks", self.folder)
         harness.mesh(case, 8)
         for name, uniform in (("alpha", NU), ("U", "(0 0 0)")):
-            path = os.path.join(case, "0", name)
+            path = os.path.join(case, "0.orig", name)
             with open(path) as f:
                 lines = [line for line in f if not line.startswith("expression")]
             with open(path, "w") as f:

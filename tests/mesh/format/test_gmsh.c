@@ -107,7 +107,7 @@ static void test_errors(void **state) {
         {FORMAT NODES ELEMENTS("8", GOOD), "Physical Curve(1) has no name"},
         {FORMAT NODES ELEMENTS("2", "1 3 2 0 1 1 5 8 3\n2 3 2 0 1 5 1000000 70 8\n"),
          "no physical groups|Physical Curve"},
-        {FORMAT NAMES NODES ELEMENTS("2", QUADS), "no part of the boundary is in a physical group"},
+        {FORMAT NAMES NODES ELEMENTS("2", QUADS), "their boundary is in no physical group"},
         {FORMAT NAMES NODES ELEMENTS("6", EDGES LAST), "call gmsh with -2"},
         {FORMAT "$PhysicalNames\n2\n1 1 \"a b\"\n1 2 \"open\"\n$EndPhysicalNames\n" NODES ELEMENTS("8", GOOD),
          "Physical Curve(\"a b\")|\"a_b\""},
