@@ -26,9 +26,10 @@ const struct acoustics acoustics_table[] = {
     {MODEL("explicit", "sound limits the time step everywhere"), false, false},
     {MODEL_WITH("implicit", "dense gas takes implicit acoustic steps, as long as the flow allows", implicit_param),
      true, false},
-    {MODEL_WITH("automatic",
-                "implicit steps of beds that thresholdSpeed lets rest, where cooling does not hold them; else explicit ones",
-                automatic_param),
+    {MODEL_WITH(
+         "automatic",
+         "implicit steps of beds that thresholdSpeed lets rest, where cooling does not hold them; else explicit ones",
+         automatic_param),
      true, true},
 };
 const int acoustics_count = sizeof acoustics_table / sizeof *acoustics_table;

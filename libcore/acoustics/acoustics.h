@@ -1,6 +1,6 @@
-/* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit` (dense
- * cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they do so
- * where they can rest and cooling does not hold dt: libcore/gas/dense.c). */
+/* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit`
+ * (dense cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they
+ * do so where they can rest and cooling does not hold dt: libcore/gas/dense.c). */
 #ifndef LIBCORE_ACOUSTICS_H
 #define LIBCORE_ACOUSTICS_H
 

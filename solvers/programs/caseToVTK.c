@@ -89,6 +89,11 @@ static status check_times(const struct conversion *c, int n, const struct instan
         size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, " %s", list[i].name);
     }
+    struct instant start;
+    if (!n && time_original(c->root, &start))
+        return fail(ERR_INPUT,
+                    "%s: it has no time folders yet;  initialFields %s  writes the time 0 from " TIME_ORIGINAL, c->root,
+                    c->root);
     if (!n) return fail(ERR_INPUT, "%s: it has no time folders; nothing to convert", c->root);
     for (int k = 0; k < c->ntimes; k++) {
         bool found = false;

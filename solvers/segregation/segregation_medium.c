@@ -273,7 +273,8 @@ static const struct patch_field *mixture_patch(const struct medium *m, int quant
 }
 
 static const char help[] =
-    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
+    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
+    "[-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
     "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
     "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "

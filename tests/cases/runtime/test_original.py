@@ -83,6 +83,8 @@ class Original(harness.Folder, unittest.TestCase):
         """Time 0 holds what the expression and the rest of the start say; every field is there, in ascii and binary."""
         for format in ("ascii", "binary"):
             case = self.bubble("values_" + format, format=format)
+            done = harness.program("caseToVTK", case, check=False)
+            self.assertIn(f"initialFields {case}  writes the time 0", done.stderr)
             harness.program("initialFields", case)
             result = haff.Case(case)
             x, y, _ = result.centres.T
