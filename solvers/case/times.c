@@ -195,6 +195,17 @@ static status list_starts(const char *case_dir, const struct control *c, int *n,
     return s;
 }
 
+/* Fails if the time 0 that a run wrote from TIME_ORIGINAL was changed since: the run that starts would lose the change.
+ */
+static status check_made(const char *case_dir, const struct instant *at) {
+    char folder[TIME_PATH];
+    snprintf(folder, sizeof folder, "%.4000s/%s", case_dir, at->name);
+    return status_note(access(folder, F_OK) ? OK : checksums_verify(folder),
+                       "%s: a run writes it anew from " TIME_ORIGINAL ": make changes there and remove this folder, or "
+                       "remove " TIME_ORIGINAL " to start from this folder as it is",
+                       folder);
+}
+
 status times_start(const char *case_dir, const struct control *c, bool afresh, struct instant *out) {
     int n;
     struct instant *list;
@@ -217,6 +228,7 @@ status times_start(const char *case_dir, const struct control *c, bool afresh, s
     }
     status s = found < 0 ? no_such_time(case_dir, c, n, list) : time_verify(case_dir, &list[found]);
     if (s && found >= 0) s = fall_back(case_dir, c, list, &found, s);
+    if (!s && time_is_original(&list[found])) s = check_made(case_dir, &list[found]);
     if (!s) *out = list[found];
     free(list);
     return s;

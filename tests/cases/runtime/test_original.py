@@ -101,6 +101,22 @@ class Original(harness.Folder, unittest.TestCase):
         harness.program("granularGas", "-case", case)
         self.assertEqual(runs.times(case), ["0", "0.01"])
 
+    def test_changed(self):
+        """A change in the 0 that a run wrote is not lost in silence; a run that goes on from later does not care."""
+        case = self.bubble("changed", format="ascii")
+        harness.program("granularGas", "-case", case)
+        harness.program("checkCase", case)
+        with open(case + "/0/alpha", "a") as f:
+            f.write("// mine\n")
+        harness.edit(case, "system/controlDict", endTime=0.02)
+        harness.program("checkCase", case)
+        harness.edit(case, "system/controlDict", startFrom="firstTime")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"/0: a run writes it anew from 0.orig: make changes there and remove this folder(.|\n)*/0/alpha")
+        shutil.rmtree(case + "/0")
+        harness.program("granularGas", "-case", case)
+
     def test_refused(self):
         case = self.bubble("refused")
         shutil.copytree(case + "/0.orig", case + "/0")

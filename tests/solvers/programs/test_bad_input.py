@@ -11,8 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 from tests.cases import harness
 from tests.solvers.programs import bad_case
-from tests.solvers.programs.bad_rows import (BOX_MESH, COMMANDS, CONTROL, CONVERSION, DICTIONARIES, FIELDS, MESH_FILE,
-                                    PROPERTIES, RESTART, WARNINGS, Row)
+from tests.solvers.programs.bad_meshes import BOX_MESH, CONVERSION, MESH_FILE, RESTART
+from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, PROPERTIES, WARNINGS, Row
 
 
 def snapshot(folder):
