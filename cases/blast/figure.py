@@ -4,8 +4,8 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
 
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 variants = [(e, os.path.join(figures.folder(), sub)) for e, sub in ((0.9, ""), (0.7, "e0.7"), (0.2, "e0.2"))]
 variants = [(e, haff.Case(path)) for e, path in variants if os.path.isdir(path)]

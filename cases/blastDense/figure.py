@@ -6,9 +6,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import expected  # noqa: E402
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.runs import expected  # noqa: E402
 
 case = haff.Case(figures.folder())
 time = case.times[-1]

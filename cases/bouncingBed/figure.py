@@ -7,9 +7,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import columns  # noqa: E402
-import faraday  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import columns, faraday  # noqa: E402
 
 folder = figures.folder()
 grains = columns.read(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bouncingBedMD", "profiles.csv"))

@@ -9,9 +9,8 @@ import matplotlib  # noqa: E402
 import numpy as np  # noqa: E402
 from scipy.ndimage import gaussian_filter  # noqa: E402
 
-import clouds  # noqa: E402
-import clustering  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import clouds, figures  # noqa: E402
+from haff.studies import clustering  # noqa: E402
 
 LOW, HIGH = 0.13, 0.36  # packing that begins to be seen, and that is seen best
 folder, kept = figures.folder(), os.path.join(here, "..", "cooling3DMD")

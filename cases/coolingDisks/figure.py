@@ -6,9 +6,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import disks  # noqa: E402
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.exact import disks  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 NU, LENGTH, EARLY = 0.2, 240, "100"
 FIRST = {"across": 0.003, "density": 0.01}  # amplitudes in 0/U and 0/alpha

@@ -7,11 +7,11 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import enskog  # noqa: E402
-import figures  # noqa: E402
-import grains  # noqa: E402
 import haff  # noqa: E402
-import homogeneous  # noqa: E402
+from haff.case import grains  # noqa: E402
+from haff.exact import enskog  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.runs import homogeneous  # noqa: E402
 
 path = figures.folder()
 case = haff.Case(path)

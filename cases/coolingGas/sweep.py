@@ -8,7 +8,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "..", "postprocessing"))
 
 import numpy as np  # noqa: E402
 
-import homogeneous  # noqa: E402
+from haff.runs import homogeneous  # noqa: E402
 
 SEEDS, GRAINS = 4, 10000
 folder = os.path.join(HERE, "sweep")

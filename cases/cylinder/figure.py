@@ -4,6 +4,6 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
 
-import shockFigures  # noqa: E402
+from haff.studies import shockFigures  # noqa: E402
 
 shockFigures.blunt_body("cylinder.png", "back")

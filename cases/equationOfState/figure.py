@@ -6,8 +6,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import enskog  # noqa: E402
-import figures  # noqa: E402
+from haff.exact import enskog  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 # For spheres below freezing Torquato's is Carnahan and Starling's.
 FORMS = {2: (("Torquato", enskog.torquato, "--"), ("Henderson", enskog.carnahan_starling, ":"), ("Luding", enskog.luding, "-.")),

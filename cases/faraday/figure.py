@@ -7,8 +7,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import faraday  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import faraday  # noqa: E402
 
 WIDTH, HEIGHT = 150, 26  # sigma: what is shown of the box
 MODES = (300 / 50, 300 / 33)  # the waves whose growth is drawn, per length of 300

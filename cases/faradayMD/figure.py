@@ -7,9 +7,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
 
-import faraday  # noqa: E402
-import figures  # noqa: E402
-import grains  # noqa: E402
+from haff.case import grains  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import faraday  # noqa: E402
 
 SETTLED, WIDTH, HEIGHT = 20, 150, 26  # cycles until the pattern stands; sigma: what is shown of the box
 layer = faraday.Layer(figures.folder())

@@ -8,8 +8,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import faraday  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import faraday  # noqa: E402
 
 SETTLED, HEIGHT, GRAVITY = 20, 25, 981.0
 layer = faraday.Layer(sys.argv[1])

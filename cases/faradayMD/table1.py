@@ -24,8 +24,8 @@ sys.path.insert(0, os.path.abspath(os.path.join(HERE, "..", "..", "postprocessin
 
 import numpy as np  # noqa: E402
 
-import faraday  # noqa: E402
-from faradayRows import acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, program, throw  # noqa: E402
+from haff.studies import faraday  # noqa: E402
+from haff.studies.faradayRows import acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, program, throw  # noqa: E402
 
 WARM = 2.75  # g: amplitude of -warm
 COLUMNS = ("row Gamma f_Hz A_sigma L_sigma N plate seed warm cycles paper dpaper wavelength shorter longer centroid spread "
@@ -112,7 +112,7 @@ def done_already(folder, o):
 
 def draw(folder):
     """Wavelength over amplitude, Fig. 3 of the paper; bars: the paper's deviation, our neighbours in the box."""
-    import figures
+    from haff.plot import figures
     with open(os.path.join(folder, "table1.csv")) as f:
         words = ("stands", "within", "cycles")
         lines = [{k: v if k in words else float(v or "nan") for k, v in r.items()} for r in csv.DictReader(f)]

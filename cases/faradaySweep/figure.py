@@ -4,8 +4,8 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
 
-import faradayDiagram  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import faradayDiagram  # noqa: E402
 
 folder = figures.folder()
 own = os.path.join(folder, "table")

@@ -6,9 +6,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import disks  # noqa: E402
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.exact import disks  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 folder = figures.folder()
 variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""),

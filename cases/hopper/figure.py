@@ -8,8 +8,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 WIDTH, HEIGHT, ORIFICE, PACKING, GRAVITY, CELL = 32.0, 40.0, 8.0, 0.64, 9810.0, 1.0  # mm, s
 MOMENTS = 0.01, 0.1, 0.2, 0.3

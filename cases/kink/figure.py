@@ -6,9 +6,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import figures  # noqa: E402
-import mixture  # noqa: E402
-import segregation  # noqa: E402
+from haff.exact import segregation  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import mixture  # noqa: E402
 
 
 def errors(path):

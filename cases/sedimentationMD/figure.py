@@ -7,9 +7,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import columns  # noqa: E402
-import enskog  # noqa: E402
-import figures  # noqa: E402
+from haff.exact import enskog  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import columns  # noqa: E402
 
 T0, G = 9.81e-3, 9.81  # at the start; gravity
 FREE = {0.05: (0.02, 0.07), 0.1: (0.018, 0.035)}  # m: where neither floor nor the edge above has been felt

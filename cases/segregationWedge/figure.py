@@ -6,8 +6,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 folder = figures.folder()
 gas, mixture = haff.Case(os.path.join(folder, "gas")), haff.Case(folder)

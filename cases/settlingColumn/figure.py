@@ -8,9 +8,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import columns  # noqa: E402
-import faraday  # noqa: E402
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.studies import columns, faraday  # noqa: E402
 
 DIAMETER, GRAVITY = 1e-3, 9.81
 MOMENTS = 0.0782, 0.391, 3.91  # of the profiles: one, five and fifty times of free fall through the box

@@ -1,8 +1,8 @@
 """What postprocessing/crossCheck needs to know of this case."""
 import numpy as np
 
-from eos import PerfectGas
-from riemann import Riemann
+from haff.exact.eos import PerfectGas
+from haff.exact.riemann import Riemann
 
 GRIDS, QUICK, COURANT = (100, 200, 400), (50, 100), 0.1
 LINES = {"shock": ((0.75, 0, 0), (0.95, 0, 0))}

@@ -6,10 +6,10 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy as np  # noqa: E402
 
-import figures  # noqa: E402
 import haff  # noqa: E402
-from eos import PerfectGas  # noqa: E402
-from riemann import Riemann  # noqa: E402
+from haff.exact.eos import PerfectGas  # noqa: E402
+from haff.exact.riemann import Riemann  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 case = haff.Case(figures.folder())
 x, *computed = case.line(("rho", "U", "p", "T"))

@@ -4,9 +4,9 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
 
-import expected  # noqa: E402
-import figures  # noqa: E402
 import haff  # noqa: E402
+from haff.plot import figures  # noqa: E402
+from haff.runs import expected  # noqa: E402
 
 case = haff.Case(figures.folder())
 time = case.times[-1]

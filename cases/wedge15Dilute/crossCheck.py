@@ -1,9 +1,9 @@
 """What postprocessing/crossCheck needs to know of this case."""
 import numpy as np
 
-import cellmap
-from eos import PerfectGas
-from obliqueShock import ObliqueShock
+from haff.exact.eos import PerfectGas
+from haff.exact.obliqueShock import ObliqueShock
+from haff.plot import cellmap
 
 WEDGE = np.radians(15)
 GRIDS, QUICK, COURANT = (20, 40, 80), (10, 20), 0.2

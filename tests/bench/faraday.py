@@ -5,7 +5,7 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
 
-import figures  # noqa: E402
+from haff.plot import figures  # noqa: E402
 
 
 def rows(lines):

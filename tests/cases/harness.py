@@ -10,10 +10,9 @@ SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirn
 BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
-import boxes  # noqa: E402
-import expected  # noqa: E402
 import haff  # noqa: E402
-from boxes import box_case, write_dictionary  # noqa: E402, F401
+from haff.runs import boxes, expected  # noqa: E402
+from haff.runs.boxes import box_case, write_dictionary  # noqa: E402
 
 
 def program(name, *arguments, ranks=1, check=True, timeout=900):

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
 
-import clustering
+from haff.studies import clustering
 
 
 class Bare(clustering.Box):

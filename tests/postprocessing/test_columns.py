@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
 
-import columns
+from haff.studies import columns
 
 
 class Columns(unittest.TestCase):

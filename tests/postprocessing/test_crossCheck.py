@@ -12,10 +12,9 @@ from tests.cases import harness
 
 sys.path.insert(0, os.path.join(harness.SOURCE, "postprocessing"))
 
-import comparison  # noqa: E402
 import haff  # noqa: E402
-import rhocentral  # noqa: E402
-import twin  # noqa: E402
+from haff.runs import rhocentral, twin  # noqa: E402
+from haff.studies import comparison  # noqa: E402
 
 TOOL = os.path.join(harness.SOURCE, "postprocessing", "crossCheck")
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")

@@ -5,7 +5,7 @@ import numpy as np
 
 from tests.cases import harness  # noqa: F401  (it knows where the module is)
 
-import disks
+from haff.exact import disks
 
 HEIGHT, ALPHA = 20, 0.2
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import enskog
+from haff.exact import enskog
 
 
 def table(name):

@@ -13,8 +13,8 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import boxes
 
-import disks
-import faraday
+from haff.exact import disks
+from haff.studies import faraday
 
 L, CELLS, CYCLES = 300.0, 150, 50
 X = (np.arange(CELLS) + 0.5) * L / CELLS

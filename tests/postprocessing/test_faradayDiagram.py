@@ -13,10 +13,8 @@ import numpy as np
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
-import faradayDiagram  # noqa: E402
-import faradayOnset  # noqa: E402
-import faradayRows  # noqa: E402
 import haff  # noqa: E402
+from haff.studies import faradayDiagram, faradayOnset, faradayRows  # noqa: E402
 
 
 def options(*words):

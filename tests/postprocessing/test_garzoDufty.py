@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import garzoDufty  # noqa: E402  (the harness knows where)
+from haff.exact import garzoDufty  # noqa: E402
 
 
 class Closures(unittest.TestCase):

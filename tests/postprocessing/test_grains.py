@@ -9,7 +9,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import boxes, haff
 
-import grains
+from haff.case import grains
 
 
 class Clouds(harness.Folder, unittest.TestCase):

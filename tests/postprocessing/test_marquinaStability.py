@@ -8,8 +8,8 @@ import numpy as np
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
-import marquinaStability as stability  # noqa: E402
-from eos import GoldshteinShapiro  # noqa: E402
+from haff.exact.eos import GoldshteinShapiro  # noqa: E402
+from haff.studies import marquinaStability as stability  # noqa: E402
 
 GAS = GoldshteinShapiro(1.0)
 

@@ -9,9 +9,9 @@ import numpy as np
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
-from eos import GoldshteinShapiro, PerfectGas, isentrope  # noqa: E402
-from riemann import BLAST, Riemann  # noqa: E402
-from simpleWave import SETTINGS, SimpleWave  # noqa: E402
+from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope  # noqa: E402
+from haff.exact.riemann import BLAST, Riemann  # noqa: E402
+from haff.exact.simpleWave import SETTINGS, SimpleWave  # noqa: E402
 
 ORACLES = os.path.join(SOURCE, "tests", "oracles")
 

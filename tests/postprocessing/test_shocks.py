@@ -9,12 +9,12 @@ import numpy as np
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
 
-import boxes  # noqa: E402
-import cellmap  # noqa: E402
 import haff  # noqa: E402
-import shocks  # noqa: E402
-from eos import GoldshteinShapiro  # noqa: E402
-from obliqueShock import ObliqueShock  # noqa: E402
+from haff.exact.eos import GoldshteinShapiro  # noqa: E402
+from haff.exact.obliqueShock import ObliqueShock  # noqa: E402
+from haff.plot import cellmap  # noqa: E402
+from haff.runs import boxes  # noqa: E402
+from haff.studies import shocks  # noqa: E402
 
 
 class Shocks(unittest.TestCase):

@@ -21,9 +21,8 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "postprocessing"))
 
-import boxes  # noqa: E402
 import haff  # noqa: E402
-import rhocentral  # noqa: E402
+from haff.runs import boxes, rhocentral  # noqa: E402
 
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from eos import GoldshteinShapiro
+from haff.exact.eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)
 RHO, U, P = 200.0, (30.0, 20.0, 0.0), 900.0  # supersonic along both axes

@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
-from eos import GoldshteinShapiro
-from riemann import BLAST, Riemann
+from haff.exact.eos import GoldshteinShapiro
+from haff.exact.riemann import BLAST, Riemann
 
 LENGTH, FACE, END = 10.0, 5.0, 1.0
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from eos import GoldshteinShapiro
-from simpleWave import SETTINGS, SimpleWave
+from haff.exact.eos import GoldshteinShapiro
+from haff.exact.simpleWave import SETTINGS, SimpleWave
 
 LEAST = {"PHM": 1.9, "WPENO5": 3.4, "WENO5": 4.7, "WENOZ": 4.7, "TENO5": 4.7}
 SIZE = (1.0, 1.0, 0.1)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from eos import GoldshteinShapiro
+from haff.exact.eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)
 

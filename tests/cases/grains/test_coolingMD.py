@@ -5,7 +5,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import clustering
+from haff.studies import clustering
 
 
 class CoolingMD(harness.Folder, unittest.TestCase):

@@ -9,9 +9,9 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import haff
 
-import enskog
-import faraday
-import grains
+from haff.case import grains
+from haff.exact import enskog
+from haff.studies import faraday
 
 
 class Short(harness.Folder):

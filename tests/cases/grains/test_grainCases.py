@@ -8,8 +8,8 @@ import numpy as np
 
 from tests.cases import harness
 
-import enskog  # noqa: E402  (postprocessing is on the path by harness)
-import homogeneous  # noqa: E402
+from haff.exact import enskog  # noqa: E402
+from haff.runs import homogeneous  # noqa: E402
 
 os.environ["PATH"] = harness.BIN + os.pathsep + os.environ["PATH"]
 

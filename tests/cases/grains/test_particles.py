@@ -14,7 +14,7 @@ from tests.cases.harness import boxes
 from tests.solvers.programs.bad_rows import Row
 from tests.solvers.programs.test_bad_input import snapshot
 
-import grains  # noqa: E402  (postprocessing is on the path by harness)
+from haff.case import grains  # noqa: E402
 
 CONTROL = """application granularMD;
 startFrom latestTime;

@@ -4,7 +4,7 @@ import unittest
 from tests.cases import harness
 from tests.cases.harness import expected
 
-import shocks  # noqa: E402  (harness sets the path)
+from haff.studies import shocks  # noqa: E402
 
 PERFECT = {"equationOfState": "perfectGas", "cooling": "none"}
 

@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
-import triangles
+from haff.runs import triangles
 
 haff = harness.haff
 

@@ -6,7 +6,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import expected
 
-import shocks  # noqa: E402  (harness sets the path)
+from haff.studies import shocks  # noqa: E402
 
 
 class Wedge15(harness.Folder, unittest.TestCase):

@@ -8,8 +8,8 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.segregation import mixtures
 
-import mixture  # noqa: E402  (postprocessing is on the path by harness)
-import segregation  # noqa: E402
+from haff.exact import segregation  # noqa: E402
+from haff.studies import mixture  # noqa: E402
 
 EXACT = os.path.join(harness.SOURCE, "tests", "oracles", "gray_chugunov_exact.csv")
 

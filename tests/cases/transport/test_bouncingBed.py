@@ -6,8 +6,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.transport.channels import replace
 
-import columns
-import faraday
+from haff.studies import columns, faraday
 
 EXTREMES = "extremes { type fieldMinMax; fields (alpha); writeControl timeStep; writeInterval 1; log false; }\n"
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import disks
-import garzoDufty
+from haff.exact import disks, garzoDufty
 
 NU, E, FAINT = 0.1, 0.8, 1e-6
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import disks  # noqa: E402  (the harness knows where)
+from haff.exact import disks  # noqa: E402
 
 NU, E, FAINT = 0.2, 0.9, 1e-6
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 
-import faraday
+from haff.studies import faraday
 
 
 class Faraday(harness.Folder, unittest.TestCase):

@@ -7,8 +7,7 @@ import numpy as np
 
 from tests.cases import harness, runs, sections
 
-import enskog  # noqa: E402  (the harness knows where)
-import garzoDufty  # noqa: E402
+from haff.exact import enskog, garzoDufty  # noqa: E402
 
 SIGMA = 0.1
 

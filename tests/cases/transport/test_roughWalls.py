@@ -12,7 +12,7 @@ from tests.cases import harness, runs
 from tests.cases.runtime import test_energyBudget as audit
 from tests.cases.transport.channels import POLYHEDRAL, friction, replace
 
-import disks  # noqa: E402  (the harness knows where)
+from haff.exact import disks  # noqa: E402
 
 LID = "type JohnsonJacksonSlip; specularityCoefficient 1; restitutionCoefficient 0.97; value uniform "
 

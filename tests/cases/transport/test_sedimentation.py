@@ -7,9 +7,8 @@ import numpy as np
 
 from tests.cases import harness
 
-import columns
-import enskog
-import faraday
+from haff.exact import enskog
+from haff.studies import columns, faraday
 from tests.cases.transport.channels import replace
 
 NUMBER = 6 / np.pi  # grains per mm^3 and packing

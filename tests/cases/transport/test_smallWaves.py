@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 
-import garzoDufty  # noqa: E402  (harness sets the path)
+from haff.exact import garzoDufty  # noqa: E402
 
 SCHEMES = ["RKJ2", "RKL2", "explicit"] + ["implicit"] * os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
 

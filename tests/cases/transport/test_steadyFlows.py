@@ -7,8 +7,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.transport.channels import POLYHEDRAL, friction, replace, spheres
 
-import disks  # noqa: E402  (the harness knows where)
-import garzoDufty  # noqa: E402
+from haff.exact import disks, garzoDufty  # noqa: E402
 
 MARGIN = 1.3  # what an error may exceed the measured one by; that it falls at second order is asserted beside it
 

@@ -1,0 +1,18 @@
+"""haff in Python: cases, fields, pictures, runs and sweeps.
+
+    import haff
+    case = haff.Case("cases/wedge")
+    x, y, z = case.centres.T
+    alpha = case.field("alpha", case.times[-1])
+
+haff.case    reads cases: meshes, fields, tables, grains (numpy)
+haff.plot    pictures (matplotlib)
+haff.runs    runs and compares cases
+haff.exact   references written independently of the solver: exact solutions, equations of state, closures
+haff.studies the studies behind the figures and reports of the papers
+
+`python3 -m haff -help` lists what can be called from the command line.
+"""
+from haff.case.case import Case, is_time, number
+from haff.case.foam import FoamFile, FormatError, read_bytes, read_field
+from haff.case.mesh import Mesh

@@ -1,0 +1,59 @@
+"""What can be called from the command line.
+
+    haff                 this list
+    haff COMMAND -help   what a command does
+"""
+import os
+import runpy
+import sys
+
+COMMANDS = {
+    "Plot": ("plot.plotCase", "a picture of any field of a case; also called haffPlot"),
+    "Movie": ("plot.movie", "a film of a field; also called haffMovie"),
+    "Log": ("plot.log", "how a run goes: time steps, extremes, drift, speed; also called haffLog"),
+    "expected": ("runs.expected", "compares a finished case with its expected.json"),
+    "checkCases": ("runs.checkCases", "runs shipped cases in full and compares them with their expected.json (Allcheck)"),
+    "variant": ("runs.variant", "runs a shipped case with other entries and notes what came of it"),
+    "contours": ("plot.contours", "contour lines and walls of a lattice in two dimensions"),
+    "columns": ("studies.columns", "profiles over the height, of gas and grains, as a table"),
+    "faraday": ("studies.faraday", "patterns on shaken layers, of gas and grains"),
+    "faradayDiagram": ("studies.faradayDiagram", "Table 1 of Carrillo et al. by the gas"),
+    "faradayOnset": ("studies.faradayOnset", "growth of single waves on a shaken layer"),
+    "faradayFigures": ("studies.faradayFigures", "gas and grains on a shaken plate side by side"),
+    "clustering": ("studies.clustering", "gas and grains that cool in the same box"),
+    "workPrecision": ("studies.workPrecision", "run time against error of every scheme, and of rhoCentralFoam"),
+    "crossCheck": ("studies.crossCheck", "an elastic case beside rhoCentralFoam"),
+    "marquinaStability": ("studies.marquinaStability", "stability of Marquina's flux on uniform gas"),
+    "segregationPrecision": ("studies.segregationPrecision", "run time against error of granularSegregation"),
+    "figure1": ("studies.figure1", "Fig. 1 of Serna & Marquina"),
+    "riemann": ("exact.riemann", "the exact solution of the blast of Serna & Marquina"),
+    "obliqueShock": ("exact.obliqueShock", "exact oblique shocks"),
+    "layer": ("exact.layer", "the shaken layer by a program independent of the solver"),
+    "segregation": ("exact.segregation", "exact values of the segregation equation"),
+}
+
+
+def listing():
+    return __doc__ + "\n" + "\n".join(f"  {name:22}{about}" for name, (_, about) in COMMANDS.items())
+
+
+def main():
+    called = os.path.basename(sys.argv[0])
+    name = called[4:] if called.startswith("haff") else ""
+    words = sys.argv[1:] if name else sys.argv[2:]
+    name = name or (sys.argv[1] if len(sys.argv) > 1 else "-help")
+    if name in ("-help", "-h", "--help"):
+        print(listing())
+        return 0
+    if name not in COMMANDS:
+        import difflib
+        near = difflib.get_close_matches(name, COMMANDS, 1, 0.5)
+        print(f"haff: there is no command '{name}'{f'; did you mean {near[0]}?' if near else ''}  (haff -help lists them)", file=sys.stderr)
+        return 2
+    sys.argv = [called if called.startswith("haff") and called != "haff" else f"haff {name}", *words]
+    runpy.run_module(f"haff.{COMMANDS[name][0]}", run_name="__main__")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Reads cases: meshes, fields, tables, grains. Needs numpy only."""

@@ -1,0 +1,1 @@
+"""References written independently of the solver: exact solutions, equations of state, closures."""

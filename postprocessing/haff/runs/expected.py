@@ -1,0 +1,263 @@
+"""Compares a finished case with its expected.json.
+
+    expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
+
+An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
+cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
+prints). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is the processor time of Allrun.
+"""
+import csv
+import json
+import os
+import re
+import sys
+
+import numpy as np
+
+import haff
+from haff import command
+from haff.exact import obliqueShock
+from haff.exact.eos import GoldshteinShapiro, PerfectGas
+from haff.exact.riemann import BLAST, Riemann
+from haff.paths import TOP
+from haff.plot import cellmap
+from haff.studies import bunches, clustering, columns, faraday, shocks
+
+REFERENCES = os.path.join(TOP, "postprocessing", "references")
+CASES = os.path.join(TOP, "cases")
+WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
+
+
+def gas(case):
+    """The equation of state from constant/granularProperties (plain numbers, as in the cases shipped)."""
+    with open(os.path.join(case.path, "constant", "granularProperties")) as f:
+        text = re.sub(r"//[^\n]*", "", f.read())
+
+    def value(key, standard=None):
+        found = re.search(rf"\b{key}\s+([^;\s]+)\s*;", text)
+        return float(found.group(1)) if found else standard
+
+    if re.search(r"equationOfState\s+perfectGas", text):
+        return PerfectGas(value("gamma", 5 / 3))
+    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax", 0.65), value("gamma", 5 / 3))
+
+
+def wall_value(case, field, time):
+    """At the cell of greatest x."""
+    return case.field(field, time)[np.argmax(case.centres[:, 0])]
+
+
+def upstream_mach(case, _, time):
+    """At the upper left corner."""
+    cell = np.argmax(case.centres[:, 1] - case.centres[:, 0])
+    c = gas(case).c(case.field("rho", time)[cell], case.field("T", time)[cell])
+    return np.linalg.norm(case.field("U", time)[cell]) / c
+
+
+def column_integral(case, field, time):
+    """Integral along x per cross-section of a one-dimensional case."""
+    x = case.centres[:, 0]
+    length = np.ptp(x) * len(x) / (len(x) - 1)
+    return float(np.sum(case.field(field, time)) * length / len(x))
+
+
+def asymmetry(case, field, time):
+    """Greatest difference to the mirror image about the line y = 10 - x, relative to the greatest value."""
+    x, y = np.round(case.centres[:, :2].T, 9)
+    here, there = np.lexsort((y, x)), np.lexsort((np.round(10 - x, 9), np.round(10 - y, 9)))
+    value = case.field(field, time)
+    mirrored = -value[:, [1, 0]] if value.ndim > 1 else value
+    value = value[:, :2] if value.ndim > 1 else value
+    return float(np.abs(value[here] - mirrored[there]).max() / np.abs(value).max())
+
+
+def blast_error(case, field, time):
+    """L1 error of the elastic blast against the exact solution at the cell centres, over 50 grains/cm^3."""
+    x, rho = case.line(("rho",), time)
+    exact = Riemann(gas(case), *BLAST).sample((x - 5) / float(time))[0]
+    return float(np.abs(rho - exact).mean() * 10 / 50)
+
+
+def reference_error(case, field, time):
+    """L1 difference of the density to cell averages of the fine lattice runs of cases/wedge (workPrecision), over the
+    upstream density."""
+    with np.load(os.path.join(REFERENCES, "wedge.npz")) as f:
+        known = f["mean"].astype(float)
+    n = len(known)
+    column, row = np.moveaxis(np.clip((cellmap.spread(case.mesh) / 10 * n).astype(int), 0, n - 1), -1, 0)
+    miss = np.abs(case.field("rho", time) - known[row, column].mean(axis=1))
+    return float(case.volumes @ miss / case.volumes.sum() / known[-1, 0])
+
+
+def shock_angle(case, _, time):
+    """Degrees."""
+    return float(np.degrees(shocks.straight_shock(case, shocks.upstream(case, gas(case), time), WEDGE, time).angle))
+
+
+def behind_shock(case, field, time):
+    """rho, p or mach over the exact value, less 1."""
+    return float(getattr(shocks.behind_wedge(case, shocks.upstream(case, gas(case), time), WEDGE, time), field))
+
+
+def wedge_error(case, _, time):
+    return shocks.wedge_error(case, shocks.upstream(case, gas(case), time), WEDGE, time)
+
+
+def stand_off(case, _, time):
+    return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
+
+
+def nose_pressure(case, _, time):
+    """Largest p over that of the stream at rest behind a normal shock."""
+    stream = shocks.upstream(case, gas(case), time)
+    behind = stream.behind(np.pi / 2)
+    return float(case.field("p", time).max() / obliqueShock.stagnation(gas(case), behind.rho, behind.T, behind.speed)[1])
+
+
+def swept(column):
+    """From rows of table/faradayDiagram.csv that cases/faradaySweep makes: a function of the list of that column."""
+    def take(function):
+        def value(case, _, time):
+            with open(os.path.join(case.path, "table", "faradayDiagram.csv"), newline="") as f:
+                return float(function([row[column] for row in csv.DictReader(f)]))
+        return value
+    return take
+
+
+def wavelength(case, _, time):
+    """Of the pattern on a shaken layer over the last 50 cycles; nan where none stands."""
+    layer = faraday.Layer(case)
+    last = float(time) * layer.frequency
+    result = faraday.measure(list(faraday.samples(layer, last - 50, last).values()), layer.length)
+    return result["wavelength"] if result["stands"] else np.nan
+
+
+def row_of(case, time):
+    """Profile over the height at that time, and of the grains of the case of the same name and MD, profiles.csv, which is
+    of the same time or phase of the shaking."""
+    layer = faraday.Layer(case)
+    grains = columns.read(os.path.join(CASES, os.path.basename(os.path.abspath(case.path)) + "MD", "profiles.csv"))
+    moment = float(time) * layer.frequency % 1 if hasattr(layer, "frequency") else float(time)
+    return columns.profile(layer, time), grains[min(grains, key=lambda m: abs(m - moment))]
+
+
+def difference_to_grains(case, field, time):
+    """L1, relative, over cells where there are grains."""
+    return float(columns.difference(*row_of(case, time), field))
+
+
+def kept_box(case):
+    """The cooling box of the case, and time, impacts and energy of the grains beside it: its own, or cooling.csv of the case of the
+    same name and MD."""
+    path = os.path.abspath(case.path)
+    name = os.path.basename(os.path.dirname(path) if os.path.basename(path) == "fromGrains" else path)
+    rows = clustering.read(os.path.join(CASES, name.removesuffix("MD") + "MD"), "cooling.csv")
+    return clustering.Box(path), rows
+
+
+def doubled(case, *_):
+    """The time at which the energy of motion is twice Haff's law."""
+    box = clustering.Box(case.path)
+    grains = os.path.isdir(os.path.join(case.path, "postProcessing", "grains"))
+    t, T = box.totals()[::2] if grains else box.budget()
+    return clustering.left(t, T, box.haff(t))
+
+
+def doubled_beside(case, *_):
+    """That time over the grains', less 1."""
+    box, rows = kept_box(case)
+    return doubled(case) / clustering.left(rows["t"], rows["T"], box.haff(rows["t"])) - 1
+
+
+def cooled_beside(case, _, time):
+    """Energy of motion over the grains', less 1."""
+    box, rows = kept_box(case)
+    return float(np.interp(float(time), *box.budget()) / clustering.at(rows, float(time))[1] - 1)
+
+
+def impacts(case, _, time):
+    """Of each grain of a case of grains until then."""
+    return float(np.interp(float(time), *clustering.Box(case.path).totals()[:2]))
+
+
+def impacts_beside(case, _, time):
+    """Of each grain of the gas, by Enskog's rate, over those of the grains, less 1."""
+    box, rows = kept_box(case)
+    return float(np.interp(float(time), *box.impacts()) / clustering.at(rows, float(time))[0] - 1)
+
+
+QUANTITIES = {
+    "time at twice Haff's law": doubled,
+    "time at twice Haff's law over the grains', less 1,": doubled_beside,
+    "energy of motion over the grains', less 1,": cooled_beside,
+    "impacts over the grains', less 1,": impacts_beside,
+    "impacts of a grain": impacts,
+    "height of the centre of mass": lambda case, field, time: float(columns.centre(columns.profile(faraday.Layer(case), time))),
+    "difference to the grains": difference_to_grains,
+    "maximum": lambda case, field, time: float(case.field(field, time).max()),
+    "minimum": lambda case, field, time: float(case.field(field, time).min()),
+    "position of maximum": lambda case, field, time: float(case.centres[np.argmax(case.field(field, time)), 0]),
+    "sum": lambda case, field, time: float(case.field(field, time).sum()),
+    "integral along x": column_integral,
+    "value at the wall": wall_value,
+    "upstream Mach number": upstream_mach,
+    "asymmetry": asymmetry,
+    "L1 error": blast_error,
+    "L1 difference to the lattice": reference_error,
+    "shock angle": shock_angle,
+    "error behind the shock": behind_shock,
+    "L1 error of a wedge": wedge_error,
+    "stand-off distance": stand_off,
+    "pressure at the nose": nose_pressure,
+    "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
+    "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
+    "wavelength": wavelength,
+    "error of the bunches": lambda case, field, time: bunches.error(case, time),
+}
+
+
+def load(path, part):
+    with open(os.path.join(path, "expected.json")) as f:
+        return json.load(f)[part]
+
+
+def measure(case, entry):
+    """The case's value of an entry; KeyError where the time was not written."""
+    if "time" not in entry:
+        return QUANTITIES[entry["quantity"]](case, entry.get("field"), None)
+    time = case.time(entry["time"])
+    if abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
+        raise KeyError(f"{case.path}: time {entry['time']} was not written; the nearest is {time}")
+    return QUANTITIES[entry["quantity"]](case, entry.get("field"), time)
+
+
+def describe(entry):
+    where = f" of {entry['folder']}" if entry.get("folder", ".") != "." else ""
+    moment = f" at t = {entry['time']:g}" if "time" in entry else ""
+    return f"{entry['quantity']} {entry.get('field', '')}{where}{moment}".replace("  ", " ").strip()
+
+
+def judge(path, entry):
+    """The value that the case in that folder has, whether it is as expected, and why there is none."""
+    try:
+        value = float(measure(haff.Case(os.path.join(path, entry.get("folder", ""))), entry))
+    except (KeyError, OSError, ValueError) as why:
+        return float("nan"), False, f"none ({why})"
+    return value, abs(value - entry["value"]) <= entry["tolerance"], ""
+
+
+def main():
+    parser = command.parser(__doc__)
+    parser.add_argument("case")
+    path, bad = parser.parse_args().case, 0
+    for entry in load(path, "full"):
+        value, good, why = judge(path, entry)
+        bad += not good
+        paper = f"  paper {entry['paper']}" if "paper" in entry else ""
+        print(f"{'ok ' if good else 'BAD'} {describe(entry)}: {why or '%.9g' % value}, expected {entry['value']:.9g} "
+              f"+- {entry['tolerance']:g}{paper}")
+    return bad > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

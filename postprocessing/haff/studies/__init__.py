@@ -1,0 +1,1 @@
+"""The studies behind the figures and reports of the papers."""

@@ -1,0 +1,110 @@
+"""Profiles over the height, of a gas and of grains beside each other: means over rows of cells, and over the cycles of a shaken bed.
+
+    columns.py CASE FILE.csv 0.05 0.1 0.15            at these times
+    columns.py CASE FILE.csv 0.3 0.6 0.9 -from 4      at these phases of the shaking, means over all cycles from the fourth on
+
+A profile is {"y", "alpha", "U", "T"}, in SI units, U upwards, and of grains T along each axis as "Tx", "Ty", "Tz".
+"""
+
+import numpy as np
+
+from haff import command
+from haff.studies import faraday
+
+AXES = ("Tx", "Ty", "Tz")
+LEAST = 2e-3  # packing of the cells that differences are taken over
+
+
+def profile(layer, times):
+    p = layer.profile(times)
+    parts = p.pop("TComponents", None)
+    return p if parts is None else {**p, **dict(zip(AXES, parts.T))}
+
+
+def at(case, moments, first=None):
+    """{moment: profile}; moments are times or, with `first` (a cycle), phases of the shaking."""
+    layer = faraday.Layer(case)
+    if first is None:
+        return {t: profile(layer, layer.case.time(t)) for t in moments}
+    phases = layer.phases(first)
+    return {p: profile(layer, phases[min(phases, key=lambda k: abs(k - p))][1]) for p in moments}
+
+
+def write(path, profiles):
+    names = ["y", "alpha", "U", "T", *AXES]
+    with open(path, "w") as f:
+        f.write(",".join(["moment", *names]) + "\n")
+        for moment, p in profiles.items():
+            for i in range(len(p["y"])):
+                f.write(",".join([f"{moment:g}", *(f"{p[name][i]:.5g}" for name in names)]) + "\n")
+
+
+def read(path):
+    rows = np.genfromtxt(path, delimiter=",", names=True)
+    return {m: {n: rows[n][rows["moment"] == m] for n in rows.dtype.names[1:]} for m in np.unique(rows["moment"])}
+
+
+def onto(p, y, by=0.0):
+    """The profile in the cells about y, equally far apart, raised by `by`: the mass in each cell is kept."""
+    h, to = p["y"][1] - p["y"][0], y[1] - y[0]
+    faces = np.append(p["y"] - h / 2, p["y"][-1] + h / 2)
+    below = np.append(0, np.cumsum(p["alpha"]) * h)
+    alpha = np.diff(np.interp(np.append(y - to / 2, y[-1] + to / 2) - by, faces, below)) / to
+    return {"y": y, "alpha": alpha, **{n: np.interp(y - by, p["y"], p[n]) for n in ("U", "T")}}
+
+
+def energy(p):
+    """Of motion, per unit of mass density of the grains' material."""
+    return p["alpha"] * (p["U"] ** 2 + 3 * p["T"]) / 2
+
+
+def centre(p):
+    """Of mass."""
+    return p["alpha"] @ p["y"] / p["alpha"].sum()
+
+
+def difference(p, grains, of, by=0.0):
+    """Of a profile, raised by `by`, from that of grains: sum |a - b| / sum |b| where grains have more than LEAST. of: a name,
+    or a function of a profile."""
+    of = of if callable(of) else lambda q, name=of: q[name]
+    use = grains["alpha"] > LEAST
+    here, there = of(onto(p, grains["y"], by))[use], of(grains)[use]
+    return np.abs(here - there).sum() / np.abs(there).sum()
+
+
+def ratio(p):
+    """T along the height over T across it."""
+    across = p["Tx"] + p["Tz"]
+    return np.where(across > 0, 2 * p["Ty"] / np.where(across > 0, across, 1), np.nan)
+
+
+def seen(p, values):
+    """Values where there is enough of the gas to speak of them; nan elsewhere."""
+    return np.where(p["alpha"] > LEAST, values, np.nan)
+
+
+def draw(path, columns, rows, top):
+    """columns: [(title, {label: profile})]; rows: [(label, function of a profile)]; top (m): of the heights shown. The first
+    profile is drawn as a line, the others as dots."""
+    from haff.plot import figures
+    fig, axes = figures.panels(len(rows), len(columns), height=1.7)
+    for column, (line, (title, profiles)) in enumerate(zip(axes.T, columns)):
+        for ax, (name, of) in zip(line, rows):
+            for i, (label, p) in enumerate(profiles.items()):
+                ax.plot(1e3 * p["y"], of(p), **({"marker": ".", "markersize": 2.5, "linestyle": "none"} if i else {}), label=label)
+            ax.set_xlim(0, 1e3 * top)
+            figures.label(ax, "$y$ (mm)" if ax is line[-1] else "", "" if column else name)
+        line[0].set_title(title, fontsize=9)
+    if all(columns[0][1]):
+        axes[0][-1].legend()
+    figures.save(fig, path)
+
+
+if __name__ == "__main__":
+    parser = command.parser(__doc__)
+    parser.add_argument("case")
+    parser.add_argument("file")
+    parser.add_argument("moments", type=float, nargs="+")
+    parser.add_argument("-from", dest="first", type=float)
+    wanted = parser.parse_args()
+    write(wanted.file, at(wanted.case, wanted.moments, wanted.first))
