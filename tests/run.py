@@ -9,6 +9,7 @@ import sys
 import unittest
 
 SKIPPED = 77
+PACKAGE = os.path.join(os.environ.get("HAFF_SOURCE", os.getcwd()), "postprocessing")
 
 
 class Result(unittest.TextTestResult):
@@ -22,6 +23,8 @@ class Result(unittest.TextTestResult):
 
 
 def main(path, names):
+    os.environ["PYTHONPATH"] = PACKAGE  # of the programs that tests start
+    sys.path.insert(0, PACKAGE)
     module = os.path.splitext(os.path.relpath(path))[0].replace(os.sep, ".")
     tests = unittest.defaultTestLoader.loadTestsFromNames([f"{module}.{name}" for name in names] or [module])
     result = unittest.TextTestRunner(verbosity=2, resultclass=Result).run(tests)

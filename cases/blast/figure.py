@@ -1,13 +1,10 @@
 """The inelastic blasts: the lower row of Fig. 3 and Fig. 4 of Serna & Marquina."""
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import haff
+from haff.plot import figures, script
 
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
-
-variants = [(e, os.path.join(figures.folder(), sub)) for e, sub in ((0.9, ""), (0.7, "e0.7"), (0.2, "e0.2"))]
+variants = [(e, os.path.join(script.folder(), sub)) for e, sub in ((0.9, ""), (0.7, "e0.7"), (0.2, "e0.2"))]
 variants = [(e, haff.Case(path)) for e, path in variants if os.path.isdir(path)]
 fig, axes = figures.panels(len(variants), 2, height=2.3)
 for row, (e, case) in zip(axes, variants):
@@ -18,4 +15,4 @@ for row, (e, case) in zip(axes, variants):
         figures.label(panel, "x", name)
         panel.set_xlim(4.5, 9)
     row[0].set_title(rf"$e$ = {e}, $t$ = {time} s, $\nu_\mathrm{{max}}$ = {alpha.max():.4f}", fontsize=9)
-figures.save(fig, os.path.join(figures.folder(), "blast.png"))
+script.save(fig, "blast")

@@ -1,17 +1,12 @@
 """The elastic blast and the exact solution: the upper row of Fig. 3 of Serna & Marquina."""
-import os
-import sys
+import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import haff
+from haff.exact.riemann import BLAST, Riemann
+from haff.plot import figures, script
+from haff.runs import expected
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.exact.riemann import BLAST, Riemann  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.runs import expected  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 time = case.times[-1]
 gas = expected.gas(case)
 x, alpha, T = case.line(("alpha", "T"), time)
@@ -25,4 +20,4 @@ for panel, name, values, exact in zip(axes[0], ("alpha", "T"), (alpha, T), (gas.
     panel.set_xlim(4.5, 9)
 axes[0][0].legend(loc="upper left")
 axes[0][0].set_title(f"$e$ = 1, $t$ = {time} s", fontsize=9)
-figures.save(fig, os.path.join(figures.folder(), "blastElastic.png"))
+script.save(fig, "blastElastic")

@@ -1,17 +1,14 @@
 """Packing, velocity and temperature over the height at three phases of the last cycle (Fig. 5 of Shakeri et al.): the gas, and the
 grains of ../bouncingBedMD (its profiles.csv); prints how far apart the two are, and how far with the gas raised."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+from haff.plot import script
+from haff.studies import columns, faraday
 
-from haff.plot import figures  # noqa: E402
-from haff.studies import columns, faraday  # noqa: E402
-
-folder = figures.folder()
-grains = columns.read(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bouncingBedMD", "profiles.csv"))
+folder = script.folder()
+grains = columns.read(script.here("..", "bouncingBedMD", "profiles.csv"))
 layer = faraday.Layer(folder)
 cycle = np.floor(float(layer.case.times[-1]) * layer.frequency - 0.9 + 1e-6)
 gas = {phase: columns.profile(layer, layer.case.time((cycle + phase) / layer.frequency)) for phase in grains}
@@ -25,5 +22,5 @@ for phase, g in grains.items():
           f", grains {g['alpha'][most]:.3f}; T there {p['T'][top]:.3g}, {g['T'][most]:.3g}; alpha in the lowest cell {p['alpha'][0]:.3f}, "
           f"{g['alpha'][0]:.3f}; L1 of alpha with the gas raised by 0, 1/4, 1/2 diameter {raised}; L1 of U "
           f"{columns.difference(p, g, 'U'):.3f}, of T {columns.difference(p, g, 'T'):.3f}", file=sys.stderr)
-columns.draw(os.path.join(folder, "bouncingBed.png"), [(f"{phase:g} $T$", {"gas": gas[phase], "grains": grains[phase]}) for phase in grains],
+columns.draw(script.target("bouncingBed"), [(f"{phase:g} $T$", {"gas": gas[phase], "grains": grains[phase]}) for phase in grains],
              rows, 0.04)

@@ -1,17 +1,14 @@
 """Packing, velocity and the components of T over the height at three phases, means over the cycles from the fourth on; prints
 the centres of mass and how they scatter from cycle to cycle. Beside the gas: ../bouncingBed."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import columns, faraday  # noqa: E402
+from haff.plot import script
+from haff.studies import columns, faraday
 
 SETTLED, PHASES = 4, (0.3, 0.6, 0.9)
-folder = figures.folder()
+folder = script.folder()
 layer = faraday.Layer(folder)
 written = layer.phases(SETTLED)
 beds = columns.at(layer.case, PHASES, SETTLED)
@@ -27,6 +24,6 @@ def part(axis):
     return lambda p: columns.seen(p, p[axis])
 
 
-columns.draw(os.path.join(folder, "bouncingBedMD.png"), [(f"{phase:g} $T$", {"": p}) for phase, p in beds.items()],
+columns.draw(script.target("bouncingBedMD"), [(f"{phase:g} $T$", {"": p}) for phase, p in beds.items()],
              ((r"$\alpha$", lambda p: p["alpha"]), ("$u_y$ (m/s)", part("U")), ("$T_y$ (m$^2$/s$^2$)", part("Ty")),
               ("$T_x$ (m$^2$/s$^2$)", part("Tx"))), 0.04)

@@ -1,12 +1,5 @@
 """Energy of the grains beside Haff's law and their impacts; spectra of this run beside the kept ones. Beside the gas: ../cooling3D."""
-import os
-import sys
+from haff.plot import script
+from haff.studies import clustering
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "postprocessing"))
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import clustering  # noqa: E402
-
-folder = figures.folder()
-clustering.draw_grains(folder, here, os.path.join(folder, "cooling3DMD.png"), (500, 3000, 20000))
+clustering.draw_grains(script.folder(), script.here(), script.target("cooling3DMD"), (500, 3000, 20000))

@@ -1,13 +1,5 @@
 """The gas that begins with the noise of the grains (fromGrains, made by Allrun) beside these grains, ../coolingDisksMD."""
-import os
-import sys
+from haff.plot import script
+from haff.studies import clustering
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "postprocessing"))
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import clustering  # noqa: E402
-
-folder = figures.folder()
-clustering.draw(os.path.join(folder, "fromGrains"), os.path.join(here, "..", "coolingDisksMD"), os.path.join(folder, "besideGrains.png"),
-                (100, 500, 4000))
+clustering.draw(script.folder("fromGrains"), script.here("..", "coolingDisksMD"), script.target("besideGrains"), (100, 500, 4000))

@@ -1,14 +1,11 @@
 """T of the gas beside Haff's law, its first waves beside linear theory, and the clusters at the end."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.exact import disks  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.exact import disks
+from haff.plot import figures, script
 
 NU, LENGTH, EARLY = 0.2, 240, "100"
 FIRST = {"across": 0.003, "density": 0.01}  # amplitudes in 0/U and 0/alpha
@@ -29,7 +26,7 @@ def density(case, n, time):
     return abs(wave(case.field("alpha", time) / NU - 1, case.centres[:, :2], n))
 
 
-folder = figures.folder()
+folder = script.folder()
 case, gas = haff.Case(folder), disks.Disks.of(folder)
 theory = disks.Cooling(gas, NU)
 tau = theory.tau(float(EARLY))
@@ -67,4 +64,4 @@ side = int(np.sqrt(len(order)))
 picture = clusters.imshow(case.field("alpha", case.times[-1])[order].reshape(side, side), origin="lower", extent=(0, LENGTH, 0, LENGTH), cmap="magma_r")
 fig.colorbar(picture, ax=clusters, label=r"$\alpha$")
 figures.label(clusters, r"$x/\sigma$", r"$y/\sigma$", f"$t$ = {case.times[-1]}")
-figures.save(fig, os.path.join(folder, "coolingDisks.png"))
+script.save(fig, "coolingDisks")

@@ -3,17 +3,15 @@ Enskog's theory (sweep.py)."""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+import haff
+from haff.case import grains
+from haff.exact import enskog
+from haff.plot import figures, script
+from haff.runs import homogeneous
 
-import haff  # noqa: E402
-from haff.case import grains  # noqa: E402
-from haff.exact import enskog  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.runs import homogeneous  # noqa: E402
-
-path = figures.folder()
+path = script.folder()
 case = haff.Case(path)
 fig, ((cooling, places, rates),) = figures.panels(1, 3, width=9.0, height=2.9)
 
@@ -45,4 +43,4 @@ for k, (d, name) in enumerate(((2, "disks"), (3, "spheres"))):
 rates.set_ylim(-4, 4)
 rates.legend(fontsize=7)
 figures.label(rates, r"$\alpha$", "rate of cooling / Enskog's - 1 (%)")
-figures.save(fig, os.path.join(path, "coolingGas.png"))
+script.save(fig, "coolingGas")

@@ -3,13 +3,11 @@ sweep/rates.csv (d, packing, restitution, mean over the seeds, its standard erro
 import os
 import sys
 
+import numpy as np
+
+from haff.runs import homogeneous
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "..", "postprocessing"))
-
-import numpy as np  # noqa: E402
-
-from haff.runs import homogeneous  # noqa: E402
-
 SEEDS, GRAINS = 4, 10000
 folder = os.path.join(HERE, "sweep")
 os.makedirs(folder, exist_ok=True)

@@ -1,18 +1,15 @@
 """p/(n T) of disks and spheres beside contact values and fits to other simulations (sweep.py)."""
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.exact import enskog  # noqa: E402
-from haff.plot import figures  # noqa: E402
+from haff.exact import enskog
+from haff.plot import figures, script
 
 # For spheres below freezing Torquato's is Carnahan and Starling's.
 FORMS = {2: (("Torquato", enskog.torquato, "--"), ("Henderson", enskog.carnahan_starling, ":"), ("Luding", enskog.luding, "-.")),
          3: (("Carnahan-Starling", enskog.carnahan_starling, "--"),)}
-path = figures.folder()
+path = script.folder()
 fig, ((pressure, elastic, inelastic),) = figures.panels(1, 3, width=9.0, height=2.9)
 table = np.loadtxt(os.path.join(path, "sweep", "elastic.csv"), delimiter=",", ndmin=2)
 rows = np.loadtxt(os.path.join(path, "sweep", "inelastic.csv"), delimiter=",", ndmin=2)
@@ -45,4 +42,4 @@ inelastic.legend(fontsize=7, ncols=2)
 figures.label(pressure, r"$\alpha$", "$p/(n T)$", "elastic")
 figures.label(elastic, r"$\alpha$", "over the fit to simulations - 1 (%)", "elastic")
 figures.label(inelastic, r"$\alpha$", "over Garzó and Dufty - 1 (%)", "cooling")
-figures.save(fig, os.path.join(path, "equationOfState.png"))
+script.save(fig, "equationOfState")

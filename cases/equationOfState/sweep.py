@@ -3,14 +3,12 @@ standard error) and sweep/inelastic.csv (d, packing, restitution, p/(n T), its s
 import os
 import sys
 
+import numpy as np
+
+from haff.exact import enskog
+from haff.runs import homogeneous
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "..", "postprocessing"))
-
-import numpy as np  # noqa: E402
-
-from haff.exact import enskog  # noqa: E402
-from haff.runs import homogeneous  # noqa: E402
-
 ELASTIC = {2: (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6, 0.65), 3: (0.1, 0.2, 0.3, 0.4, 0.45, 0.49)}
 INELASTIC = {2: (0.1, 0.3, 0.5, 0.6), 3: (0.1, 0.2, 0.3, 0.4)}
 folder = os.path.join(HERE, "sweep")

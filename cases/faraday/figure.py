@@ -3,12 +3,10 @@ where that case has been run."""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import faraday  # noqa: E402
+from haff.plot import figures, script
+from haff.studies import faraday
 
 WIDTH, HEIGHT = 150, 26  # sigma: what is shown of the box
 MODES = (300 / 50, 300 / 33)  # the waves whose growth is drawn, per length of 300
@@ -30,7 +28,7 @@ def moment(ax, layer, phase, title):
     figures.label(ax, "", r"$y$ ($\sigma$)", title)
 
 
-folder = figures.folder()
+folder = script.folder()
 gas = faraday.Layer(folder)
 grains = has_run(os.path.join(folder, "..", "faradayMD"))
 layers = [("gas", gas)] + ([("grains", grains)] if grains else [])
@@ -58,4 +56,4 @@ for name, layer in layers:
     print(name, faraday.describe(result), file=sys.stderr)
     spectra.append((name if grains else "", layer.length, result))
 faraday.spectra(fig.add_subplot(grid[0, 1]), spectra)
-figures.save(fig, os.path.join(folder, "faraday.png"))
+script.save(fig, "faraday")

@@ -1,18 +1,15 @@
 """Grains at four moments of two cycles, where the mass is in every cycle, and its spectrum."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
+from matplotlib.collections import EllipseCollection
 
-import numpy as np  # noqa: E402
-from matplotlib.collections import EllipseCollection  # noqa: E402
-
-from haff.case import grains  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.studies import faraday  # noqa: E402
+from haff.case import grains
+from haff.plot import figures, script
+from haff.studies import faraday
 
 SETTLED, WIDTH, HEIGHT = 20, 150, 26  # cycles until the pattern stands; sigma: what is shown of the box
-layer = faraday.Layer(figures.folder())
+layer = faraday.Layer(script.folder())
 last = float(layer.case.times[-1]) * layer.frequency
 found = faraday.samples(layer, SETTLED if last > SETTLED + 3 else 0)
 fig = figures.plt.figure(figsize=(7, 4.8), layout="constrained")
@@ -32,4 +29,4 @@ faraday.cycles_over_place(fig, fig.add_subplot(grid[2, 0]), layer, list(found)[r
 faraday.spectra(fig.add_subplot(grid[2, 1]), [("", layer.length, result)])
 mean, deviation = faraday.strongest(list(found.values()), layer.length)
 print(faraday.describe(result), f"; mean of the strongest {mean:.1f} +- {deviation:.1f}", sep="", file=sys.stderr)
-figures.save(fig, os.path.join(figures.folder(), "faradayMD.png"))
+script.save(fig, "faradayMD")

@@ -1,18 +1,14 @@
-#!/usr/bin/python3
 """Packing fraction and rho T/(g diameter) over the height through two periods, where a heap lies at the first moment: Fig. 6 of
-Carrillo et al.    profiles.py CASE FIGURE.png  (CASE: a run of table1.py -keep, written at quarters of the period)"""
-import os
+Carrillo et al.    haff figure profiles.py RUN  (RUN: one of table1.py -keep, written at quarters of the period)"""
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import faraday  # noqa: E402
+from haff.plot import figures, script
+from haff.studies import faraday
 
 SETTLED, HEIGHT, GRAVITY = 20, 25, 981.0
-layer = faraday.Layer(sys.argv[1])
+layer = faraday.Layer(script.folder())
 written = layer.phases(SETTLED)
 mode = faraday.measure(list(faraday.samples(layer, SETTLED).values()), layer.length)["mode"]
 name = {(n, round(4 * phase)): time for phase, (cycles, names) in written.items() for n, time in zip(cycles, names)}
@@ -21,7 +17,7 @@ heaps = [layer.crests(name[n, 0], mode) for n in starts]
 fig, axes = figures.panels(2, 4, width=8, height=2.1)
 for quarter, ax in enumerate(axes.flat):
     p = layer.profile([name[n + quarter // 4, quarter % 4] for n in starts], heaps)
-    ax.plot(p["y"], p["alpha"], label=r"$\nu$")
+    ax.plot(p["y"], p["alpha"], label=r"$\alpha$")
     energy = 4 / np.pi * p["alpha"] * p["T"] / GRAVITY
     ax.plot(p["y"], energy, "--", label=r"$\rho T/\sigma g$")
     ax.set(xlim=(0, HEIGHT), ylim=(0, 2.5))
@@ -29,4 +25,4 @@ for quarter, ax in enumerate(axes.flat):
     print(f"t = {quarter / 4:g} T: at the plate {p['alpha'][0]:.3f}, greatest {p['alpha'].max():.3f} at "
           f"{p['y'][np.argmax(p['alpha'])]:.1f}, rho T/g {energy.max():.3f}", file=sys.stderr)
 axes[0][0].legend()
-figures.save(fig, sys.argv[2])
+script.save(fig, "profiles")

@@ -1,14 +1,12 @@
-#!/usr/bin/python3
 """Rows of Table 1 of Carrillo et al. by granularMD: wavelengths beside those of the paper.
 
-    table1.py FOLDER [-rows 1,5-9] [-plate 1 0.75] [-jobs 2] [-warm CYCLES] [-cycles FIRST LAST] [-seed 1] [-keep]
+    haff figure table1.py FOLDER [-rows 1,5-9] [-plate 1 0.75] [-jobs 2] [-warm CYCLES] [-cycles FIRST LAST] [-seed 1] [-keep]
 
 Each row runs as a variant of this case in FOLDER/rowNN-eE (E: restitution of the plate) and adds a line to
 FOLDER/table1.csv, drawn as FOLDER/table1.png; rows that stand there are not run again, and a run that was stopped goes on.
 Up to -jobs run at once, longest first. -warm: that many cycles are shaken with the acceleration WARM first, and only then
 as the row says. Fields are measured from cycle FIRST to LAST and removed then (-keep: not).
 """
-import argparse
 import concurrent.futures
 import csv
 import math
@@ -19,14 +17,13 @@ import sys
 import threading
 import time
 
+import numpy as np
+
+from haff import command
+from haff.studies import faraday
+from haff.studies.faradayRows import acceleration, call, clear, copy, edit, has_mesh, mesh, numbers, paper, throw
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.abspath(os.path.join(HERE, "..", "..", "postprocessing")))
-
-import numpy as np  # noqa: E402
-
-from haff.studies import faraday  # noqa: E402
-from haff.studies.faradayRows import acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, program, throw  # noqa: E402
-
 WARM = 2.75  # g: amplitude of -warm
 COLUMNS = ("row Gamma f_Hz A_sigma L_sigma N plate seed warm cycles paper dpaper wavelength shorter longer centroid spread "
            "contrast flip stands within strongest dstrongest meanHeight impacts seconds").split()
@@ -75,10 +72,10 @@ def run(folder, number, row, plate, o):
     if o.warm:
         edit(shaking, amplitude=WARM)
         edit(control, endTime=repr(o.warm * period))
-        program(case, "granularMD", "-case", case)
+        call(case, "granularMD", "-case", case)
         edit(shaking, amplitude=repr(acceleration(row["A_diam"], row["f_Hz"])))
         edit(control, endTime=repr(o.last * period))
-    program(case, "granularMD", "-case", case)
+    call(case, "granularMD", "-case", case)
     entries, result = measured(case, o.first, o.last)
     with open(os.path.join(case, "log.granularMD")) as f:
         impacts = re.findall(r"^(\d+) collisions and", f.read(), re.M) or [""]
@@ -133,7 +130,7 @@ def draw(folder):
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command.parser(__doc__)
     parser.add_argument("folder")
     parser.add_argument("-rows", type=numbers, default=list(range(1, 23)))
     parser.add_argument("-plate", type=float, nargs="+", default=[1.0])

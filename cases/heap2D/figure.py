@@ -2,12 +2,10 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.plot import figures, script
 
 MOMENTS = 0, 0.03, 0.05, 0.07, 0.1
 
@@ -37,8 +35,8 @@ def main(folder):
             figures.label(ax, "$x$ (mm)" if row else "", f"{name} floor\n$y$ (mm)" if t == 0 else "",
                           f"$t$ = {1e3 * t:g} ms" if not row else None)
     fig.colorbar(image, ax=axes, shrink=0.8, label=r"$\alpha$")
-    figures.save(fig, os.path.join(folder, "heap2D.png"))
+    script.save(fig, "heap2D")
 
 
 if __name__ == "__main__":
-    main(figures.folder())
+    main(script.folder())

@@ -2,15 +2,13 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+import haff
+from haff.exact import disks
+from haff.plot import figures, script
 
-import haff  # noqa: E402
-from haff.exact import disks  # noqa: E402
-from haff.plot import figures  # noqa: E402
-
-folder = figures.folder()
+folder = script.folder()
 variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""),
                                                                 ("$e$ = 0.95, $e_w$ = 0.8", "dissipative"))]
 variants = [(title, path) for title, path in variants if os.path.isdir(path)]
@@ -26,4 +24,4 @@ for (title, path), colour in zip(variants, figures.COLOURS):
 panels[0].legend()
 figures.label(panels[0], r"$x/\sigma$", "$T$", "steady equations (lines), granularGas")
 figures.label(panels[1], r"$x/\sigma$", r"$\alpha$")
-figures.save(fig, os.path.join(folder, "heatedWalls.png"))
+script.save(fig, "heatedWalls")

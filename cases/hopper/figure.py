@@ -1,15 +1,13 @@
 """The silo at four times, and what flows through its orifice over time beside Torricelli's law; with implicit acoustics, with explicit
-ones, and on triangles. What Allrun has made in the folders explicit and triangles goes to explicit.csv and triangles.csv, from which it
-is taken where there are no such folders. Prints the flow."""
+ones, and on triangles: what Allrun has made in the folders explicit and triangles (written as explicit.csv and triangles.csv, too), or
+what is kept in these tables. Prints the flow."""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.plot import figures, script
 
 WIDTH, HEIGHT, ORIFICE, PACKING, GRAVITY, CELL = 32.0, 40.0, 8.0, 0.64, 9810.0, 1.0  # mm, s
 MOMENTS = 0.01, 0.1, 0.2, 0.3
@@ -43,8 +41,9 @@ def picture(ax, case, t):
 
 def kept(folder, copy, end):
     """held() of a copy of the case, by way of its .csv file."""
-    table = os.path.join(folder, copy + ".csv")
+    table = script.here(copy + ".csv")
     if os.path.isdir(os.path.join(folder, copy, end)):
+        table = script.target(copy + ".csv")
         with open(table, "w") as f:
             f.write("time,left\n")
             f.writelines(f"{t:g},{v:.6g}\n" for t, v in zip(*held(haff.Case(os.path.join(folder, copy)))))
@@ -76,8 +75,8 @@ def main(folder):
     ax.set_ylim(0, None)
     ax.legend(fontsize=7, loc="lower left")
     figures.label(ax, "$t$ (s)", "flow (mm$^2$/s)")
-    figures.save(fig, os.path.join(folder, "hopper.png"))
+    script.save(fig, "hopper")
 
 
 if __name__ == "__main__":
-    main(figures.folder())
+    main(script.folder())

@@ -2,13 +2,11 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.exact import segregation  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.studies import mixture  # noqa: E402
+from haff.exact import segregation
+from haff.plot import figures, script
+from haff.studies import mixture
 
 
 def errors(path):
@@ -22,7 +20,7 @@ def errors(path):
     return h, np.max(np.abs(e)), l2, np.hypot(l2, np.sqrt(np.sum(trapezium * slope**2)))
 
 
-case = figures.folder()
+case = script.folder()
 fig, axes = figures.panels(1, 2, width=7.0, height=2.8)
 fine = np.linspace(-0.5, 0.5, 1001)
 for t in (0, 1, 2):
@@ -43,4 +41,4 @@ print("dy, errors in max, L2, H1:", file=sys.stderr)
 for k, row in enumerate(table):
     orders = "" if k == 0 else "  orders" + "".join(f" {v:.2f}" for v in np.log2(table[k - 1, 1:] / row[1:]))
     print("  ", " ".join(f"{v:.4e}" for v in row) + orders, file=sys.stderr)
-figures.save(fig, os.path.join(case, "kink.png"))
+script.save(fig, "kink")

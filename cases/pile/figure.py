@@ -3,12 +3,10 @@ centre of mass and greatest velocity over time, also of the variants that Allrun
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.plot import figures, script
 
 MOMENTS = 0.2, 0.5, 1, 2, 5
 SHOWN = 0.3, 5
@@ -86,8 +84,8 @@ def main(folder):
     ax.legend(fontsize=7, loc="lower right")
     other.set_ylabel("centre of mass (mm), dotted")
     figures.label(ax, "$t$ (s)", "greatest $u_z$ (m/s)")
-    figures.save(fig, os.path.join(folder, "pile.png"))
+    script.save(fig, "pile")
 
 
 if __name__ == "__main__":
-    main(figures.folder())
+    main(script.folder())

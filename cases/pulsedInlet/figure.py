@@ -1,16 +1,13 @@
 """Packing fraction and temperature along the tube, beside grains that fly freely."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+import haff
+from haff.plot import figures, script
+from haff.studies import bunches
 
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.studies import bunches  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 time = case.times[-1]
 x, alpha, T = case.line(("alpha", "T"), time)
 fig, (panels,) = figures.panels(1, 2)
@@ -25,4 +22,4 @@ panels[1].set_yscale("log")
 figures.label(panels[0], "$x$", r"$\alpha$")
 figures.label(panels[1], "$x$", "$T$")
 print(f"error {bunches.error(case, time):.2e}, focus {bunches.FOCUS:.4f}", file=sys.stderr)
-figures.save(fig, os.path.join(figures.folder(), "pulsedInlet.png"))
+script.save(fig, "pulsedInlet")

@@ -1,18 +1,15 @@
 """Packing, velocity, energy (Fig. 3 of Shakeri et al.) and temperature (Fig. 4) over the height at 50, 100 and 150 ms: the gas, and
 the grains of ../sedimentationMD (its profiles.csv); prints how far apart the two are."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import columns  # noqa: E402
+from haff.plot import script
+from haff.studies import columns
 
 DENSITY = 2600.0
-folder = figures.folder()
-grains = columns.read(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "sedimentationMD", "profiles.csv"))
+folder = script.folder()
+grains = columns.read(script.here("..", "sedimentationMD", "profiles.csv"))
 gas = columns.at(folder, list(grains))
 rows = ((r"$\alpha$", lambda p: p["alpha"]), ("$u_y$ (m/s)", lambda p: columns.seen(p, p["U"])),
         (r"$\rho(u^2 + 3T)/2$ (J/m$^3$)", lambda p: DENSITY * columns.energy(p)),
@@ -24,5 +21,5 @@ for t, g in grains.items():
           + ", ".join(f"{name} {value:.3f}" for name, value in far.items())
           + f"; alpha of the gas raised by 0.25 mm {columns.difference(gas[t], g, 'alpha', 0.25e-3):.3f}; Ty/Txz of the grains "
           f"{np.nanmin(ratio):.2f} .. {np.nanmax(ratio):.2f} at {1e3 * g['y'][np.nanargmax(ratio)]:.1f} mm", file=sys.stderr)
-columns.draw(os.path.join(folder, "sedimentation.png"),
+columns.draw(script.target("sedimentation"),
              [(f"$t$ = {1e3 * t:g} ms", {"gas": gas[t], "grains": grains[t]}) for t in grains], rows, 0.1)

@@ -1,20 +1,17 @@
 """Packing, velocity, temperature and its anisotropy over the height at 50, 100 and 150 ms: this run beside the whole box
 (profiles.csv); prints what is exact of it, free fall and Haff's law. Beside the gas: ../sedimentation."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.exact import enskog  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.studies import columns  # noqa: E402
+from haff.exact import enskog
+from haff.plot import script
+from haff.studies import columns
 
 T0, G = 9.81e-3, 9.81  # at the start; gravity
 FREE = {0.05: (0.02, 0.07), 0.1: (0.018, 0.035)}  # m: where neither floor nor the edge above has been felt
-folder = figures.folder()
-whole = columns.read(os.path.join(os.path.dirname(os.path.abspath(__file__)), "profiles.csv"))
+folder = script.folder()
+whole = columns.read(script.here("profiles.csv"))
 runs = columns.at(folder, list(whole))
 rows = ((r"$\alpha$", lambda p: p["alpha"]), ("$u_y$ (m/s)", lambda p: columns.seen(p, p["U"])),
         ("$T$ (m$^2$/s$^2$)", lambda p: columns.seen(p, p["T"])), ("$T_y/T_{xz}$", lambda p: columns.seen(p, columns.ratio(p))))
@@ -31,5 +28,5 @@ for t, p in runs.items():
         print(f"    T of the gas between {1e3 * FREE[t][0]:g} and {1e3 * FREE[t][1]:g} mm "
               f"{mean['T'] / enskog.cooled(T0, t, 0.1, 0.9, 3, 1e-3):.4f} of Haff's law, velocity {mean['U'] / (-G * t):.4f} of free "
               "fall", file=sys.stderr)
-columns.draw(os.path.join(folder, "sedimentationMD.png"),
+columns.draw(script.target("sedimentationMD"),
              [(f"$t$ = {1e3 * t:g} ms", {"whole box": whole[t], "this run": runs[t]}) for t in whole], rows, 0.1)

@@ -1,17 +1,14 @@
 """Concentration of small grains on the chute in time, and across the outlet beside the height that the flow alone fixes."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.exact import segregation  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.exact import segregation
+from haff.plot import figures, script
 
 H = 0.02
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 places = np.round(case.centres, 9)
 x, y = np.unique(places[:, 0]), np.unique(places[:, 1])
 order = np.lexsort((places[:, 0], places[:, 1]))
@@ -31,4 +28,4 @@ k = np.argmax(phi[:, -1] < 0.5)
 found = y[k - 1] + (phi[k - 1, -1] - 0.5) / (phi[k - 1, -1] - phi[k, -1]) * (y[k] - y[k - 1])
 print(f"phi = 0.5 at the outlet at y = {1e3 * found:.3f} mm; sorted grains of the same flux {1e3 * height:.3f} mm; "
       f"phi {phi.min():.2e} .. {phi.max():.6f}", file=sys.stderr)
-figures.save(fig, os.path.join(figures.folder(), "segregationChute.png"))
+script.save(fig, "segregationChute")

@@ -1,15 +1,12 @@
 """Concentration of small grains in a layer shaken from both sides (Christov, Fig. 4): to 100 s and to 1000 s."""
-import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+from haff.plot import figures, script
+from haff.studies import mixture
 
-from haff.plot import figures  # noqa: E402
-from haff.studies import mixture  # noqa: E402
-
-case = figures.folder()
+case = script.folder()
 t, y, phi = mixture.history(case)
 fig, axes = figures.panels(1, 3, width=9.0, height=2.6)
 for ax, end in zip(axes[0], (100, 1000)):
@@ -22,4 +19,4 @@ figures.label(axes[0][2], r"$\phi$", "$y$ (mm)")
 mass = np.sum(0.5 * (phi[:, 1:] + phi[:, :-1]) * np.diff(y), axis=1)
 print(f"largest drift of the integral {np.max(np.abs(mass / mass[0] - 1)):.1e}; at 1000 s phi = {phi[-1].min():.6f} .. "
       f"{phi[-1].max():.6f}, {phi[-1][len(y) // 2]:.6f} in the middle", file=sys.stderr)
-figures.save(fig, os.path.join(case, "segregationExponential.png"))
+script.save(fig, "segregationExponential")

@@ -3,15 +3,13 @@ little and no diffusion beside the exact solution without (Gray & Thornton 2005)
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+from haff.exact import segregation
+from haff.plot import figures, script
+from haff.studies import mixture
 
-from haff.exact import segregation  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.studies import mixture  # noqa: E402
-
-case = figures.folder()
+case = script.folder()
 fig, axes = figures.panels(2, 2, width=7.0, height=2.5)
 print("largest error at t = 0.12, 0.48, 1, 2 s; largest drift of the integral:", file=sys.stderr)
 for ax, D in zip(axes.flat, (0.002, 0.02, 0.1, 0.5)):
@@ -26,7 +24,7 @@ for ax, D in zip(axes.flat, (0.002, 0.02, 0.1, 0.5)):
         worst.append(np.max(np.abs(here[::10] - exact)))
     mass = np.sum(0.5 * (phi[:, 1:] + phi[:, :-1]) * np.diff(y), axis=1)
     print(f"   D_r {D:g}:", " ".join(f"{v:.1e}" for v in worst), f" {np.max(np.abs(mass / mass[0] - 1)):.1e}", file=sys.stderr)
-figures.save(fig, os.path.join(case, "segregationLinear.png"))
+script.save(fig, "segregationLinear")
 
 fig, axes = figures.panels(1, 3)
 print("without diffusion: D_r, mean difference to Gray & Thornton's shocks at t = 0.24, 0.72, 2 s:", file=sys.stderr)
@@ -42,4 +40,4 @@ for D, style in (("0", "-"), ("0.002", "--")):
         away.append(np.mean(np.abs(here - exact)))
     print(f"   {D}:", " ".join(f"{v:.1e}" for v in away), f" phi in {phi.min():.3g} .. {phi.max():.10g}", file=sys.stderr)
 axes.flat[2].legend(loc="upper right")
-figures.save(fig, os.path.join(case, "grayThornton.png"))
+script.save(fig, "grayThornton")

@@ -2,14 +2,12 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+import haff
+from haff.plot import figures, script
 
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
-
-folder = figures.folder()
+folder = script.folder()
 gas, mixture = haff.Case(os.path.join(folder, "gas")), haff.Case(folder)
 x, y = np.round(mixture.centres[:, :2], 9).T
 h = np.unique(x)[1] - np.unique(x)[0]
@@ -41,4 +39,4 @@ place = {(a, b): p for a, b, p in zip(np.round(x, 6), np.round(y, 6), phi)}
 mirror = max(abs(p - place[round(10 - b, 6), round(10 - a, 6)]) for (a, b), p in place.items())
 print(f"phi {phi.min():.4f} .. {phi.max():.4f}; at the wall at x = 8 {phi[column][0]:.4f}; "
       f"difference to the mirror image {mirror:.1e}", file=sys.stderr)
-figures.save(fig, os.path.join(folder, "segregationWedge.png"))
+script.save(fig, "segregationWedge")

@@ -1,15 +1,13 @@
 """The column that settles: centre of mass over time, packing and temperature over the height at the end, with implicit acoustics and
-with explicit ones: those of the folder explicit, if Allrun has made it (then explicit.csv is written anew), or of explicit.csv.
-Prints both."""
+with explicit ones: those of the folder explicit, if Allrun has made it (then explicit.csv is written, too), or those kept in
+explicit.csv. Prints both."""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-from haff.plot import figures  # noqa: E402
-from haff.studies import columns, faraday  # noqa: E402
+from haff.plot import figures, script
+from haff.studies import columns, faraday
 
 DIAMETER, GRAVITY = 1e-3, 9.81
 MOMENTS = 0.0782, 0.391, 3.91  # of the profiles: one, five and fifty times of free fall through the box
@@ -38,7 +36,7 @@ def kept(path):
     return ({t: {n: rows[n][rows["moment"] == t] for n in ("y", "alpha", "T")} for t in MOMENTS}, (course["moment"], course["alpha"]))
 
 
-def draw(path, runs):
+def draw(runs):
     fig, axes = figures.panels(1, 3, height=2.5)
     for (name, (profiles, (t, y))), style in zip(runs.items(), ({}, {"marker": ".", "markersize": 3, "linestyle": "none"})):
         axes[0][0].plot(t, y, label=name, **style)
@@ -50,12 +48,13 @@ def draw(path, runs):
     figures.label(axes[0][0], "$t$ (s)", "centre of mass (mm)")
     figures.label(axes[0][1], "$y$ (mm)", r"$\alpha$", f"$t$ = {MOMENTS[-1]:g} s")
     figures.label(axes[0][2], "$y$ (mm)", r"$T/(g\,d)$", f"$t$ = {MOMENTS[-1]:g} s")
-    figures.save(fig, path)
+    script.save(fig, "settlingColumn")
 
 
 def main(folder):
-    reference = os.path.join(folder, "explicit.csv")
+    reference = script.here("explicit.csv")
     if os.path.isdir(os.path.join(folder, "explicit", f"{MOMENTS[-1]:g}")):
+        reference = script.target("explicit.csv")
         keep(reference, *measured(os.path.join(folder, "explicit")))
     runs = {"implicit": measured(folder), "explicit": kept(reference)}
     for name, (profiles, _) in runs.items():
@@ -63,8 +62,8 @@ def main(folder):
             bed = p["alpha"] > 0.6
             print(f"{name} {t:g} s: centre of mass {1e3 * columns.centre(p):.4f} mm, 1 - alpha/alphaMax {1 - p['alpha'].max() / 0.64:.2e}, T in "
                   f"the bed {np.median(p['T'][bed]) if bed.any() else np.nan:.3g}", file=sys.stderr)
-    draw(os.path.join(folder, "settlingColumn.png"), runs)
+    draw(runs)
 
 
 if __name__ == "__main__":
-    main(figures.folder())
+    main(script.folder())

@@ -1,4 +1,4 @@
-"""What postprocessing/crossCheck needs to know of this case."""
+"""What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 
 from haff.exact.eos import PerfectGas

@@ -1,17 +1,12 @@
 """Sod's tube and its exact solution."""
-import os
-import sys
+import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import haff
+from haff.exact.eos import PerfectGas
+from haff.exact.riemann import Riemann
+from haff.plot import figures, script
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.exact.eos import PerfectGas  # noqa: E402
-from haff.exact.riemann import Riemann  # noqa: E402
-from haff.plot import figures  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 x, *computed = case.line(("rho", "U", "p", "T"))
 fine = np.linspace(0, 1, 4001)
 rho, u, p = Riemann(PerfectGas(1.4), (1, 0, 1), (0.125, 0, 0.1)).sample((fine - 0.5) / float(case.times[-1]))
@@ -21,4 +16,4 @@ for ax, name, values, exact in zip(axes[0], (r"$\rho$", "$u$", "$p$", "$T$"), co
     ax.plot(x, values, ".", markersize=2, label=f"{len(x)} cells")
     figures.label(ax, "", name)
 axes[0][0].legend()
-figures.save(fig, os.path.join(figures.folder(), "sod.png"))
+script.save(fig, "sod")

@@ -1,14 +1,9 @@
 """Five cycles of the shaken layer: Figs 6 (volume fraction, temperature) and 7 (velocity) of Serna & Marquina."""
-import os
-import sys
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
+import haff
+from haff.plot import figures, script
 
 FREQUENCY = 200
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 last = float(case.times[-1])
 cycles = [phase for phase in (0.35, 1.35, 2.35, 3.35, 4.35) if phase / FREQUENCY <= last]
 fig, axes = figures.panels(len(cycles) + 1, 2, height=1.6)
@@ -29,4 +24,4 @@ for panel, phase in zip(axes[-1], (3.15, 4.15)):
         panel.set_title(f"$ft$ = {phase}", fontsize=8)
     figures.label(panel, "x", "U")
     panel.set_xlim(0.08, 0.15)
-figures.save(fig, os.path.join(figures.folder(), "vibratedLayer.png"))
+script.save(fig, "vibratedLayer")

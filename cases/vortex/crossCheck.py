@@ -1,4 +1,4 @@
-"""What postprocessing/crossCheck needs to know of this case."""
+"""What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 
 GRIDS, QUICK, COURANT = (20, 40, 80), (20, 40), 0.05

@@ -1,14 +1,9 @@
 """Volume fraction, temperature, pressure and Mach number at the end: Fig. 2 of Serna & Marquina."""
-import os
-import sys
+import haff
+from haff.plot import figures, script
+from haff.runs import expected
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.runs import expected  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 time = case.times[-1]
 x, alpha, rho, T, p, u = case.line(("alpha", "rho", "T", "p", "U"), time)
 mach = abs(u) / expected.gas(case).c(rho, T)
@@ -20,4 +15,4 @@ for panel, name, values in zip(axes.flat, ("alpha", "T", "p", "Ma"), (alpha, T, 
     panel.ticklabel_format(scilimits=(-3, 4), useMathText=True)
 axes[0][0].axhline(0.65, linestyle=":", linewidth=0.6, color="0.4")
 axes[0][0].set_title(rf"$t$ = {time} s, at the wall $\nu$ = {alpha[-1]:.6f}", fontsize=9)
-figures.save(fig, os.path.join(figures.folder(), "wall.png"))
+script.save(fig, "wall")

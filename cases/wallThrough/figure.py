@@ -1,16 +1,11 @@
 """The packed bed that grows on the wall, and what it costs: profiles, packing, steps per second."""
-import os
-import sys
+import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import haff
+from haff.plot import figures, script
+from haff.runs import expected
 
-import numpy as np  # noqa: E402
-
-import haff  # noqa: E402
-from haff.plot import figures  # noqa: E402
-from haff.runs import expected  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 gas = expected.gas(case)
 fig, axes = figures.panels(2, 2)
 for time in (case.time(t) for t in (0.2, 0.5, 1, 1.5, 2, 2.3)):
@@ -38,4 +33,4 @@ figures.label(axes[1][0], "time (s)", "steps per second")
 gap = [0.65 - case.field("alpha", t).max() for t in times]
 axes[1][1].semilogy([float(t) for t in times], gap)
 figures.label(axes[1][1], "time (s)", r"$0.65 - \nu_\mathrm{max}$")
-figures.save(fig, os.path.join(figures.folder(), "wallThrough.png"))
+script.save(fig, "wallThrough")

@@ -1,17 +1,14 @@
 """Volume fraction on the triangles; along the lowest row beside the lattice's fine runs."""
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "postprocessing"))
+import numpy as np
 
-import numpy as np  # noqa: E402
+import haff
+from haff.plot import cellmap, figures, script
+from haff.runs import expected
+from haff.studies import shocks
 
-import haff  # noqa: E402
-from haff.plot import cellmap, figures  # noqa: E402
-from haff.runs import expected  # noqa: E402
-from haff.studies import shocks  # noqa: E402
-
-case = haff.Case(figures.folder())
+case = haff.Case(script.folder())
 alpha = case.field("alpha")
 fig, axes = figures.panels(1, 2, height=3.4)
 tint = cellmap.draw(axes[0][0], case, alpha)
@@ -31,4 +28,4 @@ for height, colour in ((1.0, figures.COLOURS[0]), (4.0, figures.COLOURS[1])):
 figures.label(axes[0][1], "x", "alpha", "line: lattice of 800 x 800 cells")
 axes[0][1].set_xlim(3, 5)
 axes[0][1].legend(loc="upper left")
-figures.save(fig, os.path.join(figures.folder(), "wedgeTriangles.png"))
+script.save(fig, "wedgeTriangles")

@@ -8,7 +8,8 @@ import tempfile
 
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
+os.environ["PYTHONPATH"] = os.path.join(SOURCE, "postprocessing")  # of the commands that tests run
+sys.path.insert(0, os.environ["PYTHONPATH"])
 
 import haff  # noqa: E402
 from haff.runs import boxes, expected  # noqa: E402

@@ -182,7 +182,7 @@ def start(path, time, longest, folder):
     for name, (kind, dimensions) in FIELDS.items():
         with open(os.path.join(folder, name), "w") as f:
             f.write(f"FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {kind};\n    location    \"0.orig\";\n    object      {name};\n}}\n\n"
-                    f"// The {len(waves)} longest waves of {len(x)} grains at their start: postprocessing/clustering.py.\n"
+                    f"// The {len(waves)} longest waves of {len(x)} grains at their start: postprocessing/haff/studies/clustering.py.\n"
                     f"dimensions      {dimensions};\ninternalField   uniform {uniform[name]};\nexpression      {texts[name]};\nboundaryField\n{{\n{sides}}}\n")
 
 

@@ -6,13 +6,13 @@ import numpy as np
 
 import haff
 from haff.exact import disks
-from haff.plot import figures
+from haff.plot import figures, script
 
 
-def channel(png, variants, flow_of, **legend):
+def channel(picture, variants, flow_of, **legend):
     """Velocity, temperature and packing across, beside the steady flow_of(case folder). variants: title, folder below the
     case's; those that were not run are left out."""
-    folder = figures.folder()
+    folder = script.folder()
     variants = [(title, os.path.join(folder, sub)) for title, sub in variants if os.path.isdir(os.path.join(folder, sub))]
     fig, (panels,) = figures.panels(1, 3, width=9.0)
     fine = np.linspace(0, 20, 400)
@@ -31,4 +31,4 @@ def channel(png, variants, flow_of, **legend):
     for panel, name in zip(panels, ("$u$", "$T$", r"$\alpha$")):
         figures.label(panel, r"$y/\sigma$", name)
     panels[0].set_title("steady equations (lines), granularGas", fontsize=9)
-    figures.save(fig, os.path.join(folder, png))
+    script.save(fig, picture)

@@ -200,7 +200,7 @@ def markdown(folder):
     return "\n".join(lines)
 
 
-def draw(folder):
+def draw(folder, path=None):
     """Wavelength over frequency, a panel for each acceleration (Fig. 3 of the paper draws the same over the amplitude).
     Bars: the paper's deviation; of ours the neighbours in the box."""
     gas = [r for r in table(folder) if r["state"] == "stands"]
@@ -226,7 +226,7 @@ def draw(folder):
         figures.label(ax, "frequency (Hz)", r"wavelength ($\sigma$)", rf"$\Gamma$ = {gamma:g}")
         ax.set(xlim=(2.3, 6.3), ylim=(0, 85))
     axes[0][0].legend(fontsize=7, title=r"$\times$: no pattern of the gas", title_fontsize=7)
-    figures.save(fig, os.path.join(folder, "faradayDiagram.png"))
+    figures.save(fig, path or os.path.join(folder, "faradayDiagram.png"))
 
 
 class Progress:

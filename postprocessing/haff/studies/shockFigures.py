@@ -4,7 +4,7 @@ import os
 import numpy as np
 
 import haff
-from haff.plot import cellmap, figures
+from haff.plot import cellmap, figures, script
 from haff.runs import expected
 from haff.studies import shocks
 
@@ -13,7 +13,7 @@ FLOWS = (("", "$e$ = 0.98"), ("e1", "$e$ = 1"), ("perfect", "perfect gas, 1.4"))
 
 def wedge(name):
     """Density on the triangles, and all cells beside the exact oblique shock."""
-    case = haff.Case(figures.folder())
+    case = haff.Case(script.folder())
     shock = shocks.upstream(case, expected.gas(case))
     beta = shock.angle(expected.WEDGE)
     behind = shock.behind(beta)
@@ -33,13 +33,13 @@ def wedge(name):
     figures.label(axes[0][1], "polar angle about the tip (degrees)", "over the upstream value", "all cells of 2 < $x$ < 8; line: exact")
     axes[0][1].set_xlim(15, 60)
     axes[0][1].legend()
-    figures.save(fig, os.path.join(figures.folder(), name))
+    script.save(fig, name)
 
 
 def blunt_body(picture, patch):
     """Density on a patch in the plane of x and y, and along the axis."""
-    flows = [(haff.Case(os.path.join(figures.folder(), sub)), name) for sub, name in FLOWS
-             if os.path.isdir(os.path.join(figures.folder(), sub, "constant"))]
+    flows = [(haff.Case(os.path.join(script.folder(), sub)), name) for sub, name in FLOWS
+             if os.path.isdir(os.path.join(script.folder(), sub, "constant"))]
     fig, axes = figures.panels(1, len(flows) + 1, width=2.4 * (len(flows) + 1) + 0.6, height=3.3)
     for panel, (case, name) in zip(axes[0], flows):
         shock = shocks.upstream(case, expected.gas(case))
@@ -53,4 +53,4 @@ def blunt_body(picture, patch):
     fig.colorbar(tint, ax=axes[0][:-1], label="density over upstream density", location="bottom", shrink=0.6, extend="max")
     figures.label(axes[0][-1], "$x/R$ on the axis", "density over upstream density")
     axes[0][-1].legend()
-    figures.save(fig, os.path.join(figures.folder(), picture))
+    script.save(fig, picture)

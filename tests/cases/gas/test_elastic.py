@@ -1,4 +1,4 @@
-"""The cases in the elastic limit, short: their expected.json. Against rhoCentralFoam: tests/postprocessing/test_crossCheck.py."""
+"""The cases in the elastic limit, short: their expected.json. Against rhoCentralFoam: tests/postprocessing/studies/test_crossCheck.py."""
 import unittest
 
 from tests.cases import harness

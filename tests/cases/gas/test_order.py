@@ -1,6 +1,6 @@
 """Order of accuracy on a smooth simple wave in the granular gas (e = 1, no source), along an axis and along a diagonal.
 
-The solution is the exact one of postprocessing/simpleWave.py at t = 0.3 of breaking, in the L1 norm; the time step falls
+The solution is the exact one of postprocessing/haff/exact/simpleWave.py at t = 0.3 of breaking, in the L1 norm; the time step falls
 like h^(5/3), so that the third-order time scheme does not show. The least orders are those of issue and prototype.
 """
 import os

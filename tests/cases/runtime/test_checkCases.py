@@ -24,8 +24,8 @@ class CheckCases(harness.Folder, unittest.TestCase):
         os.symlink(harness.BIN, os.path.join(cls.top, "build", "bin"))
 
     def check(self, *arguments, code=0):
-        done = subprocess.run(["/usr/bin/python3", os.path.join(self.top, "postprocessing", "checkCases.py"), *arguments],
-                              capture_output=True, text=True)
+        done = subprocess.run(["/usr/bin/python3", "-m", "haff", "checkCases", *arguments], capture_output=True, text=True,
+                              env={**os.environ, "HAFF_SOURCE": self.top})
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 

@@ -1,4 +1,4 @@
-"""Spheres that cool in a periodic cube: the shipped case in fewer cells, and faint waves beside linear theory (postprocessing/disks.py)."""
+"""Spheres that cool in a periodic cube: the shipped case in fewer cells, and faint waves beside linear theory (postprocessing/haff/exact/disks.py)."""
 import os
 import unittest
 

@@ -1,5 +1,5 @@
 """A cooling gas of disks with viscosity and heat conduction: Haff's law, and the linear theory of its waves
-(postprocessing/disks.py)."""
+(postprocessing/haff/exact/disks.py)."""
 import os
 import unittest
 

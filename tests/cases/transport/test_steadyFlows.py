@@ -1,5 +1,5 @@
 """Flows of disks with viscosity and heat conduction between two walls, against the solution of the ordinary differential
-equations of steady flow (postprocessing/disks.py) and that of Couette flow that starts."""
+equations of steady flow (postprocessing/haff/exact/disks.py) and that of Couette flow that starts."""
 import unittest
 
 import numpy as np

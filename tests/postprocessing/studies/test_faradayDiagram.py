@@ -10,11 +10,8 @@ import unittest
 
 import numpy as np
 
-SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
-
-import haff  # noqa: E402
-from haff.studies import faradayDiagram, faradayOnset, faradayRows  # noqa: E402
+import haff
+from haff.studies import faradayDiagram, faradayOnset, faradayRows
 
 
 def options(*words):
@@ -73,7 +70,7 @@ class Driver(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def sweep(self):
-        command = [sys.executable, os.path.join(SOURCE, "postprocessing", "faradayDiagram.py"), os.path.join(self.template, "out"), "-rows", "7",
+        command = [sys.executable, "-m", "haff", "faradayDiagram", os.path.join(self.template, "out"), "-rows", "7",
                    "-cycles", "4", "-last", "3", "-jobs", "1", "-keep", "-template", self.template, "-note", "test"]
         done = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -117,7 +114,7 @@ class Onset(unittest.TestCase):
     def test_driver(self):
         """A wave high above the onset grows and turns over; its run stands in the table and is not done again."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
-            command = [sys.executable, os.path.join(SOURCE, "postprocessing", "faradayOnset.py"), folder, "-gamma", "2.75", "-A", "5.57",
+            command = [sys.executable, "-m", "haff", "faradayOnset", folder, "-gamma", "2.75", "-A", "5.57",
                        "-waves", "38", "-cycles", "7", "-settle", "4", "-jobs", "1"]
             for n in range(2):
                 done = subprocess.run(command, capture_output=True, text=True)

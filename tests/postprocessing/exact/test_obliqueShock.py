@@ -1,15 +1,10 @@
 """Oblique shocks against the perfect gas's closed forms, the jump conditions and their limits."""
-import os
-import sys
 import unittest
 
 import numpy as np
 
-SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
-
-from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope  # noqa: E402
-from haff.exact.obliqueShock import ObliqueShock, enthalpy, stagnation  # noqa: E402
+from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope
+from haff.exact.obliqueShock import ObliqueShock, enthalpy, stagnation
 
 
 def stream(nu, mach, e=1.0, T=2.0):

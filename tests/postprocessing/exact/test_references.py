@@ -1,18 +1,15 @@
 """The Python references against values that were made without them: oracles, Sod's tube, conservation, the equations."""
 import csv
 import os
-import sys
 import unittest
 
 import numpy as np
 
-SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
+from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope
+from haff.exact.riemann import BLAST, Riemann
+from haff.exact.simpleWave import SETTINGS, SimpleWave
 
-from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope  # noqa: E402
-from haff.exact.riemann import BLAST, Riemann  # noqa: E402
-from haff.exact.simpleWave import SETTINGS, SimpleWave  # noqa: E402
-
+SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", "..")))
 ORACLES = os.path.join(SOURCE, "tests", "oracles")
 
 

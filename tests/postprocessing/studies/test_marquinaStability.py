@@ -1,15 +1,10 @@
 """Growth of noise in uniform gas with Marquina's flux: the formulas against the program, and the flux that is cured."""
-import os
-import sys
 import unittest
 
 import numpy as np
 
-SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
-
-from haff.exact.eos import GoldshteinShapiro  # noqa: E402
-from haff.studies import marquinaStability as stability  # noqa: E402
+from haff.exact.eos import GoldshteinShapiro
+from haff.studies import marquinaStability as stability
 
 GAS = GoldshteinShapiro(1.0)
 

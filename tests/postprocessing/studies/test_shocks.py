@@ -1,20 +1,16 @@
 """The measurements of shocks find what was put in: exact fields on a lattice, whose cells the shock cuts anywhere."""
 import os
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 
-SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
-sys.path.insert(0, os.path.join(SOURCE, "postprocessing"))
-
-import haff  # noqa: E402
-from haff.exact.eos import GoldshteinShapiro  # noqa: E402
-from haff.exact.obliqueShock import ObliqueShock  # noqa: E402
-from haff.plot import cellmap  # noqa: E402
-from haff.runs import boxes  # noqa: E402
-from haff.studies import shocks  # noqa: E402
+import haff
+from haff.exact.eos import GoldshteinShapiro
+from haff.exact.obliqueShock import ObliqueShock
+from haff.plot import cellmap
+from haff.runs import boxes
+from haff.studies import shocks
 
 
 class Shocks(unittest.TestCase):

@@ -10,18 +10,16 @@ import numpy as np
 
 from tests.cases import harness
 
-sys.path.insert(0, os.path.join(harness.SOURCE, "postprocessing"))
+import haff
+from haff.runs import rhocentral, twin
+from haff.studies import comparison
 
-import haff  # noqa: E402
-from haff.runs import rhocentral, twin  # noqa: E402
-from haff.studies import comparison  # noqa: E402
-
-TOOL = os.path.join(harness.SOURCE, "postprocessing", "crossCheck")
+TOOL = [sys.executable, "-m", "haff", "crossCheck"]
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")
 
 
 def tool(*arguments):
-    return subprocess.run([TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
+    return subprocess.run([*TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
 
 
 def rows(path):
@@ -202,7 +200,7 @@ class Arguments(harness.Folder, unittest.TestCase):
 
     def test_without_openfoam(self):
         """Skipped, with a line that says what is missing."""
-        done = subprocess.run([sys.executable, TOOL, "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
+        done = subprocess.run([*TOOL, "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
                               env={"PATH": "/nowhere"})
         self.assertEqual(done.returncode, 77)
         self.assertIn("rhoCentralFoam (package openfoam) is not installed", done.stdout + done.stderr)

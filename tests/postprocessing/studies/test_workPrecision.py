@@ -9,11 +9,11 @@ import numpy as np
 
 from tests.cases import harness
 
-TOOL = os.path.join(harness.SOURCE, "postprocessing", "workPrecision")
+TOOL = ["/usr/bin/python3", "-m", "haff", "workPrecision"]
 
 
 def tool(*arguments):
-    return subprocess.run([TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
+    return subprocess.run([*TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
 
 
 class Quick(harness.Folder, unittest.TestCase):

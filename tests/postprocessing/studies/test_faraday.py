@@ -280,9 +280,8 @@ class Files(unittest.TestCase):
                 boxes.write_field(self.case, "U", np.outer(np.full(len(x), 5.0), (0, 1, 0)), time="%g" % ((n + phase) / 4))
                 boxes.write_field(self.case, "T", np.full(len(x), 2.0), time="%g" % ((n + phase) / 4))
         boxes.write_dictionary(self.case, "constant", "granularProperties", "grain { diameter 1; mass 1; restitution 0.75; }\n")
-        script = os.path.join(harness.SOURCE, "postprocessing", "faradayFigures.py")
         out = os.path.join(self.case, "figures")
-        done = subprocess.run([sys.executable, script, self.case, self.case, out, "-gas", "1", "-grains", "2"], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-m", "haff", "faradayFigures", self.case, self.case, out, "-gas", "1", "-grains", "2"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(sorted(os.listdir(out)), ["mach.png", "momentum.png", "patterns.png", "profiles.png"])
         heap = [float(v) for v in re.findall(r"^grains t = .*?heap at t = 0: at the plate (\S+),", done.stdout, re.M)]
@@ -301,8 +300,7 @@ class Files(unittest.TestCase):
                 up = lambda x: high * (-1)**n * np.cos(2 * np.pi * x / 30)
                 self.layer((n + 1 + phase) / 4, lambda x: 8 + up(x) + noise[(x / 2).astype(int)])
         picture = os.path.join(self.case, "pattern.png")
-        script = os.path.join(harness.SOURCE, "postprocessing", "faraday.py")
-        done = subprocess.run([sys.executable, script, self.case, "-of", "height", "-from", "3", "-figure", picture],
+        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case, "-of", "height", "-from", "3", "-figure", picture],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"^pattern: wavelength 30 \(24 \.\. 40\), centroid 30")
@@ -310,7 +308,7 @@ class Files(unittest.TestCase):
                          r"mean height of the columns (\S+)\n", done.stdout)
         np.testing.assert_allclose([float(v) for v in last.groups()], [2, 8], atol=0.1)
         self.assertTrue(os.path.exists(picture))
-        done = subprocess.run([sys.executable, script, self.case, "-from", "7.9"], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case, "-from", "7.9"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn("three cycles", done.stderr)
 
@@ -322,8 +320,7 @@ class Files(unittest.TestCase):
         found = faraday.Layer(self.case).profile("1", dim=3)
         np.testing.assert_allclose(found["T"], 3, rtol=1e-9)
         np.testing.assert_allclose(found["U"], 2 * found["y"], rtol=1e-12)
-        script = os.path.join(harness.SOURCE, "postprocessing", "faraday.py")
-        done = subprocess.run([sys.executable, script, self.case], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case], capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn("1 cells wide", done.stderr)
 
