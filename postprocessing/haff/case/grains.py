@@ -8,6 +8,7 @@ import os
 import numpy as np
 
 import haff
+from haff.case import foam
 
 KINDS = {"vectorField": 3, "scalarField": 1, "labelField": 1}
 
@@ -21,7 +22,7 @@ def positions(path):
     f = haff.FoamFile(path)
     if not f.header.get("class", "").startswith("Cloud"):
         raise haff.FormatError(f"{path}: class {f.header.get('class')} is no cloud")
-    values = np.array(haff.words(f.body), float)
+    values = np.array(foam.words(f.body), float)
     if len(values) != 1 + 4 * int(values[0]):
         raise haff.FormatError(f"{path}: {len(values) - 1} numbers for {int(values[0])} grains; 4 each are expected")
     rows = values[1:].reshape(-1, 4)

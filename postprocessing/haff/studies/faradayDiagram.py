@@ -32,6 +32,7 @@ import numpy as np
 
 import haff
 from haff import command
+from haff.paths import TOP, program
 from haff.plot import figures
 from haff.studies import faraday
 from haff.studies.faradayRows import acceleration, clear, copy, edit, has_mesh, mesh, numbers, paper, throw

@@ -21,6 +21,7 @@ import threading
 import numpy as np
 
 from haff import command
+from haff.paths import program
 from haff.plot import figures
 from haff.studies import faraday
 from haff.studies.faradayDiagram import TEMPLATE

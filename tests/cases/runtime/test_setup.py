@@ -29,6 +29,7 @@ class Setup(unittest.TestCase):
             with open(os.path.join(self.top, "cases", name, "figure.py"), "w") as f:
                 f.write(f"print('{name}.png')\n")
         shutil.copytree(os.path.join(SOURCE, ".ci"), os.path.join(self.top, ".ci"))
+        os.symlink(os.path.join(SOURCE, "postprocessing"), os.path.join(self.top, "postprocessing"))
         shutil.copy(os.path.join(SOURCE, "Allrun"), self.top)
         self.calls = os.path.join(self.top, "calls")
         note = f'echo "$(basename "$0")" >>"{self.calls}"\n'

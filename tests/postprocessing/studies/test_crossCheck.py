@@ -201,7 +201,7 @@ class Arguments(harness.Folder, unittest.TestCase):
     def test_without_openfoam(self):
         """Skipped, with a line that says what is missing."""
         done = subprocess.run([*TOOL, "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
-                              env={"PATH": "/nowhere"})
+                              env={"PATH": "/nowhere", "PYTHONPATH": os.environ["PYTHONPATH"]})
         self.assertEqual(done.returncode, 77)
         self.assertIn("rhoCentralFoam (package openfoam) is not installed", done.stdout + done.stderr)
 
