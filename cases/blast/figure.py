@@ -14,5 +14,5 @@ for row, (e, case) in zip(axes, variants):
         panel.plot(x, values)
         figures.label(panel, "x", name)
         panel.set_xlim(4.5, 9)
-    row[0].set_title(rf"$e$ = {e}, $t$ = {time} s, $\nu_\mathrm{{max}}$ = {alpha.max():.4f}", fontsize=9)
+    row[0].set_title(rf"$e$ = {e}, $t$ = {time} s, $\alpha_\mathrm{{max}}$ = {alpha.max():.4f}", fontsize=9)
 script.save(fig, "blast")

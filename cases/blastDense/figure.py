@@ -15,5 +15,5 @@ for panel, name, values in zip(axes[0], ("alpha", "T", "impedance"), (alpha, T, 
     panel.plot(x, values)
     figures.label(panel, "x", name)
     panel.set_xlim(max(0, middle - 4), min(10, middle + 3))
-axes[0][0].set_title(rf"$e$ = 0.9, $t$ = {time} s, $\nu_\mathrm{{max}}$ = {alpha.max():.4f}", fontsize=9)
+axes[0][0].set_title(rf"$e$ = 0.9, $t$ = {time} s, $\alpha_\mathrm{{max}}$ = {alpha.max():.4f}", fontsize=9)
 script.save(fig, "blastDense")

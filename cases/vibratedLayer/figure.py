@@ -14,9 +14,9 @@ for row, phase in zip(axes, cycles):
         panel.plot(x[near], values[near])
         figures.label(panel, "", name)
         panel.set_xlim(0.08, 0.15)
-    row[0].set_ylabel(r"$\nu$")
+    row[0].set_ylabel(r"$\alpha$")
     row[1].set_ylabel(r"$T$ (cm$^2$ s$^{-2}$)")
-    row[0].set_title(rf"$ft$ = {phase}, $\Sigma\nu$ = {alpha.sum():.3f}", fontsize=8)
+    row[0].set_title(rf"$ft$ = {phase}, $\Sigma\alpha$ = {alpha.sum():.3f}", fontsize=8)
 for panel, phase in zip(axes[-1], (3.15, 4.15)):
     if phase / FREQUENCY <= last:
         x, u = case.line(("U",), phase / FREQUENCY)

@@ -14,5 +14,5 @@ for panel, name, values in zip(axes.flat, ("alpha", "T", "p", "Ma"), (alpha, T, 
     panel.set_xlim(0, 10)
     panel.ticklabel_format(scilimits=(-3, 4), useMathText=True)
 axes[0][0].axhline(0.65, linestyle=":", linewidth=0.6, color="0.4")
-axes[0][0].set_title(rf"$t$ = {time} s, at the wall $\nu$ = {alpha[-1]:.6f}", fontsize=9)
+axes[0][0].set_title(rf"$t$ = {time} s, at the wall $\alpha$ = {alpha[-1]:.6f}", fontsize=9)
 script.save(fig, "wall")

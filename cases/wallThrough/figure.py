@@ -32,5 +32,5 @@ figures.label(axes[1][0], "time (s)", "steps per second")
 
 gap = [0.65 - case.field("alpha", t).max() for t in times]
 axes[1][1].semilogy([float(t) for t in times], gap)
-figures.label(axes[1][1], "time (s)", r"$0.65 - \nu_\mathrm{max}$")
+figures.label(axes[1][1], "time (s)", r"$0.65 - \alpha_\mathrm{max}$")
 script.save(fig, "wallThrough")

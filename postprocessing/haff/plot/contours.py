@@ -65,7 +65,7 @@ def figure(cases, path):
     for pair, case in zip(axes.T if n > 1 else axes, cases):
         time = case.times[-1]
         tint = draw(pair[0], case, time, (0, 10, 0, 10))
-        pair[0].set_title(rf"$t$ = {time} s, $\nu_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
+        pair[0].set_title(rf"$t$ = {time} s, $\alpha_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
         draw(pair[1], case, time, (3.5, 6.5, 3.5, 6.5))
         pair[1].set_title("near the corner", fontsize=9)
         where = {"ax": pair[1]} if n == 1 else {"ax": pair[1], "location": "bottom"}

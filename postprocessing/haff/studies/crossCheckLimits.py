@@ -113,7 +113,7 @@ def figure(path, rows):
         small = np.array([r.small for r in mine])
         ax.loglog(small, [r.apart["rho"] for r in mine], "o", ms=3, color=colour, label=series.title)
         ax.loglog(small, mine[-1].apart["rho"] * (small / small[-1]) ** series.order, color=colour, lw=0.6)
-        figures.label(ax, r"volume fraction $\nu$" if series.small == "nu" else "$1 - e^2$", r"mean difference of $\rho$")
+        figures.label(ax, r"volume fraction $\alpha$" if series.small == "nu" else "$1 - e^2$", r"mean difference of $\rho$")
     for ax in axes[0]:
         ax.legend(fontsize=6)
     fig.savefig(path, dpi=100)

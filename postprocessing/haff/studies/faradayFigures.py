@@ -60,13 +60,30 @@ class Run:
         return np.roll(sum / len(self.pairs), -self.origin(), axis=1 if momentum else 0)
 
 
+def boxes(rows):
+    """A figure of that many moments, gas and grains side by side."""
+    fig, axes = figures.plt.subplots(rows, 2, figsize=(9, 0.85 * rows + 0.8), sharex=True, sharey=True, squeeze=False, layout="constrained")
+    for ax in axes[-1]:
+        ax.set_xlabel(r"$x$ ($\sigma$)")
+    for ax in axes[:, 0]:
+        ax.set_ylabel(r"$y$ ($\sigma$)")
+    return fig, axes
+
+
+def packing(ax, run, phase, name, **colours):
+    shown = ax.pcolormesh(run.layer.x, run.layer.y, run.shown(phase).T, shading="gouraud", rasterized=True, **colours)
+    ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal", xticks=np.arange(0, WIDTH + 1, 40))
+    ax.text(0.01, 0.93, f"{name}, $t$ = {phase:g} $T$", transform=ax.transAxes, va="top", fontsize=8,
+            bbox={"facecolor": "w", "edgecolor": "none", "pad": 1.5, "alpha": 0.8})
+    return shown
+
+
 def patterns(runs, folder):
-    fig, axes = figures.panels(8, 2, width=7.2, height=0.95)
-    for row, phase in enumerate(runs[0].phases):
-        for ax, run, name in zip(axes[row], runs, NAMES):
-            ax.pcolormesh(run.layer.x, run.layer.y, run.shown(phase).T, cmap="magma_r", vmin=0, vmax=0.82, rasterized=True)
-            ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal", xticks=[] if row < 7 else np.arange(0, WIDTH + 1, 40))
-            figures.label(ax, "", "", f"{name}, $t$ = {phase:g} $T$")
+    fig, axes = boxes(8)
+    for row, phase in zip(axes, runs[0].phases):
+        for ax, run, name in zip(row, runs, NAMES):
+            shown = packing(ax, run, phase, name, cmap="magma_r", vmin=0, vmax=0.82)
+    fig.colorbar(shown, ax=axes, label=r"$\alpha$", shrink=0.4, pad=0.01)
     figures.save(fig, os.path.join(folder, "patterns.png"))
 
 
@@ -76,7 +93,7 @@ def profiles(runs, folder):
         for run, name, colour in zip(runs, NAMES, figures.COLOURS):
             p = run.profile(phase)
             energy = 4 / np.pi * p["alpha"] * p["T"] / GRAVITY
-            ax.plot(p["y"], p["alpha"], color=colour, label=rf"$\nu$, {name}")
+            ax.plot(p["y"], p["alpha"], color=colour, label=rf"$\alpha$, {name}")
             ax.plot(p["y"], energy, "--", color=colour, label=rf"$\rho T/\sigma g$, {name}")
             valley = run.profile(phase, valleys=True)
             print(f"{name:6s} t = {phase:4.2f} T: heap at t = 0: at the plate {p['alpha'][0]:.3f}, greatest {p['alpha'].max():.3f} at "
@@ -106,17 +123,16 @@ def mach(runs, folder):
 
 def momentum(runs, folder):
     """Arrows of packing times velocity, in one scale, from every second cell both ways."""
-    fig, axes = figures.panels(4, 2, width=7.2, height=1.25)
+    fig, axes = boxes(4)
     greatest = {}
-    for row, phase in enumerate(runs[0].phases[::2]):
-        for ax, run, name in zip(axes[row], runs, NAMES):
+    for row, phase in zip(axes, runs[0].phases[::2]):
+        for ax, run, name in zip(row, runs, NAMES):
             layer, m = run.layer, run.shown(phase, momentum=True)
-            ax.pcolormesh(layer.x, layer.y, run.shown(phase).T, cmap="Greys", vmin=0, vmax=1.2, rasterized=True)
+            shown = packing(ax, run, phase, name, cmap="Greys", vmin=0, vmax=1.2)
             cells = np.s_[:, ::2, ::2]
             ax.quiver(layer.x[::2], layer.y[::2], m[cells][0].T, m[cells][1].T, scale=20 * np.sqrt(GRAVITY), width=1.2e-3, color=figures.COLOURS[1])
-            ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal")
-            figures.label(ax, "", "", f"{name}, $t$ = {phase:g} $T$")
             greatest[name] = max(greatest.get(name, 0), float(np.hypot(*m).max()) / np.sqrt(GRAVITY))
+    fig.colorbar(shown, ax=axes, label=r"$\alpha$", shrink=0.6, pad=0.01)
     print("greatest momentum, alpha |U|/sqrt(g diameter): " + ", ".join(f"{k} {v:.2f}" for k, v in greatest.items()))
     figures.save(fig, os.path.join(folder, "momentum.png"))
 

@@ -66,7 +66,7 @@ def blunt_body(picture, patch):
         shock, radius = shocks.upstream(case, eos), shocks.body_radius(case)
         rho, p, speed = case.field("rho"), case.field("p"), np.linalg.norm(case.field("U"), axis=1)
         above, *_ = smooth(panel, case.mesh, patch, rho / shock.rho, cmap="viridis", vmin=1, vmax=6)
-        below, *net = smooth(panel, case.mesh, patch, speed / eos.c(rho, eos.T(rho, p)), mirrored=True, cmap="magma", vmin=0, vmax=4)
+        below, *net = smooth(panel, case.mesh, patch, speed / eos.c(rho, eos.T(rho, p)), mirrored=True, cmap="magma", vmin=0, vmax=round(shock.mach))
         panel.tricontour(*net, levels=[1], colors="w", linewidths=0.8)
         panel.add_patch(Circle((0, 0), radius, facecolor="0.75", edgecolor="k", linewidth=0.8))
         panel.axhline(0, color="w", linewidth=0.6)
@@ -76,7 +76,7 @@ def blunt_body(picture, patch):
         flow = shocks.Samples(case, ("rho",), mirror=range(1, shocks.dimensions(case)))
         axes[0][-1].plot(x / radius, flow(np.outer(x, np.eye(flow.dim)[0]))["rho"] / shock.rho, label=name)
     for shown, words in ((above, "density over that of the stream (above)"), (below, "Mach number (below)")):
-        fig.colorbar(shown, ax=axes[0][:-1], label=words, location="bottom", extend="max", aspect=40, pad=0.02)
+        fig.colorbar(shown, ax=axes[0][:-1], label=words, location="bottom", extend="max" if shown is above else "neither", aspect=40, pad=0.02)
     figures.label(axes[0][-1], "$x/R$ on the axis", "density over that of the stream")
     axes[0][-1].legend()
     script.save(fig, picture)
