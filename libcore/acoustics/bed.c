@@ -67,6 +67,7 @@ static void deal_lists(struct bed *b, const long room[4]) {
     struct bed_lines *x = b->lines;
     b->number = b->first + room[0] + 1;
     b->work = b->lift + room[0];
+    b->pushed = b->work + room[0];
     b->body = x->whole_cells;
     b->face_start = b->body + room[1];
     x->link_first = b->face_start + room[1] + 1;
@@ -91,7 +92,7 @@ static status grow(struct bed *b, const long wanted[4]) {
     TRY(allocate(&x->whole_sides, 2 * room[3], sizeof(int), "the bed"));
     TRY(allocate(&b->first, 2 * room[0] + 1, sizeof(int), "the bed"));
     TRY(allocate(&b->kind, room[2], 1, "the bed"));
-    TRY(allocate(&b->lift, 2 * room[0], sizeof(double), "the bed"));
+    TRY(allocate(&b->lift, 3 * room[0], sizeof(double), "the bed"));
     (void)deal_cells(b, x->memory_cells, room[1]);
     (void)deal_faces(b, x->memory_faces, room[2]);
     x->weight = x->memory_cells + cells;

@@ -99,6 +99,7 @@ struct bed {
     /* Results of bed_step */
     int newton, linear, lifted; /* iterations of Newton's method, of its linear solver; cells of this rank lifted */
     double *lift, *work;        /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
+    double *pushed;             /* [blocks] of bed_push */
 
     struct bed_lines *lines;
     struct multigrid *multigrid;
@@ -113,5 +114,9 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
+/* After a step: what crossed a face from left to right, per area and time, of rho, rho u and E. */
+void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]);
+/* After a step: sets b->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells. */
+void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);
 
 #endif

@@ -112,6 +112,14 @@ static void carry(struct bed *b, double dt) {
     }
 }
 
+void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]) {
+    const struct bed_lines *x = b->lines;
+    const int last = b->components + 1;
+    for (int v = 0; v <= last; v++) flux[v] = b->kept[v][face];
+    for (int k = 0; k < b->dim; k++) flux[k + 1] += x->p_face[face] * b->shapes->normal[k][b->shape[face]];
+    flux[last] += x->p_face[face] * x->U[face];
+}
+
 static bool is_beside_rest(const struct bed *b, int i) {
     bool beside = false;
     for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) beside |= b->kind[bed_side(b, j).face] == BED_KEPT;

@@ -248,3 +248,20 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     bed_fill(b, b->components + 2, b->lines->after);
     return fine;
 }
+
+/* The forces of p_f - P of move_cell are those of p_f, and these: as sum_f A n (x_f - x) = V, the weight, and the sums
+ * of `balance`. */
+void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
+    for (int block = 0; block < b->blocks; block++) {
+        b->pushed[block] = 0;
+        for (int i = b->first[block]; i < b->first[block + 1]; i++) {
+            double force = b->lines->rho[i] * b->shapes->volume[b->body[i]] * gravity[axis];
+            for (int j = b->face_start[i]; j < b->face_start[i + 1] && b->balanced && axis < b->dim; j++) {
+                const struct bed_side s = bed_side(b, j);
+                force +=
+                    s.sign * b->shapes->area[s.shape] * b->shapes->normal[axis][s.shape] * b->balance[s.right][s.face];
+            }
+            b->pushed[block] += dt * force;
+        }
+    }
+}

@@ -1,5 +1,5 @@
-/* Keeps the budget of mass and energy (audit.h): totals are taken behind every part of a step, and differences are
- * booked under causes. */
+/* Keeps the budget of mass, momentum and energy (audit.h): totals are taken behind every part of a step, and
+ * differences are booked under causes. */
 #include "libcore/gas/audit.h"
 
 #include "libcore/gas/gas_private.h"
@@ -7,24 +7,28 @@
 #include <stdlib.h>
 
 struct account {
-    double totals[MAX_VAR];      /* mass, momentum, energy behind the last part */
-    double gained[GAS_CAUSES];   /* J: energy by cause */
-    double sourced[SOURCE_MOST]; /* J: energy by source */
+    double totals[MAX_VAR];              /* mass, momentum, energy behind the last part */
+    double gained[GAS_CAUSES];           /* J: energy by cause */
+    double sourced[SOURCE_MOST];         /* J: energy by source */
+    double pushed[SOURCE_MOST][MAX_DIM]; /* N s: momentum by source */
 };
 struct warm { /* context of warm_row */
     const struct gas *g;
     const struct state *from;
 };
 struct audit {
-    bool known[GAS_CAUSES];          /* may the cause change the gas? Else its changes are unaccounted */
-    struct account now, start, mark; /* of this attempt; at the start of the step; noted by audit_mark */
-    double weight;                   /* J: energy since the last look from gravity in the stages */
-    double work;                     /* J: energy since the last look from sources that have a formula */
-    bool kicks;                      /* are the sources gravity's kicks beside a bed? */
-    double beside;                   /* J: energy beside a bed, before gravity's kick there */
-    int measured;                    /* row of the source since then that has none; -1: there is none */
-    double first[2], floors[2]; /* mass (kg) and energy (J) at the start; those that the floors had added by then */
-    status failed;              /* error of an attempt's sums, which ends the step */
+    bool known[GAS_CAUSES];           /* may the cause change the gas? Else its changes are unaccounted */
+    struct account now, start, mark;  /* of this attempt; at the start of the step; noted by audit_mark */
+    double weight;                    /* J: energy since the last look from gravity in the stages */
+    double work;                      /* J: energy since the last look from sources that have a formula */
+    bool kicks;                       /* are the sources gravity's kicks beside a bed? */
+    double beside[MAX_VAR];           /* mass, momentum, energy beside a bed, before gravity's kick there */
+    int measured;                     /* row of the source since then that has none; -1: there is none */
+    int pusher;                       /* row of the source since then that changes momentum; -1: there is none */
+    double first[MAX_VAR], floors[2]; /* totals at the start; mass (kg) and energy (J) of the floors by then */
+    double given[MAX_DIM];            /* N s: by the density floor */
+    double *through;                  /* [GAS_EDGES][components][blocks] N s: what left through patches */
+    status failed;                    /* error of an attempt's sums, which ends the step */
 };
 
 static void floors_of(const struct gas *g, double floors[2]) {
@@ -45,24 +49,46 @@ static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     }
 }
 
+/* The number of blocks of this rank, which sums go by. */
+static int blocks_of(const struct gas *g) {
+    return g->forest ? g->forest->nblocks : g->grid->nblocks;
+}
+
+static status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
+    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->grid, per_block, sum);
+}
+
+/* Allocates what the gas itself notes for the budget. */
+static status make_notes(struct gas *g, struct audit *a) {
+    TRY(allocate(&a->through, (long)GAS_EDGES * g->components * blocks_of(g), sizeof(double), "the budget"));
+    if (g->dropped) TRY(allocate(&g->denser, g->nraised, sizeof(double), "the budget"));
+    for (int k = 0; k < g->components && g->least > 0; k++)
+        TRY(allocate(&g->given[k], g->nraised, sizeof(double), "the budget"));
+    return OK;
+}
+
 status gas_audit(struct gas *g) {
     struct audit *a = g->audit;
     if (!a) {
+        TRY(gas_tally(g));
         TRY(allocate(&a, 1, sizeof *a, "the budget"));
         g->audit = a;
+        TRY(make_notes(g, a));
     }
-    *a = (struct audit){.failed = a->failed};
+    *a = (struct audit){.failed = a->failed, .through = a->through};
+    memset(a->through, 0, (size_t)GAS_EDGES * (size_t)g->components * (size_t)blocks_of(g) * sizeof(double));
     find_causes(g, a->known);
     floors_of(g, a->floors);
     TRY(gas_totals(g, a->now.totals));
     a->start = a->now;
-    a->first[0] = a->now.totals[0];
-    a->first[1] = a->now.totals[g->components + 1];
+    memcpy(a->first, a->now.totals, sizeof a->first);
     return OK;
 }
 
 void audit_free(struct audit *a) {
-    if (a) status_free(a->failed);
+    if (!a) return;
+    status_free(a->failed);
+    free(a->through);
     free(a);
 }
 
@@ -135,16 +161,20 @@ static void totals_of_scratch(struct gas *g, const struct state *from, double to
     if (g->hybrid) (void)g->engine->bed.put(g, &g->W);
 }
 
-static double energy_beside(struct gas *g, const struct state *s) {
-    double totals[MAX_VAR];
+static void find_beside(struct gas *g, const struct state *s, double totals[MAX_VAR]) {
     g->engine->state.rows(g, EACH_STATE, s, beside_row, &(struct warm){g, s});
     totals_of_scratch(g, s, totals);
-    return totals[g->components + 1];
 }
 
 static void book_weight(struct gas *g, double work) {
     g->audit->weight += work;
     g->audit->now.sourced[source_gravity_row()] += work;
+}
+
+/* Books the momentum that gravity gives to so much mass times time (kg s). */
+static void book_fall(struct gas *g, double mass) {
+    double *pushed = g->audit->now.pushed[source_gravity_row()];
+    for (int k = 0; k < g->components; k++) pushed[k] += mass * g->gravity[k];
 }
 
 void audit_weight(struct gas *g, const struct state *from, double part) {
@@ -154,6 +184,14 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
     totals_of_scratch(g, from, totals);
     for (int k = 0; k < g->components; k++) work += part * g->gravity[k] * totals[k + 1];
     book_weight(g, work);
+    book_fall(g, part * totals[0]);
+}
+
+void audit_rest(struct gas *g, double part) {
+    double force[MAX_DIM];
+    if (!g->audit || !g->engine->tally.rest) return;
+    note_status(g->audit, g->engine->tally.rest(g, force));
+    for (int k = 0; k < g->dim; k++) g->audit->now.pushed[source_gravity_row()][k] += part * force[k];
 }
 
 void audit_dropped(struct gas *g, double part) {
@@ -161,6 +199,8 @@ void audit_dropped(struct gas *g, double part) {
     if (!g->audit || !g->falls) return;
     note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
     book_weight(g, part * sum);
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->denser, &sum));
+    book_fall(g, part * sum);
 }
 
 void audit_bed(struct gas *g) {
@@ -169,6 +209,12 @@ void audit_bed(struct gas *g) {
     g->engine->bed.spread(g, g->dense->bed.work, g->dropped);
     note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
     book_weight(g, sum);
+    for (int k = 0; k < g->components; k++) {
+        bed_push(&g->dense->bed, g->dt, g->dense->kick, k);
+        g->engine->bed.spread(g, g->dense->bed.pushed, g->dropped);
+        note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+        g->audit->now.pushed[source_gravity_row()][k] += sum;
+    }
 }
 
 /* Is a plan that of gravity's kicks of cells that fall beside a bed? Else gravity is not among the sources of a step
@@ -177,21 +223,21 @@ static bool kicks_beside_bed(const struct gas *g, const struct source_plan *plan
     return g->hybrid && plan->n == 1 && plan->step[0].row == &source_table[source_gravity_row()];
 }
 
-/* A formula sees the mass and the momentum of the last look. So totals are looked at before a source whose formula asks
- * for a momentum that has changed since, and before a second source without a formula. */
+/* A formula sees the mass and the momentum of the last look. So totals are looked at before a source that pushes where
+ * another has since, and before a second source without a formula. */
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
                    const struct state *scratch) {
     struct audit *a = g->audit;
     bool pushed = false;
     if (!a) return;
     a->work = 0;
-    a->measured = -1;
+    a->measured = a->pusher = -1;
     a->kicks = kicks_beside_bed(g, plan);
-    if (a->kicks) a->beside = energy_beside(g, from);
+    if (a->kicks) find_beside(g, from, a->beside);
     for (int i = 0; i < plan->n; i++) {
         const struct source_step *s = &plan->step[i];
         const int row = (int)(s->row - source_table);
-        if (s->row->gained ? pushed && s->row->pushes : a->measured >= 0) {
+        if ((pushed && s->row->pushes) || (!s->row->gained && a->measured >= 0)) {
             struct source_plan before = *plan;
             before.n = i;
             (void)sources_apply(g, &before, from, scratch);
@@ -202,28 +248,83 @@ void audit_sources(struct gas *g, const struct source_plan *plan, const struct s
         a->now.sourced[row] += work;
         a->work += work;
         if (!s->row->gained) a->measured = row;
+        if (s->row->pushes) a->pusher = row;
         pushed |= s->row->pushes;
     }
 }
 
+/* Books what gravity's kick did beside a bed, whose own cells get their start back; rest: change of energy anywhere. */
+static void book_kick(struct gas *g, const struct state *now, double rest) {
+    struct audit *a = g->audit;
+    double after[MAX_VAR];
+    find_beside(g, now, after);
+    book_weight(g, (after[g->components + 1] - a->beside[g->components + 1]) - rest);
+    for (int k = 0; k < g->components; k++) a->now.pushed[source_gravity_row()][k] += after[k + 1] - a->beside[k + 1];
+}
+
 void audit_sourced(struct gas *g, const struct state *now) {
     struct audit *a = g->audit;
+    double before[MAX_VAR];
     if (!a) return;
+    memcpy(before, a->now.totals, sizeof before);
     const double rest = look(g, now) - a->work;
     if (a->measured >= 0) a->now.sourced[a->measured] += rest;
-    if (a->kicks) book_weight(g, (energy_beside(g, now) - a->beside) - rest); /* the bed's cells get their start back */
+    for (int k = 0; k < g->components && a->pusher >= 0 && !a->kicks; k++)
+        a->now.pushed[a->pusher][k] += a->now.totals[k + 1] - before[k + 1];
+    if (a->kicks) book_kick(g, now, rest);
     a->kicks = false;
     a->work = 0;
-    a->measured = -1;
+    a->measured = a->pusher = -1;
+}
+
+status audit_filled(struct gas *g) {
+    double sum;
+    for (int k = 0; k < g->components && g->audit && g->given[k]; k++) {
+        TRY(g->engine->stage.sum_raised(g, g->given[k], &sum));
+        g->audit->given[k] += sum;
+    }
+    return OK;
+}
+
+struct leaving { /* context of leave_face: a block's place in audit.through */
+    const struct gas *g;
+    double *through;
+    int blocks;
+};
+
+static void leave_face(void *leaving, const struct gas_face *face) {
+    const struct leaving *l = leaving;
+    const int edge = patch_is_wall(&l->g->rules[face->patch]) ? GAS_WALLS : GAS_OPEN;
+    for (int k = 0; k < l->g->components; k++)
+        l->through[(long)(edge * l->g->components + k) * l->blocks] +=
+            l->g->tally->dt * (face->pressure[k] + face->viscous[k]);
 }
 
 status audit_keep(struct gas *g) {
     struct audit *a = g->audit;
     if (!a) return OK;
     a->start = a->now;
+    for (int b = 0; b < blocks_of(g); b++)
+        gas_tally_faces(g, b, leave_face, &(struct leaving){g, a->through + b, blocks_of(g)});
     const status e = a->failed;
     a->failed = OK;
     return e;
+}
+
+/* The momentum by cause. */
+static status find_momentum(const struct gas *g, const double totals[MAX_VAR], struct gas_budget *out) {
+    const struct audit *a = g->audit;
+    for (int k = 0; k < g->components; k++) {
+        out->momentum[k] = totals[k + 1];
+        out->given[k] = a->given[k];
+        out->strayed[k] = a->first[k + 1] + a->given[k] - totals[k + 1];
+        for (int i = 0; i < source_count; i++) out->strayed[k] += out->pushed[i][k] = a->start.pushed[i][k];
+        for (int edge = 0; edge < GAS_EDGES; edge++) {
+            TRY(sum_blocks(g, a->through + (long)(edge * g->components + k) * blocks_of(g), &out->through[edge][k]));
+            out->strayed[k] += out->through[edge][k] = -out->through[edge][k];
+        }
+    }
+    return OK;
 }
 
 status gas_budget(const struct gas *g, struct gas_budget *out) {
@@ -243,8 +344,8 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     out->filled = floors[0] - a->floors[0];
     out->flowed = a->known[GAS_FLOW] ? now[0] - a->first[0] - out->filled : 0;
     out->lost[0] = a->first[0] + out->flowed + out->filled - now[0];
-    out->lost[1] = a->first[1] - now[1];
+    out->lost[1] = a->first[g->components + 1] - now[1];
     for (int i = 0; i < source_count; i++) out->lost[1] += out->sourced[i] = a->start.sourced[i];
     for (int i = 0; i < GAS_CAUSES; i++) out->lost[1] += out->gained[i];
-    return OK;
+    return find_momentum(g, totals, out);
 }

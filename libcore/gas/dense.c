@@ -161,11 +161,10 @@ status dense_begin(struct gas *g, const struct state *from) {
 
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to) {
     struct dense *d = g->dense;
-    double kick[MAX_DIM];
     bool done = false;
-    source_kick(&g->models.source, t, dt, kick);
-    for (int k = 0; k < MAX_DIM; k++) kick[k] /= dt;
-    d->failed = bed_step(&d->bed, dt, kick, &done);
+    source_kick(&g->models.source, t, dt, d->kick);
+    for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
+    d->failed = bed_step(&d->bed, dt, d->kick, &done);
     if (d->failed || !done) return false;
     double bad = (double)g->engine->bed.put(g, to);
     comm_max(g->comm, &bad, 1);

@@ -254,6 +254,7 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
  * steps are not monotone, so a hot thin gas on a cold dense one may end at a hundredth of its T, of either sign. */
 static long conduct(struct gas *g, const struct state *from, const struct state *to, double t, double dt, double rate) {
     const struct lapse whole = {t, dt, 1, 1};
+    tally_mark_heat(g, false);
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
         for (int i = 0; i < parts && !g->left; i++) {
@@ -268,6 +269,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
             return bad;
         }
         g->counts.repeated++;
+        tally_mark_heat(g, true);
         (void)g->engine->diffusion.flags(g, false);
     }
 }
@@ -309,6 +311,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->ahead = false;
     long repeats = 0, plain = 0;
     audit_mark(g, false);
+    tally_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS && !g->left; parts *= repeats > 1 ? 2 : 1) {
         for (int i = 0; i < parts && !g->left; i++)
             bad = diffuse_both(g, i ? to : from, to, t + i * (dt / parts), dt / parts, most + 1, repeats > 0);
@@ -318,6 +321,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         repeats++;
         if (source_thermal(&g->models.source)) forget_cooled(g);
         audit_mark(g, true);
+        tally_mark(g, true);
         plain = g->engine->diffusion.flags(g, true);
     }
     (void)g->engine->diffusion.flags(g, false);

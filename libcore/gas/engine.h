@@ -3,7 +3,7 @@
 #ifndef LIBCORE_ENGINE_H
 #define LIBCORE_ENGINE_H
 
-#include "libcore/gas/gas.h"
+#include "libcore/gas/tally.h"
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
@@ -191,6 +191,7 @@ struct engine {
     struct diffusion_hooks diffusion;
     struct implicit_hooks implicit;
     struct bed_hooks bed;
+    struct tally_hooks tally; /* libcore/gas/tally.h */
 };
 extern const struct engine engine_lattice, engine_polyhedral;
 

@@ -13,6 +13,8 @@ status floors_make(struct gas *g) {
 void floors_free(struct gas *g) {
     free(g->raised);
     for (int v = 0; v < 2; v++) free(g->fill[v]);
+    for (int k = 0; k < MAX_DIM; k++) free(g->given[k]);
+    free(g->denser);
 }
 
 void floors_begin(struct gas *g) {
@@ -21,6 +23,7 @@ void floors_begin(struct gas *g) {
     if (g->dense) g->dense->begun = false;
     memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
     for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
+    for (int k = 0; k < MAX_DIM && g->given[k]; k++) memset(g->given[k], 0, (size_t)g->nraised * sizeof *g->given[k]);
 }
 
 struct flooring { /* context of floor_row */
@@ -39,6 +42,13 @@ static void floor_bed_row(const struct gas *g, double *U, const double *part, in
     }
 }
 
+/* Adds a share of the momentum of a row to what the density floor gave. */
+static void give(const struct gas *g, const struct row *row, const double *U, double share) {
+    const int step = g->raised_step, place = row->block + step * (int)row->at;
+    for (int k = 0; k < g->components && g->given[k]; k++)
+        for (int i = 0; i < row->n; i++) g->given[k][place + i * step] += share * U[(k + 1) * g->size + i];
+}
+
 static void floor_row(void *flooring, const struct row *row) {
     struct flooring *f = flooring;
     struct gas *g = f->g;
@@ -47,7 +57,9 @@ static void floor_row(void *flooring, const struct row *row) {
     if (g->hybrid && g->dense->begun) floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
     if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
     if (g->least > 0) {
+        give(g, row, U, -g->share);
         g->filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);
+        give(g, row, U, g->share);
         for (int v = 0; v < 2; v++)
             for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
     }
@@ -75,7 +87,7 @@ static status count_fill(struct gas *g) {
         g->counts.fill[v] += sum;
     }
     g->counts.filled += g->filled;
-    return OK;
+    return audit_filled(g);
 }
 
 status floors_count(struct gas *g) {

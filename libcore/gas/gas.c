@@ -63,6 +63,7 @@ void gas_free(struct gas *g) {
     dense_free(g);
     g->engine->state.free(g);
     audit_free(g->audit);
+    tally_free(g->tally);
     status_free(g->unrenewed);
     free(g);
 }

@@ -152,18 +152,43 @@ double gas_computed_share(const struct gas *g);
  * Volumes are per thickness of the empty axes, as struct forest's `volume`. */
 status gas_totals(const struct gas *g, double totals[MAX_VAR]);
 
-/* The budget of mass and energy by cause (libcore/gas/audit.h). gas_audit begins to keep it, which changes no bit of
- * the gas and costs a few sums over all cells a step; gas_budget says what has changed since then. Both are
+/* What left the gas through the faces of patches in the last step: the state itself has changed by it, to round-off
+ * (libcore/gas/tally.h). gas_tally begins to keep it, which changes no bit of the gas and costs little; collective. */
+struct gas_face {       /* of a patch; vectors along computational axes; rates are means over the last step */
+    int patch;          /* of the polyMesh */
+    double area;        /* m^2, with the thickness of empty axes */
+    double centre[3];   /* [dim] m */
+    double normal[3];   /* [dim] unit, out of the gas */
+    double mass;        /* kg/s that left */
+    double pressure[3]; /* [components] N: momentum that left by pressure and flow */
+    double viscous[3];  /* [components] N: momentum that left by viscous stress */
+    double energy;      /* W that left by pressure and flow, by the work of the stress, by conduction */
+    double work, heat;
+};
+typedef void gas_face_visitor(void *context, const struct gas_face *face);
+status gas_tally(struct gas *g);
+double gas_tally_step(const struct gas *g); /* s: length of the last step; 0: there was none since gas_tally */
+/* Visits the faces of patches that one of this rank's blocks has (struct grid), in an order that does not depend on the
+ * ranks. */
+void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, void *context);
+
+/* The budget of mass, momentum and energy by cause (libcore/gas/audit.h). gas_audit begins to keep it, which changes no
+ * bit of the gas and costs a few sums over all cells a step; gas_budget says what has changed since then. Both are
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */
 enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CAUSES };
+enum gas_edge { GAS_WALLS, GAS_OPEN, GAS_EDGES };
 struct gas_budget {              /* sums over the domain, as by gas_totals */
     double mass, energy;         /* kg, J: of the present state */
     double sourced[SOURCE_MOST]; /* J: from each source */
     double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U */
     double flowed, filled;       /* kg: through open patches, and by the density floor */
     double lost[2];              /* kg, J: changes that no cause accounts for: round-off */
+    /* N s along computational axes, [components]: of the present state; from each source; through walls and open
+     * patches, by pressure, flow and stress; by the density floor; round-off */
+    double momentum[MAX_DIM], pushed[SOURCE_MOST][MAX_DIM], through[GAS_EDGES][MAX_DIM], given[MAX_DIM],
+        strayed[MAX_DIM];
 };
 status gas_audit(struct gas *g);
 status gas_budget(const struct gas *g, struct gas_budget *out);

@@ -6,6 +6,7 @@
 #include "libcore/gas/audit.h"
 #include "libcore/gas/engine.h"
 #include "libcore/gas/implicit.h"
+#include "libcore/gas/tally.h"
 #include "libcore/schemes/limit.h"
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
@@ -16,14 +17,15 @@ enum { MOST_STAGES = 100000 };
 
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
-    double thin;        /* kg/m^3: below it cells are near vacuum */
-    double above, hard; /* kg/m^3: denser cells are dense, or hard */
-    double **part;      /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
-    bool alone;         /* is every cell one of the bed? */
-    double inertia;     /* of the dense cells in the last plan */
-    bool begun;         /* are the stages at work, whose results in cells of the bed are given up? */
-    double longest;     /* s: the step that was planned; 0: the next step is explicit */
-    status failed;      /* why an attempt could not be made, other than that dt was too long */
+    double thin;          /* kg/m^3: below it cells are near vacuum */
+    double above, hard;   /* kg/m^3: denser cells are dense, or hard */
+    double **part;        /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    bool alone;           /* is every cell one of the bed? */
+    double inertia;       /* of the dense cells in the last plan */
+    bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
+    double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
+    double longest;       /* s: the step that was planned; 0: the next step is explicit */
+    status failed;        /* why an attempt could not be made, other than that dt was too long */
 };
 
 struct gas {
@@ -64,13 +66,15 @@ struct gas {
     struct gas_counts before; /* numbers of an earlier run */
     long computed, all;       /* cell updates on this rank: computed ones, and with those that were left out */
     struct audit *audit;      /* the budget; NULL: none is kept */
+    struct tally *tally;      /* fluxes through patches; NULL: they are not kept */
 
     long faces;     /* faces limited in the last redo, on this rank */
     long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
     double *raised; /* [nraised] J/m^3 that this attempt's round-off floor added: per tile, or per cell of polyhedra */
     int nraised;
-    int raised_step; /* of a row's cell i the place is block + raised_step (at + i): 0 per tile, 1 per cell */
-    long filled;     /* cells raised to the density floor by this attempt, on this rank */
+    int raised_step;        /* of a row's cell i the place is block + raised_step (at + i): 0 per tile, 1 per cell */
+    long filled;            /* cells raised to the density floor by this attempt, on this rank */
+    double *given[MAX_DIM]; /* [nraised] momentum per m^3 of that mass; NULL without a budget */
     double *fill[2]; /* [nraised] mass and energy per m^3 that the density floor added to the result; NULL without it */
     double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
 
@@ -81,6 +85,8 @@ struct gas {
     bool *falling;           /* [blocks] has the block a cold cell? */
     double gravity[MAX_DIM]; /* m/s^2: at the time of the stage in hand */
     double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
+    /* [nraised] kg s/m^3, with a budget: what drop_row drops there is denser than before the stage, times dt */
+    double *denser;
 
     double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
     bool late;                 /* is diffusion in the second half of the step, before cooling? */
@@ -197,6 +203,8 @@ void advance_row(const struct gas *g, int n, const struct advance *s, const doub
  * cells of a bed (part, enum bed_part, or NULL), which are given back their start. */
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
               const double *part, double *dropped);
+/* Forgets what drop_row noted, before a stage is done again. */
+void drop_begin(const struct gas *g);
 /* Gives the frozen cells of a bed the state U0. */
 void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */

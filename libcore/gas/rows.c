@@ -136,6 +136,11 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
     add_power(n, power, residual[g->components + 1]);
 }
 
+void drop_begin(const struct gas *g) {
+    if (g->dropped) memset(g->dropped, 0, (size_t)g->nraised * sizeof *g->dropped);
+    if (g->denser) memset(g->denser, 0, (size_t)g->nraised * sizeof *g->denser);
+}
+
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
               const double *part, double *dropped) {
     const long size = g->size;
@@ -151,7 +156,9 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
             more += kick * (moved + 0.5 * rho * kick);
         }
         s->to[(g->components + 1) * size + i] += (1 - a) * work;
-        if (!(part && part[i] > 0)) dropped[i * g->raised_step] += more;
+        if (part && part[i] > 0) continue;
+        dropped[i * g->raised_step] += more;
+        if (g->denser) g->denser[dropped - g->dropped + i * g->raised_step] += dt * (rho - s->from[i]);
     }
 }
 

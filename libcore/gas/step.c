@@ -285,6 +285,7 @@ static bool end_bed(struct gas *g, double t, double dt, bool sources, bool guard
     if (sources && any_rank(g, half_sources(g, t, dt, true, &g->V, &g->V))) return false;
     g->engine->bed.take(g, &g->V, true);
     if (!dense_advance(g, t, dt, guarded, &g->V)) return false;
+    tally_bed(g, dt);
     audit_bed(g);
     audit_part(g, GAS_FLOW, &g->V);
     return true;
@@ -316,6 +317,8 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
             bad += found;
         else if (any_rank(g, found) && !guard_stage(g, stage, U0, from, a, b))
             return false;
+        tally_stage(g, (1 - a) * share_of(s, stage) * b);
+        audit_rest(g, (1 - a) * share_of(s, stage) * b);
         if (g->hybrid) g->engine->bed.keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
         U0 = after_stage(g, U0, stage);
     }
@@ -361,6 +364,7 @@ static void attempt_begin(struct gas *g) {
     g->stiff.found = g->left = false;
     g->unasked = 0;
     audit_begin(g);
+    tally_begin(g);
 }
 
 /* Ends a step that is left: the state is still that at its start, and so become the counts. */
@@ -461,6 +465,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     g->slow_dt[1] = *dt;
     TRY(count_step(g));
     swap(&g->U, &g->V);
+    tally_keep(g, *dt);
     return audit_keep(g);
 }
 

@@ -426,4 +426,6 @@ const struct engine engine_lattice = {
             .take = tiles_bed_take,
             .keep = tiles_bed_keep,
             .put = tiles_bed_put,
-            .spread = tiles_bed_spread}};
+            .spread = tiles_bed_spread},
+    .tally = {
+        .make = tiles_tally_make, .stage = tiles_tally_stage, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};

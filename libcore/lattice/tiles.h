@@ -179,6 +179,17 @@ struct span tiles_moving_span(const struct gas *g, int tile, long row, int n);
 /* Notes the fluxes through a strip of such a tile. */
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
+/* Fluxes through patches (libcore/lattice/tiles_tally.c). */
+status tiles_tally_make(const struct gas *g, struct tally *t, bool *stages);
+void tiles_tally_stage(struct gas *g, double weight);
+void tiles_tally_bed(struct gas *g, double dt);
+void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
+/* The place in the lines of the face at a side of a tile, which is a patch, that the cell at `offset` has. */
+int tiles_tally_place(const struct gas *g, int tile, int side, long offset);
+/* Gives all faces of a tile the flux of its background, before a stage of it; then notes the fluxes of a strip. */
+void tiles_tally_begin(struct gas *g, int tile, const double *U);
+void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
+
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,

@@ -526,6 +526,21 @@ long tiles_bed_put(struct gas *g, const struct state *to) {
     return bad;
 }
 
+void tiles_tally_bed(struct gas *g, double dt) {
+    const struct bed *bed = &g->dense->bed;
+    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    for (int f = 0; f < bed->faces; f++) {
+        const bool high = bed->left[f] >= 0;
+        const int axis = bed->shape[f];
+        double flux[MAX_VAR];
+        if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_KEPT) continue;
+        const long inner = high ? seat[f].at : seat[f].at + g->forest->stride[axis];
+        const int to = tiles_tally_place(g, seat[f].tile, 2 * axis + high, inner);
+        bed_face_flux(bed, f, flux);
+        for (int v = 0; v < g->nvar; v++) g->tally->flow[v][to] = high ? dt * flux[v] : -dt * flux[v];
+    }
+}
+
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
     int block = 0;
     for (int t = 0; t < g->forest->ntiles; t++) raised[t] = g->tiles->bed->holds[t] ? per_block[block++] : 0;

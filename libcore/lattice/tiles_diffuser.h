@@ -51,6 +51,16 @@ typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const v
 /* Visits the first layer of ghosts of all sides of a tile that are patches. */
 void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context);
 
+/* Fluxes through patches (libcore/lattice/tiles_tally.c): the stress at the faces of n cells that lie one behind the
+ * other, `inner` the first, at a side of a tile: lines as viscous_faces makes them, `length` apart, of which the work
+ * counts `per` times; energy that friction on a wall gives to a cell of an edge (J/m^3); the heat of the last S; that
+ * of the gradient of rho. */
+void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, double per, const double *lines,
+                        int length);
+void tiles_tally_friction(struct gas *g, int tile, const struct edge *e, int i, double gain);
+void tiles_tally_heat(struct gas *g);
+void tiles_tally_cross(struct gas *g, double dt);
+
 /* Ghosts of S: from the neighbours, and by the rules of patches; of the stress the derivatives along the tile's sides,
  * too. weight: struct diffusion_hooks. */
 void tiles_fill_sums(struct gas *g, enum diffusing what, double weight);

@@ -181,6 +181,22 @@ ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const doub
         next[i] = next_sum(c, last[i], next[i], gain(dim, i, x, y0, y1, z0, z1), light[i], start[i]);
 }
 
+/* Notes the stress on the sides of a tile that row (j, k) touches; lines as in viscous_sweep. */
+static void note_sides(const struct sweep *s, int j, int k, const double *x, const double *low, const double *high,
+                       const double *z0, const double *z1) {
+    struct gas *g = s->g;
+    const struct forest *f = g->forest;
+    const int *n = f->tile[s->tile].n;
+    const long at = f->first + j * f->stride[1] + k * f->stride[2];
+    const double per = 1 / s->dt;
+    tiles_tally_stress(g, s->tile, 0, at, 1, per, x, LINE);
+    tiles_tally_stress(g, s->tile, 1, at + n[0] - 1, 1, per, x + n[0], LINE);
+    if (g->dim > 1 && j == 0) tiles_tally_stress(g, s->tile, 2, at, n[0], per, low, LINE);
+    if (g->dim > 1 && j == n[1] - 1) tiles_tally_stress(g, s->tile, 3, at, n[0], per, high, LINE);
+    if (g->dim > 2 && k == 0) tiles_tally_stress(g, s->tile, 4, at, n[0], per, z0, LINE);
+    if (g->dim > 2 && k == n[2] - 1) tiles_tally_stress(g, s->tile, 5, at, n[0], per, z1, LINE);
+}
+
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
  * rows in turn. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain) {
@@ -214,6 +230,7 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
                               plain ? keep + 2 * size + top : NULL, (i ? here : outer[0]) + EDGE,
                               (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
             }
+            if (ends && s->g->tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
             for (int v = 0; v < lines; v++)
                 if (ends)
                     gain_row(vectors, dim, x[v], low[v], high[v], z[0][v], z[1][v], M[v]);
@@ -284,8 +301,10 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
             const double jump = ending->weight * w[k] - S[k * size + at];
             if (k != e->normal) square += jump * jump;
         }
-        g->tiles->work.p[at] +=
+        const double gain =
             wall[STAYS * size + beyond] * shear[face + i * e->step] * a * (1 - 0.5 * a) * square / ending->dt;
+        g->tiles->work.p[at] += gain;
+        if (g->tally) tiles_tally_friction(g, tile, e, i, gain);
     }
 }
 
@@ -312,6 +331,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     const struct ending_sums ending = {weight, dt};
     long bad = 0;
     tiles_fill_sums(g, what, weight);
+    if (g->tally && what == HEAT) tiles_tally_heat(g);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct sweep s = {.g = g, .what = what, .tile = t, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt};
         s.E = energy_of(g, what, t, Y0->block[t], &ending);

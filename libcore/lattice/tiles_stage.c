@@ -148,6 +148,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
     if (g->fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
+    if (g->tally) tiles_tally(g, s, out, column);
 }
 
 KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
@@ -340,6 +341,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
     if (g->falls) balance_walls(g, tile, &pass.walls);
+    if (g->tally) tiles_tally_begin(g, tile, from->block[tile]);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);

@@ -289,6 +289,15 @@ static status cells_sum_raised(const struct gas *g, double *raised, double *sum)
     return integrate(g, raised, sum);
 }
 
+static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
+    for (int k = 0; k < MAX_DIM; k++) {
+        const double *added = k < g->dim ? cells_rest_added(g, k) : NULL;
+        force[k] = 0;
+        if (added) TRY(integrate(g, added, &force[k]));
+    }
+    return OK;
+}
+
 static void cells_hold_limited(struct gas *g, bool back) {
     struct cells *c = g->cells;
     memcpy(back ? c->limited : c->held, back ? c->held : c->limited, (size_t)c->polyhedra->nown * sizeof(double));
@@ -349,4 +358,9 @@ const struct engine engine_polyhedral = {
             .keep = cells_bed_keep,
             .put = cells_bed_put,
             .spread = cells_bed_spread},
+    .tally = {.make = cells_tally_make,
+              .stage = cells_tally_stage,
+              .bed = cells_tally_bed,
+              .visit = cells_tally_visit,
+              .rest = cells_tally_rest},
     .implicit = {.pattern = cells_implicit_pattern, .matrix = cells_implicit_matrix, .move = cells_implicit_move}};

@@ -107,6 +107,8 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]);
 
+/* Returns what the last stage added along an axis, [nown] N/m^dim, if a budget is kept; NULL: no state is at rest. */
+const double *cells_rest_added(const struct gas *g, int axis);
 /* Returns, for an own cell or a near ghost, what the mean pressure of U* on a face is above p* + rho* fall, fall being
  * g.(x_f - x), times the w of the last cells_rest_find. */
 double cells_rest_miss(const struct gas *g, int face, int cell, double fall);
@@ -123,6 +125,15 @@ void cells_bed_take(struct gas *g, const struct state *from, bool again);
 void cells_bed_keep(struct gas *g, double weight);
 long cells_bed_put(struct gas *g, const struct state *to);
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
+
+/* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion
+ * passes on, by the fluxes in hand. */
+status cells_tally_make(const struct gas *g, struct tally *t, bool *stages);
+void cells_tally_stage(struct gas *g, double weight);
+void cells_tally_bed(struct gas *g, double dt);
+void cells_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
+void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt);
+void cells_tally_cross(struct gas *g, double dt);
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);

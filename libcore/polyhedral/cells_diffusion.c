@@ -479,6 +479,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     cells_lines(g, to, out);
     flow(g, what, weight);
     if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[d->last]);
+    if (g->tally) cells_tally_diffusion(g, what, dt);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);

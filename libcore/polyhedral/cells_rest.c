@@ -26,6 +26,7 @@ struct cells_rest {
     double *near;           /* [nnear] w of the state in hand */
     double *at[2];          /* [points] rho*(x) and E*(x) */
     double *force[MAX_DIM]; /* [nown] r, N/m^dim */
+    double *added[MAX_DIM]; /* [nown] N/m^dim, with a budget: what the last stage added by it; 0 in cells of a bed */
     double *on_face;        /* [faces] mean of p(U*(x)) */
     int finds;              /* KNOWN, or what is being found */
 };
@@ -42,7 +43,10 @@ static status make(const struct gas *g, struct cells_rest **out) {
     TRY(allocate(&r->p, m->nnear, sizeof(double), "gas at rest"));
     TRY(allocate(&r->on_face, m->face.n, sizeof(double), "gas at rest"));
     TRY(allocate(&r->near, m->nnear, sizeof(double), "gas at rest"));
-    for (int k = 0; k < g->dim; k++) TRY(allocate(&r->force[k], m->nown, sizeof(double), "gas at rest"));
+    for (int k = 0; k < g->dim; k++) {
+        TRY(allocate(&r->force[k], m->nown, sizeof(double), "gas at rest"));
+        TRY(allocate(&r->added[k], m->nown, sizeof(double), "gas at rest"));
+    }
     return allocate(&r->rests, m->nnear, sizeof *r->rests, "gas at rest");
 }
 
@@ -52,7 +56,10 @@ void cells_rest_free(struct cells_rest *r) {
         free(r->U[i]);
         free(r->at[i]);
     }
-    for (int k = 0; k < MAX_DIM; k++) free(r->force[k]);
+    for (int k = 0; k < MAX_DIM; k++) {
+        free(r->force[k]);
+        free(r->added[k]);
+    }
     free(r->p);
     free(r->on_face);
     free(r->near);
@@ -109,13 +116,19 @@ void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, c
         for (int i = 0; i < n; i++) {
             const bool out = (falls && falls[i] > 0) || (flag && flag[i] > 0);
             if (r->finds == FORCES) r->force[k][at + i] = -residual[k + 1][i];
-            residual[k + 1][i] += out ? 0 : r->near[at + i] * r->force[k][at + i];
+            const double force = out ? 0 : r->near[at + i] * r->force[k][at + i];
+            residual[k + 1][i] += force;
+            if (g->audit) r->added[k][at + i] = g->hybrid && g->dense->part[0][at + i] > 0 ? 0 : force;
         }
 }
 
 double cells_rest_miss(const struct gas *g, int face, int cell, double fall) {
     const struct cells_rest *r = g->cells->rest;
     return r->near[cell] * (r->on_face[face] - (r->p[cell] + r->U[0][cell] * fall));
+}
+
+const double *cells_rest_added(const struct gas *g, int axis) {
+    return g->cells->rest ? g->cells->rest->added[axis] : NULL;
 }
 
 /* The fluxes of U* are those of its pressure. */

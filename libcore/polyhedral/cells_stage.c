@@ -362,7 +362,7 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     double *line[MAX_VAR];
     cells_lines(g, from, line);
     g->faces = 0;
-    if (g->dropped) memset(g->dropped, 0, (size_t)g->nraised * sizeof *g->dropped);
+    drop_begin(g);
     face_fluxes(g, 0, g->cells->polyhedra->face.ninternal, (const double *const *)line);
     face_fluxes(g, g->cells->polyhedra->face.ninternal, g->cells->polyhedra->face.n, (const double *const *)line);
     (void)update_cells(g, U0, from, to, a, dt);

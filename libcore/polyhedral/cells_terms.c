@@ -76,6 +76,7 @@ void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
         cells_residuals(g->cells, at, n, g->cells->diffuser->cross, sum);
         for (int i = 0; i < n; i++) E[i] += dt * sum[i];
     }
+    if (g->tally) cells_tally_cross(g, dt);
 }
 
 /* The volume that the gas on a face sweeps beyond what the gas of the cell does, so that the sum over the faces of a

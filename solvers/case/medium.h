@@ -9,7 +9,7 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 16, MAX_BUDGET = 32 };
+enum { MAX_QUANTITIES = 16, MAX_BUDGET = 64 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
@@ -23,7 +23,15 @@ struct pace {          /* how long the next step may be */
     const char *early; /* name of what may end a step early; NULL: a rejection */
 };
 
-struct budget_row { /* what changed mass and energy: the titles of the columns, and their values */
+struct crossing { /* what left the medium by a face of a patch, mean over the last step; vectors along physical axes */
+    int patch;
+    double area, centre[3], normal[3]; /* m^2, m; unit, out of the medium */
+    double mass, energy;               /* kg/s, W: energy by flow, work and heat */
+    double pressure[3], viscous[3];    /* N: momentum by pressure and flow, and by viscous stress */
+};
+typedef void crossing_visitor(void *context, const struct crossing *face);
+
+struct budget_row { /* what changed mass, momentum and energy: the titles of the columns, and their values */
     int n;
     const char *title[MAX_BUDGET];
     double value[MAX_BUDGET];
@@ -79,8 +87,13 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
     /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
-    /* Sets *out to the changes of mass and energy since the first call, by cause, with the same columns in every call.
-     * Collective. NULL: the medium keeps no such account. */
+    /* Lets the medium note from the next step on what leaves it through patches; *dt is the length of the last step
+     * that it noted (s), 0 before. Collective. NULL: the medium does not know it. */
+    status (*follow)(struct medium *m, double *dt);
+    /* Visits the faces of patches that a block of this rank has, in an order that does not depend on the ranks. */
+    void (*crossings)(const struct medium *m, int block, crossing_visitor *visit, void *context);
+    /* Sets *out to the changes of mass, momentum and energy since the first call, by cause, with the same columns in
+     * every call. Collective. NULL: the medium keeps no such account. */
     status (*budget)(struct medium *m, struct budget_row *out);
     /* Sets *out to the grains, which the caller frees; n = 0: there are none to be written. On the root. NULL: the
      * medium has no grains. */

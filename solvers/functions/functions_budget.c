@@ -1,4 +1,4 @@
-/* Function object energyBudget writes what changed the medium's mass and energy, by cause. */
+/* Function object energyBudget writes what changed the medium's mass, energy and momentum, by cause. */
 #include "solvers/functions/functions_private.h"
 
 #include <stdlib.h>
@@ -53,7 +53,8 @@ static void budget_free(void *own) {
 
 const struct function_type function_budget = {
     .name = "energyBudget",
-    .about = "mass and energy, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
+    .about =
+        "mass, energy and momentum, and what changed them: impacts, gravity, walls, open patches, floors; no `fields`",
     .make = budget_make,
     .execute = budget_execute,
     .free = budget_free,

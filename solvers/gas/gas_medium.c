@@ -488,7 +488,43 @@ static const char help[] =
     "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
     "MPI.\n";
 
-_Static_assert(12 + SOURCE_MOST <= MAX_BUDGET, "the budget has room for every source");
+static status gas_follow(struct medium *m, double *dt) {
+    const struct gas_state *g = of(m);
+    *dt = gas_tally_step(g->gas);
+    return gas_tally(g->gas);
+}
+
+struct turning { /* context of turn_face */
+    const struct setup *setup;
+    crossing_visitor *visit;
+    void *context;
+};
+
+/* Turns a face's vectors to physical axes. Along axes that are not solved all cells have one place. */
+static void turn_face(void *turning, const struct gas_face *face) {
+    const struct turning *t = turning;
+    const struct setup *s = t->setup;
+    struct crossing out = {.patch = face->patch,
+                           .area = face->area,
+                           .centre = {s->centre[0], s->centre[1], s->centre[2]},
+                           .mass = face->mass,
+                           .energy = face->energy + face->work + face->heat};
+    for (int k = 0; k < s->dim; k++) {
+        out.centre[s->axis[k]] = face->centre[k];
+        out.normal[s->axis[k]] = face->normal[k];
+    }
+    for (int k = 0; k < s->components; k++) {
+        out.pressure[s->axis[k]] = face->pressure[k];
+        out.viscous[s->axis[k]] = face->viscous[k];
+    }
+    t->visit(t->context, &out);
+}
+
+static void gas_crossings(const struct medium *m, int block, crossing_visitor *visit, void *context) {
+    gas_tally_faces(of(m)->gas, block, turn_face, &(struct turning){m->setup, visit, context});
+}
+
+_Static_assert(12 + SOURCE_MOST + 3 * 7 <= MAX_BUDGET, "the budget has room for every source");
 /* Adds energy to the column of a cause, which is made behind the others if there is none. */
 static void budget_add(struct budget_row *b, const char *cause, double energy) {
     int i = 0;
@@ -498,6 +534,29 @@ static void budget_add(struct budget_row *b, const char *cause, double energy) {
         b->value[b->n++] = 0;
     }
     b->value[i] += energy;
+}
+
+/* The momentum along an axis, by cause, behind the other columns. */
+static void budget_momentum(struct budget_row *row, const struct gas_budget *b, int component, int axis) {
+    static const char *const titles[3][7] = {{"momentum_x", "momentumGravity_x", "momentumWalls_x", "momentumFlow_x",
+                                              "momentumSources_x", "momentumFloors_x", "momentumResidual_x"},
+                                             {"momentum_y", "momentumGravity_y", "momentumWalls_y", "momentumFlow_y",
+                                              "momentumSources_y", "momentumFloors_y", "momentumResidual_y"},
+                                             {"momentum_z", "momentumGravity_z", "momentumWalls_z", "momentumFlow_z",
+                                              "momentumSources_z", "momentumFloors_z", "momentumResidual_z"}};
+    double weight = 0, others = 0;
+    for (int i = 0; i < source_count; i++) *(i == source_gravity_row() ? &weight : &others) += b->pushed[i][component];
+    const double values[] = {b->momentum[component],
+                             weight,
+                             b->through[GAS_WALLS][component],
+                             b->through[GAS_OPEN][component],
+                             others,
+                             b->given[component],
+                             b->strayed[component]};
+    for (int i = 0; i < 7; i++) {
+        row->title[row->n] = titles[axis][i];
+        row->value[row->n++] = values[i];
+    }
 }
 
 static status gas_medium_budget(struct medium *m, struct budget_row *out) {
@@ -516,6 +575,9 @@ static status gas_medium_budget(struct medium *m, struct budget_row *out) {
         if (source_row_active(&models->source, &models->material, i))
             budget_add(out, source_table[i].cause, b.sourced[i]);
     budget_add(out, "cooling", b.gained[GAS_DILATION]); /* it is the part of cooling that goes with div u */
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < m->setup->components; k++)
+            if (m->setup->axis[k] == axis) budget_momentum(out, &b, k, axis);
     return OK;
 }
 
@@ -549,6 +611,8 @@ const struct medium_type gas_medium = {
     .gather = gas_gather,
     .present = gas_present,
     .patch = gas_patch,
+    .follow = gas_follow,
+    .crossings = gas_crossings,
     .budget = gas_medium_budget,
     .save = gas_save,
 };

@@ -84,7 +84,7 @@ static void look_on(struct watch *w, struct gas *g, const struct state *s) {
     if (!w->bad) w->bad = look(w, g, s);
 }
 
-struct tally {
+struct census {
     const struct gas *g;
     long double sum[MAX_VAR], magnitude[3];
 };
@@ -92,7 +92,7 @@ struct tally {
 /* What one stage rounds is a multiple of eps times the variables and times dt/h fluxes; the Courant number bounds the
  * latter by rho, rho (|u| + c) and E + p. */
 static void tally_visit(void *context, long cell, double volume, const double U[MAX_VAR]) {
-    struct tally *t = context;
+    struct census *t = context;
     const struct gas *g = t->g;
     double eps = (double)((U[g->components + 1] - kinetic(g->components, U)) / U[0]), p, c2, gruneisen;
     (void)cell;
@@ -108,7 +108,7 @@ static void tally_visit(void *context, long cell, double volume, const double U[
 enum { FEW = 4 };
 
 static void tally(struct watch *w, const struct gas *g) {
-    struct tally t = {.g = g};
+    struct census t = {.g = g};
     watch_cells(g, &g->U, tally_visit, &t);
     memcpy(w->budget.now, t.sum, sizeof t.sum);
     for (int i = 0; i < 3; i++) {

@@ -1,0 +1,148 @@
+/* Fluxes through the faces of patches on a lattice (libcore/gas/tally.h). The lines go tile by tile and side by side,
+ * the lower axis along a side fastest; they hold fluxes per area. A face that is not computed, because its cells and
+ * their neighbours are the background, has the background's own flux. */
+#include "libcore/lattice/tiles_diffuser.h"
+
+status tiles_tally_make(const struct gas *g, struct tally *t, bool *stages) {
+    const struct forest *f = g->forest;
+    *stages = true;
+    TRY(allocate(&t->first, 6L * f->ntiles, sizeof *t->first, "the fluxes through patches"));
+    for (int i = 0; i < 6 * f->ntiles; i++) {
+        const struct tile *tile = &f->tile[i / 6];
+        const int axis = i % 6 / 2;
+        t->first[i] = -1;
+        if (axis >= g->dim || tile->side[i % 6].patch < 0) continue;
+        t->first[i] = t->faces;
+        t->faces += tile->n[0] * tile->n[1] * tile->n[2] / tile->n[axis];
+    }
+    return OK;
+}
+
+int tiles_tally_place(const struct gas *g, int tile, int side, long offset) {
+    const struct forest *f = g->forest;
+    const int across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
+    long rest = offset - f->first, at[3] = {0, 0, 0};
+    for (int k = f->dim - 1; k >= 0; k--) {
+        at[k] = rest / f->stride[k];
+        rest -= at[k] * f->stride[k];
+    }
+    return g->tally->first[6 * tile + side] + (int)(at[deep] * f->tile[tile].n[across] + at[across]);
+}
+
+void tiles_tally_begin(struct gas *g, int tile, const double *U) {
+    const struct forest *f = g->forest;
+    const struct work *w = &g->tiles->work;
+    const int *n = f->tile[tile].n;
+    primitives_of_row(g, U, 0, 1);
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const int axis = side / 2, first = g->tally->first[6 * tile + side];
+        const double u = w->velocity[axis][0], p = w->p[0];
+        for (int v = 0; v < g->nvar && first >= 0; v++) {
+            double flux = U[v * f->size] * u + (v == axis + 1 ? p : v == g->nvar - 1 ? p * u : 0);
+            if (side % 2 == 0) flux = -flux;
+            for (int i = 0; i < n[0] * n[1] * n[2] / n[axis]; i++) g->tally->stage[v][first + i] = flux;
+        }
+    }
+}
+
+void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
+    for (int high = 0; high < 2; high++) {
+        const int side = 2 * s->axis + high;
+        const int place = (high ? g->forest->tile[s->tile].n[s->axis] - 1 : -1) - s->from; /* of the left cells */
+        if (g->tally->first[6 * s->tile + side] < 0 || (s->axis == 0 ? place < 0 || place >= s->n : place != 0))
+            continue;
+        const int n = s->axis == 0 ? 1 : s->n, from = column + (s->axis == 0 ? place : 0);
+        const long left = s->offset + (s->axis == 0 ? place : 0),
+                   inner = high ? left : left + g->forest->stride[s->axis];
+        const int to = tiles_tally_place(g, s->tile, side, inner);
+        for (int v = 0; v < g->nvar; v++)
+            for (int i = 0; i < n; i++) g->tally->stage[v][to + i] = high ? out[v][from + i] : -out[v][from + i];
+    }
+}
+
+void tiles_tally_stage(struct gas *g, double weight) {
+    const struct tally *t = g->tally;
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < t->faces; i++) t->flow[v][i] += weight * t->stage[v][i];
+}
+
+void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, double per, const double *lines,
+                        int length) {
+    if (g->tally->first[6 * tile + side] < 0) return;
+    const int to = tiles_tally_place(g, tile, side, inner);
+    const double h = side % 2 ? -g->forest->width[side / 2] : g->forest->width[side / 2];
+    for (int v = 0; v <= g->components; v++)
+        for (int i = 0; i < n; i++)
+            g->tally->passed[v][to + i] += (v < g->components ? h : per * h) * lines[v * length + i];
+}
+
+void tiles_tally_friction(struct gas *g, int tile, const struct edge *e, int i, double gain) {
+    const int side = 2 * e->normal + (e->to > e->from), to = tiles_tally_place(g, tile, side, e->from + i * e->step);
+    g->tally->passed[g->nvar - 2][to] -= g->forest->width[e->normal] * gain;
+}
+
+/* Adds what a line at the faces below cells, times `per`, brings to the cells beside patches. */
+static void add_heat(struct gas *g, int tile, const struct edge *e, double per, const double *gain) {
+    const bool high = e->to > e->from;
+    const double h = g->forest->width[e->normal];
+    const int to = tiles_tally_place(g, tile, 2 * e->normal + high, e->from);
+    for (int i = 0; i < e->n; i++) g->tally->passed[g->nvar - 1][to + i] += (high ? -per * h : per * h) * gain[i];
+}
+
+static void heat_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct diffuser *d = g->tiles->diffuser;
+    const double *S = d->sum[d->last][tile];
+    const long size = g->forest->size, face = e->to > e->from ? e->to : e->from, step = g->forest->stride[e->normal];
+    const double *coefficient = d->face[tile] + (FACE_LINES * e->normal + CONDUCTION) * size;
+    double gain[BATCH] = {0};
+    (void)context;
+    for (int i = 0; i < e->n; i++) {
+        const long at = face + i * e->step;
+        gain[i] = coefficient[at] * (S[at] - S[at - step]);
+    }
+    add_heat(g, tile, e, 1, gain);
+}
+
+void tiles_tally_heat(struct gas *g) {
+    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, heat_edge, NULL);
+}
+
+static void cross_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const double *dt = context, *cross = g->tiles->diffuser->cross[tile] + e->normal * g->forest->size;
+    const long face = e->to > e->from ? e->to : e->from;
+    double gain[BATCH] = {0};
+    for (int i = 0; i < e->n; i++) gain[i] = cross[face + i * e->step];
+    add_heat(g, tile, e, *dt, gain);
+}
+
+void tiles_tally_cross(struct gas *g, double dt) {
+    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, cross_edge, &dt);
+}
+
+/* Visits the faces that a block has at one side of its tile. */
+static void visit_side(const struct gas *g, const struct forest_block *b, int side, gas_face_visitor *visit,
+                       void *context) {
+    const struct forest *f = g->forest;
+    const struct tile *t = &f->tile[b->tile];
+    const int axis = side / 2, across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
+    const int first = g->tally->first[6 * b->tile + side];
+    const double area = f->volume / f->width[axis];
+    struct gas_face face = {.patch = t->side[side].patch, .area = area};
+    face.normal[axis] = side % 2 ? 1 : -1;
+    face.centre[axis] = f->origin[axis] + (b->low[axis] + (side % 2 ? b->n[axis] : 0)) * f->width[axis];
+    for (int k = 0; k < b->n[deep]; k++)
+        for (int j = 0; j < b->n[across]; j++) {
+            const int at[2] = {f->step[across] ? j : 0, f->step[deep] ? k : 0};
+            if (across < f->dim)
+                face.centre[across] = f->origin[across] + (b->low[across] + j + 0.5) * f->width[across];
+            if (deep < f->dim) face.centre[deep] = f->origin[deep] + (b->low[deep] + k + 0.5) * f->width[deep];
+            tally_face(g, first + at[1] * t->n[across] + at[0], area, &face);
+            visit(context, &face);
+        }
+}
+
+void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
+    const struct forest_block *b = &g->forest->block[block];
+    for (int side = 0; side < 2 * g->dim; side++)
+        if (g->tally->first[6 * b->tile + side] >= 0) visit_side(g, b, side, visit, context);
+}

@@ -1,0 +1,66 @@
+/* Fluxes through the faces of patches on polyhedra (libcore/gas/tally.h). The lines have the order of the faces; they
+ * hold fluxes through whole faces. */
+#include "libcore/polyhedral/cells_diffuser.h"
+
+status cells_tally_make(const struct gas *g, struct tally *t, bool *stages) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    *stages = false;
+    t->faces = f->n - f->ninternal;
+    return OK;
+}
+
+static void add_line(const struct gas *g, double weight, const double *flux, double *to) {
+    const double *through = flux + g->cells->polyhedra->face.ninternal;
+    for (int i = 0; i < g->tally->faces; i++) to[i] += weight * through[i];
+}
+
+void cells_tally_stage(struct gas *g, double weight) {
+    for (int v = 0; v < g->nvar; v++) add_line(g, weight, g->cells->flux[v], g->tally->flow[v]);
+}
+
+void cells_tally_bed(struct gas *g, double dt) {
+    const struct polyhedra_faces *faces = &g->cells->polyhedra->face;
+    const struct bed *bed = &g->dense->bed;
+    for (int f = 0; f < bed->faces; f++) {
+        const int face = bed->shape[f];
+        double flux[MAX_VAR];
+        if (face < faces->ninternal) continue;
+        bed_face_flux(bed, f, flux);
+        for (int v = 0; v < g->nvar; v++) g->tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * flux[v];
+    }
+}
+
+void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt) {
+    double *const *flux = g->cells->flux, *const *to = g->tally->passed;
+    if (what == HEAT) {
+        add_line(g, 1, flux[0], to[g->nvar - 1]);
+        return;
+    }
+    for (int v = 0; v < g->components; v++) add_line(g, 1, flux[v], to[v]);
+    add_line(g, 1 / dt, flux[g->components], to[g->components]);
+}
+
+void cells_tally_cross(struct gas *g, double dt) {
+    add_line(g, dt, g->cells->diffuser->cross, g->tally->passed[g->nvar - 1]);
+}
+
+static void visit_face(const struct gas *g, int face, gas_face_visitor *visit, void *context) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const int at = face - m->face.ninternal;
+    struct gas_face out = {.patch = m->face.patch[at], .area = m->thickness * m->face.area[face]};
+    for (int k = 0; k < g->dim; k++) {
+        out.normal[k] = m->face.normal[k][face];
+        out.centre[k] = m->centre[k][m->face.left[face]] + cells_arm(m, face, 0, k);
+    }
+    tally_face(g, at, m->thickness, &out);
+    visit(context, &out);
+}
+
+void cells_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int i = m->block_start[block]; i < m->block_start[block + 1]; i++) {
+        const int cell = m->block_cell[i];
+        for (int j = m->face_start[cell]; j < m->face_start[cell + 1]; j++)
+            if (m->face_of_cell[j] >= m->face.ninternal) visit_face(g, m->face_of_cell[j], visit, context);
+    }
+}

@@ -1,0 +1,150 @@
+/* Function object forceCoeffs writes the coefficients of force and moment on patches, in the file coefficient.dat of
+ * OpenFOAM. With drag along e1, side force along e2 = e3 x e1, lift along e3, and q = rhoInf magUInf^2/2,
+ *     C = force/(q Aref),  Cm = moment/(q Aref lRef),
+ * roll, pitch and yaw about e1, e2, e3; of the front half and the rear half as OpenFOAM has them: C/2 +- Cm. */
+#include "solvers/functions/functions_patches.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct coefficients {
+    struct patch_choice patches;
+    double centre[3], pressure;               /* m, Pa */
+    double lift[3], drag[3], pitch[3];        /* as given; pitch is checked only */
+    double axis[3][3];                        /* e1, e2, e3 */
+    double speed, density, length, reference; /* m/s, kg/m^3, m, m^2 */
+    double written;                           /* s: time of the last row */
+    FILE *file;                               /* on the root; opened by the first row */
+};
+
+static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL};
+#define PARAM_STRUCT struct coefficients
+static const struct param coefficients_param[] = {
+    NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (walls);"),
+    NUMBER("magUInf", speed, REQUIRED, POSITIVE, UNIT(0, 1, -1), "speed of the flow far away"),
+    NUMBER("rhoInf", density, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the flow far away"),
+    NUMBER("lRef", length, REQUIRED, POSITIVE, UNIT(0, 1, 0), "length that moments are divided by"),
+    NUMBER("Aref", reference, REQUIRED, POSITIVE, UNIT(0, 2, 0), "area that forces are divided by"),
+    VECTOR("CofR", centre, REQUIRED, ANY_NUMBER, UNIT(0, 1, 0), "the point that moments are taken about"),
+    VECTOR("dragDir", drag, REQUIRED, ANY_NUMBER, NO_UNIT, "direction of the drag, of any length"),
+    VECTOR("liftDir", lift, REQUIRED, ANY_NUMBER, NO_UNIT, "direction of the lift, at right angles to it"),
+    VECTOR("pitchAxis", pitch, USUALLY(0, "liftDir x dragDir"), ANY_NUMBER, NO_UNIT,
+           "axis of the pitch: liftDir x dragDir, if it is given"),
+    NUMBER("pRef", pressure, 0, ANY_NUMBER, UNIT(1, -1, -2), "a uniform pressure whose force is left out"),
+    ONLY("rho", 0, rho_words, "the gas has its own density"),
+    ONLY("p", 0, p_words, "the pressure on the faces, as the step had it"),
+    ONLY("U", 0, U_words, "of the gas"),
+};
+
+static const double RIGHT = 1e-6; /* sine by which angles may miss a right one */
+
+/* Makes e = a/|a|; returns whether a has a length. */
+static bool unit(const double a[3], double e[3]) {
+    const double size = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    for (int k = 0; k < 3; k++) e[k] = a[k] / size;
+    return size > 0 && isfinite(size);
+}
+
+static double along(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static status find_axes(struct coefficients *c, struct dict *d) {
+    double pitch[3];
+    if (!unit(c->drag, c->axis[0])) return dict_fail(d, "dragDir", "a direction has a length");
+    if (!unit(c->lift, c->axis[2])) return dict_fail(d, "liftDir", "a direction has a length");
+    if (fabs(along(c->axis[0], c->axis[2])) > RIGHT)
+        return dict_fail(d, "liftDir", "it is not at right angles to dragDir");
+    for (int k = 0; k < 3; k++) {
+        const int next = (k + 1) % 3, last = (k + 2) % 3;
+        c->axis[1][k] = c->axis[2][next] * c->axis[0][last] - c->axis[2][last] * c->axis[0][next];
+    }
+    if (dict_has(d, "pitchAxis") && !(unit(c->pitch, pitch) && fabs(along(pitch, c->axis[1]) - 1) < RIGHT))
+        return dict_fail(d, "pitchAxis", "it follows from the others: liftDir x dragDir = (%.6g %.6g %.6g)",
+                         c->axis[1][0], c->axis[1][1], c->axis[1][2]);
+    return OK;
+}
+
+static status coefficients_make(struct function *f, struct dict *d) {
+    struct coefficients *c;
+    if (!f->setup->medium->type->follow)
+        return dict_fail(d, "type", "%s knows no forces on patches; granularGas does",
+                         f->setup->medium->type->application);
+    TRY(allocate(&c, 1, sizeof *c, "coefficients"));
+    f->own = c;
+    c->written = -HUGE_VAL;
+    TRY(params_read(d, f->type->param, f->type->nparam, c));
+    TRY(patches_no_more(d));
+    TRY(find_axes(c, d));
+    return patches_read(f, d, "patches", &c->patches);
+}
+
+static void write_vector(FILE *file, const char *name, const double v[3]) {
+    fprintf(file, "# %-12s: (%.12g %.12g %.12g)\n", name, v[0], v[1], v[2]);
+}
+
+static status open_table(const struct function *f, struct coefficients *c) {
+    static const char *const names[] = {"dragDir", "sideDir", "liftDir", "rollAxis", "pitchAxis", "yawAxis"};
+    TRY(function_open(f, f->setup->start.name, "coefficient.dat", &c->file));
+    fprintf(c->file, "# Force coefficients\n");
+    for (int i = 0; i < 6; i++) write_vector(c->file, names[i], c->axis[i % 3]);
+    fprintf(c->file, "# %-12s: %.12g\n# %-12s: %.12g\n# %-12s: %.12g\n", "magUInf", c->speed, "lRef", c->length, "Aref",
+            c->reference);
+    write_vector(c->file, "CofR", c->centre);
+    fprintf(c->file, "# \n# %-12s\tCd\tCs\tCl\tCmRoll\tCmPitch\tCmYaw\tCd(f)\tCd(r)\tCs(f)\tCs(r)\tCl(f)\tCl(r)\n",
+            "Time");
+    return OK;
+}
+
+static status write_row(const struct function *f, double t, const struct force *all) {
+    struct coefficients *c = f->own;
+    const double per = 1 / (0.5 * c->density * c->speed * c->speed * c->reference);
+    double total[2][3], C[3], Cm[3];
+    if (!c->file) TRY(open_table(f, c));
+    for (int k = 0; k < 3; k++) {
+        total[0][k] = all->force[PRESSURE][k] + all->force[VISCOUS][k];
+        total[1][k] = all->moment[PRESSURE][k] + all->moment[VISCOUS][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        C[k] = per * along(total[0], c->axis[k]);
+        Cm[k] = per / c->length * along(total[1], c->axis[k]);
+    }
+    const double turn[3] = {Cm[0], Cm[2], Cm[1]}; /* of drag, side force, lift: roll, yaw, pitch */
+    fprintf(c->file, "%-14.12g", t);
+    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g", C[k]);
+    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g", Cm[k]);
+    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g\t%.15g", 0.5 * C[k] + turn[k], 0.5 * C[k] - turn[k]);
+    if (f->log)
+        printf("    %s: Cd %.6g Cs %.6g Cl %.6g CmRoll %.6g CmPitch %.6g CmYaw %.6g\n", f->name, C[0], C[1], C[2],
+               Cm[0], Cm[1], Cm[2]);
+    return function_end_row(f, c->file);
+}
+
+static status coefficients_execute(struct function *f, const struct moment *now, const char *time) {
+    struct coefficients *c = f->own;
+    struct force all;
+    double dt;
+    (void)time;
+    TRY(patches_follow(f, &dt));
+    if (dt == 0 || now->t == c->written) return OK;
+    c->written = now->t;
+    TRY(patches_force(f, &c->patches, c->centre, c->pressure, &all));
+    return comm_agree(f->setup->comm, comm_root(f->setup->comm) ? write_row(f, now->t, &all) : OK);
+}
+
+static void coefficients_free(void *own) {
+    struct coefficients *c = own;
+    if (c->file) fclose(c->file);
+    free(c->patches.takes);
+    free(c);
+}
+
+const struct function_type function_coefficients = {
+    .name = "forceCoeffs",
+    .about = "coefficients of force and moment on patches: drag, side force, lift, roll, pitch, yaw; no `fields`",
+    FUNCTION_PARAMS(coefficients_param),
+    .make = coefficients_make,
+    .execute = coefficients_execute,
+    .free = coefficients_free,
+    .no_fields = true,
+};
