@@ -81,7 +81,8 @@ struct medium_type {
     /* prints its lines at the end, on the root; collective; NULL: it has none */
     status (*finish)(struct medium *m, FILE *f);
 
-    /* Values along computational axes: of a block of this rank; gathered to the root in polyMesh order. */
+    /* Values along computational axes: of a block of this rank, of a quantity that function objects know or of rhoE,
+     * where all three lines of `out` are needed; gathered to the root in polyMesh order. */
     void (*block)(const struct medium *m, int block, int quantity, double *const out[3]);
     status (*gather)(const struct medium *m, int quantity, double *const out[3]);
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */

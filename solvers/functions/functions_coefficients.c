@@ -17,7 +17,8 @@ struct coefficients {
     FILE *file;                               /* on the root; opened by the first row */
 };
 
-static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL};
+static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
+                         *const no_words[] = {"no", "off", "false", NULL};
 #define PARAM_STRUCT struct coefficients
 static const struct param coefficients_param[] = {
     NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (walls);"),
@@ -34,6 +35,8 @@ static const struct param coefficients_param[] = {
     ONLY("rho", 0, rho_words, "the gas has its own density"),
     ONLY("p", 0, p_words, "the pressure on the faces, as the step had it"),
     ONLY("U", 0, U_words, "of the gas"),
+    ONLY("porosity", 0, no_words, "there are no porous media"),
+    ONLY("directForceDensity", 0, no_words, "the force is what the step took out of the gas"),
 };
 
 static const double RIGHT = 1e-6; /* sine by which angles may miss a right one */
@@ -60,8 +63,10 @@ static status find_axes(struct coefficients *c, struct dict *d) {
         c->axis[1][k] = c->axis[2][next] * c->axis[0][last] - c->axis[2][last] * c->axis[0][next];
     }
     if (dict_has(d, "pitchAxis") && !(unit(c->pitch, pitch) && fabs(along(pitch, c->axis[1]) - 1) < RIGHT))
-        return dict_fail(d, "pitchAxis", "it follows from the others: liftDir x dragDir = (%.6g %.6g %.6g)",
-                         c->axis[1][0], c->axis[1][1], c->axis[1][2]);
+        return dict_fail(
+            d, "pitchAxis",
+            "it follows from the others, as in OpenFOAM: liftDir x dragDir = (%.6g %.6g %.6g); leave it out",
+            c->axis[1][0], c->axis[1][1], c->axis[1][2]);
     return OK;
 }
 
@@ -74,7 +79,6 @@ static status coefficients_make(struct function *f, struct dict *d) {
     f->own = c;
     c->written = -HUGE_VAL;
     TRY(params_read(d, f->type->param, f->type->nparam, c));
-    TRY(patches_no_more(d));
     TRY(find_axes(c, d));
     return patches_read(f, d, "patches", &c->patches);
 }

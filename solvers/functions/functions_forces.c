@@ -12,7 +12,8 @@ struct forces {
     FILE *file[2];              /* force and moment; on the root, opened by the first row */
 };
 
-static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL};
+static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
+                         *const no_words[] = {"no", "off", "false", NULL};
 #define PARAM_STRUCT struct forces
 static const struct param forces_param[] = {
     NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (walls);"),
@@ -21,6 +22,8 @@ static const struct param forces_param[] = {
     ONLY("rho", 0, rho_words, "the gas has its own density: rhoInf is not used"),
     ONLY("p", 0, p_words, "the pressure on the faces, as the step had it"),
     ONLY("U", 0, U_words, "of the gas"),
+    ONLY("porosity", 0, no_words, "there are no porous media"),
+    ONLY("directForceDensity", 0, no_words, "the force is what the step took out of the gas"),
     IGNORED("rhoInf", "for OpenFOAM's incompressible solvers"),
 };
 
@@ -33,7 +36,6 @@ static status forces_make(struct function *f, struct dict *d) {
     f->own = o;
     o->written = -HUGE_VAL;
     TRY(params_read(d, f->type->param, f->type->nparam, o));
-    TRY(patches_no_more(d));
     return patches_read(f, d, "patches", &o->patches);
 }
 

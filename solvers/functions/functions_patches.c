@@ -136,19 +136,3 @@ status patches_force(const struct function *f, const struct patch_choice *c, con
     memcpy(out->moment, sum + 6, sizeof out->moment);
     return OK;
 }
-
-/* Entries of OpenFOAM's that would change the result, with the reason why there is nothing of the kind here. */
-static const char *const refused[][2] = {
-    {"porosity", "no porous media are known; leave it out"},
-    {"directForceDensity", "the force is what the step took out of the gas; leave it out"},
-    {"fD", "the force is what the step took out of the gas; leave it out"},
-    {"binData", "bins are not written; give a function object to each group of patches"},
-    {"coordinateSystem", "give CofR, and for forceCoeffs liftDir and dragDir"},
-    {"origin", "give CofR"},
-};
-
-status patches_no_more(struct dict *d) {
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-        if (dict_has(d, refused[i][0])) return dict_fail(d, refused[i][0], "%s", refused[i][1]);
-    return OK;
-}

@@ -30,7 +30,5 @@ struct force { /* on patches, N and N m */
  * point (m). Collective. */
 status patches_force(const struct function *f, const struct patch_choice *c, const double centre[3], double pressure,
                      struct force *out);
-/* Reads the entries that name fields, and those of what the gas has not. */
-status patches_no_more(struct dict *d);
 
 #endif

@@ -429,7 +429,26 @@ static status gas_finish(struct medium *m, FILE *f) {
     return OK;
 }
 
+/* The energy of a block's cells, rho (eps + u^2/2), put together in the lines of `out`. */
+static void block_energy(const struct medium *m, int block, double *const out[3]) {
+    const struct gas_state *g = of(m);
+    const int n = m->setup->grid->block[block].ncells;
+    gas_block_field(g->gas, block, GAS_U, out);
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < m->setup->components; k++) square += out[k][i] * out[k][i];
+        out[0][i] = 0.5 * square;
+    }
+    gas_block_field(g->gas, block, GAS_T, (double *[]){out[1], NULL, NULL});
+    gas_block_field(g->gas, block, GAS_RHO, (double *[]){out[2], NULL, NULL});
+    for (int i = 0; i < n; i++) out[0][i] = out[2][i] * (eps_of(&g->models->gas.material, out[1][i]) + out[0][i]);
+}
+
 static void gas_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    if (quantity == ENERGY) {
+        block_energy(m, block, out);
+        return;
+    }
     gas_block_field(of(m)->gas, block, (enum gas_field)quantity, out);
 }
 
