@@ -23,8 +23,13 @@ const struct quantity *quantity_of(const struct function *f, int field) {
     return &f->setup->medium->type->quantity[field];
 }
 
+static bool fits(const struct function_type *t, const struct medium_type *m) {
+    return !t->of_patches || m->follow;
+}
+
 void functions_list(const struct medium_type *m, FILE *f) {
-    for (int i = 0; i < TYPES; i++) fprintf(f, "  %-14s %s\n", function_table[i]->name, function_table[i]->about);
+    for (int i = 0; i < TYPES; i++)
+        if (fits(function_table[i], m)) fprintf(f, "  %-17s %s\n", function_table[i]->name, function_table[i]->about);
     fprintf(f, "  fields:");
     for (int i = 0; i < m->noffered; i++) fprintf(f, " %s", m->quantity[i].name);
     fprintf(f, "\n");
@@ -50,15 +55,18 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
     snprintf(entry, sizeof entry, "fields (%s U);", m->quantity[0].name);
     const struct param first[] = {
         NOTED("type", "word", NULL, "what it does", "type probes;"),
-        NOTED("fields", type, "required, but for energyBudget; vtk: all that are shown", "fields that it takes", entry),
+        NOTED("fields", type, "required, but for some types; vtk: all that are shown",
+              "fields that it takes", entry),
     };
     keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, NULL);
     keywords_params(k, first, 1);
-    for (int i = 0; i < TYPES; i++) keywords_word(k, "type", function_table[i]->name, function_table[i]->about);
+    for (int i = 0; i < TYPES; i++)
+        if (fits(function_table[i], m)) keywords_word(k, "type", function_table[i]->name, function_table[i]->about);
     keywords_params(k, first + 1, 1);
     trigger_keywords(k);
     keywords_params(k, any_param, COUNT(any_param));
     for (int i = 0; i < TYPES; i++) {
+        if (!fits(function_table[i], m)) continue;
         keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, function_table[i]->name);
         keywords_params(k, function_table[i]->param, function_table[i]->nparam);
         if (function_table[i]->keywords) function_table[i]->keywords(k);
@@ -101,6 +109,9 @@ static status make_one(struct function *f, struct dict *d) {
     for (int i = 0; i < TYPES; i++) names[i] = function_table[i]->name;
     TRY(dict_choice(d, "type", names, TYPES, &index));
     f->type = function_table[index];
+    if (!fits(f->type, f->setup->medium->type))
+        return dict_fail(d, "type", "%s does not know what leaves it through patches; granularGas does",
+                         f->setup->medium->type->application);
     TRY(params_read(d, any_param, COUNT(any_param), f));
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));

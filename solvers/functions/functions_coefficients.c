@@ -20,17 +20,19 @@ struct coefficients {
 static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
                          *const no_words[] = {"no", "off", "false", NULL};
 #define PARAM_STRUCT struct coefficients
+#define ITS_PITCH    0, .usual = "liftDir x dragDir", .example = "pitchAxis (0 0 -1);"
 static const struct param coefficients_param[] = {
-    NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (walls);"),
+    NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (\".*\");"),
     NUMBER("magUInf", speed, REQUIRED, POSITIVE, UNIT(0, 1, -1), "speed of the flow far away"),
     NUMBER("rhoInf", density, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the flow far away"),
     NUMBER("lRef", length, REQUIRED, POSITIVE, UNIT(0, 1, 0), "length that moments are divided by"),
     NUMBER("Aref", reference, REQUIRED, POSITIVE, UNIT(0, 2, 0), "area that forces are divided by"),
     VECTOR("CofR", centre, REQUIRED, ANY_NUMBER, UNIT(0, 1, 0), "the point that moments are taken about"),
-    VECTOR("dragDir", drag, REQUIRED, ANY_NUMBER, NO_UNIT, "direction of the drag, of any length"),
-    VECTOR("liftDir", lift, REQUIRED, ANY_NUMBER, NO_UNIT, "direction of the lift, at right angles to it"),
-    VECTOR("pitchAxis", pitch, USUALLY(0, "liftDir x dragDir"), ANY_NUMBER, NO_UNIT,
-           "axis of the pitch: liftDir x dragDir, if it is given"),
+    VECTOR("dragDir", drag, REQUIRED_AS("dragDir (1 0 0);"), ANY_NUMBER, NO_UNIT,
+           "direction of the drag, of any length"),
+    VECTOR("liftDir", lift, REQUIRED_AS("liftDir (0 1 0);"), ANY_NUMBER, NO_UNIT,
+           "direction of the lift, at right angles to it"),
+    VECTOR("pitchAxis", pitch, ITS_PITCH, ANY_NUMBER, NO_UNIT, "axis of the pitch: liftDir x dragDir, if it is given"),
     NUMBER("pRef", pressure, 0, ANY_NUMBER, UNIT(1, -1, -2), "a uniform pressure whose force is left out"),
     ONLY("rho", 0, rho_words, "the gas has its own density"),
     ONLY("p", 0, p_words, "the pressure on the faces, as the step had it"),
@@ -151,4 +153,5 @@ const struct function_type function_coefficients = {
     .execute = coefficients_execute,
     .free = coefficients_free,
     .no_fields = true,
+    .of_patches = true,
 };

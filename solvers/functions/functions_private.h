@@ -29,6 +29,7 @@ struct function_type {
     status (*execute)(struct function *f, const struct moment *now, const char *time);
     void (*free)(void *own);
     bool no_fields;   /* does it do without `fields`? */
+    bool of_patches;  /* does it need a medium that knows what leaves it through patches? */
     bool all_fields;  /* does it take the fields that the medium shows, if it has no `fields`? */
     bool with_fields; /* is it executed when the fields are written, if nothing else is said? Else after each step */
     /* The hooks of averages, as functions_next, functions_collect and functions_save; NULL: the type keeps none. */

@@ -69,26 +69,25 @@ struct plane { /* what its dictionary says */
 #define PARAM_STRUCT struct surface_value
 static const struct param value_param[] = {
     NOTED("fields", "list of words: as all, and phi, phiU, phiE", NULL,
-          "fields; flows of mass, momentum and energy: out of a patch, or along the normal of a plane",
-          "fields (p phi phiU phiE);"),
+          "fields; flows of mass, momentum and energy: out of a patch, or along the normal of a plane", "fields (U);"),
     CHOICE("regionType", region, REQUIRED, region_names, "patches, or a plane"),
     NOTED("name", "list of words", "required for patch", "the patches: names, or quoted regular expressions",
-          "name walls;"),
+          "name \".*\";"),
     CHOICE("operation", operation, REQUIRED, operation_names,
            "of values in the cells beside the faces of a patch, or in what a plane cuts out of cells; flows have sum"),
-    NOTED("weightField", "word", "none", "scalar field that weighted operations multiply by", "weightField rho;"),
+    NOTED("weightField", "word", "none", "scalar field that weighted operations multiply by", "weightField none;"),
     NUMBER("scaleFactor", scale, 1, ANY_NUMBER, NO_UNIT, "that all values are multiplied by"),
     SWITCH("writeArea", area, false, "is the area written, too?"),
     IGNORED("surfaceFormat", "for OpenFOAM: no surfaces are written"),
     NOTED("sampledSurfaceDict", "dictionary", "required for sampledSurface", "the plane",
-          "sampledSurfaceDict { type plane; basePoint (0 0 0); normalVector (1 0 0); }"),
+          "sampledSurfaceDict { type plane; basePoint (0.01 0.01 0); normalVector (1 0 0); }"),
 };
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct plane
 static const char *const plane_types[] = {"plane", NULL};
 static const struct param plane_param[] = {
     ONLY("type", REQUIRED, plane_types, "a plane"),
-    VECTOR("basePoint", point, REQUIRED_AS("basePoint (0 0 0);"), ANY_NUMBER, UNIT(0, 1, 0), "a point of it"),
+    VECTOR("basePoint", point, REQUIRED_AS("basePoint (0.01 0.01 0);"), ANY_NUMBER, UNIT(0, 1, 0), "a point of it"),
     VECTOR("normalVector", normal, REQUIRED_AS("normalVector (1 0 0);"), ANY_NUMBER, NO_UNIT,
            "its normal, of any length; flows along it are positive"),
     IGNORED("interpolate", "for OpenFOAM: values are of second order"),
@@ -181,6 +180,14 @@ static status read_plane(const struct function *f, struct surface_value *v, stru
     return OK;
 }
 
+/* Patches have no use for the dictionary of a plane, which may stand there all the same. */
+static status skip_plane(struct dict *d) {
+    struct dict *sub;
+    TRY(dict_sub_optional(d, "sampledSurfaceDict", &sub));
+    if (sub) dict_mark_used(sub);
+    return OK;
+}
+
 static status read_name(struct surface_value *v, struct dict *d) {
     const char *const *words;
     int n, length = 0;
@@ -200,6 +207,7 @@ static status value_make(struct function *f, struct dict *d) {
     TRY(read_weight(f, v, d));
     if (v->region == PATCH || dict_has(d, "name")) TRY(read_name(v, d));
     if (v->region == PLANE) return read_plane(f, v, d);
+    TRY(skip_plane(d));
     TRY(patches_read(f, d, "name", &v->patches));
     return surface_of_patches(f, &v->patches, &v->surface);
 }

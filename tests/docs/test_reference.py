@@ -25,6 +25,7 @@ TABLES = {
     "solvers/case/control.c": {"application"},  # the name of the program
     "solvers/case/fields.c": {"key", "value", "p->name", "m->patch[i].name"},
     "solvers/functions/functions.c": {"name"},
+    "solvers/functions/functions_patches.c": {"key"},
     "solvers/functions/functions_phase.c": {"key"},
     "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
     "solvers/case/varying.c": {"v->key", "key", "motion"},
@@ -195,6 +196,8 @@ class Options(unittest.TestCase):
 
 
 # Names of the user's own, in the made dictionaries.
+# What a function object says around a dictionary in it.
+AROUND = {"LINE": "type sets;", "sampledSurfaceDict": "type surfaceFieldValue; regionType sampledSurface; operation sum;"}
 NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
 # What a dictionary made of the examples of its rows needs besides: its own examples need it, or do not go together.
 BESIDES = {
@@ -316,7 +319,9 @@ class Programs(unittest.TestCase):
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
-                entries = f"{'type sets; ' if 'LINE' in inside else ''} fields ({FIELD[program]}); {entries}"
+                fields = "" if when in ("forces", "forceCoeffs") else f"fields ({FIELD[program]});"
+                type_ = next((text for key, text in AROUND.items() if key in inside), "")
+                entries = f"{type_} {fields} {entries}"
             if part == "PATCH" and inside.startswith("patches"):
                 part = "left"  # one of the two that are cyclic
             elif part == "PATCH" and field in DIMENSIONS and not when:
