@@ -114,9 +114,11 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
-/* After a step: what crossed a face from left to right, per area and time, of rho, rho u and E. */
+/* After a step: what crossed a face from left to right, per area and time, of rho, rho u and E; on a wall without
+ * `balance`, which makes up for what the wall carries. */
 void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]);
-/* After a step: sets b->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells. */
+/* After a step: sets b->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
+ * latter on faces that are no walls. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);
 
 #endif

@@ -258,6 +258,7 @@ void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis)
             double force = b->lines->rho[i] * b->shapes->volume[b->body[i]] * gravity[axis];
             for (int j = b->face_start[i]; j < b->face_start[i + 1] && b->balanced && axis < b->dim; j++) {
                 const struct bed_side s = bed_side(b, j);
+                if (b->kind[s.face] == BED_WALL) continue;
                 force +=
                     s.sign * b->shapes->area[s.shape] * b->shapes->normal[axis][s.shape] * b->balance[s.right][s.face];
             }

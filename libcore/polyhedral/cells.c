@@ -291,9 +291,10 @@ static status cells_sum_raised(const struct gas *g, double *raised, double *sum)
 
 static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
     for (int k = 0; k < MAX_DIM; k++) {
-        const double *added = k < g->dim ? cells_rest_added(g, k) : NULL;
         force[k] = 0;
-        if (added) TRY(integrate(g, added, &force[k]));
+        if (k >= g->dim || !g->cells->rest) continue;
+        cells_rest_added(g, k, g->cells->line);
+        TRY(integrate(g, g->cells->line, &force[k]));
     }
     return OK;
 }

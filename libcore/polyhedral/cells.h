@@ -107,8 +107,10 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]);
 
-/* Returns what the last stage added along an axis, [nown] N/m^dim, if a budget is kept; NULL: no state is at rest. */
-const double *cells_rest_added(const struct gas *g, int axis);
+/* What the last stage added, if fluxes through patches are kept: along an axis, out[nown] N/m^dim, less the part that
+ * walls carry; and that part, the pressure that a wall's face has beyond the flux there (Pa, subtracted from it). */
+void cells_rest_added(const struct gas *g, int axis, double *out);
+double cells_rest_of_wall(const struct gas *g, int face);
 /* Returns, for an own cell or a near ghost, what the mean pressure of U* on a face is above p* + rho* fall, fall being
  * g.(x_f - x), times the w of the last cells_rest_find. */
 double cells_rest_miss(const struct gas *g, int face, int cell, double fall);

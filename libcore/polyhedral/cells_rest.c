@@ -20,15 +20,17 @@ static const double NEAR = 0.1, FAR = 0.2;
 enum { KNOWN, VALUES, FORCES }; /* is U* known, or are its values at points, or then its forces, being found? */
 
 struct cells_rest {
-    double *U[2];           /* [size] rho* and E* */
-    double *p;              /* [nnear] p* */
-    bool *rests;            /* [nnear] is the cell at rest in U*? */
-    double *near;           /* [nnear] w of the state in hand */
-    double *at[2];          /* [points] rho*(x) and E*(x) */
-    double *force[MAX_DIM]; /* [nown] r, N/m^dim */
-    double *added[MAX_DIM]; /* [nown] N/m^dim, with a budget: what the last stage added by it; 0 in cells of a bed */
-    double *on_face;        /* [faces] mean of p(U*(x)) */
-    int finds;              /* KNOWN, or what is being found */
+    double *U[2];              /* [size] rho* and E* */
+    double *p;                 /* [nnear] p* */
+    bool *rests;               /* [nnear] is the cell at rest in U*? */
+    double *near;              /* [nnear] w of the state in hand */
+    double *at[2];             /* [points] rho*(x) and E*(x) */
+    double *force[MAX_DIM];    /* [nown] r, N/m^dim */
+    double *missed;            /* [boundary faces] Pa, at walls: p of U* there above p* + rho* g.(x_f - x), else 0 */
+    double *of_walls[MAX_DIM]; /* [nown] N/m^dim: the part of r that makes up for this */
+    double *taken;             /* [nown] how much of r the last stage added; with fluxes through patches only */
+    double *on_face;           /* [faces] mean of p(U*(x)) */
+    int finds;                 /* KNOWN, or what is being found */
 };
 
 static status make(const struct gas *g, struct cells_rest **out) {
@@ -45,8 +47,10 @@ static status make(const struct gas *g, struct cells_rest **out) {
     TRY(allocate(&r->near, m->nnear, sizeof(double), "gas at rest"));
     for (int k = 0; k < g->dim; k++) {
         TRY(allocate(&r->force[k], m->nown, sizeof(double), "gas at rest"));
-        TRY(allocate(&r->added[k], m->nown, sizeof(double), "gas at rest"));
+        TRY(allocate(&r->of_walls[k], m->nown, sizeof(double), "gas at rest"));
     }
+    TRY(allocate(&r->missed, m->face.n - m->face.ninternal, sizeof(double), "gas at rest"));
+    TRY(allocate(&r->taken, m->nown, sizeof(double), "gas at rest"));
     return allocate(&r->rests, m->nnear, sizeof *r->rests, "gas at rest");
 }
 
@@ -58,10 +62,12 @@ void cells_rest_free(struct cells_rest *r) {
     }
     for (int k = 0; k < MAX_DIM; k++) {
         free(r->force[k]);
-        free(r->added[k]);
+        free(r->of_walls[k]);
     }
     free(r->p);
     free(r->on_face);
+    free(r->missed);
+    free(r->taken);
     free(r->near);
     free(r->rests);
     free(r);
@@ -109,6 +115,11 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
     }
 }
 
+/* Is a cell one of the bed, whose stages are given up? */
+static bool is_beds(const struct gas *g, int cell) {
+    return g->hybrid && g->dense->part[0][cell] > 0;
+}
+
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]) {
     const struct cells_rest *r = g->cells->rest;
@@ -116,9 +127,8 @@ void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, c
         for (int i = 0; i < n; i++) {
             const bool out = (falls && falls[i] > 0) || (flag && flag[i] > 0);
             if (r->finds == FORCES) r->force[k][at + i] = -residual[k + 1][i];
-            const double force = out ? 0 : r->near[at + i] * r->force[k][at + i];
-            residual[k + 1][i] += force;
-            if (g->audit) r->added[k][at + i] = g->hybrid && g->dense->part[0][at + i] > 0 ? 0 : force;
+            residual[k + 1][i] += out ? 0 : r->near[at + i] * r->force[k][at + i];
+            if (g->tally) r->taken[at + i] = out || is_beds(g, at + i) ? 0 : r->near[at + i];
         }
 }
 
@@ -127,8 +137,16 @@ double cells_rest_miss(const struct gas *g, int face, int cell, double fall) {
     return r->near[cell] * (r->on_face[face] - (r->p[cell] + r->U[0][cell] * fall));
 }
 
-const double *cells_rest_added(const struct gas *g, int axis) {
-    return g->cells->rest ? g->cells->rest->added[axis] : NULL;
+void cells_rest_added(const struct gas *g, int axis, double *out) {
+    const struct cells_rest *r = g->cells->rest;
+    for (int i = 0; i < g->cells->polyhedra->nown; i++)
+        out[i] = r->taken[i] * (r->force[axis][i] - r->of_walls[axis][i]);
+}
+
+double cells_rest_of_wall(const struct gas *g, int face) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const struct cells_rest *r = g->cells->rest;
+    return r->taken[f->left[face]] * r->missed[face - f->ninternal];
 }
 
 /* The fluxes of U* are those of its pressure. */
@@ -138,6 +156,22 @@ static void note_faces(const struct gas *g) {
         double sum = 0;
         for (int k = 0; k < g->dim; k++) sum += f->normal[k][i] * g->cells->flux[k + 1][i];
         g->cells->rest->on_face[i] = sum / f->area[i];
+    }
+}
+
+/* The polynomials of U* see a mirror image beyond a wall, so that p(U*) there lacks the weight of half a cell; r makes
+ * up for it in the cell, though it is the wall that carries it. */
+static void note_walls(const struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    struct cells_rest *r = g->cells->rest;
+    for (int i = m->face.ninternal; i < m->face.n; i++) {
+        const int cell = m->face.left[i], at = i - m->face.ninternal;
+        double fall = 0;
+        if (!patch_is_wall(&g->rules[m->face.patch[at]])) continue;
+        for (int k = 0; k < g->dim; k++) fall += g->models.source.gravity[k] * cells_arm(m, i, 0, k);
+        r->missed[at] = r->rests[cell] ? r->on_face[i] - (r->p[cell] + r->U[0][cell] * fall) : 0;
+        for (int k = 0; k < g->dim; k++)
+            r->of_walls[k][cell] += r->missed[at] * m->face.area[i] * m->face.normal[k][i] / m->volume[cell];
     }
 }
 
@@ -182,6 +216,7 @@ status cells_rest(struct gas *g, const bool *rests) {
     for (r->finds = VALUES; r->finds <= FORCES; r->finds++) (void)cells_stage(g, &g->U, &g->U, &g->W, 0, 0);
     r->finds = KNOWN;
     note_faces(g);
+    note_walls(g);
     cells_clear_flags(g);
     leave_open(g);
     g->computed = computed;

@@ -14,8 +14,18 @@ static void add_line(const struct gas *g, double weight, const double *flux, dou
     for (int i = 0; i < g->tally->faces; i++) to[i] += weight * through[i];
 }
 
+/* On walls that carry gas at rest. */
+static void add_rest(const struct gas *g, double weight) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    for (int face = f->ninternal; face < f->n; face++) {
+        const double missed = weight * cells_rest_of_wall(g, face) * f->area[face];
+        for (int k = 0; k < g->dim; k++) g->tally->flow[k + 1][face - f->ninternal] -= missed * f->normal[k][face];
+    }
+}
+
 void cells_tally_stage(struct gas *g, double weight) {
     for (int v = 0; v < g->nvar; v++) add_line(g, weight, g->cells->flux[v], g->tally->flow[v]);
+    if (g->cells->rest) add_rest(g, weight);
 }
 
 void cells_tally_bed(struct gas *g, double dt) {
