@@ -48,6 +48,15 @@ PROPERTIES, GRAVITY, SHAKING = "constant/granularProperties", "constant/g", "con
 MESH = "constant/polyMesh/"
 
 
+COEFFICIENTS = "forceCoeffs; patches (xHigh); CofR (0 0 0); magUInf 1; rhoInf 1; lRef 1; Aref 1; "
+SURFACE = "surfaceFieldValue; regionType patch; name xHigh; "
+
+
+def function(text):
+    """One more function object, of type ..."""
+    return CONTROL, "    vtk {", "    f { type %s }\n    vtk {" % text
+
+
 def remove(path):
     return lambda case: os.remove(os.path.join(case, path))
 
@@ -248,6 +257,18 @@ DICTIONARIES = [
         at="extremes { type fieldMinMax;"),
     Row("unknown operation", (CONTROL, "operation volIntegrate;", "operation volIntegral;"), "volIntegral",
         "did you mean 'volIntegrate'?"),
+    Row("a patch that is not there", function("forces; patches (xHig); CofR (0 0 0);"), "'xHig'", "did you mean 'xHigh'?"),
+    Row("a cyclic patch has no force", function("forces; patches (yLow); CofR (0 0 0);"), "'yLow'", "is cyclic"),
+    Row("no centre of moments", function("forces; patches (xHigh);"), "'CofR' is missing"),
+    Row("density of an incompressible solver", function("forces; patches (xHigh); CofR (0 0 0); rho rhoInf;"), "rhoInf", "allowed are: rho"),
+    Row("lift along the drag", function(COEFFICIENTS + "dragDir (1 0 0); liftDir (1 1 0);"), "'liftDir'", "right angles"),
+    Row("pitch about another axis", function(COEFFICIENTS + "dragDir (1 0 0); liftDir (0 1 0); pitchAxis (0 0 1);"), "'pitchAxis'", "(0 0 -1)"),
+    Row("a flow is averaged", function(SURFACE + "operation average; fields (phi);"), "'phi' is a flow", "operation sum;"),
+    Row("a field of a surface that is not there", function(SURFACE + "operation sum; fields (alpa);"), "'alpa'", "did you mean 'alpha'?"),
+    Row("no weights", function(SURFACE + "operation weightedSum; fields (p);"), "'weightField' is missing"),
+    Row("weights that are not used", function(SURFACE + "operation sum; fields (p); weightField rho;"), "no weights", "weighted.."),
+    Row("a plane beside the mesh", function("surfaceFieldValue; regionType sampledSurface; operation sum; fields (p); sampledSurfaceDict "
+                                            "{ type plane; basePoint (9 0 0); normalVector (1 0 0); }"), "'basePoint'", "does not cut the mesh"),
     Row("a function object that leads out of the case", (CONTROL, "    vtk {", "    ../../vtk {"), "'../../vtk'",
         "below postProcessing/"),
     Row("a line that leads out of the case", (CONTROL, "            a\n", "            ../../../a\n"), "'../../../a'",
