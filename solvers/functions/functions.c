@@ -55,8 +55,7 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
     snprintf(entry, sizeof entry, "fields (%s U);", m->quantity[0].name);
     const struct param first[] = {
         NOTED("type", "word", NULL, "what it does", "type probes;"),
-        NOTED("fields", type, "required, but for some types; vtk: all that are shown",
-              "fields that it takes", entry),
+        NOTED("fields", type, "required, but for some types; vtk: all that are shown", "fields that it takes", entry),
     };
     keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, NULL);
     keywords_params(k, first, 1);

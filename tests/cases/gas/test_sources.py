@@ -17,11 +17,12 @@ BOTH = "sources (linearDrag uniformHeating);\nlinearDragCoeffs { rate 2; velocit
 
 
 def table(case):
-    """{title: column} of energyBudget.dat, and the titles."""
+    """{title: column} of energyBudget.dat, and the titles before those of momentum."""
     path = os.path.join(case.path, "postProcessing", "budget", "0", "energyBudget.dat")
     with open(path) as f:
         titles = [line for line in f if line.startswith("# Time")][0].split()[2:]
-    return dict(zip(["t", *titles], case.table("budget", "energyBudget.dat").T)), titles
+    columns = dict(zip(["t", *titles], case.table("budget", "energyBudget.dat").T))
+    return columns, [name for name in titles if not name.startswith("momentum")]
 
 
 class Sources(harness.Folder, unittest.TestCase):
@@ -95,6 +96,10 @@ class Sources(harness.Folder, unittest.TestCase):
                 self.close(b, titles, 100)
                 self.assertEqual(titles[-1], "linearDrag")
                 np.testing.assert_allclose(b["linearDrag"], b["energy"] - b["energy"][0], atol=1e-13 * b["energy"][0])
+                for k, axis in enumerate("xyz"):
+                    if wind[k] != 0 or u[k] != 0:
+                        pushed = b["mass"][0] * (np.array(wind) - u)[k] * -np.expm1(-2 * b["t"])
+                        np.testing.assert_allclose(b["momentumSources_" + axis], pushed, atol=1e-13 * b["mass"][0])
 
     def test_cold_start(self):
         """Cold gas allows a long step, in which it would be heated a great deal before it moves: such a step is shortened, so that

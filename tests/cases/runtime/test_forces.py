@@ -76,9 +76,9 @@ class Forces(harness.Folder, unittest.TestCase):
         test.folder = self.folder
         return test.make("implicit", end)
 
-    def close(self, case):
-        """Runs the case; returns its budget."""
-        log = harness.program("granularGas", "-case", ask(case, BUDGET, WALLS)).stdout
+    def close(self, case, more=""):
+        """Runs the case, with more function objects; returns its budget and its log."""
+        log = harness.program("granularGas", "-case", ask(case, BUDGET, WALLS, more)).stdout
         found, times, scale = momentum(case)
         force = harness.haff.Case(case).table("all", "force.dat")
         np.testing.assert_array_equal(force[:, 0], times[1:])
@@ -145,8 +145,16 @@ class Forces(harness.Folder, unittest.TestCase):
         for name, cells, control in (("cylinder", 8, {"endTime": 0.2}), ("wedge15", 15, {"endTime": 0.1}), ("wedgeTriangles", 16, {"endTime": 0.05}),
                                      ("pulsedInlet", 16, {})):
             with self.subTest(name):
-                found, _ = self.close(self.shipped(name, cells, **control))
+                patches = "wall symmetry" if name == "cylinder" else "wall"
+                body = "" if name == "pulsedInlet" else f"body {{ type forces; patches ({patches}); CofR (0 0 0); }}\n"
+                case = self.shipped(name, cells, **control)
+                found, _ = self.close(case, body)
                 self.assertGreater(np.abs(found["x"]["Flow"]).max(), 0)
+                if body:  # drag and lift are what the walls have taken
+                    force, dt = harness.haff.Case(case).table("body", "force.dat"), np.diff(columns(case, "budget", "energyBudget.dat")["Time"])
+                    for k, axis in enumerate("xy", 1):
+                        walls = found[axis]["Walls"][1:]
+                        np.testing.assert_allclose(np.cumsum(force[:, k] * dt), -walls, atol=1e-11 * np.abs(walls).max(), rtol=0)
 
     def test_shaken(self):
         """Cells that fall freely, cooling, transport, shaking."""
