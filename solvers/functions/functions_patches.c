@@ -19,16 +19,17 @@ static status take_pattern(const struct function *f, struct dict *d, const char 
     const char *names[64];
     char why[128];
     regex_t pattern;
-    int found = 0, n = 0;
+    int found = 0, closed = 0, n = 0;
     if (!pattern_compile(&pattern, word, why, sizeof why))
         return dict_fail(d, key, "'%s' is no regular expression: %s", word, why);
     for (int p = 0; p < m->npatches; p++) {
         if (n < 64) names[n++] = m->patch[p].name;
-        if (regexec(&pattern, m->patch[p].name, 0, NULL, 0) || objection(&m->patch[p])) continue;
-        takes[p] = true;
-        found++;
+        if (regexec(&pattern, m->patch[p].name, 0, NULL, 0)) continue;
+        takes[p] = !objection(&m->patch[p]);
+        *(takes[p] ? &found : &closed) += 1;
     }
     regfree(&pattern);
+    if (closed && !found) return dict_fail(d, key, "all patches that '%s' fits are empty or cyclic", word);
     return found ? OK : dict_unknown(d, key, word, names, n);
 }
 

@@ -259,6 +259,7 @@ DICTIONARIES = [
         "did you mean 'volIntegrate'?"),
     Row("a patch that is not there", function("forces; patches (xHig); CofR (0 0 0);"), "'xHig'", "did you mean 'xHigh'?"),
     Row("a cyclic patch has no force", function("forces; patches (yLow); CofR (0 0 0);"), "'yLow'", "is cyclic"),
+    Row("a pattern of cyclic patches", function('forces; patches ("y.*"); CofR (0 0 0);'), "'y.*'", "empty or cyclic"),
     Row("no centre of moments", function("forces; patches (xHigh);"), "'CofR' is missing"),
     Row("density of an incompressible solver", function("forces; patches (xHigh); CofR (0 0 0); rho rhoInf;"), "rhoInf", "allowed are: rho"),
     Row("lift along the drag", function(COEFFICIENTS + "dragDir (1 0 0); liftDir (1 1 0);"), "'liftDir'", "right angles"),
