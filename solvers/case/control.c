@@ -18,6 +18,7 @@ static const char *const stops[] = {"endTime", "writeNow", "noWriteNow", "nextWr
 static const char *const formats[] = {"ascii", "binary", NULL};
 static const char *const times[] = {"general", "fixed", "scientific", NULL};
 static const char *const errors[] = {"abort", "write", NULL};
+static const char *const tables[] = {"printedSteps", "everyStep", "none", NULL};
 static const char *const corrupt[] = {"stop", "previous", NULL};
 static const char *const zips[] = {"off", "on", "no", "yes",          "false",      "true", "n",
                                    "y",   "f",  "t",  "uncompressed", "compressed", NULL};
@@ -50,6 +51,9 @@ const struct param control_table[] = {
            "are fields written to processorN folders, too, as decomposePar does?"),
     SWITCH("runTimeModifiable", modifiable, true, "is this file read again when it changes?"),
     WHOLE("logInterval", log_interval, 0, FROM_TO(0, 1e9), "steps between log entries (0: about one a second)"),
+    CHOICE("runTable", run_table, TABLE_PRINTED, tables,
+           "rows of postProcessing/run/START/run.dat, the log as a table: a row for each entry of the log, for each "
+           "step, or no table"),
     EITHER("onError", write_on_error, true, errors, "what becomes of the last good state when the run fails"),
     EITHER("onCorruptTime", previous_if_corrupt, false, corrupt,
            "if the time to start from is damaged: end, or start from the time before"),

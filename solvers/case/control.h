@@ -11,6 +11,7 @@
 enum start_from { START_FIRST, START_TIME, START_LATEST };
 enum stop_at { STOP_END_TIME, STOP_WRITE_NOW, STOP_NO_WRITE_NOW, STOP_NEXT_WRITE };
 enum write_control { WRITE_TIME_STEP, WRITE_RUN_TIME, WRITE_ADJUSTABLE, WRITE_CPU_TIME, WRITE_CLOCK_TIME, WRITE_NONE };
+enum run_table { TABLE_PRINTED, TABLE_EVERY_STEP, TABLE_NONE };
 enum time_format { TIME_GENERAL, TIME_FIXED, TIME_SCIENTIFIC };
 
 struct trigger { /* when something is written: the fields, or a function object's output */
@@ -39,6 +40,7 @@ struct control {
     bool previous_if_corrupt; /* onCorruptTime previous: start from the time before; else stop */
     bool write_processors;    /* processorN folders are written, too */
     int log_interval;         /* steps between log entries; 0: about one a second */
+    enum run_table run_table; /* steps that have a row in run.dat */
     bool accepted[WARNINGS];  /* warnings of acceptWarnings */
     long stamp[2];            /* time of the file's last change when it was read: seconds, nanoseconds */
 };

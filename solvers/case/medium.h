@@ -9,7 +9,7 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 16, MAX_BUDGET = 64 };
+enum { MAX_QUANTITIES = 16, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
@@ -35,6 +35,11 @@ struct budget_row { /* what changed mass, momentum and energy: the titles of the
     int n;
     const char *title[MAX_BUDGET];
     double value[MAX_BUDGET];
+};
+struct log_row { /* the numbers of a log entry, as columns of a table: the same titles in every entry */
+    int n;
+    const char *title[MAX_COLUMNS];
+    double value[MAX_COLUMNS];
 };
 
 struct setup;
@@ -76,8 +81,9 @@ struct medium_type {
      * because a rank had been asked to. After ERR_STATE the state is the last good one. */
     status (*step)(struct medium *m, const struct control *c, double t, double *dt);
     status (*after)(struct medium *m, const struct moment *now); /* writes tables of its own; NULL: it has none */
-    /* prints its lines of a log entry, on the root; collective */
-    status (*log)(struct medium *m, FILE *f);
+    /* Sets *row to the numbers of a log entry (on the root) and, unless f is NULL, prints its lines, on the root.
+     * Collective. */
+    status (*log)(struct medium *m, FILE *f, struct log_row *row);
     /* prints its lines at the end, on the root; collective; NULL: it has none */
     status (*finish)(struct medium *m, FILE *f);
 

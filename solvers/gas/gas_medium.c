@@ -6,6 +6,7 @@
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
+#include "solvers/output/totals.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,13 +26,13 @@ struct gas_state {
     struct initial *initial;
     struct gas *gas;
     struct limiter_table limiter;
-    struct gas_speed speed;   /* wave speeds of the last plan */
-    double fall;              /* s: the longest step that gravity allows; HUGE_VAL: any */
-    double totals[MAX_VAR];   /* mass, momentum, energy at the start */
-    struct gas_counts counts; /* counts at the last log entry */
-    bool audited;             /* is a budget kept? */
-    long slow;                /* steps in a row in which dense gas was slow; -1: it was said */
-    bool unknown;             /* is the start gone that would say what is at rest? */
+    struct gas_speed speed;      /* wave speeds of the last plan */
+    double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
+    struct first_total first[2]; /* mass and energy at the start of the case */
+    struct gas_counts counts;    /* counts at the last log entry */
+    bool audited;                /* is a budget kept? */
+    long slow;                   /* steps in a row in which dense gas was slow; -1: it was said */
+    bool unknown;                /* is the start gone that would say what is at rest? */
 };
 static struct gas_state *of(const struct medium *m) {
     return (struct gas_state *)(uintptr_t)m;
@@ -183,7 +184,11 @@ static status gas_start(struct medium *m) {
     g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));
     initial_drop_cells(g->initial);
-    return gas_totals(g->gas, g->totals);
+    double totals[MAX_VAR];
+    TRY(gas_totals(g->gas, totals));
+    g->first[0] = (struct first_total){"mass", totals[0]};
+    g->first[1] = (struct first_total){"energy", totals[1 + s->components]};
+    return totals_resume(s, g->first, 2);
 }
 
 static void gas_medium_free(struct medium *m) {
@@ -340,10 +345,12 @@ static const char *word_for(const struct gas_state *g, bool energy) {
 
 static void print_totals(FILE *f, const struct gas_state *g, const double now[MAX_VAR]) {
     int dim = g->base.setup->components;
-    const double *was = g->totals;
-    fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(g, false), now[0] / was[0] - 1);
+    const struct first_total *first = g->first;
+    fprintf(f, "    mass %.10g (%s %+.2e)  momentum (", now[0], word_for(g, false),
+            relative_change(now[0], first[0].value));
     for (int k = 0; k < dim; k++) fprintf(f, "%s%.6g", k ? " " : "", now[1 + k]);
-    fprintf(f, ")  energy %.10g (%s %+.2e)\n", now[1 + dim], word_for(g, true), now[1 + dim] / was[1 + dim] - 1);
+    fprintf(f, ")  energy %.10g (%s %+.2e)\n", now[1 + dim], word_for(g, true),
+            relative_change(now[1 + dim], first[1].value));
 }
 
 static const char *plural(long n) {
@@ -391,27 +398,73 @@ static void print_diffusion(FILE *f, const struct gas_counts *was, const struct 
                 repeated, plural(repeated), plain, plural(plain), n->repeated, n->plain);
 }
 
-static void print_state(FILE *f, const struct gas_state *g, const struct gas_counts *was, const struct gas_counts *n,
-                        const double alpha[2], const double T[2], const double mach[2], const double totals[MAX_VAR]) {
-    fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", alpha[0], alpha[1], T[0], T[1], mach[0],
-            mach[1]);
-    print_totals(f, g, totals);
+struct gas_numbers { /* of a log entry */
+    double alpha[2], speed[2], T[2], mach[2], totals[MAX_VAR], computed;
+    struct gas_counts counts;
+};
+
+static status find_numbers(const struct gas_state *g, struct gas_numbers *x) {
+    const struct setup *s = g->base.setup;
+    TRY(report_extremes(s, GAS_ALPHA, x->alpha));
+    TRY(report_extremes(s, GAS_U, x->speed));
+    TRY(report_extremes(s, GAS_T, x->T));
+    TRY(report_extremes(s, GAS_MACH, x->mach));
+    x->computed = gas_computed_share(g->gas);
+    x->counts = gas_counts(g->gas);
+    return gas_totals(g->gas, x->totals);
+}
+
+static void add_column(struct log_row *row, const char *title, double value) {
+    row->title[row->n] = title;
+    row->value[row->n++] = value;
+}
+
+static void fill_row(const struct gas_state *g, const struct gas_numbers *x, struct log_row *row) {
+    static const char *const ends[4][2] = {
+        {"alphaMin", "alphaMax"}, {"magUMin", "magUMax"}, {"TMin", "TMax"}, {"MaMin", "MaMax"}};
+    static const char *const momenta[3] = {"momentum_x", "momentum_y", "momentum_z"};
+    const double *const range[4] = {x->alpha, x->speed, x->T, x->mach};
+    const struct setup *s = g->base.setup;
+    const struct gas_counts *n = &x->counts;
+    const double energy = x->totals[1 + s->components];
+    double momentum[3] = {0};
+    for (int k = 0; k < s->components; k++) momentum[s->axis[k]] = x->totals[1 + k];
+    for (int i = 0; i < 8; i++) add_column(row, ends[i / 2][i % 2], range[i / 2][i % 2]);
+    add_column(row, "mass", x->totals[0]);
+    for (int k = 0; k < 3; k++) add_column(row, momenta[k], momentum[k]);
+    add_column(row, "energy", energy);
+    add_column(row, "massChange", relative_change(x->totals[0], g->first[0].value));
+    add_column(row, "energyChange", relative_change(energy, g->first[1].value));
+    const struct {
+        const char *title;
+        long n;
+    } counts[] = {{"limitedFaces", n->faces},   {"limitedCells", n->cells},      {"rejectedSteps", n->rejected},
+                  {"flooredCells", n->floored}, {"filledCells", n->filled},      {"bedSteps", n->beds},
+                  {"bedCells", n->bed_cells},   {"newtonIterations", n->newton}, {"linearIterations", n->linear}};
+    for (int i = 0; i < 9; i++) {
+        if (i == 5) add_column(row, "computed", x->computed);
+        add_column(row, counts[i].title, (double)counts[i].n);
+    }
+}
+
+static void print_state(FILE *f, const struct gas_state *g, const struct gas_counts *was, const struct gas_numbers *x) {
+    const struct gas_counts *n = &x->counts;
+    fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", x->alpha[0], x->alpha[1], x->T[0], x->T[1],
+            x->mach[0], x->mach[1]);
+    print_totals(f, g, x->totals);
     print_limited(f, was, n);
     print_diffusion(f, was, n);
     print_beds(f, was, n);
 }
 
-static status gas_log(struct medium *m, FILE *f) {
+static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
     struct gas_state *g = of(m);
-    const struct setup *s = m->setup;
-    double alpha[2], T[2], mach[2], totals[MAX_VAR];
-    TRY(report_extremes(s, GAS_ALPHA, alpha));
-    TRY(report_extremes(s, GAS_T, T));
-    TRY(report_extremes(s, GAS_MACH, mach));
-    TRY(gas_totals(g->gas, totals));
-    const struct gas_counts n = gas_counts(g->gas), was = g->counts;
-    g->counts = n;
-    if (comm_root(s->comm)) print_state(f, g, &was, &n, alpha, T, mach, totals);
+    struct gas_numbers numbers;
+    TRY(find_numbers(g, &numbers));
+    fill_row(g, &numbers, row);
+    if (!f) return OK;
+    if (comm_root(m->setup->comm)) print_state(f, g, &g->counts, &numbers);
+    g->counts = numbers.counts;
     if (g->slow >= SLOW_STEPS) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
@@ -475,6 +528,7 @@ static bool gas_present(const struct medium *m, int quantity) {
 }
 
 static status gas_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
+    TRY(totals_save(of(m)->first, 2, folder, location, sums));
     return limiter_save(of(m)->gas, folder, location, sums);
 }
 

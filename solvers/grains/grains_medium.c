@@ -381,17 +381,46 @@ static status check_collapse(struct grains_run *x, const struct grain_counts *no
                 dict_path(x->models->granular), dict_line(x->models->granular, "grain"), 100 * slow);
 }
 
-static status medium_log(struct medium *m, FILE *f) {
+static void add_column(struct log_row *row, const char *title, double value) {
+    row->title[row->n] = title;
+    row->value[row->n++] = value;
+}
+
+/* Returns kinetic, potential and lost energy less what they were when counting began, relative to the latter. */
+static double imbalance(const struct grains_run *x, const struct grains_totals *p) {
+    const double all = p->kinetic + p->potential + p->counts.lost;
+    return (all - x->energy) / fmax(fabs(x->energy), p->kinetic + p->counts.lost);
+}
+
+static void fill_row(const struct grains_run *x, const struct grains_totals *p, struct log_row *row) {
+    static const char *const names[] = {"momentum_x", "momentum_y", "momentum_z"};
+    const struct grain_counts *n = &p->counts;
+    double momentum[3] = {0};
+    for (int k = 0; k < x->box.dim; k++) momentum[x->base.setup->axis[k]] = p->momentum[k];
+    add_column(row, "T", p->T);
+    add_column(row, "kinetic", p->kinetic);
+    add_column(row, "potential", p->potential);
+    add_column(row, "lost", n->lost);
+    add_column(row, "energyChange", imbalance(x, p));
+    add_column(row, "collisions", (double)n->pairs);
+    add_column(row, "wallCollisions", (double)n->walls);
+    add_column(row, "elastic", (double)n->elastic);
+    add_column(row, "events", (double)n->events);
+    for (int k = 0; k < 3; k++) add_column(row, names[k], momentum[k]);
+}
+
+static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
     struct grains_run *x = of(m);
     const struct grains_totals p = grains_totals(x->grains, &x->box, x->law.mass);
     const struct grain_counts *n = &p.counts;
-    const double all = p.kinetic + p.potential + n->lost;
+    fill_row(x, &p, row);
+    if (!f) return OK;
     fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
             2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
     print_rates(f, x, n);
     fprintf(f, "    energy: kinetic %.10g  potential %.10g  lost %.10g", p.kinetic, p.potential, n->lost);
     if (x->models->forces.source.amplitude == 0) /* shaken walls do work, so that nothing balances */
-        fprintf(f, " (balance %+.2e)", (all - x->energy) / fmax(fabs(x->energy), p.kinetic + n->lost));
+        fprintf(f, " (balance %+.2e)", imbalance(x, &p));
     for (int k = 0; k < x->box.dim; k++)
         if (x->box.periodic[k]) fprintf(f, "  momentum %c %.6g", "xyz"[m->setup->axis[k]], p.momentum[k]);
     fprintf(f, "\n");

@@ -101,17 +101,39 @@ void progress_start(struct progress *p, const struct setup *s) {
     *p = (struct progress){.start_clock = clock_now(), .last_log = -HUGE_VAL, .first_step = s->start.step};
     p->mark_clock = p->start_clock;
     p->mark_time = s->start.t;
+    p->first_cpu = cpu_now();
+}
+
+void progress_end(struct progress *p) {
+    if (p->table) fclose(p->table);
+    p->table = NULL;
+}
+
+double relative_change(double now, double first) {
+    const double scale = fmax(now, first);
+    return scale > 0 ? (now - first) / scale : 0;
+}
+
+/* Puts the magnitudes of vectors in the place of their first components. */
+static void magnitudes(int components, int n, double *const out[3]) {
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < components; k++) square += out[k][i] * out[k][i];
+        out[0][i] = sqrt(square);
+    }
 }
 
 status report_extremes(const struct setup *s, int quantity, double range[2]) {
     const struct grid *grid = s->grid;
+    const bool vector = s->medium->type->quantity[quantity].components == 3;
     double pair[2] = {HUGE_VAL, HUGE_VAL};
     for (int b = 0; b < grid->nblocks; b++) {
-        int n = grid->block[b].ncells;
+        const long n = grid->block[b].ncells;
         double *values = NULL;
-        TRY(allocate(&values, n, sizeof(double), "a block's field"));
-        double *const out[3] = {values, NULL, NULL};
+        TRY(allocate(&values, vector ? 3 * n : n, sizeof(double), "a block's field"));
+        double *const out[3] = {values, vector ? values + n : NULL, vector ? values + 2 * n : NULL};
         s->medium->type->block(s->medium, b, quantity, out);
+        if (vector) magnitudes(s->components, (int)n, out);
         for (int i = 0; i < n; i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);
@@ -161,16 +183,30 @@ static void tell_lost(struct progress *p, const struct setup *s) {
     status_free(e);
 }
 
-status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e) {
+/* Writes the row of a step. The processors' time is that of all ranks. */
+static status write_row(struct progress *p, const struct setup *s, const struct step_entry *e,
+                        const struct log_row *row) {
+    long micro = lround(1e6 * (cpu_now() - p->first_cpu));
+    comm_sum_long(s->comm, &micro, 1);
+    const struct run_moment now = {
+        e->t, e->dt, e->courant, e->step, e->limit, clock_now() - p->start_clock, 1e-6 * (double)micro};
+    return comm_agree(s->comm, comm_root(s->comm) ? run_table_row(&p->table, s, &now, row) : OK);
+}
+
+static void print_step(const struct setup *s, const struct step_entry *e) {
+    printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
+    if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
+    printf(s->medium->type->event_driven ? ")\n" : ")  Courant %.4f\n", e->courant);
+}
+
+status progress_step(struct progress *p, const struct setup *s, const struct step_entry *e, bool print) {
     const bool root = comm_root(s->comm);
-    p->last_log = clock_now();
-    if (root) {
-        printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
-        if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
-        printf(s->medium->type->event_driven ? ")\n" : ")  Courant %.4f\n", e->courant);
-    }
-    TRY(s->medium->type->log(s->medium, stdout));
-    if (!root) return OK;
+    struct log_row row = {0};
+    if (print) p->last_log = clock_now();
+    if (print && root) print_step(s, e);
+    TRY(s->medium->type->log(s->medium, print ? stdout : NULL, &row));
+    if (s->control->run_table != TABLE_NONE) TRY(write_row(p, s, e, &row));
+    if (!print || !root) return OK;
     print_pace(stdout, p, e);
     tell_lost(p, s);
     fflush(stdout);

@@ -3,6 +3,7 @@
 #define SOLVERS_REPORT_H
 
 #include "solvers/case/case.h"
+#include "solvers/output/runtable.h"
 #include <stdio.h>
 
 /* Prints version, compiler, host, ranks, mesh, models; and the expanded dictionaries if `dictionaries`. */
@@ -15,7 +16,9 @@ struct progress {                 /* pace of a run, for its log */
     double mark_clock, mark_time; /* s: clock and time from which the present pace is measured */
     double pace;                  /* seconds of the clock per second of the run, lately */
     long first_step;
-    bool lost; /* was the folder of the case gone at the last entry? */
+    double first_cpu; /* s, of this rank */
+    bool lost;        /* was the folder of the case gone at the last entry? */
+    FILE *table;      /* run.dat, on the root; NULL: it has no row yet */
 };
 double clock_now(void); /* s, wall clock */
 double cpu_now(void);   /* s, CPU time of this process */
@@ -28,10 +31,15 @@ struct step_entry { /* the numbers of one log entry */
     bool at_cell;
 };
 void progress_start(struct progress *p, const struct setup *s);
-/* Prints the step, the medium's lines, speed and the time left. Collective. */
-status progress_print(struct progress *p, const struct setup *s, const struct step_entry *e);
+void progress_end(struct progress *p);
+/* Writes the step as a row of run.dat and, if `print`, to the log: the step, the medium's lines, speed and the time
+ * left. Collective. */
+status progress_step(struct progress *p, const struct setup *s, const struct step_entry *e, bool print);
+/* Returns the change of a total that is not negative, relative to the larger of both; 0 if both are 0. A start near 0
+ * then makes no change look large, and a total that stays has its first value as scale. */
+double relative_change(double now, double first);
 
-/* Finds the smallest and largest value of a scalar quantity over all ranks. Collective. */
+/* Finds the smallest and largest value of a quantity, of a vector of its magnitude, over all ranks. Collective. */
 status report_extremes(const struct setup *s, int quantity, double range[2]);
 
 #endif

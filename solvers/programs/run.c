@@ -277,10 +277,25 @@ static const char *limit_name(const struct pace *p, enum dt_limit limit, bool sh
     return limit == DT_COURANT && p->limit ? p->limit : dt_limit_name(limit);
 }
 
+/* Logs the step that has ended now: dt, Courant number and limiter are given. */
+static status log_step(struct run *r, struct step_entry *e, bool print) {
+    const struct control *c = r->setup->control;
+    e->t = r->now.t;
+    e->step = r->now.step;
+    e->end_time = c->stop_at == STOP_END_TIME ? c->end_time : HUGE_VAL;
+    return progress_step(&r->progress, r->setup, e, print);
+}
+
+/* Writes the row of the start into the table of the log. */
+static status tabulate_start(struct run *r) {
+    struct step_entry e = {.limit = "start"};
+    return r->setup->control->run_table == TABLE_NONE ? OK : log_step(r, &e, false);
+}
+
 static status step_once(struct run *r) {
     struct setup *s = r->setup;
     struct medium *m = s->medium;
-    struct step_entry e = {.end_time = HUGE_VAL};
+    struct step_entry e = {0};
     enum dt_limit limit;
     double end;
     const struct control *c = s->control;
@@ -302,15 +317,13 @@ static status step_once(struct run *r) {
         .t = dt < planned ? before.t + dt : end, .step = before.step + 1, .cpu = w.cpu, .clock = w.clock};
     r->dt = m->next > 0 ? m->next : dt;
     if (m->type->after) TRY(m->type->after(m, &r->now));
-    if (w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
-        control_ended(c, r->now.t)) {
-        e.t = r->now.t;
+    const bool print = w.log > 0 || (event && r->now.t == end && trigger_due(&c->write, &before, &r->now)) ||
+                       control_ended(c, r->now.t);
+    if (print || c->run_table == TABLE_EVERY_STEP) {
         e.dt = dt;
-        e.courant = dt * pace.rate;
-        e.step = r->now.step;
+        e.courant = m->type->event_driven ? 0 : dt * pace.rate;
         e.limit = limit_name(&pace, limit, dt < planned, knot < next);
-        if (c->stop_at == STOP_END_TIME) e.end_time = c->end_time;
-        TRY(progress_print(&r->progress, s, &e));
+        TRY(log_step(r, &e, print));
     }
     if (w.changed > 0) {
         TRY(comm_agree(s->comm, comm_root(s->comm) ? case_here(s) : OK)); /* or it is another folder's */
@@ -347,6 +360,7 @@ static status loop(struct run *r) {
             printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
         return OK;
     }
+    TRY(tabulate_start(r));
     while (!r->stop) {
         status e = step_once(r);
         if (e) return keep_last(r, e);
@@ -372,6 +386,7 @@ static status with_case(const char *dir, const struct medium_type *type, struct 
     status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
     if (!e) e = read_everything(dir, type, how, c, &r.setup, &r.functions);
     if (!e) e = action(&r);
+    progress_end(&r.progress);
     output_free(r.output);
     functions_free(r.functions);
     case_free(r.setup);

@@ -1,6 +1,7 @@
 /* A bidisperse mixture as a medium (medium.h) of granularSegregation: phi, the concentration of the small grains, on a
  * line of cells or, carried by a flow U, on a lattice. Every rank computes all of it: it is too small to share. */
 #include "solvers/output/report.h"
+#include "solvers/output/totals.h"
 #include "solvers/segregation/segregation_box.h"
 #include "solvers/segregation/segregation_line.h"
 
@@ -18,7 +19,7 @@ struct mixture {
     struct segregation_box box; /* used with more */
     struct segregation_field *carried;
     double *phi;                      /* [cells] along the line, or of the box */
-    double mass;                      /* content at the start */
+    struct first_total first;         /* content at the start of the case */
     double rate;                      /* 1/s: Courant number / dt */
     long steps;                       /* since the start of the case */
     struct segregation_counts counts; /* their values at the last log entry */
@@ -131,10 +132,10 @@ static status mixture_start(struct medium *m) {
     if (!on_line(x)) x->rate = segregation_field_rate(x->carried);
     free(x->field->values);
     x->field->values = NULL;
-    x->mass = content(x);
+    x->first = (struct first_total){"small", content(x)};
     x->steps = s->start.step;
     if (s->control->adjust) m->next = s->start.delta_t;
-    return OK;
+    return totals_resume(s, &x->first, 1);
 }
 
 static void mixture_free(struct medium *m) {
@@ -205,7 +206,15 @@ static struct segregation_counts counts_of(const struct mixture *x) {
     return (struct segregation_counts){n.steps, n.steps, n.bounded, 0, n.corrected, n.rejected};
 }
 
-static status mixture_log(struct medium *m, FILE *f) {
+static void fill_row(const struct segregation_counts *n, double low, double high, double mass, double change,
+                     struct log_row *row) {
+    *row = (struct log_row){
+        8,
+        {"phiMin", "phiMax", "small", "smallChange", "solves", "iterations", "boundedFaces", "rejectedSteps"},
+        {low, high, mass, change, (double)n->steps, (double)n->iterations, (double)n->corrected, (double)n->rejected}};
+}
+
+static status mixture_log(struct medium *m, FILE *f, struct log_row *row) {
     struct mixture *x = of(m);
     const struct segregation_counts n = counts_of(x), was = x->counts;
     const double mass = content(x);
@@ -214,10 +223,12 @@ static status mixture_log(struct medium *m, FILE *f) {
         low = fmin(low, x->phi[place_of(x, i)]);
         high = fmax(high, x->phi[place_of(x, i)]);
     }
+    fill_row(&n, low, high, mass, relative_change(mass, x->first.value), row);
+    if (!f) return OK;
     x->counts = n;
     if (!comm_root(m->setup->comm)) return OK;
     fprintf(f, "    phi %.6g .. %.6g  small grains %.10g (%s %+.2e)  iterations %ld in %ld solves\n", low, high, mass,
-            x->box.through ? "change" : "drift", mass / x->mass - 1, n.iterations - was.iterations,
+            x->box.through ? "change" : "drift", relative_change(mass, x->first.value), n.iterations - was.iterations,
             n.steps - was.steps);
     if (n.corrected > was.corrected)
         fprintf(f, "    bounded: %ld faces of %ld solves (in all %ld)\n", n.corrected - was.corrected,
@@ -272,6 +283,10 @@ static const struct patch_field *mixture_patch(const struct medium *m, int quant
     return f ? &f->patch[patch] : NULL;
 }
 
+static status mixture_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
+    return totals_save(&of(m)->first, 1, folder, location, sums);
+}
+
 static const char help[] =
     "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
     "[-help]\n\n"
@@ -317,4 +332,5 @@ const struct medium_type segregation_medium = {
     .gather = mixture_gather,
     .present = mixture_present,
     .patch = mixture_patch,
+    .save = mixture_save,
 };

@@ -69,8 +69,9 @@ def times(case):
     return sorted((n for n in os.listdir(case) if re.fullmatch(r"[-+.\de]+", n) and n[0].isdigit()), key=float)
 
 
-def contents(folder, ignore=("provenance",)):
-    """Every file in a folder: relative path -> bytes. Provenance holds date and ranks."""
+def contents(folder, ignore=("provenance", "run.dat")):
+    """Every file in a folder: relative path -> bytes. Provenance holds date and ranks, run.dat seconds of clocks, which also
+    choose its rows."""
     found = {}
     for base, _, names in os.walk(folder):
         for name in names:

@@ -10,7 +10,7 @@ holds, with the programs of two folders, and compares all that they write and sa
 Compared are the files of constant/polyMesh (by gmshToCase), of the times, of postProcessing and VTK, byte by byte and after
 decompression; the exit codes and texts of gmshToCase, checkCase, the solver and caseToVTK and the files of caseToVTK; and what
 -help, -listModels and -listBCs of each program say (the case "listings"). Left out are version, compiler, host, date, wall-clock
-times, the estimate of memory, and where the folders are. The input files are compared, too: checksums that were saved with other
+times (and run.dat, whose rows follow them), the estimate of memory, and where the folders are. The input files are compared, too: checksums that were saved with other
 input files say so. One line is printed for each case: `same`, or what differs first. Exit code 0: all the same; 1: something
 differs; 2: the command line is wrong.
 """
@@ -265,7 +265,7 @@ def files(case, folder, names=None):
     found = {}
     names = names or [n for n in os.listdir(case) if os.path.isdir(os.path.join(case, n)) and n != "gas"]
     for name in sorted(names, key=lambda n: (not n[0].isdigit(), float(n) if re.fullmatch(r"[\d.e+-]+", n) else 0, n)):
-        for path, data in sorted(runs.contents(os.path.join(case, name), ignore=()).items()):
+        for path, data in sorted(runs.contents(os.path.join(case, name), ignore=("run.dat",)).items()):
             data = gzip.decompress(data) if path.endswith(".gz") else data
             if os.path.basename(path) in ("provenance", "provenance.gz"):
                 data = plain(data.decode(), folder).encode()

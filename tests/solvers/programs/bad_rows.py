@@ -311,6 +311,7 @@ DICTIONARIES = [
         "Courant number of 30.6", "adjustTimeStep yes;"),
     Row("no such warning", (CONTROL, "maxCo 0.5;", "maxCo 0.5; acceptWarnings (fewgrains);"), "there is no 'fewgrains'",
         "did you mean 'fewGrains'?"),
+    Row("runTable", (CONTROL, "maxCo 0.5;", "maxCo 0.5; runTable everystep;"), "'runTable' is everystep", "did you mean 'everyStep'?"),
     Row("no deltaT", (CONTROL, "deltaT 0.001;\n", ""), "time step must be given", "add  deltaT <seconds>;", at="adjustTimeStep no;"),
     Row("writePrecision 99", (CONTROL, "writePrecision 17;", "writePrecision 99;"), "99", "1 .. 17"),
     Row("writeFormat", (CONTROL, "writeFormat ascii;", "writeFormat asci;"), "asci", "did you mean 'ascii'?"),
