@@ -478,6 +478,10 @@ status field_steady(const struct field *f, const struct polymesh *m) {
     return OK;
 }
 
+const char *field_item(int components) {
+    return components == 6 ? "symmTensor" : components == 3 ? "vector" : "scalar";
+}
+
 status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
                    const double *values, patch_printer *print, const void *context, struct file_sum *sum) {
     char path[PATH];
@@ -485,9 +489,13 @@ status field_write(const struct field_writer *w, const char *name, int component
     const signed char *k = dimensions;
     snprintf(path, sizeof path, "%s/%s", w->folder, name);
     TRY(sink_open(path, w->format->compress, &s));
-    foam_header_write(s, w->format, components == 3 ? "volVectorField" : "volScalarField", w->location, name, NULL);
+    foam_header_write(s, w->format,
+                      components == 6   ? "volSymmTensorField"
+                      : components == 3 ? "volVectorField"
+                                        : "volScalarField",
+                      w->location, name, NULL);
     sink_printf(s, "dimensions      [%d %d %d %d %d %d %d];\n\n", k[0], k[1], k[2], k[3], k[4], k[5], k[6]);
-    sink_printf(s, "internalField   nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
+    sink_printf(s, "internalField   nonuniform List<%s>\n", field_item(components));
     foam_list_write_doubles(s, w->format, components, w->mesh->ncells, values);
     sink_printf(s, ";\n\nboundaryField\n{\n");
     for (int p = 0; p < w->mesh->npatches; p++) {

@@ -95,6 +95,8 @@ struct field_writer {
     const struct foam_format *format;
     const char *folder, *location;
 };
+/* Returns the name of an item of 1, 3 or 6 components: scalar, vector, symmTensor. */
+const char *field_item(int components);
 typedef void patch_printer(struct sink *s, const struct field_writer *w, int patch, const void *context);
 status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
                    const double *values, patch_printer *print, const void *context, struct file_sum *sum);

@@ -12,10 +12,11 @@ struct functions {
 
 /* Every type of function object: its own file exports its row. */
 extern const struct function_type function_probes, function_sets, function_extremes, function_integral, function_vtk,
-    function_budget, function_phases, function_forces, function_coefficients, function_surface_value;
+    function_budget, function_phases, function_average, function_forces, function_coefficients, function_surface_value;
 static const struct function_type *const function_table[] = {
-    &function_probes, &function_sets,   &function_extremes, &function_integral,     &function_vtk,
-    &function_budget, &function_phases, &function_forces,   &function_coefficients, &function_surface_value,
+    &function_probes, &function_sets,         &function_extremes,      &function_integral,
+    &function_vtk,    &function_budget,       &function_phases,        &function_average,
+    &function_forces, &function_coefficients, &function_surface_value,
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
@@ -72,33 +73,49 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
     }
 }
 
-static status read_fields(struct function *f, struct dict *d) {
+/* Prints the names of all fields. */
+static void list_fields(const struct medium_type *m, char known[256]) {
+    *known = 0;
+    for (int k = 0; k < m->noffered; k++)
+        snprintf(known + strlen(known), 256 - strlen(known), "%s%s", k ? " " : "", m->quantity[k].name);
+}
+
+status function_field(const struct function *f, const struct dict *d, const char *key, const char *word, int *out) {
     const struct medium_type *m = f->setup->medium->type;
-    const char *const *words, *names[MAX_QUANTITIES];
-    char known[256] = "";
-    int n;
-    for (const int *q = m->shown; f->type->all_fields && !dict_has(d, "fields") && *q >= 0; q++)
-        f->field[f->nfields++] = *q;
-    if (f->nfields) return OK;
+    const char *names[MAX_QUANTITIES];
+    char known[256];
     for (int k = 0; k < m->noffered; k++) {
         names[k] = m->quantity[k].name;
-        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", k ? " " : "", names[k]);
+        *out = k;
+        if (!strcmp(word, names[k])) return OK;
     }
-    TRY(status_note(dict_words(d, "fields", &n, &words), "'fields' lists some of %s", known));
+    const char *near = nearest_name(word, names, m->noffered);
+    list_fields(m, known);
+    return dict_fail(d, key, "there is no field '%s'; known are %s%s%s%s", word, known, near ? "; did you mean '" : "",
+                     near ? near : "", near ? "'?" : "");
+}
+
+status function_fields(struct function *f, struct dict *d, const char *key) {
+    const char *const *words;
+    char known[256];
+    int n;
+    list_fields(f->setup->medium->type, known);
+    TRY(status_note(dict_words(d, key, &n, &words), "'%s' lists some of %s", key, known));
     for (int i = 0; i < n; i++) {
-        int k = 0;
-        while (k < m->noffered && strcmp(words[i], names[k])) k++;
-        if (k == m->noffered) {
-            const char *near = nearest_name(words[i], names, m->noffered);
-            return dict_fail(d, "fields", "there is no field '%s'; known are %s%s%s%s", words[i], known,
-                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
-        }
+        int k;
+        TRY(function_field(f, d, key, words[i], &k));
         for (int j = 0; j < f->nfields; j++)
-            if (f->field[j] == k) return dict_fail(d, "fields", "'%s' is listed twice", words[i]);
+            if (f->field[j] == k) return dict_fail(d, key, "'%s' is listed twice", words[i]);
         f->field[f->nfields++] = k;
     }
-    if (!n) return dict_fail(d, "fields", "it is empty; known are %s", known);
-    return OK;
+    return n ? OK : dict_fail(d, key, "it is empty; known are %s", known);
+}
+
+static status read_fields(struct function *f, struct dict *d) {
+    const struct medium_type *m = f->setup->medium->type;
+    for (const int *q = m->shown; f->type->all_fields && !dict_has(d, "fields") && *q >= 0; q++)
+        f->field[f->nfields++] = *q;
+    return f->nfields ? OK : function_fields(f, d, "fields");
 }
 
 static status make_one(struct function *f, struct dict *d) {
@@ -146,6 +163,8 @@ status functions_make(const struct setup *s, struct functions **out) {
             continue;
         }
         g->setup = s;
+        g->earlier = f->all;
+        g->nearlier = f->n;
         snprintf(g->name, sizeof g->name, "%s", name);
         f->n++;
         if (!e) e = status_note(make_one(g, one), "function object '%s'", name);

@@ -18,7 +18,7 @@ void functions_keywords(struct keywords *k, const struct medium_type *m); /* goe
 double functions_next(const struct functions *f, double t);
 /* Lets averages take in the end of a step, before any of it is written; before NULL: the start. Collective. */
 status functions_collect(struct functions *f, const struct moment *before, const struct moment *now);
-/* Saves the sums that averages need at a restart into the time folder that w writes. On the root. */
+/* Saves the sums that averages need at a restart into the time folder that w writes. Collective. */
 status functions_save(const struct functions *f, const struct field_writer *w, struct checksums *sums);
 /* Executes the function objects that are due; before NULL: the start, when all are. name: of the time, for files.
  * Collective. */

@@ -44,8 +44,7 @@ static void phases_free(void *own) {
 /* Is field k weighted by rho? */
 static bool weighted(const struct function *f, int k) {
     const struct phases *p = f->own;
-    const char *name = quantity_of(f, f->field[k])->name;
-    return p->rho >= 0 && (!strcmp(name, "U") || !strcmp(name, "T") || !strcmp(name, "TComponents"));
+    return p->rho >= 0 && means_per_mass(f, f->field[k]);
 }
 
 static double moment_of(const struct phases *p, double index) {
@@ -185,16 +184,12 @@ static void print_identity(struct sink *o, const struct function *f) {
     sink_printf(o, " );\n");
 }
 
-static status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
+static status save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
     const struct phases *p = f->own;
-    const struct foam_format exact = {w->format->binary, w->format->compress, 17};
-    char path[2 * TIME_PATH], location[TIME_NAME + 16];
+    struct foam_format exact;
     struct sink *o;
     struct file_sum sum;
-    snprintf(path, sizeof path, "%s/%s", w->folder, p->file);
-    snprintf(location, sizeof location, "%s/uniform", w->location);
-    TRY(sink_open(path, exact.compress, &o));
-    foam_header_write(o, &exact, "dictionary", location, p->file + strlen("uniform/"), NULL);
+    TRY(means_open(w, p->file, &exact, &o));
     print_identity(o, f);
     for (int j = 0; j < p->n; j++) {
         if (!p->count[j]) continue;
@@ -206,26 +201,16 @@ static status phases_save(const struct function *f, const struct field_writer *w
     return checksums_add(sums, p->file, sum);
 }
 
+static status phases_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
+    return comm_agree(f->setup->comm, comm_root(f->setup->comm) ? save(f, w, sums) : OK);
+}
+
 static status same_fields(const struct function *f, struct dict *d, bool *same) {
     const char *const *words;
     int n;
     TRY(dict_words(d, "fields", &n, &words));
     *same &= n == f->nfields;
     for (int k = 0; *same && k < n; k++) *same = !strcmp(words[k], quantity_of(f, f->field[k])->name);
-    return OK;
-}
-
-static status read_sum(struct phases *p, struct dict *d, int bin) {
-    struct lexer l;
-    struct token t;
-    char key[32];
-    long n;
-    snprintf(key, sizeof key, "sum%d", bin);
-    TRY(dict_raw(d, key, &l));
-    TRY(lexer_next(&l, &t));
-    TRY(lexer_next(&l, &t));
-    TRY(foam_list_read_doubles(&l, dict_header(d), 1, p->size, &n, &p->sum[bin]));
-    if (n != p->size) return dict_fail(d, key, "it holds %ld numbers, not %ld", n, p->size);
     return OK;
 }
 
@@ -250,7 +235,9 @@ static status take_up(const struct function *f, struct dict *d) {
         if (!(counts[j] >= 0 && counts[j] < 1e15))
             return dict_fail(d, "counts", "%g is no number of samples", counts[j]);
         p->count[j] = (long)counts[j];
-        if (p->count[j]) TRY(read_sum(p, d, j));
+        char key[32];
+        snprintf(key, sizeof key, "sum%d", j);
+        if (p->count[j]) TRY(means_list(d, key, p->size, &p->sum[j]));
     }
     p->resumed = true;
     return OK;
@@ -259,10 +246,8 @@ static status take_up(const struct function *f, struct dict *d) {
 static status load(const struct function *f) {
     const struct phases *p = f->own;
     struct dict *d = NULL;
-    char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.folder, p->file);
-    if (!field_exists(path)) return OK;
-    TRY(dict_read(path, &d));
+    TRY(means_read(f, p->file, &d));
+    if (!d) return OK;
     status s = take_up(f, d);
     dict_free(d);
     if (!s && !p->values) s = make_bin(f, 0);
@@ -287,19 +272,14 @@ static status shaken_period(const struct function *f, struct dict *d, double *ou
 }
 
 static status phases_make(struct function *f, struct dict *d) {
-    const struct medium_type *m = f->setup->medium->type;
     struct phases *p;
     TRY(allocate(&p, 1, sizeof *p, "averages"));
     f->own = p;
     TRY(params_read(d, f->type->param, f->type->nparam, p));
     if (p->period == 0) TRY(shaken_period(f, d, &p->period));
-    if (snprintf(p->file, sizeof p->file, "uniform/phaseAverage.%s", f->name) >= 90)
-        return fail(ERR_INPUT, "%s: the name '%s' is too long for a file of its sums; give it a shorter one",
-                    dict_path(d), f->name);
-    p->rho = -1;
+    TRY(means_file(f, d, p->file));
+    p->rho = means_density(f);
     p->ncells = f->setup->mesh->ncells;
-    for (int q = 0; q < m->noffered; q++)
-        if (!strcmp(m->quantity[q].name, "rho")) p->rho = q;
     for (int k = 0; k < f->nfields; k++) p->size += p->ncells * quantity_of(f, f->field[k])->components;
     if (p->rho >= 0) p->size += p->ncells;
     TRY(comm_agree(f->setup->comm, comm_root(f->setup->comm) ? load(f) : OK));

@@ -10,6 +10,8 @@ struct function { /* one function object; its members are for all types */
     const struct function_type *type;
     const struct setup *setup;
     char name[128];
+    const struct function *earlier; /* [nearlier] those that were made before this one */
+    int nearlier;
     struct trigger trigger;
     bool enabled; /* is it made at all? */
     bool log;     /* are results printed, too? */
@@ -43,12 +45,28 @@ struct function_type {
 #define FUNCTION_DICT          "functions/NAME"
 
 const struct quantity *quantity_of(const struct function *f, int field);
+/* Finds the quantity that a word of `key` names; the error suggests one. */
+status function_field(const struct function *f, const struct dict *d, const char *key, const char *word, int *out);
+/* Reads the list `key` of such words into f->field. */
+status function_fields(struct function *f, struct dict *d, const char *key);
 /* Computes the values of a block's cells in f->block_values; lines[c] are those along computational axis c. */
 void function_block(const struct function *f, int block, int field, double *lines[3]);
 /* Checks the key `name` of a dictionary, which names a file or a folder below postProcessing/: it must not lead out. */
 status function_name(struct dict *d, const char *name);
 /* Opens postProcessing/<function>/<folder>/<file>, and makes its folders. On the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
+/* Shared by averages (functions_means.c): the quantity that weighs U and T, which are per unit mass (-1: the medium has
+ * no density); is a quantity weighted by it? */
+int means_density(const struct function *f);
+bool means_per_mass(const struct function *f, int field);
+/* Sets `file` to uniform/<type>.<function>, the file of the sums in a time folder. */
+status means_file(const struct function *f, struct dict *d, char file[128]);
+/* Opens that file in the folder that w writes, with its header; numbers have all digits: *exact. On the root. */
+status means_open(const struct field_writer *w, const char *file, struct foam_format *exact, struct sink **out);
+/* Reads the file in the folder of the start; *out = NULL: there is none. On the root. */
+status means_read(const struct function *f, const char *file, struct dict **out);
+/* Reads a list of `size` numbers, which was written as such; *out is malloc'd. */
+status means_list(struct dict *d, const char *key, long size, double **out);
 /* Ends a row of a table and hands it to the system; fails if that has no room for it. */
 status function_end_row(const struct function *f, FILE *file);
 

@@ -114,7 +114,7 @@ struct printing {                /* context of print_patch */
 };
 
 static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
-    sink_printf(s, "nonuniform List<%s>\n", components == 3 ? "vector" : "scalar");
+    sink_printf(s, "nonuniform List<%s>\n", field_item(components));
     foam_list_write_doubles(s, f, components, n, values);
     sink_printf(s, ";\n");
 }
@@ -194,14 +194,18 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
         print_cells(s, w, p, c, false); /* OpenFOAM demands a `value` for this type */
 }
 
-status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
-    const struct quantity *q = &s->medium->type->quantity[quantity];
-    struct printing c = {.quantity = quantity, .components = q->components, .values = values};
-    struct file_sum sum;
-    TRY(allocate(&c.room, 3L * largest_patch(s, NULL) + 1, sizeof(double), "a patch to write"));
-    status e = field_write(w, q->name, q->components, q->dimensions, values, print_patch, &c, &sum);
+status output_values(const struct setup *s, const struct field_writer *w, const struct quantity *q,
+                     const double *values, struct file_sum *sum) {
+    struct printing c = {.components = q->components, .values = values};
+    struct file_sum unasked;
+    TRY(allocate(&c.room, (long)q->components * largest_patch(s, NULL) + 1, sizeof(double), "a patch to write"));
+    status e = field_write(w, q->name, q->components, q->dimensions, values, print_patch, &c, sum ? sum : &unasked);
     free(c.room);
     return e;
+}
+
+status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
+    return output_values(s, w, &s->medium->type->quantity[quantity], values, NULL);
 }
 
 /* Writes o->values into the case's folder, then each part's share into its own. */
@@ -303,7 +307,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
     TRY(write_fields(o, &w));
-    TRY(comm_agree(s->comm, root ? o->save(o->context, &w, &o->sums) : OK));
+    TRY(o->save(o->context, &w, &o->sums));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 

@@ -5,7 +5,7 @@
 #include "solvers/case/case.h"
 
 struct output; /* remembers what it wrote, for purgeWrite and for names that differ */
-/* Writes what else a restart needs into the time folder of w, and adds the checksums of its files. On the root. */
+/* Writes what else a restart needs into the time folder of w, and adds the checksums of its files. Collective. */
 typedef status output_saver(const void *context, const struct field_writer *w, struct checksums *sums);
 /* Makes the writer of a run; it calls save in each output_write, with context as first argument. */
 status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out);
@@ -19,5 +19,9 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
 status output_gather(const struct setup *s, int quantity, double *out);
 /* Writes a file of such values in another folder, with all patches calculated. On the root. */
 status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values);
+/* The same for values of any name; components: 1, 3, or 6 of a symmetric tensor (xx xy xz yy yz zz). *sum may be
+ * NULL. */
+status output_values(const struct setup *s, const struct field_writer *w, const struct quantity *q,
+                     const double *values, struct file_sum *sum);
 
 #endif

@@ -123,9 +123,10 @@ static int entries(const char *folder) {
 static void run(struct functions *f) {
     struct moment before = {.t = 0}, now = {.t = 0, .fields = true};
     const struct foam_format format = {.precision = 6};
-    const struct field_writer w = {gas.setup->mesh, &format, gas.path, "0"};
+    char folder[256], name[TIME_NAME] = "0";
+    const struct field_writer w = {gas.setup->mesh, &format, folder, "0"};
     struct checksums sums = {.n = 0};
-    char name[TIME_NAME] = "0";
+    snprintf(folder, sizeof folder, "%s/saved", gas.path);
     for (int k = 0; k < MOMENTS; k++) {
         const bool good = accepted(functions_collect(f, k ? &before : NULL, &now)) &&
                           accepted(functions_execute(f, k ? &before : NULL, &now, name));
@@ -140,13 +141,13 @@ static void run(struct functions *f) {
 }
 
 static void clean(void) {
-    static const char *const made[] = {"postProcessing", "VTK", "uniform"};
+    static const char *const made[] = {"postProcessing", "VTK", "saved"};
     char path[256];
     for (int i = 0; i < 3; i++) {
         snprintf(path, sizeof path, "%s/%s", gas.path, made[i]);
         PROMISE(accepted(remove_folder(path)), "what was written can be removed");
     }
-    snprintf(path, sizeof path, "%s/uniform", gas.path);
+    snprintf(path, sizeof path, "%s/saved/uniform", gas.path);
     PROMISE(accepted(make_folders(path)), "a folder can be made");
 }
 

@@ -205,7 +205,7 @@ class Checksums(harness.Folder, unittest.TestCase):
                 self.refused(case, "0.003/uniform/checksums")
         with open(path, "w") as f:
             f.write(re.sub(r" +U +\{.*?\}\n", "", good))
-        self.refused(case, "0.003/uniform/checksums", "7 files, not 8")
+        self.refused(case, "0.003/uniform/checksums", "8 files, not 9")
         os.remove(path)
         harness.program("checkCase", case)
 

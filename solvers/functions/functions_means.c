@@ -1,0 +1,52 @@
+/* What averages over time share: which fields are weighted by the density, and the file of their sums in a time folder,
+ * from which a restart goes on. */
+#include "solvers/functions/functions_private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int means_density(const struct function *f) {
+    const struct medium_type *m = f->setup->medium->type;
+    for (int q = 0; q < m->noffered; q++)
+        if (!strcmp(m->quantity[q].name, "rho")) return q;
+    return -1;
+}
+
+bool means_per_mass(const struct function *f, int field) {
+    const char *name = quantity_of(f, field)->name;
+    return !strcmp(name, "U") || !strcmp(name, "T") || !strcmp(name, "TComponents");
+}
+
+status means_file(const struct function *f, struct dict *d, char file[128]) {
+    if (snprintf(file, 128, "uniform/%s.%s", f->type->name, f->name) < 90) return OK;
+    return fail(ERR_INPUT, "%s: the name '%s' is too long for a file of its sums; give it a shorter one", dict_path(d),
+                f->name);
+}
+
+status means_open(const struct field_writer *w, const char *file, struct foam_format *exact, struct sink **out) {
+    char path[2 * TIME_PATH], location[TIME_NAME + 16];
+    *exact = (struct foam_format){w->format->binary, w->format->compress, 17};
+    snprintf(path, sizeof path, "%s/%s", w->folder, file);
+    snprintf(location, sizeof location, "%s/uniform", w->location);
+    TRY(sink_open(path, exact->compress, out));
+    foam_header_write(*out, exact, "dictionary", location, file + strlen("uniform/"), NULL);
+    return OK;
+}
+
+status means_read(const struct function *f, const char *file, struct dict **out) {
+    char path[2 * TIME_PATH];
+    *out = NULL;
+    snprintf(path, sizeof path, "%s/%s/%s", f->setup->dir, f->setup->start.folder, file);
+    return field_exists(path) ? dict_read(path, out) : OK;
+}
+
+status means_list(struct dict *d, const char *key, long size, double **out) {
+    struct lexer l;
+    struct token t;
+    long n;
+    TRY(dict_raw(d, key, &l));
+    TRY(lexer_next(&l, &t));
+    TRY(lexer_next(&l, &t));
+    TRY(foam_list_read_doubles(&l, dict_header(d), 1, size, &n, out));
+    return n == size ? OK : dict_fail(d, key, "it holds %ld numbers, not %ld", n, size);
+}
