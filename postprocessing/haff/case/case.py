@@ -1,4 +1,5 @@
 """A case directory: mesh, times, fields, tables of function objects."""
+import functools
 import os
 import re
 
@@ -19,27 +20,35 @@ class Case:
         if not os.path.isdir(os.path.join(path, "system")):
             raise FileNotFoundError(f"{path} is no case directory (it has no folder 'system')")
         self.path = path
-        self._mesh = self._geometry = None
 
     @property
     def times(self):
         return sorted((n for n in os.listdir(self.path) if is_time(n)), key=float)
 
-    @property
+    @functools.cached_property
     def mesh(self):
-        if self._mesh is None:
-            self._mesh = Mesh(os.path.join(self.path, "constant", "polyMesh"))
-        return self._mesh
+        """The mesh.Mesh of constant/polyMesh."""
+        return Mesh(os.path.join(self.path, "constant", "polyMesh"))
 
-    @property
+    def lattice(self):
+        """The haff.case.lattice.Lattice that the cells are places of (edges along x, y, z, place of each cell), or None."""
+        return self.mesh.lattice
+
+    @functools.cached_property
+    def _geometry(self):
+        return self.mesh.cell_geometry()
+
+    @functools.cached_property
     def centres(self):
-        self._geometry = self._geometry or self.mesh.cell_geometry()
-        return self._geometry[0]
+        """Of the cells, [cells][3], in m."""
+        found = self.lattice()
+        return found.centres() if found else self._geometry[0]
 
-    @property
+    @functools.cached_property
     def volumes(self):
-        self._geometry = self._geometry or self.mesh.cell_geometry()
-        return self._geometry[1]
+        """Of the cells, [cells], in m^3."""
+        found = self.lattice()
+        return found.volumes() if found else self._geometry[1]
 
     def time(self, value):
         """The name of the time nearest to a number."""

@@ -1,12 +1,24 @@
-"""OpenFOAM's files: header, lists, fields on cells; ascii or binary, plain or .gz."""
+"""OpenFOAM's files: header, lists, fields on cells; ascii or binary, plain or .gz.
+
+A plain file is read into memory once, and the numbers of a binary list are a view of that memory: no copy is made, and what
+happens to the file later does not reach the arrays. (A memory map would save that one read, and would end Python where a run
+shortens the file.)
+"""
 import gzip
 import os
 import re
+import warnings
 
 import numpy as np
 
 COMPONENTS = {"Scalar": 1, "Vector": 3, "SymmTensor": 6, "Tensor": 9}
-PUNCTUATION = re.compile(rb"[()\[\]{};]")
+SKIP = rb"(?:\s|//[^\n]*\n|/\*.*?\*/)*"
+LIST = re.compile(SKIP + rb"(\d+)" + SKIP + rb"([({])", re.S)
+FIRST_LIST = re.compile(rb"\n\s*\d+\s*\(")
+HEADER_WITHIN = 1 << 16  # bytes
+MOVED = 1 << 26  # bytes: longer lists move in place
+BLANKS = bytes.maketrans(b"()[]{};", b"       ")
+BASE_UNITS = ("kg", "m", "s", "K", "mol", "A", "cd")
 
 
 class FormatError(ValueError):
@@ -15,20 +27,39 @@ class FormatError(ValueError):
 
 def read_bytes(path):
     """The file's bytes, unzipped; path.gz is taken where only that exists."""
+    data = read_buffer(path)
+    return data if isinstance(data, bytes) else data.tobytes()
+
+
+def read_buffer(path):
+    """The same as bytes, or as a memoryview that can be written to, which needs the file's size of memory and no more.
+
+    The content of the first list begins at a multiple of 8 bytes, so that its numbers need not be moved."""
     if not os.path.exists(path) and os.path.exists(path + ".gz"):
         path += ".gz"
     with open(path, "rb") as f:
-        data = f.read()
-    return gzip.decompress(data) if path.endswith(".gz") else data
+        if path.endswith(".gz"):
+            return gzip.decompress(f.read())
+        head = f.read(HEADER_WITHIN)
+        first = FIRST_LIST.search(head)
+        room = np.empty(os.fstat(f.fileno()).st_size + 8, np.uint8)
+        off = -(room.ctypes.data + (first.end() if first else 0)) % 8
+        f.seek(0)
+        data = memoryview(room)[off:len(room) - 8 + off]
+        return data[:f.readinto(data)]
 
 
 class FoamFile:
-    """Header and body of a file in OpenFOAM's format."""
+    """Header and body of a file in OpenFOAM's format.
+
+    path, header {key: text}, binary; label, scalar: the numpy types of its numbers.
+    FormatError where there is no header; FileNotFoundError.
+    """
 
     def __init__(self, path):
         self.path = path
-        data = read_bytes(path)
-        header = re.search(rb"FoamFile\s*\{(.*?)\}", data, re.S)
+        self.data = read_buffer(path)
+        header = re.search(rb"FoamFile\s*\{(.*?)\}", self.data[:HEADER_WITHIN], re.S)
         if not header:
             raise FormatError(f"{path}: no FoamFile header")
         self.header = {k.decode(): v.decode().strip('" ') for k, v in
@@ -37,62 +68,144 @@ class FoamFile:
         arch = self.header.get("arch", "LSB;label=32;scalar=64")
         self.label = np.dtype("<i8" if "label=64" in arch else "<i4")
         self.scalar = np.dtype("<f4" if "scalar=32" in arch else "<f8")
-        self.body = data[header.end():]
+        self.view = self.data[header.end():]
+
+    @property
+    def body(self):
+        """What follows the header, as bytes: a copy."""
+        return self.view if isinstance(self.view, bytes) else self.view.tobytes()
 
     def numbers(self, start, components, kind):
-        """The list `N ( ... )` that begins at body[start]: array [N] or [N][components], and where it ends."""
-        head = re.compile(rb"(?:\s|//[^\n]*\n|/\*.*?\*/)*(\d+)\s*([({])", re.S).match(self.body, start)
+        """The list `N ( ... )` that begins at byte `start` of the body: array [N] or [N][components], and the byte where it ends."""
+        head = LIST.match(self.view, start)
         if not head:
             raise FormatError(f"{self.path}: no list where one should begin")
         count, at = int(head.group(1)), head.end()
         shape = (count, components) if components > 1 else (count,)
         if head.group(2) == b"{":
-            end = self.body.index(b"}", at)
-            return np.tile(np.array(words(self.body[at:end]), float).astype(kind), count).reshape(shape), end + 1
+            end = self.find(b"}", at)
+            return np.tile(np.array(words(self.part(at, end)), float).astype(kind), count).reshape(shape), end + 1
         if self.binary:
             end = at + count * components * kind.itemsize
-            if len(self.body) <= end or self.body[end:end + 1] != b")":
+            if len(self.view) <= end or self.view[end:end + 1] != b")":
                 raise FormatError(f"{self.path}: the binary list of {count} entries does not end where it should")
-            return np.frombuffer(self.body[at:end], kind).reshape(shape), end + 1
-        close = list_end(self.body, at)
-        values = np.array(words(self.body[at:close]), kind)
+            return self.aligned(at, end, kind).reshape(shape), end + 1
+        close = self.closing(at, count, components)
+        values = text_numbers(self.part(at, close), kind, self.path)
         if values.size != count * components:
             raise FormatError(f"{self.path}: {values.size} numbers in a list of {count} x {components}")
         return values.reshape(shape), close + 1
 
+    def aligned(self, at, end, kind):
+        """Numbers at any byte, at a place of memory that their type likes: others are slow. Long lists move within their own
+        memory, over the bracket before them, so that they can be read once only."""
+        values = np.frombuffer(self.view[at:end], np.uint8)
+        off = values.ctypes.data % kind.itemsize
+        if not values.flags.writeable or off > at or (off and len(values) < MOVED):
+            return values.copy().view(kind)
+        if off:
+            moved = np.frombuffer(self.view[at - off:end - off], np.uint8)
+            for a in range(0, len(moved), 1 << 24):
+                moved[a:a + (1 << 24)] = values[a:a + (1 << 24)].copy()
+            values = moved
+        return values.view(kind)
+
+    def find(self, text, at):
+        found = re.compile(re.escape(text)).search(self.view, at)
+        if not found:
+            raise FormatError(f"{self.path}: '{text.decode()}' is missing")
+        return found.start()
+
+    def part(self, start, end):
+        part = self.view[start:end]
+        return part if isinstance(part, bytes) else part.tobytes()
+
+    def closing(self, at, count, components):
+        """Where the list ends whose content starts at `at`: of rows in brackets behind the second of two closing ones."""
+        found = re.compile(rb"\)" + SKIP + rb"(\))" if components > 1 and count else rb"(\))", re.S).search(self.view, at)
+        if not found:
+            raise FormatError(f"{self.path}: a list is not closed")
+        return found.start(1)
+
+
+def without_comments(text):
+    return re.sub(rb"/\*.*?\*/|//[^\n]*", b" ", text, flags=re.S) if b"/" in text else text
+
 
 def words(text):
     """Numbers as byte strings; brackets are blanks."""
-    return PUNCTUATION.sub(b" ", re.sub(rb"//[^\n]*", b"", text)).split()
+    return without_comments(text).translate(BLANKS).split()
 
 
-def list_end(text, at):
-    """Position of the bracket that closes the list whose content starts at `at`."""
-    depth = 1
-    for m in re.compile(rb"[()]").finditer(text, at):
-        depth += 1 if m.group() == b"(" else -1
-        if depth == 0:
-            return m.start()
-    raise FormatError("a list is not closed")
+def text_numbers(text, kind, path):
+    """The numbers of a text, whatever its brackets; FormatError names the file."""
+    text = without_comments(text).translate(BLANKS)
+    if not text.strip():
+        return np.empty(0, kind)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            return np.fromstring(text, kind, sep=" ")
+        except (DeprecationWarning, ValueError):
+            raise FormatError(f"{path}: a list holds something that is no number") from None
+
+
+def units(exponents):
+    """Exponents of kg, m, s, K, mol, A, cd as a short text: "kg/m^3", "m^2/s^2", "1/s"; "" where there is no unit."""
+    power = lambda name, n: name if n == 1 else f"{name}^{n:g}"
+    above = " ".join(power(name, n) for name, n in zip(BASE_UNITS, exponents) if n > 0)
+    below = [power(name, -n) for name, n in zip(BASE_UNITS, exponents) if n < 0]
+    return "/".join([above or "1"] + below) if above or below else ""
+
+
+class Field:
+    """A file of a field on cells: kind, components, exponents of the units, internal values, patches.
+
+    field.values(cells) -> [cells] or [cells][components]; field.patches -> {name as written: text of its entries}
+    """
+
+    def __init__(self, path):
+        self.file = FoamFile(path)
+        kind = re.match(r"vol(\w+?)Field", self.file.header.get("class", ""))
+        if not kind or kind.group(1) not in COMPONENTS:
+            raise FormatError(f"{path}: class {self.file.header.get('class')} is no field on cells")
+        self.path, self.components = path, COMPONENTS[kind.group(1)]
+        self.entry = re.compile(rb"(?:internalField|value)\s+(uniform|nonuniform)\s*(?:List<\w+>)?").search(self.file.view)
+        if not self.entry:
+            raise FormatError(f"{path}: no internalField")
+
+    @property
+    def exponents(self):
+        """Of kg, m, s, K, mol, A, cd: a list of 7 numbers."""
+        found = re.compile(rb"\bdimensions\s*\[([^\]]*)\]").search(self.file.view[:HEADER_WITHIN])
+        if not found:
+            raise FormatError(f"{self.path}: no dimensions")
+        powers = [float(w) for w in found.group(1).split()]
+        return powers + [0.0] * (len(BASE_UNITS) - len(powers))
+
+    def internal(self):
+        """The internal values, one row or all, and the byte of the body behind them."""
+        f, end = self.file, self.entry.end()
+        if self.entry.group(1) == b"uniform":
+            close = f.find(b";", end)
+            return np.array(words(f.part(end, close)), float), close
+        return f.numbers(end, self.components, f.scalar)
+
+    def values(self, cells):
+        values, end = self.internal()
+        tail = self.file.part(end, len(self.file.view))  # patches may have expressions, too
+        outside = self.file.part(0, self.entry.start()) + b"\n" + tail.split(b"boundaryField", 1)[0] + b"\n" + tail.rsplit(b"}", 1)[-1]
+        if re.search(rb"^\s*expression\b", outside, re.M):
+            raise FormatError(f"{self.path}: the field is given by an expression, which only the solver evaluates")
+        if self.entry.group(1) == b"uniform":
+            if len(values) != self.components:
+                raise FormatError(f"{self.path}: {len(values)} numbers for {self.components}")
+            return np.tile(values, (cells, 1)) if self.components > 1 else np.full(cells, values[0])
+        if len(values) != cells:
+            raise FormatError(f"{self.path}: {len(values)} values on a mesh of {cells} cells")
+        return values.astype(float, copy=False)
 
 
 def read_field(path, cells):
-    """Internal field: array [cells] or [cells][components]."""
-    f = FoamFile(path)
-    kind = re.match(r"vol(\w+?)Field", f.header.get("class", ""))
-    if not kind or kind.group(1) not in COMPONENTS:
-        raise FormatError(f"{path}: class {f.header.get('class')} is no field on cells")
-    n = COMPONENTS[kind.group(1)]
-    entry = re.search(rb"(?:internalField|value)\s+(uniform|nonuniform)\s*(?:List<\w+>)?", f.body)
-    if not entry:
-        raise FormatError(f"{path}: no internalField")
-    outside = f.body.split(b"boundaryField", 1)[0] + b"\n" + f.body.rsplit(b"}", 1)[-1]  # patches may have expressions, too
-    if re.search(rb"^\s*expression\b", outside, re.M):
-        raise FormatError(f"{path}: the field is given by an expression, which only the solver evaluates")
-    if entry.group(1) == b"uniform":
-        value = np.array(words(f.body[entry.end():f.body.index(b";", entry.end())]), float)
-        return np.tile(value, (cells, 1)) if n > 1 else np.full(cells, value[0])
-    values = f.numbers(entry.end(), n, f.scalar)[0].astype(float)
-    if len(values) != cells:
-        raise FormatError(f"{path}: {len(values)} values on a mesh of {cells} cells")
-    return values
+    """Internal field: array [cells] or [cells][components]; FormatError says what is wrong with the file."""
+    return Field(path).values(cells)

@@ -7,8 +7,7 @@ import os
 
 import numpy as np
 
-import haff
-from haff.case import foam
+from haff.case.foam import FoamFile, FormatError, words
 
 KINDS = {"vectorField": 3, "scalarField": 1, "labelField": 1}
 
@@ -19,12 +18,12 @@ def folder(case, time):
 
 def positions(path):
     """Places [n][3] and cells [n]: lines (x y z) cell."""
-    f = haff.FoamFile(path)
+    f = FoamFile(path)
     if not f.header.get("class", "").startswith("Cloud"):
-        raise haff.FormatError(f"{path}: class {f.header.get('class')} is no cloud")
-    values = np.array(foam.words(f.body), float)
+        raise FormatError(f"{path}: class {f.header.get('class')} is no cloud")
+    values = np.array(words(f.body), float)
     if len(values) != 1 + 4 * int(values[0]):
-        raise haff.FormatError(f"{path}: {len(values) - 1} numbers for {int(values[0])} grains; 4 each are expected")
+        raise FormatError(f"{path}: {len(values) - 1} numbers for {int(values[0])} grains; 4 each are expected")
     rows = values[1:].reshape(-1, 4)
     return rows[:, :3], rows[:, 3].astype(int)
 
@@ -39,10 +38,10 @@ def read(case, time):
     x, cell = positions(os.path.join(where, "positions"))
     found = {"x": x, "cell": cell}
     for name in sorted({n.removesuffix(".gz") for n in os.listdir(where)} - {"positions"}):
-        f = haff.FoamFile(os.path.join(where, name))
+        f = FoamFile(os.path.join(where, name))
         if f.header.get("class") in KINDS:
             kind = f.label if f.header["class"] == "labelField" else f.scalar
             found[name] = f.numbers(0, KINDS[f.header["class"]], kind)[0]
             if len(found[name]) != len(x):
-                raise haff.FormatError(f"{f.path}: {len(found[name])} values for {len(x)} grains")
+                raise FormatError(f"{f.path}: {len(found[name])} values for {len(x)} grains")
     return found

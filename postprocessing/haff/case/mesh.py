@@ -1,70 +1,171 @@
 """constant/polyMesh: points, faces, cells and patches."""
+import functools
 import os
 import re
 
 import numpy as np
 
-from haff.case.foam import FoamFile
+from haff.case import lattice
+from haff.case.foam import LIST, FoamFile, FormatError, text_numbers
+
+CHUNK = 1 << 16  # faces whose geometry is in memory at once
 
 
 class Mesh:
-    """constant/polyMesh: points, faces, owner, neighbour, patches {name: (type, first face, faces)}."""
+    """constant/polyMesh. The files are read when they are asked for, and stay in memory until release().
+
+    points [points][3] in m; face_start [faces + 1], face_points: the points of face f are face_points[face_start[f]:face_start[f + 1]];
+    owner [faces], neighbour [inner faces]; cells: their number; patches {name: (type, first face, faces)}.
+    """
 
     def __init__(self, folder):
-        path = lambda name: os.path.join(folder, name)
-        f = FoamFile(path("points"))
-        self.points = f.numbers(0, 3, f.scalar)[0].astype(float)
-        self.face_start, self.face_points = self.read_faces(path("faces"))
-        f = FoamFile(path("owner"))
-        self.owner = f.numbers(0, 1, f.label)[0]
-        f = FoamFile(path("neighbour"))
-        self.neighbour = f.numbers(0, 1, f.label)[0]
-        self.cells = int(max(self.owner.max(), self.neighbour.max(initial=-1))) + 1
+        self.folder = folder
         self.patches = {}
-        text = FoamFile(path("boundary")).body.decode()
+        text = FoamFile(self._path("boundary")).body.decode()
         for name, entries in re.findall(r"(\S+)\s*\{(.*?)\}", text, re.S):
             value = dict(re.findall(r"(\w+)\s+([^;]*);", entries))
             self.patches[name] = (value["type"], int(value["startFace"]), int(value["nFaces"]))
 
+    def _path(self, name):
+        return os.path.join(self.folder, name)
+
+    def _labels(self, name):
+        f = FoamFile(self._path(name))
+        return f.numbers(0, 1, f.label)[0]
+
+    @functools.cached_property
+    def points(self):
+        f = FoamFile(self._path("points"))
+        return f.numbers(0, 3, f.scalar)[0].astype(float, copy=False)
+
+    @functools.cached_property
+    def owner(self):
+        return self._labels("owner")
+
+    @functools.cached_property
+    def neighbour(self):
+        return self._labels("neighbour")
+
+    @functools.cached_property
+    def cells(self):
+        return int(max(self.owner.max(initial=-1), self.neighbour.max(initial=-1))) + 1
+
+    @functools.cached_property
+    def _faces(self):
+        return self.read_faces(self._path("faces"))
+
+    @property
+    def face_start(self):
+        return self._faces[0]
+
+    @property
+    def face_points(self):
+        return self._faces[1]
+
+    def release(self):
+        """Gives back the memory of points, faces, owner and neighbour; they are read again when they are asked for."""
+        for name in ("points", "owner", "neighbour", "_faces"):
+            self.__dict__.pop(name, None)
+
     @staticmethod
     def read_faces(path):
+        """face_start [faces + 1] and face_points."""
         f = FoamFile(path)
         if f.header["class"] == "faceCompactList":
             start, end = f.numbers(0, 1, f.label)
             return start, f.numbers(end, 1, f.label)[0]
-        faces = [np.array(t.split(), int) for t in re.findall(rb"\d+\s*\(([\d\s]+)\)", f.body)]
-        return np.concatenate(([0], np.cumsum([len(t) for t in faces]))), np.concatenate(faces)
+        head = LIST.match(f.view)
+        if not head:
+            raise FormatError(f"{path}: no list of faces")
+        flat, faces = text_numbers(f.part(head.end(), len(f.view)), np.dtype(np.int64), path), int(head.group(1))
+        at = first_words(flat, faces, path)
+        keep = np.ones(len(flat), bool)
+        keep[at] = False
+        return np.concatenate(([0], np.cumsum(flat[at]))), flat[keep]
 
-    def face_geometry(self):
-        """Centres and area vectors [faces][3]: triangles about the mean of the points."""
-        count = np.diff(self.face_start)
-        face = np.repeat(np.arange(len(count)), count)
-        here = self.points[self.face_points]
-        following = np.arange(1, len(face) + 1)
-        following[self.face_start[1:] - 1] = self.face_start[:-1]
-        there = here[following]
-        middle = sums(face, here, len(count)) / count[:, None]
-        area = np.cross(here - middle[face], there - middle[face]) / 2
-        size = np.linalg.norm(area, axis=1)
-        centre = sums(face, size[:, None] * (here + there + middle[face]) / 3, len(count))
-        return centre / sums(face, size, len(count))[:, None], sums(face, area, len(count))
+    @functools.cached_property
+    def lattice(self):
+        """The lattice.Lattice that the cells are places of, or None."""
+        return lattice.recognise(self)
+
+    def face_geometry(self, first=0, last=None):
+        """Centres (m) and area vectors (m^2), [faces][3] each, of faces first .. last-1: triangles about the mean of the points."""
+        start = self.face_start[first:(len(self.face_start) - 1 if last is None else last) + 1]
+        count = np.diff(start)
+        corners = self.points[self.face_points[start[0]:start[-1]]]
+        if len(count) and (count == count[0]).all():
+            return polygons(corners.reshape(len(count), count[0], 3))
+        centre, area = np.empty((len(count), 3)), np.empty((len(count), 3))
+        for n in np.unique(count):
+            some = np.flatnonzero(count == n)
+            centre[some], area[some] = polygons(corners[(start[some] - start[0])[:, None] + np.arange(n)])
+        return centre, area
+
+    def chunks(self):
+        """(first, last) of chunks of faces, those of the inner faces first; no chunk holds both kinds."""
+        for low, high in ((0, len(self.neighbour)), (len(self.neighbour), len(self.owner))):
+            for first in range(low, high, CHUNK):
+                yield first, min(first + CHUNK, high)
+
+    def sides(self, first, last):
+        """(cells of faces first .. last-1, +1) of their owners, and (.., -1) of their neighbours, which boundary faces have not."""
+        yield self.owner[first:last], 1
+        if first < len(self.neighbour):
+            yield self.neighbour[first:last], -1
 
     def cell_geometry(self):
-        """Centres [cells][3] and volumes [cells]: pyramids about the mean of the face centres."""
-        centre, area = self.face_geometry()
-        inner = len(self.neighbour)
-        cell = np.concatenate((self.owner, self.neighbour))
-        centre = np.concatenate((centre, centre[:inner]))
-        area = np.concatenate((area, -area[:inner]))
-        middle = sums(cell, centre, self.cells) / np.bincount(cell, minlength=self.cells)[:, None]
-        pyramid = np.einsum("ij,ij->i", area, centre - middle[cell]) / 3
-        volume = sums(cell, pyramid, self.cells)
-        moment = sums(cell, pyramid[:, None] * (0.75 * centre + 0.25 * middle[cell]), self.cells)
-        return moment / volume[:, None], volume
+        """Centres [cells][3] (m) and volumes [cells] (m^3): pyramids about the mean of the face centres, chunk by chunk of faces."""
+        middle, faces = np.zeros((3, self.cells)), np.zeros(self.cells)
+        for first, last in self.chunks():
+            centre = self.face_geometry(first, last)[0].T
+            for cell, _ in self.sides(first, last):
+                add(cell, (faces, None), *zip(middle, centre))
+        middle /= faces
+        volume, moment = faces, np.zeros((3, self.cells))
+        volume[:] = 0
+        for first, last in self.chunks():
+            centre, area = (a.T for a in self.face_geometry(first, last))
+            for cell, sign in self.sides(first, last):
+                here = middle[:, cell]
+                pyramid = (sign / 3) * np.einsum("xn,xn->n", area, centre - here)
+                add(cell, (volume, pyramid), *zip(moment, pyramid * (0.75 * centre + 0.25 * here)))
+        moment /= volume
+        return moment.T.copy(), volume
 
 
-def sums(index, values, n):
-    """Sum of values by index: [n] or [n][3]."""
-    if values.ndim == 1:
-        return np.bincount(index, values, n)
-    return np.stack([np.bincount(index, v, n) for v in values.T], axis=1)
+def first_words(flat, faces, path):
+    """Where the words stand in `n a b .. n a b ..` that say how many follow."""
+    width = int(flat[0]) + 1 if len(flat) else 1
+    if len(flat) == faces * width and (flat[::width] == width - 1).all():
+        return np.arange(0, len(flat), width)
+    at, found = 0, np.empty(faces, int)
+    for i in range(faces):
+        if at >= len(flat):
+            raise FormatError(f"{path}: {i} faces of {faces}")
+        found[i], at = at, at + 1 + int(flat[at])
+    if at != len(flat):
+        raise FormatError(f"{path}: more numbers than {faces} faces have")
+    return found
+
+
+def polygons(corners):
+    """Centres and area vectors [n][3] of polygons of c corners [n][c][3]."""
+    x = np.ascontiguousarray(corners.transpose(2, 1, 0))  # [3][c][n]: long rows
+    middle = x.mean(axis=1)
+    x -= middle[:, None]
+    there = np.concatenate((x[:, 1:], x[:, :1]), axis=1)
+    area = np.stack([x[i] * there[j] - x[j] * there[i] for i, j in ((1, 2), (2, 0), (0, 1))])
+    size = np.sqrt(area[0] ** 2 + area[1] ** 2 + area[2] ** 2)
+    there += x
+    offset = (size * there).sum(axis=1) / (3 * size.sum(axis=0))
+    return (middle + offset).T, area.sum(axis=1).T / 2
+
+
+def add(cell, *sums):
+    """total[cell] += values of each pair (total [cells], values or None for 1); cells may repeat. Only their range is touched."""
+    if not len(cell):
+        return
+    low, high = int(cell.min()), int(cell.max()) + 1
+    cell = cell - low
+    for total, values in sums:
+        total[low:high] += np.bincount(cell, values, high - low)
