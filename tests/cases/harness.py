@@ -1,6 +1,5 @@
 """Runs short forms of the cases through the real programs, in a temporary folder."""
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -12,6 +11,7 @@ os.environ["PYTHONPATH"] = os.path.join(SOURCE, "postprocessing")  # of the comm
 sys.path.insert(0, os.environ["PYTHONPATH"])
 
 import haff  # noqa: E402
+from haff.case import entries as dictionary  # noqa: E402
 from haff.runs import boxes, expected  # noqa: E402
 from haff.runs.boxes import box_case, write_dictionary  # noqa: E402
 
@@ -35,26 +35,14 @@ def copy(name, folder):
     return target
 
 
-def edit(case, file, **entries):
+def edit(case, file, **values):
     """Sets the first entry `key value;` of each key in a dictionary; it must be there."""
-    path = os.path.join(case, file)
-    with open(path) as f:
-        text = f.read()
-    for key, value in entries.items():
-        text, count = re.subn(rf"\b{key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text, count=1)
-        if not count:
-            raise KeyError(f"{path} has no entry {key}")
-    with open(path, "w") as f:
-        f.write(text)
+    dictionary.edit(os.path.join(case, file), values, anywhere=True)
 
 
 def drop_vtk(case):
     """Tests of numbers need no VTK files."""
-    path = os.path.join(case, "system", "controlDict")
-    with open(path) as f:
-        text = f.read()
-    with open(path, "w") as f:
-        f.write(re.sub(r"^ *vtk +\{[^}]*\}\n", "", text, flags=re.M))
+    dictionary.drop(os.path.join(case, "system", "controlDict"), "vtk")
 
 
 def mesh(case, cells, option="N"):

@@ -7,26 +7,19 @@ restitution, run by granularMD, and what is measured in them. Lengths in diamete
     t, T = temperatures(gas.case)
 """
 import os
-import re
 import shutil
 import subprocess
 
 import numpy as np
 
 import haff
+from haff.case import entries
 from haff.exact import enskog
 
 
-def edit(path, **entries):
+def edit(path, **values):
     """Sets the first entry `key value;` of each key."""
-    with open(path) as f:
-        text = f.read()
-    for key, value in entries.items():
-        text, found = re.subn(rf"\b{key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text, count=1)
-        if not found:
-            raise KeyError(f"{path} has no entry {key}")
-    with open(path, "w") as f:
-        f.write(text)
+    entries.edit(path, values, anywhere=True)
 
 
 def to_spheres(path):
@@ -66,11 +59,7 @@ class Gas:
             to_spheres(path)
         edit(os.path.join(path, "0.orig", "alpha"), internalField=f"uniform {packing}")
         edit(os.path.join(path, "constant", "particleProperties"), seed=seed)
-        control = os.path.join(path, "system", "controlDict")
-        with open(control) as f:
-            text = f.read()
-        with open(control, "w") as f:
-            f.write(re.sub(r"^ *vtk +\{[^}]*\}\n", "", text, flags=re.M))
+        entries.drop(os.path.join(path, "system", "controlDict"), "vtk")
         msh = os.path.join(path, "mesh.msh")
         numbers = [w for k, v in (("D", d), ("L", self.length), ("N", cells)) for w in ("-setnumber", k, f"{v:.17g}")]
         for command in (["gmsh", "-3", "-v", "2", *numbers, os.path.join(source, "mesh.geo"), "-o", msh],

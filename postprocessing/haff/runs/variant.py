@@ -15,6 +15,7 @@ import subprocess
 import sys
 
 from haff import command
+from haff.case import entries
 from haff.paths import TOP, program
 
 FILES = ("controlDict", "fvSchemes", "fvSolution"), ("granularProperties", "g", "shaking")
@@ -29,20 +30,14 @@ def edit(case, settings):
     """Sets each key where it first stands; drops VTK files. A key that stands nowhere is an error."""
     for key, value in settings.items():
         for path in dictionaries(case):
-            with open(path) as f:
-                text = f.read()
-            text, found = re.subn(rf"(?<![\w.]){key}(\s+)[^;{{}}]*;", rf"{key}\g<1>{value};", text, count=1)
-            if found:
-                with open(path, "w") as f:
-                    f.write(text)
+            try:
+                entries.edit(path, {key: value}, anywhere=True)
                 break
+            except entries.EntryError:
+                continue
         else:
             sys.exit(f"no dictionary of {case} has an entry {key}")
-    control = os.path.join(case, "system", "controlDict")
-    with open(control) as f:
-        text = re.sub(r"^ *vtk +\{[^}]*\}\n", "", f.read(), flags=re.M)
-    with open(control, "w") as f:
-        f.write(text)
+    entries.drop(os.path.join(case, "system", "controlDict"), "vtk")
 
 
 def make(folder, name, settings):

@@ -14,6 +14,7 @@ import tempfile
 import numpy as np
 
 from haff import command
+from haff.case import entries
 from haff.exact import segregation
 from haff.paths import TOP, program
 from haff.plot import figures
@@ -24,15 +25,8 @@ VARIANTS = (("conservative", "Newton", "no", 1), ("conservative", "Picard", "no"
             ("paper", "Newton", "no", 1), ("paper", "Picard", "no", 1), ("paper", "Newton", "no", 0), ("conservative", "Newton", "yes", 1))
 
 
-def edit(path, **entries):
-    with open(path) as f:
-        text = f.read()
-    for key, value in entries.items():
-        text, count = re.subn(rf"\b{key}(\s+)[^;]*;", rf"{key}\g<1>{value};", text, count=1)
-        if not count:
-            text += f"{key} {value};\n"
-    with open(path, "w") as f:
-        f.write(text)
+def edit(path, **values):
+    entries.edit(path, {f"+{key}": value for key, value in values.items()})
 
 
 def make(folder, M):
