@@ -1,6 +1,6 @@
 """The vibrated layer of cases/vibratedLayer once more, in numpy: an independent program for the same scheme.
 
-    layer.py [CELLS [CYCLES [split]]]     sum, plate value and maximum of the volume fraction at f t = .35, 1.35, ..
+    haff layer [CELLS [CYCLES [split]]]     sum, plate value and maximum of the volume fraction at f t = .35, 1.35, ..
 
 Common-basis upwind fluxes with Weighted PowerENO5 and SSP-RK3, written from the equations and not from the solver:
 sources inside the stages, or `split`: exact half steps about them, as the solver takes them. Sharing only the equation

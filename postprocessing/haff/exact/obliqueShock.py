@@ -10,7 +10,7 @@
 Angles in radians, beta from the stream. The normal velocity ahead follows from the density behind through the Hugoniot
 curve; both that relation and the deflection on either branch are monotone and are inverted by bisection to round-off.
 
-    obliqueShock.py MACH DEFLECTION [NU [e]]         prints a wedge's flow (degrees; NU = 0: perfect gas), upstream rho c^2 = 1
+    haff obliqueShock MACH DEFLECTION [NU [e]]         prints a wedge's flow (degrees; NU = 0: perfect gas), upstream rho c^2 = 1
 """
 from types import SimpleNamespace
 

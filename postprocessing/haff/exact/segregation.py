@@ -1,6 +1,6 @@
 """Exact solutions of phi_t + (f phi (1 - phi))_y = D phi_yy, f constant: kink, Gray-Chugunov, Gray-Thornton.
 
-    segregation.py > tests/oracles/gray_chugunov_exact.csv
+    haff segregation > tests/oracles/gray_chugunov_exact.csv
 """
 import math
 

@@ -1,6 +1,6 @@
 """Compares a finished case with its expected.json.
 
-    expected.py CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
+    haff expected CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper

@@ -1,9 +1,9 @@
 """A gas and grains that cool in the same periodic box, beside each other: energy, impacts, spectra, when Haff's law is left.
 
-    clustering.py start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0.orig/alpha, T and U
-    clustering.py table GRAINS FOLDER TIME...          cooling.csv and spectra.csv of a run of granularMD
-    clustering.py alike GAS GRAINS TIME...             how alike density and momentum of the long waves are, phase by phase
-    clustering.py density GRAINS TIME FILE.npz         counts of its grains in 32^3 cells
+    haff clustering start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0.orig/alpha, T and U
+    haff clustering table GRAINS FOLDER TIME...          cooling.csv and spectra.csv of a run of granularMD
+    haff clustering alike GAS GRAINS TIME...             how alike density and momentum of the long waves are, phase by phase
+    haff clustering density GRAINS TIME FILE.npz         counts of its grains in 32^3 cells
 
 Waves are exp(2 pi i n x/L) of whole n; the spectra are those of the density over its mean, and of the momentum over the mean density,
 along the wave and across it, times the number of grains: a gas of grains at random has 1 and T.

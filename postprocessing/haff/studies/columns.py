@@ -1,7 +1,7 @@
 """Profiles over the height, of a gas and of grains beside each other: means over rows of cells, and over the cycles of a shaken bed.
 
-    columns.py CASE FILE.csv 0.05 0.1 0.15            at these times
-    columns.py CASE FILE.csv 0.3 0.6 0.9 -from 4      at these phases of the shaking, means over all cycles from the fourth on
+    haff columns CASE FILE.csv 0.05 0.1 0.15            at these times
+    haff columns CASE FILE.csv 0.3 0.6 0.9 -from 4      at these phases of the shaking, means over all cycles from the fourth on
 
 A profile is {"y", "alpha", "U", "T"}, in SI units, U upwards, and of grains T along each axis as "Tx", "Ty", "Tz".
 """

@@ -1,6 +1,6 @@
 """Patterns on a shaken layer, measured from the fields on the mesh: of granularGas and granularMD alike.
 
-    faraday.py CASE [-from CYCLE] [-to CYCLE] [-of mass|lift|height] [-figure FILE.png]
+    haff faraday CASE [-from CYCLE] [-to CYCLE] [-of mass|lift|height] [-figure FILE.png]
 
 prints, for the cycles wanted, the wavelength of the pattern with the box's quantum, whether one stands at all, its period,
 its growth per cycle. Needs constant/g and constant/shaking, a mesh that is a box of equal cells and periodic across, and

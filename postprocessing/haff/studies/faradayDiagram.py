@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Rows of Table 1 of Carrillo et al. by granularGas: which wave stands in which row, beside the grains'.
 
-    faradayDiagram.py FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-length 1] [-draw] ..
+    haff faradayDiagram FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-length 1] [-draw] ..
 
 Each row runs as a variant of the template (cases/faradaySweep: its layer, schemes and Courant number) in FOLDER/rowNN and
 adds a line to FOLDER/faradayDiagram.csv, which is drawn beside the paper's values and the grains of

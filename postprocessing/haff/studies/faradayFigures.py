@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Gas and grains side by side: Figs. 2 and 4 to 8 of Carrillo et al. from two runs of the same row.
 
-    faradayFigures.py GAS GRAINS FOLDER [-gas CYCLE] [-grains CYCLE]
+    haff faradayFigures GAS GRAINS FOLDER [-gas CYCLE] [-grains CYCLE]
 
 GAS: a row of faradayDiagram.py -keep; GRAINS: of ../cases/faradayMD/table1.py -keep; both are written at quarters of the
 period, and taken from those cycles on (default 14 and 20). Moments are those of two periods that begin, t = 0, where the plate

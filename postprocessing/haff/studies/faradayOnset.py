@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Where waves set in: growth per period of single waves on a layer of gas, over the amplitude of the plate.
 
-    faradayOnset.py FOLDER [-gamma 2 2.25 ..] [-A 1.4 1.55 ..] [-waves 16 20 ..] [-width 2] [-warm 0] [-jobs 2] [-draw]
+    haff faradayOnset FOLDER [-gamma 2 2.25 ..] [-A 1.4 1.55 ..] [-waves 16 20 ..] [-width 2] [-warm 0] [-jobs 2] [-draw]
 
 Each run is a box one wave long, cells `width` x 1, of the template (cases/faradaySweep), shaken with the acceleration Gamma and the
 amplitude A (the frequency follows), from a layer at rest whose columns hold 1 + 1e-3 sin(2 pi x/L) of the mean mass. After -settle
