@@ -24,17 +24,20 @@ TABLES = {
     "solvers/case/checksums.c": {"group_name[g]", "dict_key(group, i)"},
     "solvers/case/control.c": {"application"},  # the name of the program
     "solvers/case/fields.c": {"key", "value", "p->name", "m->patch[i].name"},
-    "solvers/functions/functions.c": {"name"},
+    "solvers/functions/functions.c": {"name", "key"},
     "solvers/functions/functions_patches.c": {"key"},
     "solvers/functions/functions_phase.c": {"key"},
     "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
     "solvers/case/varying.c": {"v->key", "key", "motion"},
     "solvers/gas/gas_medium.c": {"names[polyhedral]", "names[!polyhedral]"},  # reconstruct, polyReconstruct
+    "solvers/functions/functions_means.c": {"key"},
+    "solvers/functions/functions_average.c": {"key", "quantity_of(f, it->field)->name"},
     "solvers/gas/limiter.c": {"counts[i].key"},
     "solvers/gas/models.c": {"families[ENGINE].key"},
     "solvers/grains/grains_models.c": {"patch->name"},
     "solvers/programs/meshrules.c": {"rule->patch"},
     "solvers/programs/run.c": {"p->name"},
+    "solvers/output/totals.c": {"first[i].name"},
     "solvers/segregation/segregation_models.c": {"key", "sub"},
 }
 # Files that programs write and read again: no user writes them.
@@ -42,6 +45,7 @@ WRITTEN = {
     "solvers/case/changes.c": {"cells", "meshChecksum", "version", "date", "dictionaries"},
     "solvers/case/checksums.c": {"size", "crc32", "files", "part"},
     "solvers/case/times.c": {"index"},
+    "solvers/functions/functions_average.c": {"total", "averages", "lines"},
     "solvers/functions/functions_phase.c": {"counts"},
     "solvers/gas/limiter.c": {"energy", "fillMass", "fillEnergy", "place"},
 }
@@ -197,7 +201,7 @@ class Options(unittest.TestCase):
 
 # Names of the user's own, in the made dictionaries.
 # What a function object says around a dictionary in it.
-AROUND = {"LINE": "type sets;", "sampledSurfaceDict": "type surfaceFieldValue; regionType sampledSurface; operation sum;"}
+AROUND = {"LINE": "type sets;", "fields/FIELD": "type fieldAverage;", "sampledSurfaceDict": "type surfaceFieldValue; regionType sampledSurface; operation sum;"}
 NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
 # What a dictionary made of the examples of its rows needs besides: its own examples need it, or do not go together.
 BESIDES = {
@@ -305,7 +309,7 @@ class Programs(unittest.TestCase):
         """A dictionary of the examples of rows, in the dictionaries around it."""
         file, inside, when = place
         field = os.path.basename(file)
-        entries = " ".join(row.example for row in rows if field == "U" or not row.meaning.startswith("of U "))
+        entries = " ".join(row.example.replace("timeEnd 1", "timeEnd 2") for row in rows if field == "U" or not row.meaning.startswith("of U "))
         if field in DIMENSIONS:
             entries = re.sub(r"dimensions \[[^]]*\]", f"dimensions {DIMENSIONS[field]}", entries)
         if field == "U":
@@ -319,14 +323,14 @@ class Programs(unittest.TestCase):
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
-                fields = "" if when in ("forces", "forceCoeffs") else f"fields ({FIELD[program]});"
+                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage") or "/fields/" in inside else f"fields ({FIELD[program]});"
                 type_ = next((text for key, text in AROUND.items() if key in inside), "")
                 entries = f"{type_} {fields} {entries}"
             if part == "PATCH" and inside.startswith("patches"):
                 part = "left"  # one of the two that are cyclic
             elif part == "PATCH" and field in DIMENSIONS and not when:
                 part = "front"  # one that is empty
-            entries = f"{NAMES.get(part, part)} {{ {entries} }}"
+            entries = f"{FIELD[program] if part == 'FIELD' else NAMES.get(part, part)} {{ {entries} }}"
             if part.endswith("Coeffs") and part != inside:  # beside the word that it belongs to
                 entries = f"type {part.removesuffix('Coeffs')}; {entries}"
         if inside.endswith("Coeffs") and "/" not in inside:

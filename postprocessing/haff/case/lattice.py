@@ -21,7 +21,7 @@ class Lattice:
     """edges: three arrays (m); index [cells]: i + nx*(j + ny*k), the place of each cell."""
 
     def __init__(self, edges, index):
-        self.edges, self.index = edges, index
+        self.edges, self.index = tuple(even(e) for e in edges), index
         self.shape = tuple(len(e) - 1 for e in edges)
 
     @property
@@ -105,6 +105,13 @@ class Lattice:
     @functools.cached_property
     def _cells(self):
         return self.cells().ravel()
+
+
+def even(edges):
+    """Lines at equal distances, where those given are so within the tolerance: the cells of the solver have one size, and the places of points
+    in a mesh file are some 1e-11 beside that."""
+    width = np.diff(edges)
+    return np.linspace(edges[0], edges[-1], len(edges)) if np.ptp(width) <= TOLERANCE * width.min() else edges
 
 
 def recognise(mesh):

@@ -23,7 +23,7 @@ class Faraday(harness.Folder, unittest.TestCase):
         layer = faraday.Layer(case)
         self.assertAlmostEqual(layer.amplitude, 5.57, places=12)
         mass = [case.field("alpha", time) @ case.volumes for time in case.times[1:]]
-        np.testing.assert_allclose(mass, case.volumes.sum() / 60 * 6 * 0.82, rtol=1e-12)
+        np.testing.assert_allclose(mass, case.volumes.sum() / 60 * 6 * 0.82, rtol=1e-11)  # gmsh's points lie 1e-11 beside their places
 
         def centre(cycle):
             return layer.height(case.time(cycle / layer.frequency)).mean()
