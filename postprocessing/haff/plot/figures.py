@@ -1,5 +1,14 @@
-"""What the figure scripts share: one look, and saving."""
+"""The look of all figures, units and names on their axes, and saving.
+
+    figures.panels(rows, columns)                 a figure and its axes [rows][columns]
+    figures.label(axes, "x", "alpha")             names with the units of a case; without one, of Serna & Marquina: cm, s, grains
+    figures.save(figure, "a.pdf")                 png, pdf or svg; written under a temporary name first
+
+A case says in system/units what its numbers are measured in (length cm; mass g; time s;); without that file they are kg, m, s, as
+everywhere in OpenFOAM. A copy of a case that lies inside its folder has the units of that case.
+"""
 import os
+import re
 import sys
 
 import matplotlib
@@ -7,50 +16,136 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
-COLOURS = ["#1f4e79", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e"]
-AXES = {
-    "x": "$x$ (cm)",
-    "alpha": r"volume fraction $\nu$",
-    "T": r"temperature $T$ (cm$^2$ s$^{-2}$)",
-    "p": r"pressure $P$ (cm$^{-1}$ s$^{-2}$)",
-    "U": r"velocity $u$ (cm s$^{-1}$)",
-    "Ma": "Mach number",
-    "impedance": r"impedance $\rho c_s$ (cm$^{-2}$ s$^{-1}$)",
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333"]  # Okabe & Ito: told apart by all
+FORMATS = ("png", "pdf", "svg")
+SOLID, WALL, RIM = "0.86", "#111111", "0.45"  # what is no gas, walls, other ends of the mesh
+NAMES = {  # name of a field: what it is, its symbol, its colours
+    "alpha": ("packing fraction", r"$\alpha$", "viridis"),
+    "rho": ("density", r"$\rho$", "viridis"),
+    "T": ("temperature", "$T$", "magma"),
+    "p": ("pressure", "$p$", "cividis"),
+    "U": ("velocity", "$U$", "cividis"),
+    "rhoU": ("momentum", r"$\rho U$", "cividis"),
+    "rhoE": ("energy", r"$\rho E$", "magma"),
+    "Ma": ("Mach number", "Ma", "cividis"),
+    "c": ("speed of sound", "$c$", "cividis"),
+    "phi": ("fraction of small grains", r"$\phi$", "cividis"),
+    "vorticity": ("vorticity", r"$\omega$", "viridis"),
+    "gradAlpha": ("gradient of the packing", r"$\nabla\alpha$", "viridis"),
+    "Kn": ("Knudsen number", "Kn", "magma"),
+    "limited": ("limited faces", "limited", "magma"),
 }
+SIGNED = "RdBu_r"  # for values of both signs
+SI = {"mass": "kg", "length": "m", "time": "s"}
+PAPER = {"mass": "", "length": "cm", "time": "s"}
+DIMENSIONS = {"x": (0, 1, 0), "y": (0, 1, 0), "z": (0, 1, 0), "t": (0, 0, 1), "rho": (1, -3, 0), "alpha": (0, 0, 0), "T": (0, 2, -2),
+              "p": (1, -1, -2), "U": (0, 1, -1), "rhoU": (1, -2, -1), "rhoE": (1, -1, -2), "c": (0, 1, -1), "Ma": (0, 0, 0), "phi": (0, 0, 0)}
+AXES = {"impedance": r"impedance $\rho c_s$ (cm$^{-2}$ s$^{-1}$)"}
 
 plt.rcParams.update({
     "font.family": "serif",
+    "font.serif": ["DejaVu Serif"],
     "font.size": 9,
     "mathtext.fontset": "cm",
     "axes.linewidth": 0.6,
     "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
+    "axes.titlesize": 9,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
     "lines.linewidth": 0.9,
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
     "legend.frameon": False,
+    "legend.fontsize": 8,
+    "image.cmap": "viridis",
     "savefig.dpi": 150,
+    "svg.hashsalt": "haff",  # the same figure gives the same file
 })
 
 
+# ---- units and names ----
+
+def units(path):
+    """{"mass", "length", "time"}: texts, of system/units of the case or of the case around its folder; kg, m, s without."""
+    for folder in (path, os.path.dirname(os.path.abspath(path))):
+        file = os.path.join(folder, "system", "units")
+        if os.path.isfile(file):
+            with open(file) as f:
+                text = re.sub(r"FoamFile\s*\{.*?\}|//[^\n]*|/\*.*?\*/", " ", f.read(), flags=re.S)
+            found = {k: v.strip().strip('"') for k, v in re.findall(r"(\w+)\s+(\"[^\"]*\"|[^;]*);", text)}
+            wrong = sorted(found.keys() - SI.keys())
+            if wrong:
+                raise ValueError(f"{file}: {wrong[0]} is none of mass, length, time")
+            return {**SI, **found}
+    return SI
+
+
+def unit(dimensions, of=SI):
+    """The unit of a quantity with exponents of mass, length and time, as "cm$^2$ s$^{-2}$"; empty where it has none."""
+    words = []
+    for name, power in zip(("mass", "length", "time"), dimensions):
+        if power and of[name]:
+            words.append(of[name] if power == 1 else f"{of[name]}$^{{{power:g}}}$")
+    return " ".join(words)
+
+
+def with_unit(text, dimensions, of=SI):
+    measured = unit(dimensions, of)
+    return f"{text} ({measured})" if measured else text
+
+
+def with_time(time, of=SI):
+    """A time as it stands in a title: t = 0.05 s."""
+    return f"$t$ = {time} {of['time']}".rstrip()
+
+
+def axis(name, of=PAPER):
+    """What stands along an axis: "x", "t", a field."""
+    if name in AXES:
+        return AXES[name]
+    if name in NAMES and name in DIMENSIONS:
+        return with_unit(" ".join(dict.fromkeys(NAMES[name][:2])), DIMENSIONS[name], of)
+    return with_unit(f"${name}$", DIMENSIONS[name], of) if name in DIMENSIONS else name
+
+
+# ---- figures ----
+
 def panels(rows, columns, width=7.0, height=2.6):
+    """A figure of the given width, each row of the given height (inches), and its axes [rows][columns]."""
     return plt.subplots(rows, columns, figsize=(width, height * rows), squeeze=False, layout="constrained")
 
 
-def label(axes, x, y, title=None):
-    axes.set_xlabel(AXES.get(x, x))
-    axes.set_ylabel(AXES.get(y, y))
+def label(axes, x, y, title=None, of=PAPER):
+    """Names along both axes; other texts than names of fields and coordinates stand as they are."""
+    axes.set_xlabel(axis(x, of))
+    axes.set_ylabel(axis(y, of))
     if title:
         axes.set_title(title, fontsize=9)
 
 
-def save(figure, path):
-    """Writes the PNG under a temporary name first; prints its path."""
-    temporary = path + ".tmp"
-    figure.savefig(temporary, format="png")
-    os.replace(temporary, path)
-    plt.close(figure)
+def kind(path):
+    """The format that the suffix of a path asks for; ValueError where there is none such."""
+    suffix = os.path.splitext(path)[1][1:].lower()
+    if suffix not in FORMATS:
+        raise ValueError(f"{path}: figures are written as .png, .pdf or .svg")
+    return suffix
+
+
+def save(figure, path, dpi=None):
+    """Writes the figure in the format of the suffix, under a temporary name first; prints its path."""
+    suffix, temporary = kind(path), f"{path}.{os.getpid()}.tmp"
+    still = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(suffix)
+    try:
+        figure.savefig(temporary, format=suffix, dpi=dpi or plt.rcParams["savefig.dpi"], metadata=still)
+        os.replace(temporary, path)
+    finally:
+        if os.path.exists(temporary):
+            os.remove(temporary)
+        plt.close(figure)
     print(path)
 
 
