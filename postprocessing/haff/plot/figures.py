@@ -100,7 +100,7 @@ def with_unit(text, dimensions, of=SI):
 
 def with_time(time, of=SI):
     """A time as it stands in a title: t = 0.05 s."""
-    return f"$t$ = {time} {of['time']}".rstrip()
+    return f"$t$ = {float(time):.6g} {of['time']}".rstrip()
 
 
 def axis(name, of=PAPER):

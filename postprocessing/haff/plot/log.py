@@ -9,6 +9,7 @@ CASE/log.granular*, or the file that -log names. Nothing is written without -o. 
 run has left a trace in.
 """
 import collections
+import os
 import shutil
 import sys
 import time
@@ -18,6 +19,7 @@ import numpy as np
 from haff.plot import figures, options, runlog
 
 EXTREMES = (("alphaMin", "alphaMax"), ("phiMin", "phiMax"), ("TMin", "TMax"), ("T", None), ("magUMax", None), ("MaMax", None))
+MOMENTA = ("momentum_x", "momentum_y", "momentum_z")
 DRIFTS = ("massChange", "energyChange", "smallChange")
 TEXTS = {"alphaMin": r"$\alpha$", "phiMin": r"$\phi$", "TMin": "$T$", "T": "$T$", "magUMax": "largest $|U|$", "MaMax": "largest Mach number",
          "massChange": "mass", "energyChange": "energy", "smallChange": "small grains"}
@@ -139,26 +141,22 @@ def picture(story):
     """A figure: dt by what limits it, extremes, drift, speed, time left."""
     units = figures.units(story.case)
     extremes = [pair for pair in EXTREMES if there(story, pair[0])]
-    count = 2 + len(extremes) + any(there(story, n) for n in DRIFTS) + np.isfinite(story.eta()).any()
-    columns = 2
-    rows = -(-count // columns)
-    figure, axes = figures.panels(rows, columns, width=7.4, height=2.1)
-    free = iter(axes.flat)
-    steps(next(free), story, units)
-    for pair in extremes:
-        extreme(next(free), story, pair, units)
-    if any(there(story, n) for n in DRIFTS):
-        drift(next(free), story)
-    pace(next(free), story)
-    if np.isfinite(story.eta()).any():
-        left(next(free), story)
-    for ax in free:
+    parts = [lambda ax: steps(ax, story, units)] + [lambda ax, pair=pair: extreme(ax, story, pair, units) for pair in extremes]
+    for draw, wanted in ((drift, any(there(story, n) for n in DRIFTS)), (momentum, any(there(story, n) for n in MOMENTA)), (pace, True),
+                         (share, len(np.unique(story.column("computed"))) > 1), (left, np.isfinite(story.eta()).any())):
+        if wanted:
+            parts.append(lambda ax, draw=draw: draw(ax, story))
+    columns = 3 if len(parts) > 6 else 2
+    figure, axes = figures.panels(-(-len(parts) // columns), columns, width=3.4 * columns, height=2.1)
+    for draw, ax in zip(parts, axes.flat):
+        draw(ax)
+    for ax in axes.flat[len(parts):]:
         ax.set_axis_off()
-    for ax in axes.flat[:count]:
+    for ax in axes.flat[:len(parts)]:
         ax.set_xlabel(figures.axis("t", units))
         ends = (float(story.rows["Time"][0]), story.last)
         ax.set_xlim(*(ends if ends[1] > ends[0] else (ends[0] - 0.5, ends[0] + 0.5)))
-    figure.suptitle(summary(story, 200)[0], fontsize=8)
+    figure.suptitle(os.path.basename(os.path.abspath(story.case)) + summary(story, 10000)[0][len(story.case):], fontsize=8)
     return figure
 
 
@@ -206,6 +204,22 @@ def drift(ax, story):
         ax.set_yscale("log")
     ax.set_ylabel("change since the start")
     ax.legend(loc="best", fontsize=6.5)
+
+
+def momentum(ax, story):
+    for name, text in zip(MOMENTA, "xyz"):
+        if there(story, name) and np.nanmax(np.abs(story.column(name))) > 0:
+            ax.plot(story.rows["Time"], story.column(name), label=f"${text}$")
+    ax.set_ylabel("momentum")
+    if ax.lines:
+        ax.legend(loc="best", fontsize=6.5)
+
+
+def share(ax, story):
+    """The part of the cell updates that was computed, from the start of the run."""
+    ax.plot(story.rows["Time"], 100 * story.column("computed"))
+    ax.set_ylabel("cells computed so far (%)")
+    ax.set_ylim(0, 105)
 
 
 def pace(ax, story):

@@ -210,16 +210,15 @@ def new(rows, columns, width, height, wish):
 # ---- one dimension ----
 
 def profiles(space, wish):
-    """Fields along the axis of a case in one dimension, at several times."""
-    case, axis = space.case, space.axes[0]
-    x = space.lattice.centres()[:, axis] if space.lattice else case.centres[:, axis]
-    order = np.argsort(x)
+    """Fields along the only axis with many cells, at several times: means over the few cells across it."""
+    case, axis = space.case, space.column
+    x, layers = space.along(axis)
     times = chosen_times(case, wish.time if wish.time != "last" else "all")
     times = readable(case, times, wish) if wish.time in ("last", "all") else times
     times = times if wish.time not in ("last", "all") else spread(times, PROFILES if wish.time == "last" else 1 << 30)
     names = wish.fields or quantity.main_fields(case, times[-1])
     wish = dataclasses.replace(wish, fields=names)
-    return curves(space, wish, names, times, lambda q: (x[order], q.values[order]), "xyz"[axis], upright=axis == 1,
+    return curves(space, wish, names, times, lambda q: (x, layers(q.values)), "xyz"[axis], upright=axis == 1,
                   ends=(space.low[axis], space.high[axis]))
 
 
@@ -239,9 +238,9 @@ def readable(case, times, wish):
 
 
 def main_axis(case, name, time, axis):
-    """The component of a vector that profiles show: along the axis, unless the field is zero there and is not elsewhere."""
+    """The component of a vector that profiles show: along the axis, unless the field is small there beside another."""
     values = np.abs(case.field(name, time)).max(axis=0)
-    return "xyz"[axis] if values[axis] > 1e-9 * values.max() else "xyz"[int(np.argmax(values))]
+    return "xyz"[axis] if values[axis] > 0.02 * values.max() else "xyz"[int(np.argmax(values))]
 
 
 def curves(space, wish, names, times, values_of, along, upright=False, length=None, ends=None):
@@ -273,9 +272,9 @@ def curves(space, wish, names, times, values_of, along, upright=False, length=No
 def vector_part(space, word, wish, time):
     name, part = quantity.split(word, wish.component)
     there = quantity.fields(space.case, time)
-    if part or name not in there or there[name][0] != 3 or space.dim != 1:
+    if part or name not in there or there[name][0] != 3 or space.column is None or not wish.plain:
         return None
-    return main_axis(space.case, name, time, space.axes[0])
+    return main_axis(space.case, name, time, space.column)
 
 
 def finish_curve(ax, wish, upright, ends):
@@ -360,6 +359,8 @@ def contour_lines(ax, section, q, scale, wish):
     if section.raster is not None:
         h, v = ((e[1:] + e[:-1]) / 2 for e in section.edges)
         ax.contour(*to_walls(h, v, section.image(q.values)), **style)
+        if (section.raster < 0).any():  # lines end at walls: what is beyond is painted over
+            ax.pcolormesh(*section.edges, np.where(section.raster < 0, float(figures.SOLID), np.nan), cmap="gray", vmin=0, vmax=1, zorder=2.5)
         return
     places, triangles, corner, cell = section.triangles()
     total = np.bincount(corner, q.values[cell], len(places)) / np.bincount(corner, minlength=len(places))
@@ -674,7 +675,7 @@ def disks(space, wish, time, x, d, q, scale):
     box = Section(("xyz"[h], "xyz"[v]), walls, rims, corners=np.array([space.low[[h, v]], space.high[[h, v]]]))
     outline(ax, box)
     names_of_axes(ax, box, q.units)
-    bar(figure, ax, scale, q.label)
+    own_bar(figure, ax, scale, q.label)
     figure.suptitle(f"{title(space.case, time)}    {len(d)} grains", fontsize=9)
     return figure
 
@@ -718,9 +719,11 @@ def draw(space, wish):
         return draw_grains(space, wish)
     if wish.line:
         return along_line(space, wish)
-    if space.dim == 1:
-        if wish.cut:
-            raise CannotDraw(f"{case.path} has cells along one axis only, which a plane cuts in one point; -line or no option shows the profile")
+    if space.dim == 1 and wish.cut:
+        raise CannotDraw(f"{case.path} has cells along one axis only, which a plane cuts in one point; -line or no option shows the profile")
+    if space.dim == 1 and not wish.plain:
+        raise CannotDraw(f"{case.path} has one dimension; -iso and -volume are for three")
+    if space.column is not None and wish.plain:
         return profiles(space, wish)
     if wish.cut and space.dim == 2:
         return along_line(space, dataclasses.replace(wish, line=line_of_cut(space, wish.cut), cut=None))

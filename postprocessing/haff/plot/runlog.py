@@ -20,7 +20,7 @@ from haff.case.case import is_time
 from haff.plot.quantity import CannotDraw
 
 NUMBER = r"[-+]?(?:\d[\d.]*(?:[eE][-+]?\d+)?|nan|inf)"
-STEP = re.compile(rf"Time = ({NUMBER})  step (\d+)  deltaT = ({NUMBER}) \(limited by: ([^),]*)[^)]*\)?(?:.*\)\s+Courant ({NUMBER}))?")
+STEP = re.compile(rf"Time = ({NUMBER})  step (\d+)  deltaT = ({NUMBER}) \(limited by: ([^),]*).*\)(?:\s+Courant ({NUMBER}))?\s*$")
 PATTERNS = (  # what a line of the log tells
     (rf"\balpha ({NUMBER}) \.\. ({NUMBER})", ("alphaMin", "alphaMax")),
     (rf"\bT ({NUMBER}) \.\. ({NUMBER})", ("TMin", "TMax")),
@@ -163,7 +163,8 @@ def read_tables(case):
         rows = read_table(path)
         if rows:
             first = float(rows[0]["Time"])
-            kept = [(k, r) for k, r in kept if float(r["Time"]) < first or (float(r["Time"]) == first and float(rows[0]["dt"]) > 0)]
+            started = float(rows[0]["dt"]) == 0  # the row of the start: the step that led there is in an earlier table
+            kept = [(k, r) for k, r in kept if float(r["Time"]) < first or (started and float(r["Time"]) == first)]
             kept += [(part, r) for r in rows if float(r["dt"]) > 0 or len(rows) == 1]
     if not kept:
         return None

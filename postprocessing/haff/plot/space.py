@@ -13,6 +13,7 @@ import numpy as np
 
 from haff.plot.quantity import CannotDraw
 
+FEW = 4  # cells along an axis that is not worth a picture of its own
 BIG = 2_000_000  # cells above which a lattice is not asked for its patches
 
 
@@ -103,6 +104,24 @@ class Space:
     @property
     def size(self):
         return self.high - self.low
+
+    @property
+    def column(self):
+        """The axis of a lattice along which alone there are more than a FEW cells; None where there is none such, or more."""
+        if not self.lattice:
+            return self.axes[0] if self.dim == 1 else None
+        long = [k for k in self.axes if self.lattice.shape[k] > FEW]
+        return long[0] if len(long) == 1 else self.axes[0] if self.dim == 1 else None
+
+    def along(self, axis):
+        """(places [n] along an axis, ascending, and a function that makes the means over the cells of each layer of values [cells])."""
+        if self.lattice:
+            layer = self.lattice.ijk[:, axis]
+            count = np.bincount(layer)
+            return self.lattice.middles[axis][:len(count)], lambda values: np.bincount(layer, values) / np.maximum(count, 1)
+        x = self.case.centres[:, axis]
+        order = np.argsort(x)
+        return x[order], lambda values: values[order]
 
     # ---- patches ----
 
