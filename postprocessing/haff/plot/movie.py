@@ -15,6 +15,8 @@ import sys
 import tempfile
 
 from haff.plot import figures, options, picture, quantity
+from haff.plot.scale import span_of
+from haff.plot.wish import times_with_results
 
 FORMATS = (".mp4", ".gif")
 
@@ -53,7 +55,7 @@ def times_of(case, wish):
     else:
         found = [t for t in case.times if name in quantity.fields(case, t) and readable(case, wish, t)]
     if not found:
-        raise quantity.unknown(case, name, picture.times_with_results(case)[-1])
+        raise quantity.unknown(case, name, times_with_results(case)[-1])
     return found
 
 
@@ -71,7 +73,7 @@ def span(space, wish, times):
     """The range of what is filmed over all times."""
     low, high = float("inf"), -float("inf")
     for time in times:
-        some = picture.span_of(picture.filmed(space, wish, time), wish, positive=wish.log)
+        some = span_of(picture.filmed(space, wish, time), wish, positive=wish.log)
         low, high = min(low, some[0]), max(high, some[1])
     return low, high
 

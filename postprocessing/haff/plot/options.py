@@ -5,8 +5,9 @@ import sys
 
 import haff
 from haff import command
-from haff.plot import picture, quantity
+from haff.plot import quantity
 from haff.plot.space import Space
+from haff.plot.wish import Wish
 
 FIGURES = os.path.join("postProcessing", "figures")
 PARTS = ("x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz", "mag")
@@ -93,13 +94,13 @@ def size(parser, text):
 
 
 def wish(parser, o, fields):
-    """The picture.Wish of the options."""
+    """The Wish of the options."""
     if o.contours < 0 or not 20 <= o.dpi <= 2000:
         parser.error(f"-contours {o.contours}: 0 or more" if o.contours < 0 else f"-dpi {o.dpi}: 20 to 2000")
     if sum(bool(x) for x in (o.slice, o.line, o.iso is not None, o.volume)) > 1:
         parser.error("one of -slice, -line, -iso, -volume at a time")
     cut = plane(parser, o.slice) if o.slice else None
-    return picture.Wish(fields=fields, time=getattr(o, "time", "last"), cut=cut, line=line(parser, o.line) if o.line else None,
+    return Wish(fields=fields, time=getattr(o, "time", "last"), cut=cut, line=line(parser, o.line) if o.line else None,
                         component=o.component, span=span(parser, o.range) if o.range else None, log=o.log, contours=o.contours, mesh=o.mesh,
                         iso=o.iso, volume=o.volume, size=size(parser, o.size) if o.size else None, dpi=o.dpi)
 

@@ -10,25 +10,26 @@
     haffPlot CASE alpha -volume                  alpha as a cloud
     haffPlot CASE grains -component x            grains, coloured by a component of their velocity
 
-One dimension, or one axis with more than four cells: profiles at several times, of means across. Two: colours, with walls. Three: cuts through the middle and a surface. Grains: circles or
-spheres, coloured by speed. Without -o the picture goes to CASE/postProcessing/figures/FIELD.png, and nothing else is written. Units
+One dimension, or one axis with more than four cells: profiles at several times, of means across. Two: colours, with walls. Three: cuts
+through the middle and a surface. Grains: circles or spheres, coloured by speed. Without -o the picture goes to CASE/postProcessing/figures/FIELD.png, and nothing else is written. Units
 are those of CASE/system/units (length cm; mass g; time s;), else kg, m, s. Exit code: 2 for a wrong command line, 1 for a case that
 cannot be drawn.
 """
 import sys
 
 from haff.plot import figures, options, picture, quantity
+from haff.plot.wish import chosen_times
 
 
 def names_of(space, wish):
     """Names of what is drawn, of which the name of the file is made."""
     if wish.fields:
         return wish.names()
-    time = picture.chosen_times(space.case, wish.time)[-1]
+    time = chosen_times(space.case, wish.time)[-1]
     if wish.plain and quantity.has_grains(space.case, time):
         return [quantity.GRAINS]
     names = quantity.main_fields(space.case, time)
-    several = picture.chosen_times(space.case, wish.time)[1:] and not wish.line
+    several = chosen_times(space.case, wish.time)[1:] and not wish.line
     if space.column is not None and wish.plain:
         return names
     return names[:1] if several or (space.dim == 3 and not wish.line and not wish.cut) else names

@@ -278,7 +278,8 @@ class Space:
     def lattice_cut(self, axis, where, names):
         edges = self.lattice.edges
         if not edges[axis][0] <= where <= edges[axis][-1]:
-            raise CannotDraw(f"{'xyz'[axis]} = {where:g} lies outside the mesh, which has {'xyz'[axis]} from {edges[axis][0]:g} to {edges[axis][-1]:g}")
+            name = "xyz"[axis]
+            raise CannotDraw(f"{name} = {where:g} lies outside the mesh, which has {name} from {edges[axis][0]:g} to {edges[axis][-1]:g}")
         layer = min(max(int(np.searchsorted(edges[axis], where, "right")) - 1, 0), len(edges[axis]) - 2)
         raster = self.cell_at[tuple(layer if k == 2 - axis else slice(None) for k in range(3))]  # [slow][fast]
         h, v = ("xyz".index(n) for n in names)

@@ -13,7 +13,7 @@ from tests.cases.harness import haff
 from tests.postprocessing.plot import cases
 
 from haff.plot import figures, picture, quantity
-from haff.plot.picture import Wish
+from haff.plot.wish import Wish
 from haff.plot.quantity import CannotDraw
 
 GMSH = shutil.which("gmsh")
