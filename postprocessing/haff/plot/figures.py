@@ -105,11 +105,12 @@ def with_time(time, of=SI):
 
 def axis(name, of=PAPER):
     """What stands along an axis: "x", "t", a field."""
-    if name in AXES:
-        return AXES[name]
     if name in NAMES and name in DIMENSIONS:
         return with_unit(" ".join(dict.fromkeys(NAMES[name][:2])), DIMENSIONS[name], of)
-    return with_unit(f"${name}$", DIMENSIONS[name], of) if name in DIMENSIONS else name
+    return with_unit(f"${name}$", DIMENSIONS[name], of) if name in DIMENSIONS else AXES.get(name, name)
+
+
+AXES.update({name: axis(name) for name in DIMENSIONS})
 
 
 # ---- figures ----
