@@ -126,6 +126,7 @@ class Canvas:
         reach = np.ceil(radius).astype(int)
         for r in np.unique(reach):
             some = np.flatnonzero(reach == r)
+            some = some[np.argsort(-at[some, 2])]  # from the front to the back: what is hidden by earlier ones is not shaded
             dy, dx = (g.ravel() for g in np.mgrid[-r:r + 1, -r:r + 1])
             step = max(1, ROOM // len(dx))
             for first in range(0, len(some), step):
@@ -139,10 +140,12 @@ class Canvas:
         which, where = np.nonzero(hit)
         x, y = x[which, where], y[which, where]
         z = np.sqrt(1 - x * x - y * y)
+        pixel, depth = row[which, where] * self.width + column[which, where], at[which, 2] + z * radius[which]
+        seen = depth > self.depth[pixel]
+        which, x, y, z, pixel, depth = (a[seen] for a in (which, x, y, z, pixel, depth))
         normal = x[:, None] * self.view.right - y[:, None] * self.view.up + z[:, None] * self.view.back
         rim = np.clip((z - 0.12) / 0.2, 0.35, 1)[:, None]  # a dark rim parts spheres of one colour
-        self.put(row[which, where] * self.width + column[which, where], at[which, 2] + z * radius[which],
-                 self.shade(normal, colours[which]) * rim)
+        self.put(pixel, depth, self.shade(normal, colours[which]) * rim)
 
     # ---- lines ----
 

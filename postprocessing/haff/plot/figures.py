@@ -85,8 +85,11 @@ def units(path):
 
 
 def unit(dimensions, of=SI):
-    """The unit of a quantity with exponents of mass, length and time, as "cm$^2$ s$^{-2}$"; empty where it has none."""
+    """The unit of a quantity with exponents of mass, length and time, as "cm$^2$ s$^{-2}$"; empty where it has none, and where the
+    unit of its length or of its time has no name. A mass without a name is that of a grain: 1."""
     words = []
+    if any(power and not of[name] for name, power in zip(("length", "time"), dimensions[1:3])):
+        return ""
     for name, power in zip(("mass", "length", "time"), dimensions):
         if power and of[name]:
             words.append(of[name] if power == 1 else f"{of[name]}$^{{{power:g}}}$")

@@ -11,7 +11,8 @@
     haffPlot CASE grains -component x            grains, coloured by a component of their velocity
 
 One dimension, or one axis with more than four cells: profiles at several times, of means across. Two: colours, with walls. Three: cuts
-through the middle and a surface. Grains: circles or spheres, coloured by speed. Without -o the picture goes to CASE/postProcessing/figures/FIELD.png, and nothing else is written. Units
+through the middle (of a lattice, or of what differs in the field) and the surface that parts high values from low ones. Grains: circles
+or spheres, coloured by speed. Without -o the picture goes to CASE/postProcessing/figures/FIELD.png, and nothing else is written. Units
 are those of CASE/system/units (length cm; mass g; time s;), else kg, m, s. Exit code: 2 for a wrong command line, 1 for a case that
 cannot be drawn.
 """

@@ -3,7 +3,6 @@ import os
 import re
 
 import numpy as np
-from matplotlib import colors
 from matplotlib.collections import EllipseCollection
 
 from haff.case import grains
@@ -41,7 +40,7 @@ def solid_image(space, q, scale, wish, pixels):
     canvas.triangles(corners, normals, (0.80, 0.80, 0.82))
     value = None
     if not wish.volume:
-        value = wish.iso if wish.iso is not None else middle_value(scale)
+        value = wish.iso if wish.iso is not None else parting_value(scale, q.values)
         corners, normals = solid.isosurface(space, q.values, value)
         if not len(corners) and wish.iso is not None:
             low, high = quantity.limits(q.values)
@@ -54,8 +53,20 @@ def solid_image(space, q, scale, wish, pixels):
     return canvas, value
 
 
-def middle_value(scale):
-    return float(np.sqrt(scale.norm.vmin * scale.norm.vmax)) if isinstance(scale.norm, colors.LogNorm) else (scale.norm.vmin + scale.norm.vmax) / 2
+def parting_value(scale, values):
+    """The value that parts the field into two sets of cells whose means differ most (Otsu 1979): share (1 - share) (difference)^2 is
+    largest. Of shocked and unshocked gas, or of clusters and what is between them, it is one between both. By their logarithms where the
+    colours are logarithmic."""
+    shown = np.clip(scale.norm(values[np.isfinite(values)]).filled(0), 0, 1)
+    count, ends = np.histogram(shown, 128, (0, 1))
+    middle = (ends[1:] + ends[:-1]) / 2
+    low = np.cumsum(count)[:-1]
+    high = count.sum() - low
+    first = np.cumsum(count * middle)[:-1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parted = np.nan_to_num(low * high * (first / low - ((count * middle).sum() - first) / high) ** 2)
+    best = np.flatnonzero(parted > parted.max() * (1 - 1e-9))
+    return float(scale.norm.inverse(ends[1:-1][best].mean()))
 
 
 def show(ax, canvas):
@@ -140,7 +151,7 @@ def surface_alone(space, wish):
     ax = axes[0][0]
     ax.set_axis_off()
     figure.suptitle(title(case, time), fontsize=9)
-    value = None if wish.volume else wish.iso if wish.iso is not None else middle_value(scale)
+    value = None if wish.volume else wish.iso if wish.iso is not None else parting_value(scale, q.values)
     bar(figure, ax, scale, q.label, mark=value, shrink=0.75)
     canvas, value = solid_image(space, q, scale, wish, room_of(figure, ax, wish))
     show(ax, canvas)
@@ -169,7 +180,7 @@ def cuts(space, wish):
     time = one_time(case, wish)
     q = quantity.read(case, one_field(case, wish, time), time, wish.component)
     scale = Scale(q, wish)
-    middle = inside(space)
+    middle = inside(space, q.values)
     made = [space.cut(np.eye(3)[axis], middle) for axis in range(3)]
     rows, columns, width, height, shape = page(space, made)
     figure, axes = new(rows, columns, width, height, wish)
@@ -180,7 +191,7 @@ def cuts(space, wish):
     last = axes.flat[3]
     last.set_axis_off()
     figure.suptitle(title(case, time), fontsize=9)
-    value = wish.iso if wish.iso is not None else middle_value(scale)
+    value = wish.iso if wish.iso is not None else parting_value(scale, q.values)
     last.set_title(f"{q.symbol} = {value:.3g}", fontsize=9, loc="left")
     bar(figure, axes, scale, q.label, mark=value, aspect=35)
     canvas, value = solid_image(space, q, scale, wish, room_of(figure, last, wish))
@@ -190,14 +201,18 @@ def cuts(space, wish):
     return figure
 
 
-def inside(space):
-    """A point in the middle of the mesh through which planes cut cells, not the faces between them."""
+def inside(space, values):
+    """A point that planes through it cut cells at, not the faces between them: the middle of a lattice; of any other mesh the middle of
+    what differs from the median of the field, as a mesh around a body has most of its space where nothing happens."""
     middle = (space.low + space.high) / 2
     if space.lattice:
         for axis, edges in enumerate(space.lattice.edges):
             k = (len(edges) - 1) // 2
             middle[axis] = (edges[k] + edges[k + 1]) / 2
         return middle
+    weight = np.abs(values - np.median(values)) * space.case.volumes
+    if weight.sum() > 0:
+        middle = weight @ space.case.centres / weight.sum()
     return middle + 1e-4 * space.size * np.array([0.7, 0.9, 1.1])
 
 

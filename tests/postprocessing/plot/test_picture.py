@@ -101,7 +101,8 @@ class Profiles(Pictures):
         self.assertEqual(figures.units(inner)["length"], "cm")
         with open(os.path.join(inner, "system", "units"), "w") as f:
             f.write('length "$\\sigma$"; time "";\n')
-        self.assertEqual(figures.unit((0, 2, -2), figures.units(inner)), r"$\sigma$$^{2}$")
+        self.assertEqual(figures.unit((0, 2, 0), figures.units(inner)), r"$\sigma$$^{2}$")
+        self.assertEqual(figures.unit((0, 2, -2), figures.units(inner)), "")  # a time without a name: no half of a unit
         with open(os.path.join(inner, "system", "units"), "w") as f:
             f.write("lenght cm;\n")
         with self.assertRaisesRegex(ValueError, "lenght is none of mass, length, time"):
@@ -247,6 +248,18 @@ class Solids(Pictures):
                                                             / np.ptp([the(QuadMesh, axes[0]).norm.vmin, the(QuadMesh, axes[0]).norm.vmax])))[:3]
         self.assertLess(np.abs(middle[:3] / middle[:3].sum() - expected / expected.sum()).max(), 0.1)  # the colour of the value, in some light
         self.assertEqual(np.argmax(middle[:3]), np.argmax(expected))
+
+    def test_the_surface_parts_high_from_low(self):
+        """Of two sets of values around 1 and 5, of whatever sizes, the value lies between both; also by logarithms."""
+        from haff.plot.scale import Scale
+        from haff.plot.views import parting_value
+        rng = np.random.default_rng(4)
+        for share in (0.05, 0.5, 0.9):
+            values = np.where(rng.uniform(size=4000) < share, 5 + rng.normal(size=4000) / 5, 1 + np.abs(rng.normal(size=4000)) / 5)
+            for log in (False, True):
+                q = quantity.Quantity("alpha", "", (0, 0, 0), values, figures.SI)
+                value = parting_value(Scale(q, Wish(log=log)), values)
+                self.assertAlmostEqual((values > value).mean(), (values > 3).mean(), delta=0.002)
 
     def test_surface_and_cloud(self):
         for wish in ({"iso": 0.5}, {"volume": True}):
