@@ -202,6 +202,8 @@ def drift(ax, story):
             ax.plot(story.rows["Time"], np.where(size > 0, size, np.nan), marker=".", markersize=2.5, label=TEXTS[name])
     if np.isfinite(smallest):
         ax.set_yscale("log")
+        low, high = ax.get_ylim()
+        ax.set_ylim(min(low, smallest / 5), max(high, 20 * smallest))
     ax.set_ylabel("change since the start")
     ax.legend(loc="best", fontsize=6.5)
 
