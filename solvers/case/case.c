@@ -41,6 +41,21 @@ status setup_grid(struct setup *s, bool polyhedral, int rings) {
     return grid_make(polyhedral ? NULL : s->lattice, s->mesh, s->centre, s->volume, s->comm, rings, &s->grid);
 }
 
+int setup_lines(const struct setup *s, int quantity) {
+    const struct medium_type *type = s->medium->type;
+    return type->quantity[quantity].components == 1 ? 1 : quantity == type->axial ? 3 : s->components;
+}
+
+/* Puts the axes along which nothing moves behind the others. */
+static void complete_axes(struct setup *s) {
+    int n = s->components;
+    for (int x = 0; x < 3; x++) {
+        bool known = false;
+        for (int k = 0; k < s->components; k++) known |= s->axis[k] == x;
+        if (!known) s->axis[n++] = x;
+    }
+}
+
 static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
     s->warnings.accepted = s->control->accepted;
@@ -56,7 +71,9 @@ static status read_state(struct setup *s) {
     if (s->control->stop_at == STOP_END_TIME && s->control->end_time < s->start.t - 1e-9 * fabs(s->start.t))
         return dict_fail(s->control->dict, "endTime", "the run would start after that, from time %s", s->start.name);
     TRY(changes_check_mesh(s));
-    return s->medium->type->state(s);
+    TRY(s->medium->type->state(s));
+    complete_axes(s);
+    return OK;
 }
 
 static void set_name(struct setup *s) {

@@ -23,8 +23,8 @@ struct setup { /* the same on every rank, but for the grid */
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
     unsigned long checksum;
-    int dim, axis[3];        /* the solved axes; behind them those along which the medium moves all the same */
-    int components;          /* of a vector, along axis[]; dim unless the medium sets it in `state` */
+    int dim, axis[3]; /* the solved axes; behind them those along which the medium moves all the same, then the rest */
+    int components;   /* of a vector, along axis[]; dim unless the medium sets it in `state` */
     struct lattice *lattice; /* NULL: the mesh is no lattice, and `why` says the reason */
     char why[256];
     /* a forest (the lattice cut into tiles) if the mesh is a lattice and the medium does not ask for polyhedra; else
@@ -43,6 +43,8 @@ struct reading {
 status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                  struct setup **out);
 void case_free(struct setup *s);
+/* Returns the number of lines, along axis[], that a quantity's values have in the medium's `block` and `gather`. */
+int setup_lines(const struct setup *s, int quantity);
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);
 /* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */

@@ -53,7 +53,8 @@ struct medium_type {
     void (*list_boundaries)(FILE *f);
     void (*keywords)(struct keywords *k); /* goes through those of all files but controlDict */
     const struct quantity *quantity;
-    int noffered;               /* number of quantities, the first ones, that function objects know */
+    int noffered; /* number of quantities, the first ones, that function objects know */
+    int axial;    /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
     const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
     bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
 
@@ -87,6 +88,10 @@ struct medium_type {
     /* prints its lines at the end, on the root; collective; NULL: it has none */
     status (*finish)(struct medium *m, FILE *f);
 
+    /* Returns why there is no such quantity in this case; NULL: there is. NULL instead of the function: there always
+     * is. derive makes ready what `block` gives of a quantity at this state. Collective; NULL: all are ready. */
+    const char *(*lacks)(const struct medium *m, int quantity);
+    status (*derive)(struct medium *m, int quantity);
     /* Values along computational axes: of a block of this rank, of a quantity that function objects know or of rhoE,
      * where all three lines of `out` are needed; gathered to the root in polyMesh order. */
     void (*block)(const struct medium *m, int block, int quantity, double *const out[3]);

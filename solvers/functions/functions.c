@@ -12,11 +12,12 @@ struct functions {
 
 /* Every type of function object: its own file exports its row. */
 extern const struct function_type function_probes, function_sets, function_extremes, function_integral, function_vtk,
-    function_budget, function_phases, function_average, function_forces, function_coefficients, function_surface_value;
+    function_budget, function_phases, function_average, function_forces, function_coefficients, function_surface_value,
+    function_objects;
 static const struct function_type *const function_table[] = {
     &function_probes, &function_sets,         &function_extremes,      &function_integral,
     &function_vtk,    &function_budget,       &function_phases,        &function_average,
-    &function_forces, &function_coefficients, &function_surface_value,
+    &function_forces, &function_coefficients, &function_surface_value, &function_objects,
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
@@ -80,14 +81,22 @@ static void list_fields(const struct medium_type *m, char known[256]) {
         snprintf(known + strlen(known), 256 - strlen(known), "%s%s", k ? " " : "", m->quantity[k].name);
 }
 
-status function_field(const struct function *f, const struct dict *d, const char *key, const char *word, int *out) {
+status function_take(struct function *f, const struct dict *d, const char *key, int quantity) {
+    const struct medium *m = f->setup->medium;
+    const char *reason = m->type->lacks ? m->type->lacks(m, quantity) : NULL;
+    if (reason) return dict_fail(d, key, "there is no field '%s' here: %s", m->type->quantity[quantity].name, reason);
+    f->takes[quantity] = true;
+    return OK;
+}
+
+status function_field(struct function *f, const struct dict *d, const char *key, const char *word, int *out) {
     const struct medium_type *m = f->setup->medium->type;
     const char *names[MAX_QUANTITIES];
     char known[256];
     for (int k = 0; k < m->noffered; k++) {
         names[k] = m->quantity[k].name;
         *out = k;
-        if (!strcmp(word, names[k])) return OK;
+        if (!strcmp(word, names[k])) return function_take(f, d, key, k);
     }
     const char *near = nearest_name(word, names, m->noffered);
     list_fields(m, known);
@@ -189,6 +198,24 @@ void functions_free(struct functions *f) {
     free(f);
 }
 
+/* Makes the fields ready that a function object takes. */
+static status make_ready(const struct function *f) {
+    struct medium *m = f->setup->medium;
+    for (int k = 0; k < m->type->noffered && m->type->derive; k++)
+        if (f->takes[k]) TRY(m->type->derive(m, k));
+    return OK;
+}
+
+/* Makes them ready and lets it take in the end of a step, or write results. */
+static status collect(struct function *f, const struct moment *before, const struct moment *now) {
+    TRY(make_ready(f));
+    return f->type->collect(f, before, now);
+}
+static status execute(struct function *f, const struct moment *now, const char *name) {
+    TRY(make_ready(f));
+    return f->type->execute(f, now, name);
+}
+
 double functions_next(const struct functions *f, double t) {
     double next = HUGE_VAL;
     for (int i = 0; i < f->n; i++) {
@@ -202,7 +229,7 @@ double functions_next(const struct functions *f, double t) {
 status functions_collect(struct functions *f, const struct moment *before, const struct moment *now) {
     for (int i = 0; i < f->n; i++)
         if (f->all[i].type->collect)
-            TRY(status_note(f->all[i].type->collect(&f->all[i], before, now), "function object '%s'", f->all[i].name));
+            TRY(status_note(collect(&f->all[i], before, now), "function object '%s'", f->all[i].name));
     return OK;
 }
 
@@ -216,7 +243,7 @@ status functions_execute(struct functions *f, const struct moment *before, const
     for (int i = 0; i < f->n; i++) {
         struct function *one = &f->all[i];
         if (before && !trigger_due(&one->trigger, before, now)) continue;
-        TRY(status_note(one->type->execute(one, now, name), "function object '%s'", one->name));
+        TRY(status_note(execute(one, now, name), "function object '%s'", one->name));
     }
     return OK;
 }

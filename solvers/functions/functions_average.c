@@ -124,7 +124,7 @@ static int square_index(int x, int y) {
 static void take_block(const struct function *f, struct item *it, int b, double w) {
     const struct average *a = f->own;
     const struct setup *s = f->setup;
-    const int n = s->grid->block[b].ncells, components = it->components == 3 ? s->components : 1;
+    const int n = s->grid->block[b].ncells, components = setup_lines(s, it->field);
     const long at = a->first[b];
     double *lines[3], *const *mean = it->line + it->weighted, *const *squares = mean + it->components;
     function_block(f, b, it->field, lines);

@@ -74,7 +74,7 @@ static void find_extremes(const struct function *f, int field, double value[2], 
     for (int b = 0; b < grid->nblocks; b++) {
         const struct grid_block *block = &grid->block[b];
         function_block(f, b, field, lines);
-        if (vector) magnitudes(f->setup->components, block->ncells, lines);
+        if (vector) magnitudes(setup_lines(f->setup, field), block->ncells, lines);
         range_of(block->ncells, lines[0], range);
         for (int end = 0; end < 2; end++) {
             const double w = end ? -range[1] : range[0];

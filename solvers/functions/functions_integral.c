@@ -54,7 +54,7 @@ static status reduce(const struct function *f, int field, double out[3]) {
     const struct grid *grid = f->setup->grid;
     const int operation = ((const struct integral *)f->own)->operation;
     bool vector = quantity_of(f, field)->components == 3;
-    int m = vector ? f->setup->components : 1;
+    int m = setup_lines(f->setup, field);
     double *per_block, sum[4] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     TRY(allocate(&per_block, (m + 1L) * (grid->nblocks + 1), sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++) {

@@ -16,9 +16,10 @@ struct function { /* one function object; its members are for all types */
     bool enabled; /* is it made at all? */
     bool log;     /* are results printed, too? */
     int nfields;
-    int field[MAX_QUANTITIES]; /* [nfields] the fields that it takes, as indices of the medium's quantities */
-    double *block_values;      /* [3][cells of the largest block] room for function_block */
-    void *own;                 /* the type's own struct: made by its make, freed by its free */
+    int field[MAX_QUANTITIES];  /* [nfields] the fields that it takes, as indices of the medium's quantities */
+    bool takes[MAX_QUANTITIES]; /* which it takes at all, elsewhere than in `fields`, too */
+    double *block_values;       /* [3][cells of the largest block] room for function_block */
+    void *own;                  /* the type's own struct: made by its make, freed by its free */
 };
 struct function_type {
     const char *name, *about;
@@ -45,8 +46,11 @@ struct function_type {
 #define FUNCTION_DICT          "functions/NAME"
 
 const struct quantity *quantity_of(const struct function *f, int field);
-/* Finds the quantity that a word of `key` names; the error suggests one. */
-status function_field(const struct function *f, const struct dict *d, const char *key, const char *word, int *out);
+/* Notes that a function object takes a quantity, which is then ready whenever it collects or executes; fails if the
+ * case has none such, by the entry `key`. */
+status function_take(struct function *f, const struct dict *d, const char *key, int quantity);
+/* Does that for the quantity that a word of `key` names; the error suggests one. */
+status function_field(struct function *f, const struct dict *d, const char *key, const char *word, int *out);
 /* Reads the list `key` of such words into f->field. */
 status function_fields(struct function *f, struct dict *d, const char *key);
 /* Computes the values of a block's cells in f->block_values; lines[c] are those along computational axis c. */

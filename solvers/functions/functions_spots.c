@@ -63,7 +63,7 @@ status spots_sample(const struct spots *s, const struct function *f, int field, 
                 *to = lines[0][s->at[i].cell];
             else
                 for (int x = 0; x < 3; x++) to[x] = 0;
-            for (int k = 0; m == 3 && k < f->setup->components; k++) to[f->setup->axis[k]] = lines[k][s->at[i].cell];
+            for (int k = 0; m == 3 && k < setup_lines(f->setup, field); k++) to[f->setup->axis[k]] = lines[k][s->at[i].cell];
         }
     }
     comm_max(f->setup->comm, *out, s->n * m); /* one rank has each value, the others -infinity */

@@ -141,6 +141,7 @@ static status read_fields(struct function *f, struct surface_value *v, struct di
             return dict_fail(d, "fields",
                              "'%s' is a flow through the whole surface, which goes with  operation sum;  alone",
                              words[i]);
+        if (quantity >= 0) TRY(function_take(f, d, "fields", quantity));
         v->field[v->nfields].quantity = quantity;
         v->field[v->nfields++].flow = flow;
         v->flows |= flow >= 0;
@@ -152,7 +153,7 @@ static bool is_weighted(const struct surface_value *v) {
     return v->operation >= WEIGHTED_SUM && v->operation <= WEIGHTED_AREA_INTEGRATE;
 }
 
-static status read_weight(const struct function *f, struct surface_value *v, struct dict *d) {
+static status read_weight(struct function *f, struct surface_value *v, struct dict *d) {
     const struct medium_type *m = f->setup->medium->type;
     const char *word;
     v->weight = -1;
@@ -161,6 +162,7 @@ static status read_weight(const struct function *f, struct surface_value *v, str
         v->weight = quantity_named(m, word);
         if (v->weight < 0) return unknown_field(f, d, "weightField", word, false);
         if (m->quantity[v->weight].components != 1) return dict_fail(d, "weightField", "weights are numbers");
+        TRY(function_take(f, d, "weightField", v->weight));
         if (!is_weighted(v)) return dict_fail(d, "weightField", "the operation has no weights; say  weighted..");
     } else if (is_weighted(v)) {
         return dict_missing(d, "weightField", "a weighted operation needs it: weightField rho;");

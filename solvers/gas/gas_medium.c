@@ -2,6 +2,7 @@
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
+#include "solvers/gas/quantities.h"
 #include "solvers/gas/rest.h"
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
@@ -25,6 +26,7 @@ struct gas_state {
     struct case_models *models;
     struct initial *initial;
     struct gas *gas;
+    struct gas_view view; /* what function objects see */
     struct limiter_table limiter;
     struct gas_speed speed;      /* wave speeds of the last plan */
     double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
@@ -37,22 +39,6 @@ struct gas_state {
 static struct gas_state *of(const struct medium *m) {
     return (struct gas_state *)(uintptr_t)m;
 }
-
-enum { MOMENTUM = GAS_FIELDS, ENERGY }; /* quantities behind those of enum gas_field */
-static const struct quantity quantities[] = {
-    [GAS_RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, true},
-    [GAS_ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [GAS_U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
-    [GAS_T] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
-    [GAS_P] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
-    [GAS_C] = {"c", 1, {0, 1, -1, 0, 0, 0, 0}, false},
-    [GAS_MACH] = {"Ma", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [GAS_LIMITED] = {"limited", 1, {0, 0, 0, 0, 0, 0, 0}, true},
-    [MOMENTUM] = {"rhoU", 3, {1, -2, -1, 0, 0, 0, 0}, true},
-    [ENERGY] = {"rhoE", 1, {1, -1, -2, 0, 0, 0, 0}, true},
-};
-static const int written[] = {GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_LIMITED, GAS_RHO, MOMENTUM, ENERGY, -1},
-                 shown[] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, -1};
 
 static status gas_check_control(const struct medium *m, const struct control *c) {
     const struct stepper *stepper = of(m)->models->gas.stepper;
@@ -173,6 +159,7 @@ static status gas_start(struct medium *m) {
     g->limiter.fills = models->alpha_floor > 0;
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
                         : gas_make_polyhedral(s->grid, models, s->mesh->npatches, i->rules, &g->gas));
+    g->view = (struct gas_view){.setup = s, .models = models, .gas = g->gas};
     gas_heed(g->gas, m->asked);
     if (i->varies) gas_vary(g->gas, initial_renew, g->initial);
     TRY(rest_lay(s, models, g->gas, &g->unknown));
@@ -194,6 +181,7 @@ static status gas_start(struct medium *m) {
 static void gas_medium_free(struct medium *m) {
     struct gas_state *g = of(m);
     limiter_close(&g->limiter);
+    gas_view_free(&g->view);
     gas_free(g->gas);
     initial_free(g->initial);
     models_free(g->models);
@@ -318,6 +306,7 @@ static void gas_bound(struct medium *m, char *text, size_t size) {
 
 static status gas_medium_step(struct medium *m, const struct control *c, double t, double *dt) {
     struct gas_state *g = of(m);
+    gas_view_forget(&g->view);
     const status e = gas_step(g->gas, t, dt, c->max_co, c->min_delta_t, g->models->min_fraction, &g->speed);
     const status late = initial_renew(g->initial, e ? t : t + *dt); /* what is written with the state */
     if (!e) return late;
@@ -482,45 +471,20 @@ static status gas_finish(struct medium *m, FILE *f) {
     return OK;
 }
 
-/* The energy of a block's cells, rho (eps + u^2/2), put together in the lines of `out`. */
-static void block_energy(const struct medium *m, int block, double *const out[3]) {
-    const struct gas_state *g = of(m);
-    const int n = m->setup->grid->block[block].ncells;
-    gas_block_field(g->gas, block, GAS_U, out);
-    for (int i = 0; i < n; i++) {
-        double square = 0;
-        for (int k = 0; k < m->setup->components; k++) square += out[k][i] * out[k][i];
-        out[0][i] = 0.5 * square;
-    }
-    gas_block_field(g->gas, block, GAS_T, (double *[]){out[1], NULL, NULL});
-    gas_block_field(g->gas, block, GAS_RHO, (double *[]){out[2], NULL, NULL});
-    for (int i = 0; i < n; i++) out[0][i] = out[2][i] * (eps_of(&g->models->gas.material, out[1][i]) + out[0][i]);
+static const char *gas_lacks(const struct medium *m, int quantity) {
+    return gas_view_lacks(&of(m)->models->gas, quantity);
+}
+
+static status gas_derive(struct medium *m, int quantity) {
+    return gas_view_derive(&of(m)->view, quantity);
 }
 
 static void gas_block(const struct medium *m, int block, int quantity, double *const out[3]) {
-    if (quantity == ENERGY) {
-        block_energy(m, block, out);
-        return;
-    }
-    gas_block_field(of(m)->gas, block, (enum gas_field)quantity, out);
+    gas_view_block(&of(m)->view, block, quantity, out);
 }
 
-/* Gathers momentum or energy: the conserved variables come all at once, and those not asked for are dropped. */
-static status gather_conserved(const struct medium *m, int quantity, double *const out[3]) {
-    const struct gas *g = of(m)->gas;
-    const int nvar = gas_variables(g), first = quantity == ENERGY ? nvar - 1 : 1,
-              last = quantity == ENERGY ? nvar - 1 : nvar - 2;
-    double *U[MAX_VAR] = {NULL}, *rest = NULL;
-    const bool root = comm_root(m->setup->comm);
-    TRY(comm_agree(m->setup->comm, root ? allocate(&rest, m->setup->mesh->ncells, sizeof(double), "a field") : OK));
-    for (int v = 0; root && v < nvar; v++) U[v] = v >= first && v <= last ? out[v - first] : rest;
-    status e = gas_get_conserved(g, U);
-    free(rest);
-    return e;
-}
 static status gas_gather(const struct medium *m, int quantity, double *const out[3]) {
-    return quantity < GAS_FIELDS ? gas_field(of(m)->gas, (enum gas_field)quantity, out)
-                                 : gather_conserved(m, quantity, out);
+    return gas_view_gather(&of(m)->view, quantity, out);
 }
 
 static bool gas_present(const struct medium *m, int quantity) {
@@ -660,10 +624,11 @@ const struct medium_type gas_medium = {
     .list_models = models_list,
     .list_boundaries = boundaries_list,
     .keywords = models_keywords,
-    .quantity = quantities,
-    .noffered = GAS_FIELDS,
-    .written = written,
-    .shown = shown,
+    .quantity = gas_quantity,
+    .noffered = GAS_OFFERED,
+    .axial = GAS_VORTICITY,
+    .written = gas_written,
+    .shown = gas_shown,
     .read = gas_read,
     .state = gas_read_state,
     .start = gas_start,
@@ -680,6 +645,8 @@ const struct medium_type gas_medium = {
     .after = gas_after,
     .log = gas_log,
     .finish = gas_finish,
+    .lacks = gas_lacks,
+    .derive = gas_derive,
     .block = gas_block,
     .gather = gas_gather,
     .present = gas_present,

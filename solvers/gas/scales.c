@@ -37,9 +37,7 @@ static void measure_domain(const struct setup *s, struct scales *q) {
     }
 }
 
-/* Returns Enskog's mean free path (m): 1/(sqrt(2) pi d^2 n chi) of spheres, 1/(2 sqrt(2) d n chi) of disks, by G = nu
- * chi. */
-static double free_path(const struct gas_models *models, double rho) {
+double free_path(const struct gas_models *models, double rho) {
     const struct material *m = &models->material;
     double contact;
     models->eos->contact(m, 1, &rho, &contact);

@@ -14,4 +14,8 @@
  * shaking. The first three are of gases of grains: not of perfectGas. Axes that the mesh lacks do not count. */
 status scales_check(struct setup *s, const struct gas_models *models, const struct initial *i);
 
+/* Returns Enskog's mean free path (m) at rho: 1/(sqrt(2) pi d^2 n chi) of spheres, 1/(2 sqrt(2) d n chi) of disks, by
+ * G = nu chi. */
+double free_path(const struct gas_models *models, double rho);
+
 #endif

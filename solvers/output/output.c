@@ -78,27 +78,27 @@ void output_free(struct output *o) {
 }
 
 /* Turns lines along computational axes into interleaved components along physical axes. */
-static void interleave(const struct setup *s, double *const *line, bool vector, double *out) {
+static void interleave(const struct setup *s, double *const *line, bool vector, int lines, double *out) {
     long n = s->mesh->ncells;
     if (!vector) {
         memcpy(out, line[0], (size_t)n * sizeof *out);
         return;
     }
     memset(out, 0, (size_t)n * 3 * sizeof *out);
-    for (int k = 0; k < s->components; k++)
+    for (int k = 0; k < lines; k++)
         for (long i = 0; i < n; i++) out[3 * i + s->axis[k]] = line[k][i];
 }
 
 status output_gather(const struct setup *s, int quantity, double *out) {
     double *line[3] = {NULL, NULL, NULL};
     const bool vector = s->medium->type->quantity[quantity].components == 3;
-    int components = vector ? s->components : 1;
+    const int lines = setup_lines(s, quantity);
     status e = OK;
-    for (int k = 0; !e && k < components && comm_root(s->comm); k++)
+    for (int k = 0; !e && k < lines && comm_root(s->comm); k++)
         e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
     e = comm_agree(s->comm, e);
     if (!e) e = s->medium->type->gather(s->medium, quantity, line);
-    if (!e && comm_root(s->comm)) interleave(s, line, vector, out);
+    if (!e && comm_root(s->comm)) interleave(s, line, vector, lines, out);
     for (int k = 0; k < 3; k++) free(line[k]);
     return e;
 }

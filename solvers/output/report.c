@@ -133,7 +133,7 @@ status report_extremes(const struct setup *s, int quantity, double range[2]) {
         TRY(allocate(&values, vector ? 3 * n : n, sizeof(double), "a block's field"));
         double *const out[3] = {values, vector ? values + n : NULL, vector ? values + 2 * n : NULL};
         s->medium->type->block(s->medium, b, quantity, out);
-        if (vector) magnitudes(s->components, (int)n, out);
+        if (vector) magnitudes(setup_lines(s, quantity), (int)n, out);
         for (int i = 0; i < n; i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);

@@ -270,6 +270,11 @@ DICTIONARIES = [
     Row("weights that are not used", function(SURFACE + "operation sum; fields (p); weightField rho;"), "no weights", "weighted.."),
     Row("a plane beside the mesh", function("surfaceFieldValue; regionType sampledSurface; operation sum; fields (p); sampledSurfaceDict "
                                             "{ type plane; basePoint (9 0 0); normalVector (1 0 0); }"), "'basePoint'", "does not cut the mesh"),
+    Row("no objects", function("writeObjects;"), "'objects' is missing", "objects (Ma vorticity);"),
+    Row("objects under two names", function("writeObjects; objects (Ma); fields (Ma);"), "'fields'", "another word for `objects`"),
+    Row("an object that is not there", function("writeObjects; objects (vorticty);"), "'vorticty'", "did you mean 'vorticity'?"),
+    Row("objects at times of their own", function("writeObjects; objects (Ma); writeControl timeStep;"), "'writeControl'", "leave it out"),
+    Row("objects that another writes", function("writeObjects; objects (Ma); } g { type writeObjects; fields (c Ma);"), "'f' writes Ma already"),
     Row("a function object that leads out of the case", (CONTROL, "    vtk {", "    ../../vtk {"), "'../../vtk'",
         "below postProcessing/"),
     Row("a line that leads out of the case", (CONTROL, "            a\n", "            ../../../a\n"), "'../../../a'",

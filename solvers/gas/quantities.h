@@ -1,0 +1,43 @@
+/* The quantities of the gas, as the code that all solvers share sees them (medium.h), and those of them that are made
+ * of gradients: these are computed when they are asked for, and kept until the state changes.
+ *
+ *   vorticity = curl u
+ *   gradAlpha = grad alpha
+ *   Kn        = lambda |grad alpha|/alpha, the Knudsen number of the scale on which the gas itself varies, with
+ * Enskog's mean free path lambda (scales.h): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler, Phys. Fluids 7, 210,
+ * 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267, 2003, for grains,
+ * where restitution sets that scale)
+ *
+ * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
+#ifndef SOLVERS_GAS_QUANTITIES_H
+#define SOLVERS_GAS_QUANTITIES_H
+
+#include "libcore/gas/gas.h"
+#include "solvers/case/case.h"
+
+/* Behind those of enum gas_field: what function objects know, then what is written only. */
+enum { GAS_VORTICITY = GAS_FIELDS, GAS_GRAD_ALPHA, GAS_KNUDSEN, GAS_OFFERED, GAS_MOMENTUM = GAS_OFFERED, GAS_ENERGY };
+enum { GAS_DERIVED = GAS_OFFERED - GAS_FIELDS };
+extern const struct quantity gas_quantity[];
+extern const int gas_written[], gas_shown[];
+
+struct gas_view { /* a gas and its derived quantities */
+    const struct setup *setup;
+    const struct gas_models *models;
+    const struct gas *gas;
+    long ncells, *first;          /* of this rank; [blocks] where the cells of a block begin among them */
+    double *line[GAS_DERIVED][3]; /* [ncells]; NULL until asked for */
+    const double **by_block;      /* [blocks] for gathers */
+    bool known[GAS_DERIVED];      /* is it that of the state? */
+};
+void gas_view_free(struct gas_view *v);
+void gas_view_forget(struct gas_view *v); /* the state has changed */
+/* Returns why a gas of these models has no such quantity; NULL: it has it. */
+const char *gas_view_lacks(const struct gas_models *models, int quantity);
+/* Computes a derived quantity, unless it is known; of others there is nothing to be done. Collective. */
+status gas_view_derive(struct gas_view *v, int quantity);
+/* As the hooks block and gather of a medium; block: of a derived quantity, after gas_view_derive. */
+void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);
+status gas_view_gather(struct gas_view *v, int quantity, double *const out[3]);
+
+#endif
