@@ -4,6 +4,7 @@ A plain file is read into memory once, and the numbers of a binary list are a vi
 happens to the file later does not reach the arrays. (A memory map would save that one read, and would end Python where a run
 shortens the file.)
 """
+import functools
 import gzip
 import os
 import re
@@ -17,8 +18,9 @@ LIST = re.compile(SKIP + rb"(\d+)" + SKIP + rb"([({])", re.S)
 FIRST_LIST = re.compile(rb"\n\s*\d+\s*\(")
 HEADER_WITHIN = 1 << 16  # bytes
 MOVED = 1 << 26  # bytes: longer lists move in place
+WORD = re.compile(SKIP + rb'("[^"]*"|[{};]|[^\s{};"]+)', re.S)
 BLANKS = bytes.maketrans(b"()[]{};", b"       ")
-BASE_UNITS = ("kg", "m", "s", "K", "mol", "A", "cd")
+BASE_UNITS = 7  # kg, m, s, K, mol, A, cd
 
 
 class FormatError(ValueError):
@@ -128,6 +130,29 @@ class FoamFile:
         return found.start(1)
 
 
+def read_head(path):
+    """The first HEADER_WITHIN bytes of a file, unzipped: header and dimensions, whatever the size of the rest."""
+    if not os.path.exists(path) and os.path.exists(path + ".gz"):
+        path += ".gz"
+    with (gzip.open if path.endswith(".gz") else open)(path, "rb") as f:
+        return f.read(HEADER_WITHIN)
+
+
+def class_of(path):
+    """The class in the header of a file; "" where there is none."""
+    found = re.search(rb"FoamFile\s*\{[^}]*\bclass\s+(\w+)\s*;", read_head(path))
+    return found.group(1).decode() if found else ""
+
+
+def exponents(path):
+    """Exponents of kg, m, s, K, mol, A, cd of the unit of a field file: a list of 7 numbers. FormatError without `dimensions`."""
+    found = re.search(rb"\bdimensions\s*\[([^\]]*)\]", read_head(path))
+    if not found:
+        raise FormatError(f"{path}: no dimensions")
+    powers = [float(w) for w in found.group(1).split()]
+    return powers + [0.0] * (BASE_UNITS - len(powers))
+
+
 def without_comments(text):
     return re.sub(rb"/\*.*?\*/|//[^\n]*", b" ", text, flags=re.S) if b"/" in text else text
 
@@ -150,18 +175,11 @@ def text_numbers(text, kind, path):
             raise FormatError(f"{path}: a list holds something that is no number") from None
 
 
-def units(exponents):
-    """Exponents of kg, m, s, K, mol, A, cd as a short text: "kg/m^3", "m^2/s^2", "1/s"; "" where there is no unit."""
-    power = lambda name, n: name if n == 1 else f"{name}^{n:g}"
-    above = " ".join(power(name, n) for name, n in zip(BASE_UNITS, exponents) if n > 0)
-    below = [power(name, -n) for name, n in zip(BASE_UNITS, exponents) if n < 0]
-    return "/".join([above or "1"] + below) if above or below else ""
-
-
 class Field:
-    """A file of a field on cells: kind, components, exponents of the units, internal values, patches.
+    """A file of a field on cells.
 
-    field.values(cells) -> [cells] or [cells][components]; field.patches -> {name as written: text of its entries}
+    path; components: 1, 3, 6 or 9 numbers in a cell; values(cells): its internal values; patches(): what
+    boundaryField says. FormatError where the file is no such field; FileNotFoundError.
     """
 
     def __init__(self, path):
@@ -174,15 +192,7 @@ class Field:
         if not self.entry:
             raise FormatError(f"{path}: no internalField")
 
-    @property
-    def exponents(self):
-        """Of kg, m, s, K, mol, A, cd: a list of 7 numbers."""
-        found = re.compile(rb"\bdimensions\s*\[([^\]]*)\]").search(self.file.view[:HEADER_WITHIN])
-        if not found:
-            raise FormatError(f"{self.path}: no dimensions")
-        powers = [float(w) for w in found.group(1).split()]
-        return powers + [0.0] * (len(BASE_UNITS) - len(powers))
-
+    @functools.cached_property
     def internal(self):
         """The internal values, one row or all, and the byte of the body behind them."""
         f, end = self.file, self.entry.end()
@@ -191,19 +201,84 @@ class Field:
             return np.array(words(f.part(end, close)), float), close
         return f.numbers(end, self.components, f.scalar)
 
-    def values(self, cells):
-        values, end = self.internal()
-        tail = self.file.part(end, len(self.file.view))  # patches may have expressions, too
+    @property
+    def expression(self):
+        """Whether an expression gives the internal values, which only the solver evaluates; patches may have expressions, too."""
+        tail = self.file.part(self.internal[1], len(self.file.view))
         outside = self.file.part(0, self.entry.start()) + b"\n" + tail.split(b"boundaryField", 1)[0] + b"\n" + tail.rsplit(b"}", 1)[-1]
-        if re.search(rb"^\s*expression\b", outside, re.M):
+        return re.search(rb"^\s*expression\b", outside, re.M) is not None
+
+    def values(self, cells):
+        """[cells] or [cells][components]; FormatError where the file has another number of them, or an expression."""
+        values, _ = self.internal
+        if self.expression:
             raise FormatError(f"{self.path}: the field is given by an expression, which only the solver evaluates")
-        if self.entry.group(1) == b"uniform":
+        return self.spread(values, self.entry.group(1) == b"uniform", cells, "cells")
+
+    def spread(self, values, uniform, count, things):
+        """Values as they stand, of all `things`; one row of a uniform list is repeated."""
+        if uniform:
             if len(values) != self.components:
                 raise FormatError(f"{self.path}: {len(values)} numbers for {self.components}")
-            return np.tile(values, (cells, 1)) if self.components > 1 else np.full(cells, values[0])
-        if len(values) != cells:
-            raise FormatError(f"{self.path}: {len(values)} values on a mesh of {cells} cells")
+            return np.tile(values, (count, 1)) if self.components > 1 else np.full(count, values[0])
+        if len(values) != count:
+            raise FormatError(f"{self.path}: {len(values)} values on {'a mesh of ' if things == 'cells' else ''}{count} {things}")
         return values.astype(float, copy=False)
+
+    def patches(self):
+        """{name as written: Patch}, in the order of the file."""
+        at = self.internal[1]
+        start = re.compile(rb"\bboundaryField" + SKIP + rb"\{", re.S).search(self.file.view, at)
+        if not start:
+            raise FormatError(f"{self.path}: no boundaryField")
+        found, at = {}, start.end()
+        while True:
+            name, at = self.word(at)
+            if name == b"}":
+                return found
+            brace, at = self.word(at)
+            if brace != b"{":
+                raise FormatError(f"{self.path}: a dictionary is missing behind '{name.decode()}' in boundaryField")
+            patch, at = self.patch(at)
+            found[name.decode()] = patch
+
+    def word(self, at):
+        """The word, quoted text, bracket or semicolon at a byte of the body, and the byte behind it."""
+        found = WORD.match(self.file.view, at)
+        if not found:
+            raise FormatError(f"{self.path}: boundaryField is not closed")
+        return found.group(1), found.end()
+
+    def patch(self, at):
+        """The Patch whose entries begin at a byte, and the byte behind its }. Lists are passed by their lengths: they may be binary."""
+        patch, depth, key, before = Patch(), 0, None, None
+        while True:
+            word, end = self.word(at)
+            if word == b"{":
+                depth += 1
+            elif word == b"}":
+                depth -= 1
+                if depth < 0:
+                    return patch, end
+            elif word == b"nonuniform":
+                kind, listed = self.word(end)
+                size = COMPONENTS.get(kind.decode("latin-1")[5:-1].capitalize().replace("tensor", "Tensor"), self.components)
+                values, end = self.file.numbers(listed if kind.startswith(b"List<") else end, size, self.file.scalar)
+                if depth == 0 and key == b"value":
+                    patch.value, patch.uniform = values, False
+            elif depth == 0 and key == b"type" and before == b"type":
+                patch.type = word.decode()
+            elif depth == 0 and key == b"value" and word == b"uniform":
+                close = self.file.find(b";", end)
+                patch.value, patch.uniform, end = np.array(words(self.file.part(end, close)), float), True, close
+            if before in (None, b";", b"{", b"}"):
+                key = word
+            before, at = word, end
+
+
+class Patch:
+    """What a field file says of a patch: its type; value: numbers as they stand, or None without such an entry; uniform: one for all."""
+    type, value, uniform = None, None, True
 
 
 def read_field(path, cells):
