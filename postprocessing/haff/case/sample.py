@@ -2,7 +2,8 @@
 
 Along axes of one cell between empty patches a point may be anywhere. Order 1 is the value of the cell that holds the point; order 2
 adds the cell's gradient times the way from its centre, so that linear fields are exact. The gradient is the least-squares fit to the
-neighbours across faces, weighted by 1/distance^2, and to theirs, too, where the mesh is no lattice or they do not span its axes.
+neighbours across faces, weighted by 1/distance^2, and to theirs, too, where the mesh is no lattice; where they do not span the axes
+of the mesh, to cells farther away.
 Cells of a mesh that is no lattice are taken as convex; a face whose corners lie in no plane counts as thick as they deviate from one.
 """
 import functools
@@ -12,6 +13,7 @@ import numpy as np
 AXES = "xyz"
 CLOSE = 1e-9  # of a cell: what still counts as inside
 CHUNK = 1 << 20  # pairs of a point and a cell that are looked at together
+FARTHEST = 6  # faces to a neighbour: of a cell in a way of one cell's width
 SPANNED = 1e-8  # smallest eigenvalue of a spanned axis over the greatest
 
 
@@ -84,12 +86,14 @@ class Finder:
             return self.lattice_neighbours(cells)
         return self.across(np.arange(len(cells)), cells)
 
-    def around(self, cells):
-        """The same with the neighbours of neighbours."""
+    def around(self, cells, reach):
+        """The same up to `reach` faces away."""
         row, near = self.neighbours(cells)
-        again, far = self.neighbours(near)
-        pairs = np.unique(np.stack((np.concatenate((row, row[again])), np.concatenate((near, far)))), axis=1)
-        return pairs[:, pairs[1] != cells[pairs[0]]]
+        for _ in range(reach - 1):
+            again, far = self.neighbours(near)
+            row, near = np.unique(np.stack((np.concatenate((row, row[again])), np.concatenate((near, far)))), axis=1)
+        other = near != cells[row]
+        return row[other], near[other]
 
     def across(self, rows, cells):
         start, face, sign = self.faces
@@ -120,12 +124,14 @@ class Finder:
         return np.stack((x[place % n[0]], y[place // n[0] % n[1]], z[place // (n[0] * n[1])]), axis=1)
 
     def gradients(self, values, cells):
-        """[n][3] of values [all cells], or [n][m][3] of [all cells][m], in n cells (per m). 0 along axes that no neighbour is on."""
-        found = self.fit(values, cells, *(self.neighbours if self.lattice else self.around)(cells))
-        if self.lattice and not found[1].all():
-            some = np.flatnonzero(~found[1])
-            found[0][some] = self.fit(values, cells[some], *self.around(cells[some]))[0]
-        return found[0]
+        """[n][3] of values [all cells], or [n][m][3] of [all cells][m], in n cells (per m). 0 along axes that no cell near it is on."""
+        reach = 1 if self.lattice else 2
+        found, spanned = self.fit(values, cells, *self.around(cells, reach))
+        while not spanned.all() and reach < FARTHEST:
+            reach += 1
+            some = np.flatnonzero(~spanned)
+            found[some], spanned[some] = self.fit(values, cells[some], *self.around(cells[some], reach))
+        return found
 
     def fit(self, values, cells, row, near):
         """Gradients by these neighbours, and whether they span the axes of the mesh, [n]."""
