@@ -46,10 +46,12 @@ struct average {
     char file[128];
 };
 
-#define PARAM_STRUCT struct average
+#define ANY_TIME(entry) ANY_NUMBER, .example = entry
+#define PARAM_STRUCT    struct average
 static const struct param average_param[] = {
-    NUMBER("timeStart", start, USUALLY(-HUGE_VAL, "the start"), ANY_NUMBER, UNIT(0, 0, 1), "from which steps count"),
-    NUMBER("timeEnd", end, HUGE_VAL, ANY_NUMBER, UNIT(0, 0, 1), "to which steps count"),
+    NUMBER("timeStart", start, USUALLY(-HUGE_VAL, "the start"), ANY_TIME("timeStart 1;"), UNIT(0, 0, 1),
+           "from which steps count"),
+    NUMBER("timeEnd", end, HUGE_VAL, ANY_TIME("timeEnd 2;"), UNIT(0, 0, 1), "to which steps count"),
     SWITCH("weighted", weighs, true, "are U and T, which are per unit mass, weighted by rho?"),
     SWITCH("restartOnRestart", afresh, false, "does a restart begin the averages anew?"),
     SWITCH("restartOnOutput", output_afresh, false, "do they begin anew after each write?"),

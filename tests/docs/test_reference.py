@@ -309,7 +309,7 @@ class Programs(unittest.TestCase):
         """A dictionary of the examples of rows, in the dictionaries around it."""
         file, inside, when = place
         field = os.path.basename(file)
-        entries = " ".join(row.example.replace("timeEnd 1", "timeEnd 2") for row in rows if field == "U" or not row.meaning.startswith("of U "))
+        entries = " ".join(row.example for row in rows if field == "U" or not row.meaning.startswith("of U "))
         if field in DIMENSIONS:
             entries = re.sub(r"dimensions \[[^]]*\]", f"dimensions {DIMENSIONS[field]}", entries)
         if field == "U":
