@@ -16,3 +16,4 @@ haff.studies the studies behind the figures and reports of the papers
 from haff.case.case import Case, is_time, number
 from haff.case.foam import FoamFile, FormatError, read_bytes, read_field
 from haff.case.mesh import Mesh
+from haff.runs.compare import Comparison, compare

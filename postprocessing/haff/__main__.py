@@ -23,6 +23,7 @@ COMMANDS = {
     "faradayFigures": ("studies.faradayFigures", "gas and grains on a shaken plate side by side"),
     "clustering": ("studies.clustering", "gas and grains that cool in the same box"),
     "workPrecision": ("studies.workPrecision", "run time against error of every scheme, and of rhoCentralFoam"),
+    "compare": ("runs.compareCase", "two results beside each other: gas and grains, two grids, two codes"),
     "crossCheck": ("studies.crossCheck", "an elastic case beside rhoCentralFoam"),
     "marquinaStability": ("studies.marquinaStability", "stability of Marquina's flux on uniform gas"),
     "segregationPrecision": ("studies.segregationPrecision", "run time against error of granularSegregation"),
