@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -128,6 +129,10 @@ class Compared(unittest.TestCase):
     def test_table(self):
         found = haff.compare(self.box("a", (4, 3, 1), {"T": np.zeros(12)}), self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)}))
         self.assertEqual(float(found.table["L1"][0]), found.columns["L1"][0])
+        with unittest.mock.patch.dict(sys.modules, {"pandas": None}):  # as if it were not installed
+            self.assertIsInstance(found.table, np.ndarray)
+            self.assertEqual(found.table.dtype.names, tuple(found.columns))
+            self.assertEqual(found.table["field"].tolist(), ["T"])
         path = os.path.join(self.folder, "t.csv")
         found.write(path)
         with open(path) as f:
