@@ -1,21 +1,16 @@
 """Where the programs of haff and its source tree are."""
 import os
 import shutil
-import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
 
 
 def folder_of_programs():
-    """$HAFF_BIN; else the first of these that holds granularGas: build/bin of the source tree in which this package lies, bin of the prefix
-    that it was installed to (TOP is then PREFIX/share/haff), bin of this Python's prefix, the folders of PATH."""
+    """$HAFF_BIN; else build/bin of the source tree in which this package lies; else the folder of the granularGas in PATH."""
     if "HAFF_BIN" in os.environ:
         return os.environ["HAFF_BIN"]
     built = os.path.join(TOP, "build", "bin")
-    for folder in (built, os.path.abspath(os.path.join(TOP, "..", "..", "bin")), os.path.join(sys.prefix, "bin")):
-        if os.path.exists(os.path.join(folder, "granularGas")):
-            return folder
-    found = shutil.which("granularGas")
+    found = None if os.path.exists(os.path.join(built, "granularGas")) else shutil.which("granularGas")
     return os.path.dirname(found) if found else built
 
 
