@@ -14,6 +14,10 @@ haff.studies the studies behind the figures and reports of the papers
 `python3 -m haff -help` lists what can be called from the command line.
 """
 from haff.case.case import Case, is_time, number
+from haff.case.entries import EntryError
 from haff.case.foam import FoamFile, FormatError, read_bytes, read_field
 from haff.case.mesh import Mesh
 from haff.runs.compare import Comparison, compare
+from haff.runs.copies import ChangedCase
+from haff.runs.run import RunError, run
+from haff.runs.sweep import sweep
