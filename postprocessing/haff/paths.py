@@ -1,17 +1,27 @@
 """Where the programs of haff and its source tree are."""
 import os
 import shutil
+import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
 
 
 def folder_of_programs():
-    """$HAFF_BIN; else build/bin of the source tree in which this package lies; else the folder of the granularGas in PATH."""
+    """$HAFF_BIN; else build/bin of the source tree in which this package lies; else bin of the prefix in which it is installed,
+    or of Python's own; else the folder of the granularGas in PATH."""
     if "HAFF_BIN" in os.environ:
         return os.environ["HAFF_BIN"]
     built = os.path.join(TOP, "build", "bin")
-    found = None if os.path.exists(os.path.join(built, "granularGas")) else shutil.which("granularGas")
-    return os.path.dirname(found) if found else built
+    found = next((folder for folder in (built, *installed()) if os.path.exists(os.path.join(folder, "granularGas"))), None)
+    on_path = None if found else shutil.which("granularGas")
+    return found or (os.path.dirname(on_path) if on_path else built)
+
+
+def installed():
+    """bin of PREFIX, where this package lies in PREFIX/lib/haff/python or PREFIX/lib/pythonX.Y/site-packages."""
+    above = os.path.dirname(os.path.abspath(__file__))
+    prefixes = [above := os.path.dirname(above) for _ in range(4)][2:]
+    return [os.path.join(prefix, "bin") for prefix in (*prefixes, sys.prefix)]
 
 
 def program(name):

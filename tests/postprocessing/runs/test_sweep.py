@@ -10,7 +10,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
-from tests.cases.harness import dictionary, haff
+from tests.cases.harness import haff
 from tests.postprocessing.runs.test_run import PROPERTIES, gmsh, tube
 from haff.runs import sweepCase
 
