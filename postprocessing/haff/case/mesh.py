@@ -6,7 +6,7 @@ import re
 import numpy as np
 
 from haff.case import lattice
-from haff.case.foam import LIST, FoamFile, FormatError, text_numbers
+from haff.case.foam import FoamFile, FormatError, LIST, text_numbers
 
 CHUNK = 1 << 16  # faces whose geometry is in memory at once
 

@@ -9,7 +9,7 @@ Shocks satisfy the Rankine-Hugoniot conditions, rarefactions the Riemann invaria
 import numpy as np
 
 from haff import command
-from haff.exact.eos import GoldshteinShapiro, PerfectGas, isentrope
+from haff.exact.eos import GoldshteinShapiro, isentrope
 
 
 def bisect(function, low, high):

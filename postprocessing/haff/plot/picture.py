@@ -13,7 +13,7 @@ import numpy as np
 from haff.plot import quantity
 from haff.plot.maps import sections, shown_values
 from haff.plot.profiles import along_line, profiles, vector_part
-from haff.plot.quantity import GRAINS, CannotDraw
+from haff.plot.quantity import CannotDraw, GRAINS
 from haff.plot.views import cuts, draw_grains, read_grains, surface_alone
 from haff.plot.wish import chosen_times
 

@@ -7,9 +7,9 @@ from matplotlib.collections import EllipseCollection
 
 from haff.case import grains
 from haff.plot import figures, quantity, solid
-from haff.plot.canvas import FINE, Canvas, View
+from haff.plot.canvas import Canvas, FINE, View
 from haff.plot.maps import drawn_ratio, names_of_axes, outline, paint
-from haff.plot.quantity import GRAINS, CannotDraw
+from haff.plot.quantity import CannotDraw, GRAINS
 from haff.plot.scale import STRIP, Scale, arrange, bar, new, own_bar
 from haff.plot.space import Section
 from haff.plot.wish import chosen_times, title

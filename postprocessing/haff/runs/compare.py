@@ -15,6 +15,7 @@ import os
 import numpy as np
 
 from haff.case.case import Case
+from haff.case.tables import frame
 
 USUAL = ("alpha", "rho", "U", "T", "p")
 SAME_TIME = 1e-6  # relative: what is left of a time with six digits
@@ -76,18 +77,6 @@ class Comparison:
     def draw(self, path, fields=None, time=None):
         """The figure of a time (default the last). ValueError: a mesh in three dimensions that is no lattice has no plane to show here."""
         draw(self, path, fields or self.fields, time)
-
-
-def frame(columns):
-    """{name: array} as a pandas.DataFrame, or as a numpy structured array where there is no pandas."""
-    try:
-        import pandas
-    except ImportError:
-        found = np.empty(len(columns["time"]), [(name, a.dtype) for name, a in columns.items()])
-        for name, a in columns.items():
-            found[name] = a
-        return found
-    return pandas.DataFrame(columns)
 
 
 def labels(one, other):

@@ -18,6 +18,7 @@ import numpy as np
 
 from haff.case import entries
 from haff.case.case import Case
+from haff.case.tables import frame
 from haff.runs import copies
 from haff.runs.run import Children, RunError, Stopped, application, carry_out
 
@@ -166,18 +167,6 @@ def columns_of(points):
     found.update((name, column([p.measured.get(name) for p in points])) for name in names)
     return {**found, "state": column([p.state for p in points]), "seconds": column([round(p.seconds, 2) for p in points]),
             "folder": column([os.path.basename(p.folder) for p in points]), "error": column([p.error for p in points])}
-
-
-def frame(columns):
-    """{name: array} as a pandas.DataFrame, or as a numpy structured array where there is no pandas."""
-    try:
-        import pandas
-    except ImportError:
-        found = np.empty(len(next(iter(columns.values()))), [(name, a.dtype) for name, a in columns.items()])
-        for name, a in columns.items():
-            found[name] = a
-        return found
-    return pandas.DataFrame(columns)
 
 
 def write(path, columns):

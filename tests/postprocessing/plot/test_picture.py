@@ -13,8 +13,8 @@ from tests.cases.harness import haff
 from tests.postprocessing.plot import cases
 
 from haff.plot import figures, picture, quantity
-from haff.plot.wish import Wish
 from haff.plot.quantity import CannotDraw
+from haff.plot.wish import Wish
 
 GMSH = shutil.which("gmsh")
 

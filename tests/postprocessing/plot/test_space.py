@@ -9,7 +9,7 @@ from tests.cases import harness
 from tests.postprocessing.plot import cases
 
 from haff.plot import solid
-from haff.plot.canvas import FINE, Canvas, View
+from haff.plot.canvas import Canvas, FINE, View
 from haff.plot.quantity import CannotDraw
 
 GMSH = shutil.which("gmsh")

@@ -10,8 +10,7 @@ import unittest.mock
 import numpy as np
 
 from tests.cases.harness import BIN, SOURCE, boxes, haff
-from haff.runs import compare as module
-from haff.runs import triangles
+from haff.runs import compare as module, triangles
 
 
 class Compared(unittest.TestCase):
