@@ -1,12 +1,12 @@
 /* Makes surfaces and samples fields on them (functions_pieces.h). */
 #include "solvers/functions/functions_pieces.h"
 
+#include "mesh/grid/slices.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Points nearer to a plane than this part of the mesh's size lie on it. */
-static const double ON = 1e-10;
 /* A least squares matrix with a pivot below this part of its entries has no gradient along that axis. */
 static const double FLAT = 1e-10;
 
@@ -48,17 +48,6 @@ static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static double size_of_mesh(const struct polymesh *m) {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, size = 0;
-    for (int i = 0; i < m->npoints; i++)
-        for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], m->points[3 * (long)i + k]);
-            high[k] = fmax(high[k], m->points[3 * (long)i + k]);
-        }
-    for (int k = 0; k < 3; k++) size = fmax(size, high[k] - low[k]);
-    return size;
-}
-
 /* ---- a cut through a cell ---- */
 
 struct cut {
@@ -92,18 +81,14 @@ static void crossing_of(const struct making *m, int p, int q, double out[3]) {
     }
 }
 
-/* Adds the segments in which the plane crosses a face of a cell: each from where the outline of the face goes below the
- * plane to where it comes back. turn: +-1, as the outline goes around seen from the cell. */
+/* Adds the segments in which the plane crosses a face of a cell. turn: +-1, as the outline of the face goes around seen
+ * from the cell. */
 static void cut_face(const struct making *m, int face, double turn, const double origin[3], struct cut *c) {
-    const struct polymesh *mesh = m->f->setup->mesh;
-    const int *p = mesh->face_points + mesh->face_start[face], n = mesh->face_start[face + 1] - mesh->face_start[face];
+    struct slice_segment s;
     double down[3], up[3];
-    for (int i = 0; i < n; i++) {
-        if (!(m->above[p[i]] >= 0 && m->above[p[(i + 1) % n]] < 0)) continue;
-        int j = (i + 1) % n;
-        while (m->above[p[(j + 1) % n]] < 0) j = (j + 1) % n;
-        crossing_of(m, p[i], p[(i + 1) % n], down);
-        crossing_of(m, p[j], p[(j + 1) % n], up);
+    for (int at = 0; slice_face(m->f->setup->mesh, m->above, face, &at, &s);) {
+        crossing_of(m, s.down[0], s.down[1], down);
+        crossing_of(m, s.up[0], s.up[1], up);
         add_triangle(c, m->normal, origin, turn > 0 ? down : up, turn > 0 ? up : down);
         c->any = true;
     }
@@ -242,17 +227,12 @@ status surface_of_patches(const struct function *f, const struct patch_choice *c
 
 static status take_cells(struct making *m, const double point[3], const double normal[3]) {
     const struct polymesh *mesh = m->f->setup->mesh;
-    const double size = sqrt(dot(normal, normal)), on = ON * size_of_mesh(mesh);
+    const double size = sqrt(dot(normal, normal));
     for (int k = 0; k < 3; k++) {
         m->point[k] = point[k];
         m->normal[k] = normal[k] / size;
     }
-    TRY(allocate(&m->above, mesh->npoints, sizeof *m->above, "points"));
-    for (int i = 0; i < mesh->npoints; i++) {
-        double off = 0;
-        for (int k = 0; k < 3; k++) off += (mesh->points[3 * (long)i + k] - point[k]) * m->normal[k];
-        m->above[i] = fabs(off) < on ? 0 : off;
-    }
+    TRY(slice_distances(mesh, point, m->normal, &m->above));
     TRY(polymesh_cell_faces(mesh, &m->face_start, &m->face_of));
     for (int cell = 0; cell < mesh->ncells; cell++) TRY(cut_cell(m, cell));
     return find_picks(m);

@@ -83,14 +83,20 @@ struct spot {    /* a point and the cell that holds it */
 enum { MOST_SPOTS = 1000000 }; /* of one function object */
 struct spots {
     int n;
-    struct spot *at; /* [n] */
+    struct spot *at;          /* [n] */
+    struct spots_linear *fit; /* NULL: values are those of the cells that hold the spots */
 };
 /* Appends spots for n points. A point outside the mesh is an error unless allowed. Collective. */
 status spots_add(struct spots *s, const struct function *f, struct dict *d, const char *key, int n,
                  const double *points, bool allow_outside);
-/* Gathers a field's values at the spots on every rank: [spots][components], along physical axes; malloc'd.
+/* Lets spots_sample give values that are linear in the simplices of cells (mesh/grid/vicinity.h), when all spots are
+ * there. Collective. */
+status spots_interpolate(struct spots *s, const struct function *f);
+/* Gathers a field's values at the spots on the root: [spots][components], along physical axes; malloc'd on all ranks.
  * Collective. */
 status spots_sample(const struct spots *s, const struct function *f, int field, double **out);
 void spots_free(struct spots *s);
+extern const char *const spot_schemes[]; /* values of interpolationScheme: */
+enum { SPOT_CELL, SPOT_CELL_POINT };
 
 #endif

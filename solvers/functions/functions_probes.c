@@ -1,4 +1,4 @@
-/* Function object probes writes values of the cells that hold given points, one file per field with a row per time. */
+/* Function object probes writes values at given points, one file per field with a row per time. */
 #include "solvers/functions/functions_private.h"
 
 #include <stdlib.h>
@@ -6,16 +6,17 @@
 struct probes {
     struct spots spots;
     FILE *file[MAX_QUANTITIES]; /* [fields] on the root; opened by the first execution */
+    int scheme;                 /* SPOT_CELL .. */
     bool outside;               /* may points lie outside the mesh? */
 };
 
 #define PARAM_STRUCT struct probes
-static const char *const schemes[] = {"cell", NULL};
 static const struct param probes_param[] = {
     NOTED("probeLocations", "list of vectors", NULL, "the points", "probeLocations ((0.01 0.02 0));"),
     SWITCH("allowOutside", outside, false,
            "points outside the mesh give -1e300, as in OpenFOAM; else they are an error"),
-    ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),
+    CHOICE("interpolationScheme", scheme, SPOT_CELL, spot_schemes,
+           "values are those of the cell; or linear inside it, of second order, exact for linear fields"),
     IGNORED("fixedLocations", "for OpenFOAM: points stay where they are"),
 };
 
@@ -28,7 +29,8 @@ static status probes_make(struct function *f, struct dict *d) {
     TRY(params_read(d, f->type->param, f->type->nparam, p));
     TRY(dict_vectors(d, "probeLocations", &n, &points));
     if (n < 1) return dict_fail(d, "probeLocations", "it is empty; give ((x y z) ...)");
-    return spots_add(&p->spots, f, d, "probeLocations", n, points, p->outside);
+    TRY(spots_add(&p->spots, f, d, "probeLocations", n, points, p->outside));
+    return p->scheme == SPOT_CELL_POINT ? spots_interpolate(&p->spots, f) : OK;
 }
 
 static status probes_open(const struct function *f, int field) {
@@ -77,7 +79,7 @@ static void probes_free(void *own) {
 
 const struct function_type function_probes = {
     .name = "probes",
-    .about = "values of the cells that hold given points, one row per time",
+    .about = "values at given points, one row per time",
     FUNCTION_PARAMS(probes_param),
     .make = probes_make,
     .execute = probes_execute,

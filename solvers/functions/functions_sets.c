@@ -14,11 +14,11 @@ struct sets {
     struct spots spots; /* points of all lines */
     int nlines;
     struct line *line; /* [nlines] */
+    int scheme;        /* SPOT_CELL .. */
 };
 
 static const char *const axis_names[] = {"x", "y", "z", "distance", "xyz", NULL};
-static const char *const types[] = {"uniform", NULL}, *const formats[] = {"raw", NULL},
-                         *const schemes[] = {"cell", NULL};
+static const char *const types[] = {"uniform", NULL}, *const formats[] = {"raw", NULL};
 struct ends { /* what a line's dictionary says beside its axis */
     double start[3], end[3];
     int n;
@@ -35,9 +35,12 @@ static const struct param ends_param[] = {
     VECTOR("end", end, REQUIRED_AS("end (0.01 0.04 0);"), ANY_NUMBER, UNIT(0, 1, 0), "last point"),
     WHOLE("nPoints", n, REQUIRED_AS("nPoints 100;"), FROM_TO(2, MOST_SPOTS), "points; those off the mesh are left out"),
 };
+#undef PARAM_STRUCT
+#define PARAM_STRUCT struct sets
 static const struct param sets_param[] = {
     ONLY("setFormat", 0, formats, "columns of text"),
-    ONLY("interpolationScheme", 0, schemes, "values are those of the cell"),
+    CHOICE("interpolationScheme", scheme, SPOT_CELL, spot_schemes,
+           "values are those of the cell; or linear inside it, of second order, exact for linear fields"),
     NOTED("sets", "dictionary", NULL, "a dictionary for each line; its name, which is yours, is that of the file",
           "sets { upwards { type uniform; axis y; start (0.01 0 0); end (0.01 0.04 0); nPoints 100; } }"),
 };
@@ -88,7 +91,7 @@ static status sets_make(struct function *f, struct dict *d) {
         TRY(function_name(all, dict_key(all, i)));
         TRY(set_make(f, sets, dict_key(all, i), one));
     }
-    return OK;
+    return sets->scheme == SPOT_CELL_POINT ? spots_interpolate(&sets->spots, f) : OK;
 }
 
 static void print_place(FILE *file, const struct line *l, const struct spot *first, const struct spot *p) {

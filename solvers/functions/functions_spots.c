@@ -1,9 +1,14 @@
-/* Finds the cells that hold points, for function objects that sample there, and gathers fields at the points. */
+/* Finds the cells that hold points, for function objects that sample there, and gathers fields at the points: values of
+ * the cells, or linear in the simplices of cells, of second order beside walls, too (vicinity.h). */
 #include "solvers/functions/functions_private.h"
+
+#include "mesh/grid/vicinity.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+const char *const spot_schemes[] = {"cell", "cellPoint", NULL};
 
 static void bounding_box(const struct polymesh *m, double low[3], double high[3]) {
     for (int a = 0; a < 3; a++) {
@@ -45,12 +50,152 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
     return OK;
 }
 
-status spots_sample(const struct spots *s, const struct function *f, int field, double **out) {
-    const struct grid *grid = f->setup->grid;
-    int m = quantity_of(f, field)->components;
+/* ---- values that are linear in the simplices of cells ----
+ *
+ * The root finds the simplices and the cells whose values they need; every rank gives it those of its own. */
+
+struct pick { /* a cell of this rank whose value is wanted */
+    int block, cell, slot;
+};
+struct corner { /* of the simplex that holds a spot: spots[4], on the root */
+    long node;
+    double weight;
+};
+struct spots_linear {
+    int nslots, npicks;
+    int *cell;                 /* [nslots] of the mesh, ascending */
+    struct pick *pick;         /* [npicks] block by block */
+    double *slots;             /* [3 nslots] their values */
+    struct vicinity *vicinity; /* on the root, as what follows */
+    struct corner *corner;     /* [spots][4] */
+    double *value;             /* [ncells] of one component; only wanted cells have theirs */
+};
+
+/* Tells every rank the cell of the mesh that holds each spot; -1: it is outside. */
+static status find_cells(const struct spots *s, const struct setup *setup, double **out) {
+    TRY(allocate(out, s->n + 1L, sizeof **out, "points"));
+    for (int i = 0; i < s->n; i++) {
+        const struct spot *p = &s->at[i];
+        (*out)[i] = p->block < 0 ? -1 : setup->grid->block[p->block].cell[p->cell];
+    }
+    comm_max(setup->comm, *out, s->n);
+    return OK;
+}
+
+/* Finds the simplices of the spots and marks the cells that their corners need. */
+static status find_simplices(struct spots_linear *l, const struct spots *s, const struct setup *setup,
+                             const double *cell, bool *wanted) {
+    TRY(vicinity_make(setup->mesh, setup->centre, setup->dim, setup->axis, &l->vicinity));
+    TRY(allocate(&l->corner, 4L * s->n + 1, sizeof *l->corner, "points"));
+    TRY(allocate(&l->value, setup->mesh->ncells, sizeof *l->value, "samples"));
+    for (int i = 0; i < s->n; i++) {
+        long node[4];
+        double weight[4];
+        if (!s->at[i].inside) continue;
+        const int n = vicinity_locate(l->vicinity, (int)cell[i], s->at[i].x, node, weight);
+        for (int k = 0; k < n; k++) {
+            l->corner[4L * i + k] = (struct corner){node[k], weight[k]};
+            if (weight[k] != 0) vicinity_mark_node(l->vicinity, node[k], wanted);
+        }
+    }
+    return OK;
+}
+
+/* Numbers the wanted cells, and finds those of this rank. */
+static status find_picks(struct spots_linear *l, const struct setup *setup, const bool *wanted) {
+    const struct grid *g = setup->grid;
+    const int ncells = setup->mesh->ncells;
+    int *slot;
+    for (int c = 0; c < ncells; c++) l->nslots += wanted[c];
+    TRY(allocate(&l->cell, l->nslots + 1L, sizeof *l->cell, "samples"));
+    TRY(allocate(&l->pick, l->nslots + 1L, sizeof *l->pick, "samples"));
+    TRY(allocate(&l->slots, 3L * l->nslots + 1, sizeof *l->slots, "samples"));
+    TRY(allocate(&slot, ncells, sizeof *slot, "samples"));
+    for (int c = 0, n = 0; c < ncells; c++) {
+        slot[c] = n;
+        if (wanted[c]) l->cell[n++] = c;
+    }
+    for (int b = 0; b < g->nblocks; b++)
+        for (int i = 0; i < g->block[b].ncells; i++)
+            if (wanted[g->block[b].cell[i]]) l->pick[l->npicks++] = (struct pick){b, i, slot[g->block[b].cell[i]]};
+    free(slot);
+    return OK;
+}
+
+static status linear_make(const struct spots *s, const struct function *f, struct spots_linear **out) {
+    const struct setup *setup = f->setup;
+    bool *wanted = NULL;
+    double *cell = NULL;
+    struct spots_linear *l;
+    status e = allocate(out, 1, sizeof **out, "points");
+    if (!e) e = allocate(&wanted, setup->mesh->ncells, sizeof *wanted, "points");
+    e = comm_agree(setup->comm, e);
+    l = *out;
+    if (!e) e = comm_agree(setup->comm, find_cells(s, setup, &cell));
+    if (!e) e = comm_agree(setup->comm, comm_root(setup->comm) ? find_simplices(l, s, setup, cell, wanted) : OK);
+    if (!e) {
+        comm_broadcast(setup->comm, wanted, (long)sizeof *wanted * setup->mesh->ncells);
+        e = comm_agree(setup->comm, find_picks(l, setup, wanted));
+    }
+    free(wanted);
+    free(cell);
+    return e;
+}
+
+/* Gathers the values of the wanted cells on every rank, [slots][components]. */
+static void gather_slots(const struct spots_linear *l, const struct function *f, int field, int components) {
+    const struct setup *s = f->setup;
     double *lines[3];
-    TRY(allocate(out, (long)(s->n + 1) * m, sizeof(double), "samples"));
-    for (long i = 0; i < (long)s->n * m; i++) (*out)[i] = -HUGE_VAL;
+    for (long i = 0; i < (long)l->nslots * components; i++) l->slots[i] = -HUGE_VAL;
+    for (int i = 0, held = -1; i < l->npicks; i++) {
+        const struct pick *p = &l->pick[i];
+        double *to = l->slots + (long)p->slot * components;
+        if (p->block != held) function_block(f, held = p->block, field, lines);
+        for (int k = 0; k < components; k++) to[k] = components == 1 ? lines[0][p->cell] : 0;
+        for (int k = 0; components == 3 && k < s->components; k++) to[s->axis[k]] = lines[k][p->cell];
+    }
+    comm_max(s->comm, l->slots, l->nslots * components); /* one rank has each value, the others -infinity */
+}
+
+static status linear_sample(const struct spots *s, const struct function *f, int field, double *out) {
+    const struct spots_linear *l = s->fit;
+    const int components = quantity_of(f, field)->components;
+    gather_slots(l, f, field, components);
+    for (int k = 0; k < components && comm_root(f->setup->comm); k++) {
+        const struct vicinity_field values = {l->vicinity, l->value, 1, NULL, NULL};
+        for (long i = 0; i < l->nslots; i++) l->value[l->cell[i]] = l->slots[i * components + k];
+        for (int i = 0; i < s->n; i++) {
+            double sum = 0;
+            for (const struct corner *c = l->corner + 4L * i; c < l->corner + 4L * (i + 1); c++)
+                if (c->weight != 0) sum += c->weight * vicinity_at_node(&values, c->node);
+            out[(long)i * components + k] = sum;
+        }
+    }
+    return OK;
+}
+
+static void linear_free(struct spots_linear *l) {
+    if (!l) return;
+    vicinity_free(l->vicinity);
+    free(l->cell);
+    free(l->pick);
+    free(l->slots);
+    free(l->corner);
+    free(l->value);
+    free(l);
+}
+
+/* ---- both ---- */
+
+status spots_interpolate(struct spots *s, const struct function *f) {
+    return linear_make(s, f, &s->fit);
+}
+
+static void sample_cells(const struct spots *s, const struct function *f, int field, double *out) {
+    const struct grid *grid = f->setup->grid;
+    const int m = quantity_of(f, field)->components;
+    double *lines[3];
+    for (long i = 0; i < (long)s->n * m; i++) out[i] = -HUGE_VAL;
     for (int b = 0; b < grid->nblocks; b++) {
         bool wanted = false;
         for (int i = 0; i < s->n; i++) wanted |= s->at[i].block == b;
@@ -58,7 +203,7 @@ status spots_sample(const struct spots *s, const struct function *f, int field, 
         function_block(f, b, field, lines);
         for (int i = 0; i < s->n; i++) {
             if (s->at[i].block != b) continue;
-            double *to = *out + (long)i * m;
+            double *to = out + (long)i * m;
             if (m == 1)
                 *to = lines[0][s->at[i].cell];
             else
@@ -66,12 +211,22 @@ status spots_sample(const struct spots *s, const struct function *f, int field, 
             for (int k = 0; m == 3 && k < setup_lines(f->setup, field); k++) to[f->setup->axis[k]] = lines[k][s->at[i].cell];
         }
     }
-    comm_max(f->setup->comm, *out, s->n * m); /* one rank has each value, the others -infinity */
+    comm_max(f->setup->comm, out, s->n * m); /* one rank has each value, the others -infinity */
+}
+
+status spots_sample(const struct spots *s, const struct function *f, int field, double **out) {
+    const int m = quantity_of(f, field)->components;
+    TRY(allocate(out, (long)(s->n + 1) * m, sizeof(double), "samples"));
+    if (s->fit)
+        TRY(linear_sample(s, f, field, *out));
+    else
+        sample_cells(s, f, field, *out);
     for (int i = 0; i < s->n; i++)
         for (int c = 0; c < m && !s->at[i].inside; c++) (*out)[(long)i * m + c] = -1e300; /* as OpenFOAM does */
     return OK;
 }
 
 void spots_free(struct spots *s) {
+    linear_free(s->fit);
     free(s->at);
 }

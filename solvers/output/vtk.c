@@ -251,6 +251,26 @@ status vtk_write_points(const char *path, bool ascii, double t, long step, int n
     return sink_close(o.sink);
 }
 
+status vtk_write_polygons(const char *path, bool ascii, double t, long step, const struct vtk_polygons *p,
+                          bool in_polygons, int nfields, const struct vtk_field *fields) {
+    struct out o = {.ascii = ascii};
+    const long corners = p->n ? p->start[p->n] : 0, n = in_polygons ? p->n : p->npoints;
+    TRY(sink_open(path, false, &o.sink));
+    write_start(&o, "POLYDATA", t, step);
+    sink_printf(o.sink, "POINTS %d double\n", p->npoints);
+    put_doubles(&o, 3L * p->npoints, 3, p->x);
+    sink_printf(o.sink, "POLYGONS %d %ld\n", p->n, p->n + corners);
+    for (int i = 0; i < p->n; i++) {
+        put_int(&o, p->start[i + 1] - p->start[i], ' ');
+        for (int k = p->start[i]; k < p->start[i + 1]; k++)
+            put_int(&o, p->around[k], k + 1 < p->start[i + 1] ? ' ' : '\n');
+    }
+    flush(&o);
+    sink_printf(o.sink, "\n%s %ld\nFIELD attributes %d\n", in_polygons ? "CELL_DATA" : "POINT_DATA", n, nfields);
+    write_fields(&o, n, nfields, fields);
+    return sink_close(o.sink);
+}
+
 struct entry {
     char name[256];
     double t;

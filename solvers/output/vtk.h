@@ -22,6 +22,15 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
 status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
                         const struct vtk_field *fields);
 
+struct vtk_polygons {
+    int npoints, n;
+    const double *x;           /* [npoints][3] m */
+    const int *start, *around; /* [n + 1] into around; points of each polygon. start may be NULL for n = 0 */
+};
+/* Writes POLYDATA of polygons, with fields at their points or, if `in_polygons`, in them. */
+status vtk_write_polygons(const char *path, bool ascii, double t, long step, const struct vtk_polygons *p,
+                          bool in_polygons, int nfields, const struct vtk_field *fields);
+
 /* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk whose time is at most `latest`, ascending: files left by
  * an earlier run that went further stay out. */
 status vtk_series_write(const char *folder, const char *name, double latest);

@@ -28,6 +28,7 @@ TABLES = {
     "solvers/functions/functions_patches.c": {"key"},
     "solvers/functions/functions_phase.c": {"key"},
     "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
+    "solvers/functions/functions_surfaces.c": {"dict_key(all, i)"},
     "solvers/case/varying.c": {"v->key", "key", "motion"},
     "solvers/gas/gas_medium.c": {"names[polyhedral]", "names[!polyhedral]"},  # reconstruct, polyReconstruct
     "solvers/functions/functions_means.c": {"key"},

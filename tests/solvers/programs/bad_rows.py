@@ -49,6 +49,8 @@ MESH = "constant/polyMesh/"
 
 
 COEFFICIENTS = "forceCoeffs; patches (xHigh); CofR (0 0 0); magUInf 1; rhoInf 1; lRef 1; Aref 1; "
+CUT = "surfaces; fields (p); surfaces { a { type cuttingPlane; planeType pointAndNormal; pointAndNormalDict { %s } } }"
+LEVEL = "surfaces; fields (p); surfaces { a { type isoSurface; isoField %s; isoValue %s; } }"
 SURFACE = "surfaceFieldValue; regionType patch; name xHigh; "
 
 
@@ -275,6 +277,17 @@ DICTIONARIES = [
     Row("an object that is not there", function("writeObjects; objects (vorticty);"), "'vorticty'", "did you mean 'vorticity'?"),
     Row("objects at times of their own", function("writeObjects; objects (Ma); writeControl timeStep;"), "'writeControl'", "leave it out"),
     Row("objects that another writes", function("writeObjects; objects (Ma); } g { type writeObjects; fields (c Ma);"), "'f' writes Ma already"),
+    Row("a plane of surfaces beside the mesh", function(CUT % "point (9 0 0); normal (1 0 0);"), "'point'", "does not cut the mesh"),
+    Row("a plane of surfaces without direction", function(CUT % "point (0 0 0); normal (0 0 0);"), "'normal'", "has a length"),
+    Row("unknown key in a plane of surfaces", function(CUT % "point (0.1 0 0); normal (1 0 0); basePoint (0 0 0);"), "'basePoint' is not used"),
+    Row("a surface of no known type", function(LEVEL.replace("isoSurface", "isoSurfce") % ("p", 1)), "isoSurfce", "did you mean 'isoSurface'?"),
+    Row("an isosurface of a field that is not there", function(LEVEL % ("alpa", 1)), "'alpa'", "did you mean 'alpha'?"),
+    Row("an isosurface of a vector", function(LEVEL % ("U", 1)), "'isoField'", "scalar field"),
+    Row("an isosurface of a word", function(LEVEL % ("p", "low")), "'isoValue'", "expected a number"),
+    Row("surfaces without any", function("surfaces; fields (p); surfaces { }"), "'surfaces'", "it is empty"),
+    Row("a surface that leads out of the case", function((LEVEL % ("p", 1)).replace("{ a {", '{ "../a" {')), "'../a'", "below postProcessing/"),
+    Row("a scheme of sets that is not there", function("sets; fields (p); interpolationScheme cellPoin; sets { a { type uniform; axis x; "
+                                                      "start (0 0 0); end (1 0 0); nPoints 3; } }"), "cellPoin", "did you mean 'cellPoint'?"),
     Row("a function object that leads out of the case", (CONTROL, "    vtk {", "    ../../vtk {"), "'../../vtk'",
         "below postProcessing/"),
     Row("a line that leads out of the case", (CONTROL, "            a\n", "            ../../../a\n"), "'../../../a'",
