@@ -202,7 +202,9 @@ class Options(unittest.TestCase):
 
 # Names of the user's own, in the made dictionaries.
 # What a function object says around a dictionary in it.
-AROUND = {"LINE": "type sets;", "fields/FIELD": "type fieldAverage;", "sampledSurfaceDict": "type surfaceFieldValue; regionType sampledSurface; operation sum;"}
+PLANE = "planeType pointAndNormal; pointAndNormalDict { point (0.01 0.01 0.01); normal (1 0 0); }"
+AROUND = {"LINE": "type sets;", "SURFACE": "type surfaces;", "fields/FIELD": "type fieldAverage;",
+          "sampledSurfaceDict": "type surfaceFieldValue; regionType sampledSurface; operation sum;"}
 NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
 # What a dictionary made of the examples of its rows needs besides: its own examples need it, or do not go together.
 BESIDES = {
@@ -319,6 +321,7 @@ class Programs(unittest.TestCase):
             entries = re.sub(r'expression (".*?")', r'expression (\1 "0" "0")', entries)
         if program != "granularGas":
             entries = entries.replace("application granularGas", f"application {program}").replace("(alpha)", f"({FIELD[program]})")
+            entries = entries.replace("isoField alpha", f"isoField {FIELD[program]}")
         if program == "granularMD":
             entries = re.sub(r"table \(.*?\)\);", "2;", entries)
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
@@ -331,6 +334,10 @@ class Programs(unittest.TestCase):
                 part = "left"  # one of the two that are cyclic
             elif part == "PATCH" and field in DIMENSIONS and not when:
                 part = "front"  # one that is empty
+            if part == "SURFACE" and inside.endswith("pointAndNormalDict"):
+                entries = f"type cuttingPlane; planeType pointAndNormal; {entries}"
+            elif part == "SURFACE" and not when:
+                entries += PLANE
             entries = f"{FIELD[program] if part == 'FIELD' else NAMES.get(part, part)} {{ {entries} }}"
             if part.endswith("Coeffs") and part != inside:  # beside the word that it belongs to
                 entries = f"type {part.removesuffix('Coeffs')}; {entries}"
