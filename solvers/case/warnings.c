@@ -13,6 +13,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_NARROW] = "narrowCell",      [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",
     [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
+    [WARN_PICTURE] = "noPicture",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -28,6 +29,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_LONG_STEP] = "deltaT is longer than the time scheme allows",
     [WARN_COLLAPSE] = "grains hit each other too slowly to part again: inelastic collapse",
     [WARN_FRICTION] = "dense gas is slow, where real grains would hold each other",
+    [WARN_PICTURE] = "a picture of function object image could not be made",
 };
 
 status warn(struct warnings *w, enum warning id, const char *format, ...) {

@@ -20,6 +20,7 @@ enum warning {
     WARN_LONG_STEP,
     WARN_COLLAPSE,
     WARN_FRICTION,
+    WARN_PICTURE,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];

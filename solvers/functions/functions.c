@@ -13,11 +13,11 @@ struct functions {
 /* Every type of function object: its own file exports its row. */
 extern const struct function_type function_probes, function_sets, function_extremes, function_integral, function_vtk,
     function_budget, function_phases, function_average, function_forces, function_coefficients, function_surface_value,
-    function_objects, function_surfaces;
+    function_objects, function_surfaces, function_image;
 static const struct function_type *const function_table[] = {
     &function_probes,        &function_sets,    &function_extremes, &function_integral, &function_vtk,
     &function_budget,        &function_phases,  &function_average,  &function_forces,   &function_coefficients,
-    &function_surface_value, &function_objects, &function_surfaces,
+    &function_surface_value, &function_objects, &function_surfaces, &function_image,
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 

@@ -13,7 +13,7 @@ struct objects {
 
 static const struct param objects_param[] = {
     NOTED("objects", "list of words: as fields", "required, or fields", "fields that it writes into the time folders",
-          "objects (Ma vorticity);"),
+          "objects (U);"),
     IGNORED("writeOption", "for OpenFOAM: fields are written with the others"),
 };
 
@@ -44,7 +44,8 @@ static status objects_make(struct function *f, struct dict *d) {
         return dict_fail(d, "writeControl", "its fields stand in the time folders of the others: leave it out");
     if (dict_has(d, "objects") && dict_has(d, "fields"))
         return dict_fail(d, "fields", "that is another word for `objects`, which is there, too");
-    if (!dict_has(d, key)) return dict_missing(d, "objects", "the fields that it writes: objects (Ma vorticity);");
+    if (!dict_has(d, "objects") && !dict_has(d, "fields"))
+        return dict_missing(d, "objects", "the fields that it writes: objects (Ma vorticity);");
     TRY(function_fields(f, d, key));
     return check_others(f, d, key);
 }

@@ -327,7 +327,7 @@ class Programs(unittest.TestCase):
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
-                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage") or "/fields/" in inside else f"fields ({FIELD[program]});"
+                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside else f"fields ({FIELD[program]});"
                 type_ = next((text for key, text in AROUND.items() if key in inside), "")
                 entries = f"{type_} {fields} {entries}"
             if part == "PATCH" and inside.startswith("patches"):

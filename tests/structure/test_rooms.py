@@ -52,7 +52,8 @@ LIBRARIES = {
     r"petsc": ["libcore/gas/implicit_petsc.c"],
     r"lapacke?\.h": ["libcore/segregation/segregation.c"],
     r"dlfcn\.h": ["solvers/gas/linear.c"],
-    r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/output/vtk.c"],
+    r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
+                           "solvers/output/vtk.c"],
     r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c"],
 }
 

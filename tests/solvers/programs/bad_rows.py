@@ -288,6 +288,12 @@ DICTIONARIES = [
     Row("a surface that leads out of the case", function((LEVEL % ("p", 1)).replace("{ a {", '{ "../a" {')), "'../a'", "below postProcessing/"),
     Row("a scheme of sets that is not there", function("sets; fields (p); interpolationScheme cellPoin; sets { a { type uniform; axis x; "
                                                       "start (0 0 0); end (1 0 0); nPoints 3; } }"), "cellPoin", "did you mean 'cellPoint'?"),
+    Row("a picture of no field", function("image; fields (alpa);"), "alpa", "did you mean 'alpha'?"),
+    Row("a picture with a path", function("image; fields (../U);"), "'../U' is no name of a field"),
+    Row("a picture twice", function("image; fields (U U);"), "'U' is listed twice"),
+    Row("pictures of one file", function("image; fields (U); options (-log -o x.png);"), "-o", "a file of its own"),
+    Row("pictures at times of their own", function("image; fields (U); writeControl timeStep;"), "'writeControl'", "leave it out"),
+    Row("pictures of an unknown format", function("image; fields (U); format jpg;"), "jpg", "allowed are: png"),
     Row("a function object that leads out of the case", (CONTROL, "    vtk {", "    ../../vtk {"), "'../../vtk'",
         "below postProcessing/"),
     Row("a line that leads out of the case", (CONTROL, "            a\n", "            ../../../a\n"), "'../../../a'",

@@ -1,0 +1,152 @@
+"""Function object image: the pictures of haffPlot at each written time, without a say in the run."""
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import time
+import unittest
+
+from tests.cases import harness, runs
+
+CONTROL = "system/controlDict"
+IMAGE = "functions {{ pictures {{ type image; fields ({}); {} }} }}\n"
+# Stands in for haffPlot: notes its words, open files and variables, and whether the time is there before and after it was slow.
+STAND_IN = r"""#!/bin/sh
+there=no; test -s "$1/$4/U" && there=yes
+cat > "$6"
+for word; do echo "word $word" >> "$6"; done
+ls -l /proc/$$/fd >> "$6"
+env | grep -c '^OMPI_\|^PMIX_' >> "$6"
+sleep {}
+test -s "$1/$4/U" || there=gone
+echo "there $there" >> "$6"
+"""
+
+
+DRAWS = importlib.util.find_spec("haff.plot.plotCase") is not None
+
+
+class Image(harness.Folder, unittest.TestCase):
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def case(self, name, fields="U T", more="", **options):
+        path = runs.make(self.path(name), (12, 10, 1), 0.002, **{"interval": 0.001, **options})
+        runs.add(path, CONTROL, IMAGE.format(fields, more) + "acceptWarnings (fewGrains rarefied);\n")
+        return path
+
+    def pictures(self, path):
+        folder = os.path.join(path, "postProcessing", "pictures")
+        return sorted(os.listdir(folder)) if os.path.isdir(folder) else []
+
+    def alone(self, name, stand_in=None):
+        """granularGas in a folder of its own, with another haffPlot beside it, or with none."""
+        folder = self.path(name)
+        os.makedirs(folder)
+        program = shutil.copy(os.path.join(harness.BIN, "granularGas"), folder)
+        if stand_in:
+            with open(os.path.join(folder, "haffPlot"), "w") as f:
+                f.write(stand_in)
+            os.chmod(f.name, 0o755)
+        return program
+
+    def run_with(self, program, *arguments, code=0, ranks=1):
+        start = [os.path.join(harness.BIN, "mpirun"), "-np", str(ranks)] if ranks > 1 else []
+        done = subprocess.run([*start, program, *arguments], capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout
+
+    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
+    def test_pictures(self):
+        """Those of the command, byte by byte, of each time, in a case with blanks in its name; the state is that without them."""
+        bare = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.001)
+        harness.program("granularGas", "-case", bare)
+        for ranks in (1, 2):
+            path = self.case(f"with blanks' {ranks}", "U.x alpha Ma", "options (-size 400x300 -contours 3); } more { type writeObjects; objects (Ma);")
+            said = harness.program("granularGas", "-case", path, ranks=ranks).stdout
+            self.assertNotIn("noPicture", said)
+            self.assertEqual(self.pictures(path), sorted(["0.U.x.png", *(f"{t}.{f}.png" for t in runs.times(path)[1:] for f in ("U.x", "alpha", "Ma"))]))
+            for field in ("U.x", "alpha"):
+                own = self.path("own.png")
+                harness.program("haffPlot", path, field, "-time", "0.001", "-size", "400x300", "-contours", "3", "-o", own)
+                with open(own, "rb") as one, open(os.path.join(path, "postProcessing", "pictures", f"0.001.{field}.png"), "rb") as other:
+                    self.assertEqual(one.read(), other.read(), field)
+            self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["pictures", "run"])
+            for at in runs.times(bare)[1:]:
+                one, other = (runs.contents(os.path.join(c, at), ("provenance", "checksums", "Ma")) for c in (bare, path))
+                runs.same(self, one, other, at)
+
+    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
+    def test_formats(self):
+        path = self.case("pdf", "U", "format pdf;", interval=0.002)
+        harness.program("granularGas", "-case", path)
+        self.assertEqual(self.pictures(path), ["0.002.U.pdf", "0.U.pdf"])
+        with open(os.path.join(path, "postProcessing", "pictures", "0.U.pdf"), "rb") as f:
+            self.assertEqual(f.read(5), b"%PDF-")
+
+    def test_missing(self):
+        """One warning with the line and the path, before the run starts, on any ranks."""
+        program = self.alone("lonely")
+        for ranks in (1, 2):
+            path = self.case(f"missing{ranks}")
+            said = self.run_with(program, "-case", path, ranks=ranks)
+            self.assertEqual(said.count("[noPicture]"), 1)
+            self.assertRegex(said, rf"warning: .*{CONTROL}:\d+: 'pictures' draws nothing: .*lonely/haffPlot is not there")
+            self.assertRegex(said, r"\d warnings?: .*noPicture\n")
+            self.assertEqual(self.pictures(path), [])
+            self.assertEqual(runs.times(path)[-1], "0.002")
+
+    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
+    def test_failing(self):
+        """One warning with the reason, of all fields and times; -strict, too, lets the run go on."""
+        for name, arguments, ranks in (("plain", (), 1), ("ranks", (), 2), ("strict", ("-strict",), 1)):
+            path = self.case("failing" + name, more="options (-slice q=3);")
+            said = harness.program("granularGas", "-case", path, *arguments, ranks=ranks).stdout
+            self.assertEqual(said.count("[noPicture]"), 1)
+            self.assertRegex(said, r"'pictures' could not draw all its pictures, the run goes on: .*-slice q=3")
+            self.assertEqual(runs.times(path)[-1], "0.002")
+            self.assertEqual(self.pictures(path), [])
+
+    def test_stand_in(self):
+        """What the command gets: its words, no input, no file of the run, no word of MPI; and the time stays until it is done, though
+        purgeWrite removes it."""
+        program = self.alone("stand in", STAND_IN.format(0.3))
+        path = self.case("words", "U", "options (-log);", interval=0.0005, purge=1)
+        self.run_with(program, "-case", path, ranks=2)
+        found = self.pictures(path)
+        self.assertEqual(len(found), 5)
+        for name in found:
+            file = os.path.join(path, "postProcessing", "pictures", name)
+            at = name.removesuffix(".U.png")
+            with open(file) as f:
+                lines = f.read().splitlines()
+            words = [line[5:] for line in lines if line.startswith("word ")]
+            self.assertEqual(words, [path, "U", "-time", at, "-o", file, "-log"])
+            files = dict(re.search(r"(\d+) -> (.*)", line).groups() for line in lines if " -> " in line)
+            own = os.path.join(os.path.dirname(program), "haffPlot")  # the shell reads that, and may hold copies of 1 and 2
+            self.assertEqual({"/dev/null", files["2"]}, {target for target in files.values() if target not in (own, file)})
+            self.assertEqual((files["0"], files["2"][:5]), ("/dev/null", "pipe:"))
+            self.assertEqual(lines[-2:], ["0", "there yes"])
+
+    def test_run_does_not_wait(self):
+        """All steps are logged while the picture of the start is being drawn."""
+        program = self.alone("slow", STAND_IN.format(3))
+        path = self.case("slowly", "U", interval=0.002)
+        run = subprocess.Popen([program, "-case", path], stdout=subprocess.PIPE, text=True)
+        first = os.path.join(path, "postProcessing", "pictures", "0.U.png")
+        for line in run.stdout:
+            if line.startswith("Time = 0.002 "):
+                break
+        while not os.path.exists(first) and run.poll() is None:  # the shell starts
+            time.sleep(0.01)
+        with open(first) as f:
+            self.assertNotIn("there", f.read())
+        run.stdout.read()
+        self.assertEqual(run.wait(), 0)
+        with open(first) as f:
+            self.assertIn("there yes", f.read())
+
+
+if __name__ == "__main__":
+    unittest.main()
