@@ -258,7 +258,8 @@ static status gather_slots(const struct surface *s, const struct function *f, in
         double *to = *out + (long)p->slot * components;
         if (p->block != held) function_block(f, held = p->block, quantity, lines);
         for (int k = 0; k < components; k++) to[k] = components == 1 ? lines[0][p->cell] : 0;
-        for (int k = 0; components == 3 && k < setup_lines(setup, quantity); k++) to[setup->axis[k]] = lines[k][p->cell];
+        for (int k = 0; components == 3 && k < setup_lines(setup, quantity); k++)
+            to[setup->axis[k]] = lines[k][p->cell];
     }
     comm_max(setup->comm, *out, s->nslots * components);
     return OK;

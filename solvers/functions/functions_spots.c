@@ -152,7 +152,7 @@ static void gather_slots(const struct spots_linear *l, const struct function *f,
         double *to = l->slots + (long)p->slot * components;
         if (p->block != held) function_block(f, held = p->block, field, lines);
         for (int k = 0; k < components; k++) to[k] = components == 1 ? lines[0][p->cell] : 0;
-        for (int k = 0; components == 3 && k < s->components; k++) to[s->axis[k]] = lines[k][p->cell];
+        for (int k = 0; components == 3 && k < setup_lines(s, field); k++) to[s->axis[k]] = lines[k][p->cell];
     }
     comm_max(s->comm, l->slots, l->nslots * components); /* one rank has each value, the others -infinity */
 }
@@ -208,7 +208,8 @@ static void sample_cells(const struct spots *s, const struct function *f, int fi
                 *to = lines[0][s->at[i].cell];
             else
                 for (int x = 0; x < 3; x++) to[x] = 0;
-            for (int k = 0; m == 3 && k < setup_lines(f->setup, field); k++) to[f->setup->axis[k]] = lines[k][s->at[i].cell];
+            for (int k = 0; m == 3 && k < setup_lines(f->setup, field); k++)
+                to[f->setup->axis[k]] = lines[k][s->at[i].cell];
         }
     }
     comm_max(f->setup->comm, out, s->n * m); /* one rank has each value, the others -infinity */

@@ -103,7 +103,7 @@ static status read_plane(const struct function *f, struct one *one, struct dict 
     return above && below ? OK : dict_fail(sub, "point", "the plane through it does not cut the mesh");
 }
 
-static status read_level(const struct function *f, struct one *one, struct dict *d) {
+static status read_level(struct function *f, struct one *one, struct dict *d) {
     const char *word;
     TRY(params_read(d, level_param, COUNT(level_param), one));
     TRY(dict_word(d, "isoField", &word));
@@ -111,7 +111,7 @@ static status read_level(const struct function *f, struct one *one, struct dict 
     return quantity_of(f, one->field)->components == 1 ? OK : dict_fail(d, "isoField", "it has to be a scalar field");
 }
 
-static status read_one(const struct function *f, struct surfaces *s, const char *name, struct dict *d) {
+static status read_one(struct function *f, struct surfaces *s, const char *name, struct dict *d) {
     struct one *one = &s->one[s->n++];
     snprintf(one->name, sizeof one->name, "%s", name);
     TRY(params_read(d, one_param, COUNT(one_param), one));

@@ -9,7 +9,7 @@ import unittest
 
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 LAYERS = ("mesh", "libcore", "solvers")
-MOST_FILES = 22  # of a room
+MOST_FILES = 24  # of a room
 MOST_LINES = 700  # of a file
 LONGEST = 45  # lines of a function: a screen
 

@@ -1,5 +1,4 @@
 """Function object image: the pictures of haffPlot at each written time, without a say in the run."""
-import importlib.util
 import os
 import re
 import shutil
@@ -22,9 +21,6 @@ sleep {}
 test -s "$1/$4/U" || there=gone
 echo "there $there" >> "$6"
 """
-
-
-DRAWS = importlib.util.find_spec("haff.plot.plotCase") is not None
 
 
 class Image(harness.Folder, unittest.TestCase):
@@ -57,7 +53,6 @@ class Image(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout
 
-    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
     def test_pictures(self):
         """Those of the command, byte by byte, of each time, in a case with blanks in its name; the state is that without them."""
         bare = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.001)
@@ -77,7 +72,6 @@ class Image(harness.Folder, unittest.TestCase):
                 one, other = (runs.contents(os.path.join(c, at), ("provenance", "checksums", "Ma")) for c in (bare, path))
                 runs.same(self, one, other, at)
 
-    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
     def test_formats(self):
         path = self.case("pdf", "U", "format pdf;", interval=0.002)
         harness.program("granularGas", "-case", path)
@@ -97,7 +91,6 @@ class Image(harness.Folder, unittest.TestCase):
             self.assertEqual(self.pictures(path), [])
             self.assertEqual(runs.times(path)[-1], "0.002")
 
-    @unittest.skipUnless(DRAWS, "the package has no haffPlot")
     def test_failing(self):
         """One warning with the reason, of all fields and times; -strict, too, lets the run go on."""
         for name, arguments, ranks in (("plain", (), 1), ("ranks", (), 2), ("strict", ("-strict",), 1)):
