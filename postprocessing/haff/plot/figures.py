@@ -8,13 +8,15 @@ A case says in system/units what its numbers are measured in (length cm; mass g;
 everywhere in OpenFOAM. A copy of a case that lies inside its folder has the units of that case.
 """
 import os
-import re
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+
+from haff.case.units import SI  # noqa: E402
+from haff.case.units import read as units  # noqa: E402, F401
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333"]  # Okabe & Ito: told apart by all
 FORMATS = ("png", "pdf", "svg")
@@ -36,7 +38,6 @@ NAMES = {  # name of a field: what it is, its symbol, its colours
     "limited": ("limited faces", "limited", "magma"),
 }
 SIGNED = "RdBu_r"  # for values of both signs
-SI = {"mass": "kg", "length": "m", "time": "s"}
 PAPER = {"mass": "", "length": "cm", "time": "s"}
 DIMENSIONS = {"x": (0, 1, 0), "y": (0, 1, 0), "z": (0, 1, 0), "t": (0, 0, 1), "rho": (1, -3, 0), "alpha": (0, 0, 0), "T": (0, 2, -2),
               "p": (1, -1, -2), "U": (0, 1, -1), "rhoU": (1, -2, -1), "rhoE": (1, -1, -2), "c": (0, 1, -1), "Ma": (0, 0, 0), "phi": (0, 0, 0)}
@@ -68,21 +69,6 @@ plt.rcParams.update({
 
 
 # ---- units and names ----
-
-def units(path):
-    """{"mass", "length", "time"}: texts, of system/units of the case or of the case around its folder; kg, m, s without."""
-    for folder in (path, os.path.dirname(os.path.abspath(path))):
-        file = os.path.join(folder, "system", "units")
-        if os.path.isfile(file):
-            with open(file) as f:
-                text = re.sub(r"FoamFile\s*\{.*?\}|//[^\n]*|/\*.*?\*/", " ", f.read(), flags=re.S)
-            found = {k: v.strip().strip('"') for k, v in re.findall(r"(\w+)\s+(\"[^\"]*\"|[^;]*);", text)}
-            wrong = sorted(found.keys() - SI.keys())
-            if wrong:
-                raise ValueError(f"{file}: {wrong[0]} is none of mass, length, time")
-            return {**SI, **found}
-    return SI
-
 
 def unit(dimensions, of=SI):
     """The unit of a quantity with exponents of mass, length and time, as "cm$^2$ s$^{-2}$"; empty where it has none, and where the
