@@ -59,7 +59,7 @@ def summary(story, width=80):
                      + (f", about {duration(left)} left" if running and not story.ended and np.isfinite(left) else ""))
     if np.isfinite(story.computed):
         lines.append(f"  cells   {100 * story.computed:.3g} % of the updates were computed, the rest was uniform")
-    lines.append("  limits  " + ", ".join(f"{name} {100 * count / len(story.limiters):.0f} %" for name, count in limits_of(story)))
+    lines.append("  limits  of the steps in the log: " + ", ".join(f"{name} {100 * count / len(story.limiters):.0f} %" for name, count in limits_of(story)))
     lines += plots(story, width)
     return [line[:width] for line in lines]
 
