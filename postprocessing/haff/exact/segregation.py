@@ -2,7 +2,6 @@
 
     haff segregation > tests/oracles/gray_chugunov_exact.csv
 """
-import math
 
 import numpy as np
 
@@ -53,19 +52,6 @@ def gray_thornton_uniform(y, t, L, phi0, f=-1.0):
     if low >= high:
         low = high = -L + 2 * L * phi0
     return np.where(y < low, 1.0, np.where(y > high, 0.0, phi0))
-
-
-def gray_thornton_layers(y, t, L, f=-1.0):
-    """D = 0, f < 0, phi = 1 above y = 0 and 0 below: a fan (1 + y/(|f| t))/2 up to the walls, which it reaches at
-    L/|f|; then shocks at -+(2 sqrt(L |f| t) - |f| t) with 1 below and 0 above; they meet at 4L/|f|."""
-    y, time = np.asarray(y, float), abs(f) * t
-    if time == 0:
-        return np.where(y > 0, 1.0, 0.0)
-    fan = np.clip((1 + y / time) / 2, 0, 1)
-    if time <= L:
-        return fan
-    shock = max(0.0, 2 * math.sqrt(L * time) - time)
-    return np.where(y < -shock, 1.0, np.where(y > shock, 0.0, fan))
 
 
 def chute_height(phi0, percolation):

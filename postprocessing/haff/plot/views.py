@@ -140,6 +140,14 @@ def room_of(figure, ax, wish):
     return max(int(box.width * factor), 200), max(int(box.height * factor), 200)
 
 
+def draw_solid(figure, axes, space, q, scale, wish):
+    """The surface or the cloud of a field, with the edges of its box named."""
+    canvas, _ = solid_image(space, q, scale, wish, room_of(figure, axes, wish))
+    show(axes, canvas)
+    name_edges(axes, canvas, space.low, space.high, q.units)
+    margins(axes, canvas)
+
+
 def surface_alone(space, wish):
     """The surface or the cloud of one field."""
     case = space.case
@@ -153,10 +161,7 @@ def surface_alone(space, wish):
     figure.suptitle(title(case, time), fontsize=9)
     value = None if wish.volume else wish.iso if wish.iso is not None else parting_value(scale, q.values)
     bar(figure, ax, scale, q.label, mark=value, shrink=0.75)
-    canvas, value = solid_image(space, q, scale, wish, room_of(figure, ax, wish))
-    show(ax, canvas)
-    name_edges(ax, canvas, space.low, space.high, q.units)
-    margins(ax, canvas)
+    draw_solid(figure, ax, space, q, scale, wish)
     return figure
 
 
@@ -194,10 +199,7 @@ def cuts(space, wish):
     value = wish.iso if wish.iso is not None else parting_value(scale, q.values)
     last.set_title(f"{q.symbol} = {value:.3g}", fontsize=9, loc="left")
     bar(figure, axes, scale, q.label, mark=value, aspect=35)
-    canvas, value = solid_image(space, q, scale, wish, room_of(figure, last, wish))
-    show(last, canvas)
-    name_edges(last, canvas, space.low, space.high, q.units)
-    margins(last, canvas)
+    draw_solid(figure, last, space, q, scale, wish)
     return figure
 
 
