@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a lattice that is one full box by hand, for tests and benchmarks of the layers above the mesh. */
 #ifndef TESTS_BOX_H
 #define TESTS_BOX_H

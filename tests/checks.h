@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks of statuses, and cmocka with the headers it needs. Include this file last: cmocka's macro `fail` hides
  * ours. */
 #ifndef TESTS_CHECKS_H

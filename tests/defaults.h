@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Parameters of models without a dictionary: the defaults of their tables, and one value by its name. */
 #ifndef TESTS_DEFAULTS_H
 #define TESTS_DEFAULTS_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs one module of unittest for CTest, and tells it of a module all of whose tests were skipped.
 
     /usr/bin/python3 -m tests.run tests/cases/gas/test_wall.py [CLASS[.TEST] ..]

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes meshes of a box with perturbed points: quads, triangles, hexes, tets. They serve tests and benchmarks of code
  * for polyhedral meshes. */
 #ifndef TESTS_SIMPLICES_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The inelastic blasts: the lower row of Fig. 3 and Fig. 4 of Serna & Marquina."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volume fraction, temperature and acoustic impedance at the end: Fig. 5 of Serna & Marquina."""
 import numpy as np
 

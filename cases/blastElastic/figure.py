@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The elastic blast and the exact solution: the upper row of Fig. 3 of Serna & Marquina."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing, velocity and temperature over the height at three phases of the last cycle (Fig. 5 of Shakeri et al.): the gas, and the
 grains of ../bouncingBedMD (its profiles.csv); prints how far apart the two are, and how far with the gas raised."""
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing, velocity and the components of T over the height at three phases, means over the cycles from the fourth on; prints
 the centres of mass and how they scatter from cycle to cycle. Beside the gas: ../bouncingBed."""
 import sys

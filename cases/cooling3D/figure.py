@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The gas beside the grains of ../cooling3DMD: Haff's law, impacts, spectra; and the clusters of both as clouds."""
 import os
 

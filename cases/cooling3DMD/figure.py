@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Energy of the grains beside Haff's law and their impacts; spectra of this run beside the kept ones. Beside the gas: ../cooling3D."""
 from haff.plot import script
 from haff.studies import clustering

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The gas that begins with the noise of the grains (fromGrains, made by Allrun) beside these grains, ../coolingDisksMD."""
 from haff.plot import script
 from haff.studies import clustering

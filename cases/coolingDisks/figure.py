@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """T of the gas beside Haff's law, its first waves beside linear theory, and the clusters at the end."""
 import sys
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """T of a cooling gas of disks beside Haff's law, where its grains are at the end, and the rate of cooling over that of
 Enskog's theory (sweep.py)."""
 import os

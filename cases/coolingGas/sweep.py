@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rate of cooling of disks and spheres over that of Enskog's theory: runs of granularMD in sweep/, the numbers in
 sweep/rates.csv (d, packing, restitution, mean over the seeds, its standard error)."""
 import os

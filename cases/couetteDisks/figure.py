@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Velocity, temperature and packing between the walls, beside the solution of the steady equations."""
 from haff.exact import disks
 from haff.studies import disksFigures

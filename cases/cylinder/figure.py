@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bow shocks ahead of the cylinder in three gases."""
 from haff.studies import shockFigures
 

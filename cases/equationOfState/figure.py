@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """p/(n T) of disks and spheres beside contact values and fits to other simulations (sweep.py)."""
 import numpy as np
 

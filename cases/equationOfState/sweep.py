@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """p/(n T) of disks and spheres: runs of granularMD in sweep/, the numbers in sweep/elastic.csv (d, packing, p/(n T), its
 standard error) and sweep/inelastic.csv (d, packing, restitution, p/(n T), its standard error)."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The layer at four moments of the last two cycles, how the waves grew, and the spectrum; beside the grains of ../faradayMD
 where that case has been run."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Grains at four moments of two cycles, where the mass is in every cycle, and its spectrum."""
 import sys
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing fraction and rho T/(g diameter) over the height through two periods, where a heap lies at the first moment: Fig. 6 of
 Carrillo et al.    haff figure profiles.py RUN  (RUN: one of table1.py -keep, written at quarters of the period)"""
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rows of Table 1 of Carrillo et al. by granularMD: wavelengths beside those of the paper.
 
     haff figure table1.py FOLDER [-rows 1,5-9] [-plate 1 0.75] [-jobs 2] [-warm CYCLES] [-cycles FIRST LAST] [-seed 1] [-keep]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Density at the end."""
 import haff
 from haff.plot import script

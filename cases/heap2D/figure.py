@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The heap at five times: packing over a floor without friction (above) and over a rough one; prints centre of mass and energies."""
 import os
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Temperature and packing between the walls, beside the solution of the steady equations."""
 import os
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The silo at four times, and what flows through its orifice over time beside Torricelli's law; with implicit acoustics, with explicit
 ones, and on triangles: what Allrun has made in the folders explicit and triangles (written as explicit.csv and triangles.csv, too), or
 what is kept in these tables. Prints the flow."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The travelling front beside the exact one (Christov, Fig. 1), and the errors on five grids (Fig. 2)."""
 import os
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The section of the channel: velocity along it and packing at two times, with the secondary flow; profiles of packing in the middle and
 centre of mass and greatest velocity over time, also of the variants that Allrun has made. Prints these, and the flow rate."""
 import os

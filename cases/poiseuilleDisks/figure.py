@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Velocity, temperature and packing across the channel, beside the solution of the steady equations."""
 from haff.exact import disks
 from haff.studies import disksFigures

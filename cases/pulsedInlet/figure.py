@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing fraction and temperature along the tube, beside grains that fly freely."""
 import sys
 

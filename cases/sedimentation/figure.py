@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing, velocity, energy (Fig. 3 of Shakeri et al.) and temperature (Fig. 4) over the height at 50, 100 and 150 ms: the gas, and
 the grains of ../sedimentationMD (its profiles.csv); prints how far apart the two are."""
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing, velocity, temperature and its anisotropy over the height at 50, 100 and 150 ms: this run beside the whole box
 (profiles.csv); prints what is exact of it, free fall and Haff's law. Beside the gas: ../sedimentation."""
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Concentration of small grains on the chute in time, and across the outlet beside the height that the flow alone fixes."""
 import sys
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Concentration of small grains in a layer shaken from both sides (Christov, Fig. 4): to 100 s and to 1000 s."""
 import sys
 

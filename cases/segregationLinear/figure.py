@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Concentration of small grains in time and height for four diffusivities (Christov, Fig. 3), errors against the exact solution;
 little and no diffusion beside the exact solution without (Gray & Thornton 2005)."""
 import os

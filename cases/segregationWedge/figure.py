@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Kinetic stress of the gas around the wedge and the concentration of small grains in it, and both across the layer."""
 import sys
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The column that settles: centre of mass over time, packing and temperature over the height at the end, with implicit acoustics and
 with explicit ones: those of the folder explicit, if Allrun has made it (then explicit.csv is written, too), or those kept in
 explicit.csv. Prints both."""

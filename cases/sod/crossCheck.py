@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 

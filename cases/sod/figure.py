@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sod's tube and its exact solution."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bow shocks ahead of the sphere in three gases: the plane of symmetry."""
 from haff.studies import shockFigures
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Five cycles of the shaken layer: Figs 6 (volume fraction, temperature) and 7 (velocity) of Serna & Marquina."""
 import haff
 from haff.plot import figures, script

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volume fraction, temperature, pressure and Mach number at the end: Fig. 2 of Serna & Marquina."""
 import haff
 from haff.plot import figures, script

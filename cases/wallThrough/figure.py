@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The packed bed that grows on the wall, and what it costs: profiles, packing, steps per second."""
 import numpy as np
 

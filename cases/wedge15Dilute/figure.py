@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The flow over the wedge and the exact oblique shock."""
 from haff.studies import shockFigures
 

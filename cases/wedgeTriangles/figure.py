@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volume fraction on the triangles; along the lowest row beside the lattice's fine runs."""
 import os
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit`
  * (dense cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they
  * do so where they can rest and cooling does not hold dt: libcore/gas/dense.c). */

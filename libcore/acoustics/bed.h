@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An implicit acoustic step of dense gas: a bed, which is any set of cells of a mesh.
  *
  * Near packing sound is 100 to 10,000 times as fast as the flow. So in a bed the step is split into acoustics and

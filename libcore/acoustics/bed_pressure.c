@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The implicit acoustics of a bed: Newton's method for the pressures (bed.h, part 1). */
 #include "libcore/acoustics/bed_private.h"
 

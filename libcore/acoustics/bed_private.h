@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the bed share: lines of work memory and the parts of a step. */
 #ifndef LIBCORE_BED_PRIVATE_H
 #define LIBCORE_BED_PRIVATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Transport in a bed: what the face velocities U carry (bed.h, part 3 and the theorem). */
 #include "libcore/acoustics/bed_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Limited slopes in a bed: derivatives of the variables along the axes, by which values of a cell at its faces lie
  * between those of the cell and those around it, component by component. */
 #include "libcore/acoustics/bed_private.h"

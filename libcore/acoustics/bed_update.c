@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Velocities and energies of a bed after acoustics (bed.h, part 2). */
 #include "libcore/acoustics/bed_private.h"
 

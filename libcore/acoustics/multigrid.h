@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves A x = b on cells of a mesh: A is a symmetric M-matrix, A = diag(d) - w with links w >= 0 and row sums d_i -
  * sum w >= 0, which may be next to nothing (Poisson's equation). Conjugate gradients are preconditioned by one cycle of
  * a multigrid of aggregates; few rows, and those whose factors are short (lines of cells), are solved directly.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Joins rows along strong links into aggregates: pairs, pairs of pairs and so on, all inside blocks. */
 #include "libcore/acoustics/multigrid_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves a system of all rows directly, by Cholesky's factors inside the envelope. */
 #include "libcore/acoustics/multigrid_private.h"
 

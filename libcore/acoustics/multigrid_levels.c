@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a matrix of sums over aggregates (Galerkin's with constants): first its pattern, then its numbers. */
 #include "libcore/acoustics/multigrid_private.h"
 

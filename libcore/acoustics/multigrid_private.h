@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the parts of the multigrid share: levels, the direct solver, what the ranks know of each other. */
 #ifndef LIBCORE_MULTIGRID_PRIVATE_H
 #define LIBCORE_MULTIGRID_PRIVATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What ranks tell each other of a multigrid: their blocks, ghosts' values, sums, the matrix of all rows. */
 #include "libcore/acoustics/multigrid_private.h"
 

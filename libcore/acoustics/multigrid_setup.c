@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Prepares a multigrid for a matrix: its levels from the finest to the coarsest, and the factors of that. */
 #include "libcore/acoustics/multigrid_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The budget of mass, momentum and energy: the change by each part of the steps. It is kept on request (gas_audit),
  * else it costs nothing; the gas has the same bits with it.
  *

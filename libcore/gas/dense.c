@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit acoustics of dense cells. Near packing sound limits dt to a thousandth and less of what the flow would need.
  * So dense cells and three rings of neighbours, the bed, take one implicit step (libcore/acoustics/bed.h), the rest
  * the Runge-Kutta step, and both share the fluxes between them:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Time integration of viscous stress and heat conduction, and their part of a step.
  *
  * Coefficients are frozen over a half step: in the first half of a step at its start, in the second half at its end,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction over part of a time step: a table of schemes that take their many small steps.
  *
  * rho and the coefficients are frozen; then velocity and temperature obey linear equations of their own,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the sums S of diffusion.h beyond a patch, by the rules of velocity and temperature, for both engines;
  * patch.h has the formulas. */
 #include "libcore/gas/patch.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An engine of the gas: the way in which one kind of mesh, a lattice or polyhedra, holds the state and does its part of
  * a time step. */
 #ifndef LIBCORE_ENGINE_H

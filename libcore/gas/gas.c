@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Does what gas.h promises on any mesh, by the engine of the mesh. */
 #include "libcore/gas/gas_private.h"
 

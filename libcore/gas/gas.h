@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas on a lattice or on polyhedra: its state, its time step, and all that the outside may ask of it.
  *
  * Variables are rho, rho u, E = rho (eps + |u|^2/2). u has a component along each of the dim computational axes of the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The inside of the gas, which the files of libcore/gas and both engines (libcore/gas/engine.h) share. */
 #ifndef LIBCORE_GAS_PRIVATE_H
 #define LIBCORE_GAS_PRIVATE_H

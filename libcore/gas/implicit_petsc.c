@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module of implicit.h: PETSc's conjugate gradients and residuals. It shares no symbol with haff. */
 #include "libcore/gas/implicit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes states beyond a patch: applies the boundary types of density, velocity and temperature (or pressure) to a
  * line of cells, on the conserved variables. */
 #include "libcore/gas/patch.h"

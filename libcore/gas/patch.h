@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The edge of the domain as both engines see it: states beyond patches for the fluxes, and sums beyond patches for
  * diffusion, by the boundary types of libcore/models/boundary.h. */
 #ifndef LIBCORE_PATCH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Works on rows of cells alike on a lattice and on polyhedra: velocities and temperatures, the fields that the outside
  * asks for, sources, the check of admissibility. */
 #include "libcore/gas/gas_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One time step: sources, diffusion, Runge-Kutta stages, the limiting that keeps the state admissible, rejection.
  *
  * A stage is computed at high order. If a cell is inadmissible after it, or denser and all but packed, the cell is

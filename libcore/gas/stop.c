@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Why a gas cannot go on: says when, where and in which state, what feeds it, and what can be done. And whether it may
  * go on: somebody may have asked for an end. */
 #include "libcore/gas/gas_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Keeps the lines of tally.h over the parts of a step; the engines fill them. */
 #include "libcore/gas/gas_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The queue of grains' events (calendar.h). All times up to the horizon stand sorted in a short line, the earliest
  * last. When the line is empty the horizon moves on, and the line takes the times in between: each GROUP of items, and
  * each GROUP of groups, has a bound below all its times beyond the horizon, so that few groups are opened. A time that

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A queue of one time for each of n items, the earliest first, equal times by the item's number (so that the order does
  * not depend on how the queue is built). Moving an item costs the same however many there are. The next ~32 items stand
  * in a sorted line; the line is refilled once per ~32 events, at n/256 comparisons. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums shares of grains and impacts in cells for the three kernels, and turns the sums into fields; coarse.h has the
  * formulas and their sources. */
 #include "libcore/grains/coarse.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Coarse graining: fields on equal cells from grains and their impacts (Goldhirsch, Granular Matter 12 (2010) 239;
  * Weinhart et al., Granular Matter 14 (2012) 289). A grain at x counts with the share w_i(x) in cell i, sum w_i = 1:
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes, resumes and advances hard grains (grains.h): checks of the input, the loop over events, and what callers
  * ask. */
 #include "libcore/grains/grains_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Event-driven motion of smooth hard disks (dim 2) and spheres (dim 3): free parabolas between impacts, impacts at
  * their exact times in their exact order. There is no time step.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The cells in which grains find their neighbours (struct grain_cells in grains_private.h): their layout, and grains
  * that enter, leave and cross them. */
 #include "libcore/grains/grains_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sorts grains so that those near each other in space lie near each other in memory: into the order of a Z-curve
  * through the cells when they are made, and again each time there were IMPACTS pair impacts per grain. That moment
  * follows from the counts alone, and the order is saved, so it is the same in whatever pieces a run is made. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Predicts what happens to a grain next.
  *
  * Each grain stores one predicted impact, and the time at which it leaves its cell if that comes first. Between events

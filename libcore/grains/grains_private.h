@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of the engine for hard grains (grains.h). Times of events are absolute; all places and velocities
  * are in the frame at rest. */
 #ifndef LIBCORE_GRAINS_PRIVATE_H

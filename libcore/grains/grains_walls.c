@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds when a grain touches a flat wall: a wall at rest by the root of a parabola, a moving wall by steps that cannot
  * pass the first contact. */
 #include "libcore/grains/grains_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes starts of hard grains by random sequential addition, growth, Maxwellian velocities; packing.h cites the method.
  *
  * Addition refuses a place more often where it is dense, which would empty dense regions. So cells of (nearly) equal

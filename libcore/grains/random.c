@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Draws random numbers by xoshiro256++, and normal ones by Marsaglia's polar method with our own logarithm: those of
  * libraries differ in their last bits. */
 #include "libcore/grains/random.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random numbers that are the same on every machine: xoshiro256++ (Blackman & Vigna 2019), seeded through
  * splitmix64. */
 #ifndef LIBCORE_RANDOM_H

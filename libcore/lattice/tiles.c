@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The gas on a lattice: the memory of its tiles, state in and out, rows of cells, fields, wave speeds, totals; and the
  * table of the engine's hooks. */
 #include "libcore/lattice/tiles.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of the gas on a lattice: what libcore/lattice/tiles_*.c share. The lattice is cut into tiles (struct forest);
  * a tile is the unit of cache, of skipping and of communication. */
 #ifndef LIBCORE_TILES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Skipping of uniform regions (option skipUniform): which cells of a tile are neither computed nor stored. Where a cell
  * and its stencil hold the same bits, the fluxes on its two sides are the same bits and -div F is exactly zero, so
  * leaving such cells out changes no bit. A tile's background is first found as a corner cell that equals its inward

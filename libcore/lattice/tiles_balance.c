@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The balance of pressure and weight at the faces of a lattice, so that gas at rest stays so to round-off.
  *
  * A row of cells whose pressures differ by the weight of half of either cell,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The bed of implicit acoustics on a lattice: which cells it holds, their lists, and what goes to and from the tiles.
  */
 #include "libcore/gas/patch.h"

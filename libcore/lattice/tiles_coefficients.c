@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Coefficients of diffusion on the faces of a lattice, and the rates that bound its steps. */
 #include "libcore/lattice/tiles_diffuser.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of diffusion on a lattice: what libcore/lattice/tiles_coefficients.c, tiles_sums.c and tiles_diffusion.c
  * share. */
 #ifndef LIBCORE_TILES_DIFFUSER_H

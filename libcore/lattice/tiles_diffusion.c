@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction on a lattice, second order: fluxes on the faces from the jumps across them, with
  * the tangential derivatives of velocity as means of the two cells' central differences. Tangential derivatives need
  * the neighbours' own neighbours, so they have ghosts of their own (tiles_sums.c). */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Faces of patches that give the mass that flows in (libcore/gas/patch.h). */
 #include "libcore/gas/patch.h"
 #include "libcore/lattice/tiles.h"

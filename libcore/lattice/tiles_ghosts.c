@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ghost cells of a tile at its sides that are patches. */
 #include "libcore/gas/patch.h"
 #include "libcore/lattice/tiles.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The linear systems of implicit diffusion on a lattice: links between cells, matrix entries, unknowns. Cells are
  * numbered tile by tile, along rows. */
 #include "libcore/lattice/tiles_diffuser.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. In 2D
  * row by row. */
 #include "libcore/lattice/tiles.h"

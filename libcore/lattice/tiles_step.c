@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A time step's parts on a lattice: stages over all tiles, the closing of a step, the flags of cells to be limited. */
 #include "libcore/lattice/tiles.h"
 

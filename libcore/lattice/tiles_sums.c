@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sums S of diffusion on a lattice (libcore/gas/diffusion.h): their start, their ghosts, and their derivatives
  * along the sides of tiles. */
 #include "libcore/lattice/tiles_diffuser.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fluxes through the faces of patches on a lattice (libcore/gas/tally.h). The lines go tile by tile and side by side,
  * the lower axis along a side fastest; they hold fluxes per area. A face that is not computed, because its cells and
  * their neighbours are the background, has the background's own flux. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the transport law asks for on a lattice besides stress and conduction: the heat flux -cross grad rho, and the
  * heat that goes with div u (libcore/models/transport.h). */
 #include "libcore/lattice/tiles_diffuser.h"

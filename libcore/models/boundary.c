@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of boundary conditions (boundary.h): the ghosts of each row, and the shares in which walls drag the gas and
  * exchange heat with it. */
 #include "libcore/models/boundary.h"

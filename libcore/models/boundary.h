@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Boundary conditions: a table of types by OpenFOAM's names. A patch has one rule for each of density, velocity and
  * temperature; a rule is a row of the table and what a case gives for it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The cooling laws: their sub-steps at frozen density, and their table. cooling.h has the equations. */
 #include "libcore/models/cooling.h"
 

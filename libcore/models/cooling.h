@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cooling laws: the rate at which impacts take granular temperature. A law is one function and one row of
  * cooling_table.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The equations of state, each with its parameters and its row of the table, and the parameters of the grains. */
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"

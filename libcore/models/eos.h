@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Equations of state of granular gases: a table of batch functions of (rho, eps). Their formulas stand in eos.c alone.
  *
  * All are linear in the granular temperature, p = rho T A(nu), with T = (gamma - 1) eps per unit mass and the packing

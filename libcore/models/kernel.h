@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tools that every kernel shares: the batch, the clones for instruction sets, and powers, exponentials and
  * logarithms with the same bits everywhere.
  *

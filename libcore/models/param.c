@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Looks up a row by name, for all tables of models. */
 #include "libcore/models/param.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables of parameters: they drive reading, range and unit errors, -listModels, -keywords, checkCase and
  * docs/reference.md.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sources: their exact sub-steps, their table, and the functions that run them in turn. A new source is written
  * here alone. */
 #include "libcore/models/source.h"

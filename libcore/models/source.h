@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Source terms: a table of terms that change velocity and temperature of a cell without its neighbours, integrated
  * exactly at frozen density. Gravity is a source of cold cells alone; elsewhere it acts within the stages of the flow,
  * so that it balances the pressure of gas at rest there (libcore/gas/gas_private.h, `falls`).

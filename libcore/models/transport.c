@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The laws of viscosity and heat conduction, each with its parameters and its row of the table (transport.h). */
 #include "libcore/models/transport.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscosities and heat conductivity of granular gases: a table of batch functions.
  *
  * Stress tau = (bulk - 2/d shear) tr(E) I + 2 shear E with E the symmetric gradient of u, d = 2 for disks and 3 for

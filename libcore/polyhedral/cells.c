@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The gas on polyhedra: the memory of its cells, state in and out, rows of cells, fields, wave speeds, totals; and the
  * table of the engine's hooks. */
 #include "libcore/polyhedral/cells.h"

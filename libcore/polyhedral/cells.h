@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of the gas on polyhedra: what libcore/polyhedral/cells*.c share. */
 #ifndef LIBCORE_CELLS_H
 #define LIBCORE_CELLS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The bed of implicit acoustics on polyhedra: which cells it holds, their lists, and what goes to and from the cells.
  */
 #include "libcore/gas/patch.h"

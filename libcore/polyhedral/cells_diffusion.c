@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction on polyhedra, second order. The gradient on a face is the mean of those of its two
  * cells (libcore/polyhedral/cells_gradient.c), changed along the normal until it agrees with the jump along
  * the line of centres e:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The boundary of a polyhedral mesh: mirror cells for the stencils, states beyond the faces of patches, and S and its
  * gradients beyond them. Walls act in the frame of the face, other rules in the axes of the mesh, in which their values
  * are given. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of cells. Gauss's theorem with the mean of both cells on a face, G_0 = 1/V sum A n (q_j - q_i)/2, is the
  * transpose of the sum over faces by which a cell gains from the mean of both cells' fluxes. So in a flux that holds
  * gradients the operator of diffusion is symmetric, its modes decay without turning, and no number of stages makes them

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of the cells of polyhedra from their neighbours across faces, exact for linear fields. */
 #ifndef LIBCORE_CELLS_GRADIENT_H
 #define LIBCORE_CELLS_GRADIENT_H

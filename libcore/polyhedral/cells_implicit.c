@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The linear systems of implicit diffusion on polyhedra: links between cells, matrix entries, unknowns. The matrix,
  * from which the preconditioner is made, is that of the jumps along the lines of centres: what gradients add to the
  * fluxes is left out, and so is what couples the components. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The balance of pressure and weight on polyhedra, so that gas at rest stays so to round-off.
  *
  * On cells of any shape no formula says which averages are at rest. So the state U* that a case lays at rest says it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One Runge-Kutta stage on polyhedra: mirrors, polynomials, fluxes through the points of faces in their frames, update,
  * admissibility. The fluxes are those of the tiles: the two states of a point are the two cells of a first-order
  * stencil. */

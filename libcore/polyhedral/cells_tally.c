@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fluxes through the faces of patches on polyhedra (libcore/gas/tally.h). The lines have the order of the faces; they
  * hold fluxes through whole faces. */
 #include "libcore/polyhedral/cells_diffuser.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Projects the cells of a stencil on the eigenbasis of a face (physics 1.1) and reconstructs the projected fields, in
  * one loop over the faces: flux.c makes the bases, reconstruct.c instantiates the loops below for each row of its
  * table. */

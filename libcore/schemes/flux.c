@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Characteristic fluxes in the form of Shu & Osher (1989): project the nodal fluxes (and, where a field is split, the
  * states) of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The
  * fluxes below differ in the basis and in which fields are split; their sources are cited beside them. A batch is cut

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numerical fluxes through a batch of faces: a table. A flux sees the stencil of its faces as line pointers, so rows of
  * tiles and gathered faces of any mesh serve alike. */
 #ifndef LIBCORE_FLUX_H

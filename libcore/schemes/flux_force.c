@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The centred fluxes of Shakeri et al. (their (4.7)-(4.9)): FORCE, and MUSTA, which begins with it.
  *
  * FORCE (Toro 1996) is the mean of the fluxes of Lax & Friedrichs and of Lax & Wendroff (two-step) of a face's states,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the fluxes share: states that are reconstructed to faces, and the fluxes that have a file of their
  * own. */
 #ifndef LIBCORE_FLUX_PRIVATE_H

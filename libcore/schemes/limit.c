@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Limits fluxes and states to the admissible set and applies the floors. limit.h states the theorem, its proof and
  * sources. */
 #include "libcore/schemes/limit.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Invariant-domain limiting: states stay in the convex set 0 < rho < rho_max, rho e > 0 by a theorem.
  *
  * Let n be the normal from cell l to cell r, f_l, f_r the nodal fluxes along n, v the normal velocity, c the sound

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Applies fits to batches of polyhedral cells (polynomial.h): limited linear polynomials and CWENO3, which cite their
  * sources below; polynomial_fit.c makes the weights. */
 #include "libcore/schemes/polynomial_fit.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Face values on polyhedral meshes: a polynomial in each cell from the averages of its stencil, and a table of ways to
  * fit it.
  *

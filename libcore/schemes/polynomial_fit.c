@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the weights of fits on polyhedral meshes (polynomial.h) by least squares: of whole stencils, of the sectors of
  * CWENO3, of gradients; and the places of face points. */
 #include "libcore/schemes/polynomial_fit.h"

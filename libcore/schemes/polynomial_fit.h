@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The inside of a fit (polynomial.h): polynomial_fit.c makes it, the kernels of polynomial.c apply it to LANES
  * polyhedral cells at a time.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The formulas of the reconstructions; each cites its source. A row of the table is a function of the five cells of a
  * stencil; ROW makes its loops: over lines, and over faces with the projection on their eigenbases
  * (characteristic.h). */

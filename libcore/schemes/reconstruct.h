@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Face values from cell averages: a table of one-dimensional reconstructions for lattices. Exact for constants, to the
  * last bit. */
 #ifndef LIBCORE_RECONSTRUCT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of Runge-Kutta schemes; each row cites its paper. */
 #include "libcore/schemes/stepper.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Strong-stability-preserving Runge-Kutta schemes for both kinds of mesh: a table of coefficients (stepper.c cites the
  * papers). */
 #ifndef LIBCORE_STEPPER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Crank-Nicolson steps of segregation on a line, iterated by Newton or Picard; equation numbers are those of Christov
  * (2018). segregation.h has the scheme. */
 #include "libcore/segregation/segregation_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Segregation of a bidisperse granular mixture on a line: phi_t + (f phi (1 - phi))_y = (D phi_y)_y (Dolgunin &
  * Ukolov), by the strongly implicit Crank-Nicolson scheme of Christov (2018), without flux through the walls at both
  * ends.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Steps of segregation on a lattice: lines of tridiagonal systems by axes (Beam & Warming 1976). segregation_lattice.h
  * has the scheme. */
 #include "libcore/segregation/segregation_lattice_private.h"

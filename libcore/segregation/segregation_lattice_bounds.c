@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Brings a Crank-Nicolson step of segregation on a lattice within its bounds (Zalesak 1979; segregation_lattice.h). */
 #include "libcore/segregation/segregation_lattice_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fluxes of segregation on a lattice, within, on seams and on the boundary (segregation_lattice.h has the scheme). */
 #include "libcore/segregation/segregation_lattice_private.h"
 

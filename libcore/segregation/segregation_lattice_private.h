@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of segregation on a lattice (segregation_lattice.h). */
 #ifndef LIBCORE_SEGREGATION_LATTICE_PRIVATE_H
 #define LIBCORE_SEGREGATION_LATTICE_PRIVATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of the segregation scheme (segregation.h). */
 #ifndef LIBCORE_SEGREGATION_PRIVATE_H
 #define LIBCORE_SEGREGATION_PRIVATE_H

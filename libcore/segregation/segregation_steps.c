@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Steps of segregation made of basic steps, for lines and lattices alike: damped ones (Rannacher 1984), and ones as
  * long as the error allows (step doubling). */
 #include "libcore/segregation/segregation_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves the Poisson equation of the projection (solenoidal.h), -div grad p = div u on the open faces, by conjugate
  * gradients with Jacobi's preconditioner. */
 #include "libcore/segregation/solenoidal.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Projects face velocities on a lattice to the nearest ones without divergence (segregation_lattice.h needs them). */
 #ifndef LIBCORE_SOLENOIDAL_H
 #define LIBCORE_SOLENOIDAL_H

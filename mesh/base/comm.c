@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The only source file of mesh/ that calls MPI: start and end, minima and maxima, gathers, and the repeated messages of
  * ghost exchanges (comm.h). */
 #include "mesh/base/comm.h"

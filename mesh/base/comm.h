@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The one thin layer over MPI. Every rank calls each function (collective) unless its comment says otherwise. Only
  * minima and maxima feed back into a run, so results do not depend on the number of ranks. */
 #ifndef MESH_COMM_H

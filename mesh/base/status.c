@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Errors as values, and the memory allocation that returns them (status.h). */
 #include "mesh/base/status.h"
 

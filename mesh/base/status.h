@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Errors as values. A function that can fail returns a `status`: OK, or an error that says what is wrong, what is
  * allowed and what to do. The caller passes it up with TRY or owns it (status_print, then status_free). */
 #ifndef MESH_STATUS_H

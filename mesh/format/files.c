@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opens files for reading and writing, and makes, renames and removes files and folders (files.h). */
 #define _GNU_SOURCE /* O_PATH */
 #include "mesh/format/files.h"

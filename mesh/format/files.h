@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The one place that opens files and that makes, renames and removes files and folders.
  *
  * Reading goes through links, to regular files of a bounded size. Nothing is written, renamed or removed through a

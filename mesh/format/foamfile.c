@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads files in OpenFOAM's grammar: the whole file into memory (unzipped), numbers, tokens with their lines, the
  * FoamFile header. foamlist.c reads lists, foamwrite.c writes. */
 #include "mesh/format/foamfile.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Text and binary files in the grammar of OpenFOAM: tokens with line numbers, the FoamFile header, lists in ascii and
  * binary, gzip, and writing that is atomic (temporary name, then rename). Nothing here knows a dictionary or a mesh. */
 #ifndef MESH_FOAMFILE_H

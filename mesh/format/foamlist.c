@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads lists in OpenFOAM's grammar, ascii and binary: numbers, vectors, labels, faces (foamfile.h). */
 #include "mesh/format/foamfile.h"
 

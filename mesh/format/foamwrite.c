@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes files in OpenFOAM's grammar: a buffered, optionally gzipped file that replaces the old one when it is closed,
  * headers and lists (foamfile.h). */
 #include "mesh/format/foamfile.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a polyMesh of a .msh file that gmsh_file.c has read: drops unused nodes, extrudes 1D and 2D meshes by one cell,
  * joins cells by their faces, turns physical groups into patches. */
 #include "mesh/format/gmsh.h"

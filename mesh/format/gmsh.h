@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads gmsh's .msh files (2.2 and 4.1, ascii and binary) and makes a polyMesh of them.
  *
  * Volume elements give a 3D mesh, physical surfaces its patches. A file with surface elements only must lie in a plane

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The contents of a gmsh .msh file (formats 2.2 and 4.1, ascii and binary): nodes, elements, physical groups, as they
  * stand in the file. gmsh.c makes a polyMesh of them. */
 #ifndef MESH_GMSH_FILE_H

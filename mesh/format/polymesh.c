@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The polyMesh in memory: look-up, checksum, the faces of cells, and the geometry of faces and cells, which follows
  * OpenFOAM's primitiveMesh (triangles about the mean of a face's points, pyramids about the mean of a cell's face
  * centres). */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A polyhedral mesh as OpenFOAM stores it: faces with owner and neighbour, internal faces first in upper-triangular
  * order, then the patches. It is the input of every run, whatever engine then solves on it. */
 #ifndef MESH_POLYMESH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks a polyMesh before a run (polymesh_check): cells are closed, volumes positive, normals point out of the owner,
  * no cell is all but flat beside the others,
  * `empty` and cyclic patches are sound. Lists the first defects with their places. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads and writes the folder constant/polyMesh: points, faces, owner, neighbour, boundary. Reading validates every
  * index and the order of faces, and names file and line of the first entry that is wrong. */
 #include "mesh/format/polymesh.h"

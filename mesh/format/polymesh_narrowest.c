@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds how narrow the narrowest cell of a mesh is beside the others (polymesh.h): the steps of a run go by it. */
 #include "mesh/format/polymesh.h"
 

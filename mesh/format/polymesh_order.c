@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sorts faces into OpenFOAM's order (polymesh_order): internal faces by owner and neighbour, then patch by patch; turns
  * faces so that normals point out of the owner; orders the second half of a cyclic pair as the first. */
 #include "mesh/format/polymesh.h"

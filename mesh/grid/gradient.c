@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Differences on a lattice, and fits of quadratic functions on polyhedra (gradient.h). */
 #include "mesh/grid/gradient.h"
 

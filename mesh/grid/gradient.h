@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of values in cells, from values in cells alone: no boundary condition takes part. */
 #ifndef MESH_GRADIENT_H
 #define MESH_GRADIENT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the grid of a run from a lattice or a polyhedral mesh (grid.h), and gathers, sums and finds values by block. */
 #include "mesh/grid/grid.h"
 

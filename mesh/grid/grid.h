@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A mesh made ready for a run: a lattice, as a forest (the lattice cut into tiles, one p4est tree per tile; forest.h),
  * or a polyhedral mesh, as struct polyhedra (polyhedra.h). Readers and writers of fields see what both have: this
  * rank's cells, in blocks that do not depend on the number of ranks. */

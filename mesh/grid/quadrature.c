@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fills quadrature points of cells (quadrature.h): cuts a cell into simplices about its centre and puts a symmetric
  * rule on each. The rules are Gauss's (1D), Dunavant's (2D) and Walkington's (3D); fill_rule cites them. */
 #include "mesh/grid/quadrature.h"

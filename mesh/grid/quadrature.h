@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Points and weights for means over the cells of any polyMesh: a cell is cut into simplices, each with a symmetric rule
  * of positive weights that is exact for polynomials of degree 5 (1D, 3D) or 4 (2D). */
 #ifndef MESH_QUADRATURE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the cell that holds a point (search.h): the cells of a bucket are cut into tetrahedra of the cell's centre, the
  * mean of a face and one of its edges. */
 #include "mesh/grid/search.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the cell of a polyMesh that holds a point. Cells are star-shaped about their centres, faces are made of
  * triangles about the mean of their corners, so that cells leave no gaps between warped faces. */
 #ifndef MESH_SEARCH_H

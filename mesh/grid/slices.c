@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cuts planes and level sets out of cells (slices.h). Level sets are those of the linear functions in the simplices of
  * vicinity_cut: marching tetrahedra. */
 #include "mesh/grid/slices.h"

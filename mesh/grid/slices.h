@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Surfaces through a polyMesh, as polygons: what a plane cuts out of its cells, and where a field has a value. Their
  * corners lie on lines between nodes (vicinity.h), those on one line are one corner, so that surfaces have no gaps. */
 #ifndef MESH_SLICES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the cells around points, and gradients and values by them (vicinity.h). */
 #include "mesh/grid/vicinity.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which cells lie around each point of a polyMesh, across cyclic patches, too; and what follows for values in cells:
  * gradients, values at the mesh's points, and values anywhere. All are exact for linear fields on any mesh, beside
  * walls as inside, and are the same for whoever computes them. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the forest of a lattice (forest.h): the memory layout of a tile, this rank's tiles with the faces
  * on their patches, and its blocks with their cells. */
 #include "mesh/lattice/forest.h"

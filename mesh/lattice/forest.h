@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A lattice cut into boxes of cells ("tiles"): the forest, with one p4est tree per tile, dealt to the ranks along the
  * space-filling curve. Every tile has the same memory layout, with ghost layers on the axes the mesh has, so that a
  * sweep sees full rows only; everything special happens in the ghost fill. The forest knows no physics: a variable is a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values by cell on a forest (the lattice cut into tiles, forest.h): moved to and from the order of the polyMesh,
  * summed, found by place. */
 #include <math.h>

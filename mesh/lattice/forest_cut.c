@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cuts a lattice into the tiles of the forest (forest.h): finds the planes where the boundary or its patch changes,
  * cuts every axis into pieces between them, and numbers the solid boxes of the pieces' tensor product, the blocks,
  * along a Morton curve. A block is a tile, too, unless it lies behind another along a uniform axis. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fills the ghost layers of a forest (the lattice cut into tiles, forest.h) by lists of boxes to copy, made once. A
  * tile's ghosts are filled just before the tile is computed, while its rows pass through the cache anyway: from other
  * tiles of this rank, or from the one message that every neighbour rank sends. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of the forest (the lattice cut into tiles, forest.h): forest.c (my tiles), forest_cut.c (all
  * tiles), forest_fill.c (ghost layers), forest_cells.c (values). */
 #ifndef MESH_FOREST_PRIVATE_H

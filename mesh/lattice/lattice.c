@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recognises a lattice (lattice.h): finds the boxes of the cells, the grid they lie on, the face on each of their
  * sides, and what empty and cyclic patches do to the axes. */
 #include "mesh/lattice/lattice.h"

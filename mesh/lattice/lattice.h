@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A lattice is a mesh of equal axis-parallel boxes (holes allowed). It is recognised in the polyMesh, because the fast
  * engine needs one. */
 #ifndef MESH_LATTICE_H

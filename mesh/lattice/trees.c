@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the trees of a forest (the lattice cut into tiles, one p4est tree per tile; trees.h) with p4est in one or two
  * dimensions, with p8est in three. */
 #include "mesh/lattice/trees.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The trees of a forest (the lattice cut into tiles, one p4est tree per tile; forest.h): p4est deals the tiles, in the
  * order of their ids, to the ranks, so that all ranks get about the same number of cells. Private to forest*.c. */
 #ifndef MESH_TREES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lets p4est deal the tiles of a lattice to the ranks (trees.h). This file is compiled twice: as it stands for p4est
  * (1D, 2D), and through trees_solid.c for p8est (3D), where p4est_to_p8est.h renames p4est's functions. */
 #include "mesh/lattice/trees.h"

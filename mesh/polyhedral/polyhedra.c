@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the struct polyhedra of a rank (polyhedra.h): numbers its cells, ghosts and mirrors, lists its faces, and joins
  * cells and faces. */
 #include "mesh/polyhedral/polyhedra.h"

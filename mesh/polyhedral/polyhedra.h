@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A polyhedral mesh as one rank sees it, made ready for finite volumes: cells with centres, moments and stencils, faces
  * with quadrature points, the halo. Any polyMesh in 1D to 3D will do; where a mesh has `empty` patches only the solved
  * axes are kept, and volumes and areas are per thickness. All vectors are in computational axes (axis[]).

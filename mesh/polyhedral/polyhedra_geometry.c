@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Geometry of a polyhedral mesh: moments of cells, frames and quadrature points of faces, mirror cells. All come from
  * the polyMesh alone, so that every rank that holds a cell or a face has the same bits. Integrals over a cell are sums
  * over simplices about a point inside it. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Deals a polyhedral mesh to the ranks and exchanges ghosts: METIS cuts the mesh into blocks and the blocks into ranks;
  * one message per neighbour rank fills the ghosts. */
 #include <metis.h>

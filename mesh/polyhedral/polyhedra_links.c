@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The whole polyMesh as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves join, which
  * images a periodic domain has. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of struct polyhedra (a polyhedral mesh as one rank sees it): polyhedra.c (numbering),
  * polyhedra_links.c (the whole mesh), polyhedra_geometry.c, polyhedra_stencil.c, polyhedra_halo.c. */
 #ifndef MESH_POLYHEDRA_PRIVATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grows the stencils of a polyhedral mesh: rings of cells across faces, with their images in a periodic domain; finds
  * the corners of cells, members that share a vertex. */
 #include <stdlib.h>

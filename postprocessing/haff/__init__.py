@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff in Python: cases, fields, pictures, runs and sweeps.
 
     import haff

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line of every command: one look, `-help` everywhere, and files only where one is told to."""
 import argparse
 

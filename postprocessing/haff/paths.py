@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where the programs of haff and its source tree are."""
 import os
 import shutil

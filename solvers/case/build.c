@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Version, git hash, compiler and flags of this build, from macros that CMake sets (build.h). */
 #include "solvers/case/build.h"
 

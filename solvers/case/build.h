@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Says what these programs were built from, for the log and for provenance. */
 #ifndef SOLVERS_BUILD_H
 #define SOLVERS_BUILD_H

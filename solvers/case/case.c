@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a case step by step: controlDict, the mesh, the medium's dictionaries, the time to start from, its state
  * (case.h). */
 #define _XOPEN_SOURCE 700 /* realpath */

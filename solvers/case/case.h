@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A case that is read and checked: a run starts from it, -dry-run and checkCase stop at it. */
 #ifndef SOLVERS_CASE_H
 #define SOLVERS_CASE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Records mesh and dictionaries in a time's provenance, and compares a case with that record entry by entry
  * (changes.h). */
 #include "solvers/case/changes.h"

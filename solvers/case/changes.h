@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tells what has changed since the time a run starts from was written: that time's uniform/provenance holds the mesh's
  * checksum and the dictionaries as they were read, macros expanded. */
 #ifndef SOLVERS_CHANGES_H

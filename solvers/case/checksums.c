@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes and verifies TIME/uniform/checksums, a dictionary of file sizes and CRC-32 (checksums.h). */
 #include "solvers/case/checksums.h"
 

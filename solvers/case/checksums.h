@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* TIME/uniform/checksums: size and CRC-32 of each file that a run wrote into a time folder, so that no run starts again
  * from a file that was cut, lost or changed on the disk. */
 #ifndef SOLVERS_CHECKSUMS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads controlDict and chooses time steps, write times and the end of a run from it (control.h). */
 #include "solvers/case/control.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* system/controlDict: when a run starts, steps, writes and stops. All choices depend on the state, the time, the step
  * number and the dictionary only, so that a restarted run takes the steps of one that went through. */
 #ifndef SOLVERS_CONTROL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads, checks and writes OpenFOAM's field files (fields.h). */
 #include "solvers/case/fields.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One field file of a time folder (volScalarField, volVectorField): values in the cells and a rule per patch. */
 #ifndef SOLVERS_FIELDS_H
 #define SOLVERS_FIELDS_H

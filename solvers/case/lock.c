@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Locks a case by a POSIX record lock on CASE/.haff.lock (lock.h). */
 #include "solvers/case/lock.h"
 

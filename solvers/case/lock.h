@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lets only one solver at a time work on a case: two would remove and replace each other's times. Readers need no
  * lock. */
 #ifndef SOLVERS_LOCK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The medium that a run simulates, as the code that all solvers share sees it (run.c, output.c, report.c,
  * functions*.c): a table of quantities and a handful of functions. A solver is one struct medium_type and a main of one
  * line. */

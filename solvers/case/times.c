@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds, names, writes, verifies and removes time folders (times.h). */
 #include "solvers/case/times.h"
 

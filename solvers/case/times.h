@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Time folders of a case: they are found, named, purged, and written so that each appears whole or not at all. */
 #ifndef SOLVERS_TIMES_H
 #define SOLVERS_TIMES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads and evaluates values of patches that follow a rule (varying.h). */
 #include "solvers/case/varying.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values of one patch of a field by a rule: expressions in x, y, z, t at the centres of its faces, a function of time,
  * or the rate of a flow through it. They may change in time or from face to face.
  *

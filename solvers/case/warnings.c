@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Says warnings, and remembers which (warnings.h). */
 #include "solvers/case/warnings.h"
 

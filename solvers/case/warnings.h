@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Warnings: what a case says and its user hardly means, though it can be run. A warning has a name, by which
  * `acceptWarnings (NAME ..);` in system/controlDict accepts it; -strict makes an error of each that is not accepted. */
 #ifndef SOLVERS_WARNINGS_H

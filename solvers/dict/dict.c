@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dictionaries in memory: what they own, look-up of keys and regular expressions, keys that no read asked for,
  * suggestions, printing. dict_parse.c makes them from text, dict_typed.c has the typed reads. */
 #include "solvers/dict/dict.h"

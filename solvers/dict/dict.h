@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dictionaries in OpenFOAM's grammar (macros, #include, #eval, regular-expression keys, dimensioned entries, lists).
  * Every read is typed and ranged; every key that was never read is an error with a suggestion (dict_check_used). */
 #ifndef SOLVERS_DICT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the files of #include: their names stay within the case; links there may lead out of it. */
 #include "solvers/dict/dict_parts.h"
 

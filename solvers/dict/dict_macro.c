@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Macros of dictionaries, $name and ${name}, and the expressions of #eval. */
 #include "solvers/dict/dict_reading.h"
 #include "solvers/dict/expr.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a dictionary from text in OpenFOAM's grammar: entries and sub-dictionaries, macros ($name), #include, #eval,
  * #if, #inputMode, #remove, #default. It runs no code and bounds depth and memory: macros and #include that multiply
  * are refused. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files that read dictionaries, and private to them: dict.c (memory and look-up), dict_parse.c (grammar),
  * dict_include.c (files), dict_typed.c (typed reads). */
 #ifndef SOLVERS_DICT_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files that read dictionaries: the file in hand, the bounds of a reading, macros and #eval. */
 #ifndef SOLVERS_DICT_READING_H
 #define SOLVERS_DICT_READING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed and ranged reads of dictionary values (dict.h): numbers with dimensions, words, vectors, lists, tables. Every
  * error names file, line, key and value, and says what is expected. */
 #include "solvers/dict/dict.h"

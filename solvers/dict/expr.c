@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Compiles arithmetic expressions by recursive descent to steps of a stack machine, and evaluates them (expr.h). */
 #include "solvers/dict/expr.h"
 

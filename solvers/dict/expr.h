@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Arithmetic expressions in x, y, z, t, for `#eval` and initial fields. They are compiled once and evaluated often; no
  * code is executed. */
 #ifndef SOLVERS_EXPR_H

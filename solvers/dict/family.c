@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads, prints and lists families of models (family.h). */
 #include "solvers/dict/family.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A family of models: a keyword of a dictionary names a row of a table (equation of state, transport, flux, ..). One
  * loop over a table of families reads, prints and lists them all.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Goes through the keywords of a program and prints them as text or as tables (keywords.h). */
 #include "solvers/dict/keywords.h"
 

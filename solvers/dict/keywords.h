@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reference of all keywords that a program reads: -keywords and docs/reference.md. The rows come from the tables
  * that drive the reading (params.h, family.h), so that a new row is in the reference by itself. */
 #ifndef SOLVERS_KEYWORDS_H

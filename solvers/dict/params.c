@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads and prints parameters by their tables (params.h). */
 #include "solvers/dict/params.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fills a struct of parameters from a dictionary by a parameter table (libcore/models/param.h). */
 #ifndef SOLVERS_PARAMS_H
 #define SOLVERS_PARAMS_H

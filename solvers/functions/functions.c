@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the function objects of controlDict, executes those that are due, and opens their files. */
 #include "solvers/functions/functions_private.h"
 

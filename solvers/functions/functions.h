@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function objects, the entries of controlDict's `functions`, with OpenFOAM's names and file formats. Each type is one
  * row of a table. */
 #ifndef SOLVERS_FUNCTIONS_H

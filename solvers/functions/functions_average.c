@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object fieldAverage writes means over time and mean squares of fluctuations into the time folders.
  *
  * Each step from t to t + dt counts with the fields at its end, by dt (base time) or by 1 (base iter), within timeStart

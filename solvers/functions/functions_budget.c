@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object energyBudget writes what changed the medium's mass, energy and momentum, by cause. */
 #include "solvers/functions/functions_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object forceCoeffs writes the coefficients of force and moment on patches, in the file coefficient.dat of
  * OpenFOAM. With drag along e1, side force along e2 = e3 x e1, lift along e3, and q = rhoInf magUInf^2/2,
  *     C = force/(q Aref),  Cm = moment/(q Aref lRef),

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object fieldMinMax writes the smallest and the largest value of fields, and their places. */
 #include "solvers/functions/functions_private.h"
 

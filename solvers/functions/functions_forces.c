@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object forces writes force and moment on patches, by pressure and by viscous stress, in the files force.dat
  * and moment.dat of OpenFOAM. A force is what the last step took out of the gas by its own fluxes, over the length of
  * the step, so that the sum of force times dt is the momentum that the gas has lost, to round-off. */

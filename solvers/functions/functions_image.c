@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object image draws fields of each written time into postProcessing/NAME/TIME.FIELD.png by the command
  * haffPlot, which lies beside the program.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object volFieldValue writes integrals, averages, sums and extremes of fields over all cells. */
 #include "solvers/functions/functions_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What averages over time share: which fields are weighted by the density, and the file of their sums in a time folder,
  * from which a restart goes on. */
 #include "solvers/functions/functions_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object writeObjects writes fields that are made of the state, as Ma and vorticity, into the time folders. A
  * restart does not read them. */
 #include "solvers/functions/functions_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Chooses patches for function objects, and sums over their faces (functions_patches.h). */
 #include "solvers/functions/functions_patches.h"
 

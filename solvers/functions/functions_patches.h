@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What function objects that look at patches share: which patches they take, and sums over the faces of patches that
  * have the same bits on any number of ranks. */
 #ifndef SOLVERS_FUNCTIONS_PATCHES_H

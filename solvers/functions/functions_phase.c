@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object phaseAverage writes means of fields at the same phases of a period, summed on the root.
  *
  * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T (and the

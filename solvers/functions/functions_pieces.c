@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes surfaces and samples fields on them (functions_pieces.h). */
 #include "solvers/functions/functions_pieces.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Surfaces for function objects: the faces of patches, or what a plane cuts out of the cells; and the values of fields
  * there. A surface is a list of pieces, each in one cell, in the order of the polyMesh's faces or cells; every rank has
  * all of it, so that what is summed over it has the same bits on any number of ranks. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of solvers/functions. A type of function object is one file, which exports its row, and an entry
  * in the table of functions.c. */
 #ifndef SOLVERS_FUNCTIONS_PRIVATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object probes writes values at given points, one file per field with a row per time. */
 #include "solvers/functions/functions_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object sets writes values along lines, one file per line and time. */
 #include "solvers/functions/functions_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the cells that hold points, for function objects that sample there, and gathers fields at the points: values of
  * the cells, or linear in the simplices of cells, of second order beside walls, too (vicinity.h). */
 #include "solvers/functions/functions_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object surfaceFieldValue writes sums, averages, integrals and extremes of fields over patches, or over a
  * plane through the mesh, in the file surfaceFieldValue.dat of OpenFOAM; and what flows through it: phi, phiU and phiE
  * are mass (kg/s), momentum by flow, pressure and stress (N) and energy (W).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object surfaces writes what planes cut out of the mesh, and surfaces where a field has a value, as polygons
  * with values of fields: a legacy VTK file for each surface and time. The root gathers the fields and makes the
  * surfaces alone, so that files are the same on any number of ranks; a surface may be empty at a time. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object vtk writes legacy VTK files of fields and grains, with a series file that ParaView opens. */
 #include "solvers/functions/functions_private.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Averages an initial state that is given by expressions over the cells: its conserved variables, which are products of
  * the fields and differ from the products of the averages at second order. */
 #include "mesh/grid/quadrature.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The isothermal hydrostatic column. With w the mass per area above h, p = g w, so that rho(w) solves P(rho) = p/T =
  * g w/T, and dh = -dw/rho(w): one curve h(w) holds for columns of every mass, which differ by the place of their floor
  * on it. Nodes are equidistant in ln w, in which the thin gas is a straight line. */

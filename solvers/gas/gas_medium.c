@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas as the medium (medium.h) of granularGas. */
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"

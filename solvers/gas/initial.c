@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a time folder of the gas (initial.h): the fields, the state in cells, and the rules of the patches, and checks
  * that they agree with each other and with the models. */
 #include "solvers/gas/initial.h"

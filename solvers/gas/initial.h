@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The state that a run starts from, and the boundary rules, from the field files of one time folder. */
 #ifndef SOLVERS_INITIAL_H
 #define SOLVERS_INITIAL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lays a layer of grains into the cells at the start (layers.h): reads its dictionaries, measures the box, finds the
  * column's mass. */
 #include "solvers/gas/layers.h"

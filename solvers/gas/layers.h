@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A layer of grains at the start, by the dictionaries `settledLayer` and `perturbation` in 0.orig/alpha or rho of
  * granularGas.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes limiter.dat, with a row for each step whose state had to be kept admissible, and takes its counts over
  * restarts (limiter.h). */
 #include "solvers/gas/limiter.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table postProcessing/limiter/<start>/limiter.dat: a row for every step in which something kept the state
  * admissible (libcore/schemes/limit.h). The file is made with its first row. */
 #ifndef SOLVERS_LIMITER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Loads the module of implicit.h, which lies beside the program, when a case asks for implicit diffusion: PETSc's
  * hundred libraries take 30 ms to load. */
 #define _GNU_SOURCE /* for RTLD_NODELETE */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds and loads the module that solves the linear systems of implicit diffusion. */
 #ifndef SOLVERS_LINEAR_H
 #define SOLVERS_LINEAR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads, prints and lists the choices of the dictionaries (models.h): models by one loop over the table of families,
  * and the parameters that belong to no row of them. */
 #include "solvers/gas/models.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The choices of the dictionaries constant/granularProperties, g and shaking, system/fvSchemes and fvSolution. */
 #ifndef SOLVERS_MODELS_H
 #define SOLVERS_MODELS_H

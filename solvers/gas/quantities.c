@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Quantities of the gas: primitive ones from libcore, energy and momentum, and those made of gradients (quantities.h).
  */
 #include "solvers/gas/quantities.h"

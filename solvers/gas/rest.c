@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the state at rest (rest.h) in the folder of the start, and gives it to the gas. */
 #include "solvers/gas/rest.h"
 

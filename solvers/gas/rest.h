@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a case says to be at rest: a hydrostatic settledLayer, without its perturbation, of the folder that the case
  * started from. */
 #ifndef SOLVERS_REST_H

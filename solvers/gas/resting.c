@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of gas at rest on a mesh whose cells lie in layers. The gas is at rest by the scheme itself
  * (libcore/lattice/tiles_balance.c) if each face between two layers has the pressure that both sides have there,
  *     p_j - h_j/2 rho_j g = p_(j+1) + h_(j+1)/2 rho_(j+1) g,

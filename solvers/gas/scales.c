@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Compares the grains and the temperature of a start with its other sizes and speeds (scales.h). */
 #include "solvers/gas/scales.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Are the sizes and speeds of a start those of a granular gas? A number in other units passes every other check. */
 #ifndef SOLVERS_SCALES_H
 #define SOLVERS_SCALES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the axes along which a run is uniform (uniform.h). */
 #include "solvers/gas/uniform.h"
 

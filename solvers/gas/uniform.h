@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The axes along which a run is uniform to the bit: the forest then holds one layer of cells, which stands for all. */
 #ifndef SOLVERS_UNIFORM_H
 #define SOLVERS_UNIFORM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Collects moments of the grains and their impacts over windows of time (grains_averages.h); libcore/grains/coarse.h
  * has the formulas. */
 #include "solvers/grains/grains_averages.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The fields of written times from the grains: means over windows k * window .. (k + 1) * window, of moments evenly
  * spread in them and of all impacts. The fields are those of the last complete window, or of the present moment before
  * there is one. All times are multiples of the window from t = 0: a restart continues to the bit. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks the mesh and the walls of granularMD and makes the box in which grains move (grains_box.h). */
 #include "solvers/grains/grains_box.h"
 

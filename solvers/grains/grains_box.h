@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The box of the grains from the case's mesh and the patch types of its field U. Axes are computational: the solved
  * axes in order. */
 #ifndef SOLVERS_GRAINS_BOX_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hard disks or spheres as a medium (medium.h) of granularMD. Its state are grains that move by events
  * (libcore/grains/grains.h); the fields it writes are means over them. */
 #include "solvers/grains/grains_averages.h"

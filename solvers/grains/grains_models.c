@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads, checks and prints the choices for a run of grains from its dictionaries (grains_models.h). */
 #include "solvers/grains/grains_models.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The choices in the dictionaries of granularMD: `grain` of constant/granularProperties, which a gas shares, constant/g
  * and shaking, and constant/particleProperties, which may be missing: every key has a default. */
 #ifndef SOLVERS_GRAINS_MODELS_H

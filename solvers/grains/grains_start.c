@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the fields of a start of granularMD and puts grains in place from them or from a cloud (grains_start.h). */
 #include "solvers/grains/grains_start.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The start of granularMD from its time folder: the fields of the gas's start say where grains are put and how they
  * move, and give the patches of written fields. */
 #ifndef SOLVERS_GRAINS_START_H

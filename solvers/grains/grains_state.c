@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes and reads the exact state of a run of grains as binary numbers behind a head that says their sizes
  * (grains_state.h). */
 #include "solvers/grains/grains_state.h"

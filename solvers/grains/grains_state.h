@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* TIME/uniform/grains: the exact state of a run of grains, from which it continues to the bit: grains with their own
  * clocks, the event queue, counts, and the sums of the averages. The file has a header as OpenFOAM's, then native
  * binary; 80 bytes and some per grain. */

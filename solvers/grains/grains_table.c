@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes totals over all grains and writes them as rows of a table (grains_table.h). */
 #include "solvers/grains/grains_table.h"
 

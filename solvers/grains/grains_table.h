@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes postProcessing/grains/<start>/grains.dat: totals over all grains, a row for the start and for every step. */
 #ifndef SOLVERS_GRAINS_TABLE_H
 #define SOLVERS_GRAINS_TABLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes and reads grains as an OpenFOAM cloud, and writes them as VTK points (clouds.h). */
 #include "solvers/output/clouds.h"
 

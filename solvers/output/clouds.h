@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains as an OpenFOAM cloud, TIME/lagrangian/grains: `positions` (Cloud<passiveParticle>, always ascii) and fields
  * U, id, d beside it, which foamToVTK and ParaView read. */
 #ifndef SOLVERS_CLOUDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cuts the mesh of a case into one part per rank and writes the parts as OpenFOAM's processorN folders
  * (decompose.h). */
 #include "solvers/output/decompose.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* processorN folders beside the reconstructed case, as OpenFOAM's decomposePar makes them: for reconstructPar and for
  * readers of decomposed cases. A part is what one rank computes; ranks without cells have none. Lives on the root. */
 #ifndef SOLVERS_DECOMPOSE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes times of a case: fields with their patch entries, processorN parts, grains, provenance, checksums; purges old
  * times (output.h). */
 #include "solvers/output/output.h"

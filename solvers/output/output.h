@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes times: the quantities of the medium, grains and uniform/time; one time at once, whole or not at all. */
 #ifndef SOLVERS_OUTPUT_H
 #define SOLVERS_OUTPUT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Prints the log of a run and writes its provenance (report.h). */
 #include "solvers/output/report.h"
 

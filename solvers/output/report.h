@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log and the provenance of a run: who runs what, one entry per step with totals and pace. The root prints. */
 #ifndef SOLVERS_REPORT_H
 #define SOLVERS_REPORT_H

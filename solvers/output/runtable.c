@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes run.dat (runtable.h). */
 #include "solvers/output/runtable.h"
 

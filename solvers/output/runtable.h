@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log as a table, postProcessing/run/<start>/run.dat, for programs that plot or watch a run: a row for the start
  * and for each step that the log prints (or each step; controlDict's runTable says which). The steps that print follow
  * the clock unless logInterval is given; the numbers of a row are the same on any ranks, but for the seconds.

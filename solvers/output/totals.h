@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* TIME/uniform/totals: mass and energy at the start of the case, from which the log counts their changes. Each written
  * time has them, so that a restart goes on counting from the same start. */
 #ifndef SOLVERS_TOTALS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes legacy VTK files as the VTK file formats document describes them: cells in VTK's order of points, big-endian
  * numbers, series (vtk.h). */
 #include "solvers/output/vtk.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Legacy VTK files (version 3.0, binary big-endian or ascii) of a polyMesh with cell data, and their .vtk.series. */
 #ifndef SOLVERS_VTK_H
 #define SOLVERS_VTK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The main of programs that take a case of any solver (anycase.h). */
 #include "solvers/programs/anycase.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* caseToVTK: the written times of a case as legacy VTK files. */
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/case/fields.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* checkCase: checks all that a solver's -dry-run checks. */
 #include "solvers/programs/anycase.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* gmshToCase: a .msh file becomes constant/polyMesh of a case. */
 #include "mesh/format/gmsh.h"
 #include "mesh/lattice/lattice.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* granularGas: the Euler or Navier-Stokes equations of a granular gas on a case directory. */
 #include "solvers/case/medium.h"
 #include "solvers/programs/program.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* initialFields: writes the state that a case begins with, for a look at it before a run. */
 #include "solvers/programs/anycase.h"
 

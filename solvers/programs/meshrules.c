@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the rules for patches of system/meshDict (meshrules.h). */
 #include "solvers/programs/meshrules.h"
 

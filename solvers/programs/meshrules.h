@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads system/meshDict: the types of patches, which a mesh generator's file cannot say.
  *   patches { front { type empty; } left { type cyclic; neighbourPatch right; } ... } */
 #ifndef SOLVERS_MESHRULES_H

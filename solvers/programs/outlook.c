@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Foretells the end of a run (outlook.h). */
 #include "solvers/programs/outlook.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a run foretells of its end: cells that are far narrower than the others, and steps without number. */
 #ifndef SOLVERS_OUTLOOK_H
 #define SOLVERS_OUTLOOK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the solvers' command line, starts mpirun for -np, and ends a program (program.h). */
 #include "solvers/programs/program.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command line of the programs, and how a program ends. */
 #ifndef SOLVERS_PROGRAM_H
 #define SOLVERS_PROGRAM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The time loop of a run: plan a step, advance the medium, log, write, and react to signals and to a changed
  * controlDict (run.h). */
 #include "solvers/programs/run.h"

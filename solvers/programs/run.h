@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs or checks a case: the time loop, from the reading of the case to its last written time. */
 #ifndef SOLVERS_RUN_H
 #define SOLVERS_RUN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The main of a solver, whatever its medium: options, lists, relaunch under mpirun, check or run. */
 #include "solvers/functions/functions.h"
 #include "solvers/programs/program.h"

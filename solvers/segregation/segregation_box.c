@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes the lattice of a segregation in two or three dimensions: checks, faces, boundary, the projection of the flow
  * (segregation_box.h). */
 #include "solvers/segregation/segregation_box.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A mesh with two or three solved axes as a lattice for libcore/segregation/segregation_lattice.h: flow, percolation
  * and diffusivity on its faces. */
 #ifndef SOLVERS_SEGREGATION_BOX_H

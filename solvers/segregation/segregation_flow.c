@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the flow of a mixture from the start folder or another case, its shear rate, and the slope of the kinetic
  * stress (segregation_flow.h). */
 #include "solvers/segregation/segregation_flow.h"

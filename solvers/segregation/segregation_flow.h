@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The flow that carries a mixture: U of the start folder or of a time of another case, and the other fields of a flow
  * that the laws of segregation want. */
 #ifndef SOLVERS_SEGREGATION_FLOW_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opens a time of another case and interpolates its fields: cell by cell, in columns, and their gradients
  * (segregation_gas.h). */
 #include "solvers/segregation/segregation_gas.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A time of another case, a run of granularGas as a rule, whose fields a segregation takes. */
 #ifndef SOLVERS_SEGREGATION_GAS_H
 #define SOLVERS_SEGREGATION_GAS_H

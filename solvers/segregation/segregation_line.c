@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Orders the cells of a line, checks that they form one, and sets percolation and diffusivity on it
  * (segregation_line.h). */
 #include "solvers/segregation/segregation_line.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A mesh with one solved axis as a line for libcore/segregation/segregation.h: its cells in order, the places of faces
  * and values, f and D. */
 #ifndef SOLVERS_SEGREGATION_LINE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A bidisperse mixture as a medium (medium.h) of granularSegregation: phi, the concentration of the small grains, on a
  * line of cells or, carried by a flow U, on a lattice. Every rank computes all of it: it is too small to share. */
 #include "solvers/output/report.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads, checks and prints the choices for a segregation from its dictionaries (segregation_models.h). */
 #include "solvers/segregation/segregation_models.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The choices in the dictionaries of granularSegregation: constant/segregationProperties, system/fvSchemes,
  * fvSolution. */
 #ifndef SOLVERS_SEGREGATION_MODELS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Nanoseconds a cell and stage of viscous stress and of heat conduction on tiles, of what a super step of 25 stages has
  * at its ends, and of a whole half step, on one core: bench_diffusion [rounds]. Disks between two walls, periodic
  * along them, disturbed everywhere. Then whole steps of spheres in a periodic 3D box, at a Courant number of 1/2 and so

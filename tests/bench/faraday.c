@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Run time against error of the schemes of viscous stress and heat conduction over a Faraday scene, that of
  * cases/faraday in a box of 38 with one wave:
  *     bench_faraday [periods, default 7 [diffusion timeScheme maxCo]...]

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws run time against error, as bench_faraday prints it: bench_faraday | tests/bench/faraday.py FIGURE.png"""
 import os
 import sys

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Floating-point work per cell and stage of the benchmark's schemes, counted as executed:
 
     tests/bench/flops.py [cells a side [flux reconstruct]]

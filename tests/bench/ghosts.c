@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The ghost fill against memcpy of as many bytes: bench_ghosts [repeats], also under mpirun -np 2. Periodic boxes of
  * one rank's usual size; wall time, best of the repeats, of the slowest rank. */
 #include "mesh/lattice/forest.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|layer|all] [impacts]. Lattices
  * with random velocities; the first tenth of the impacts melts them and is not timed. */
 #include "libcore/grains/grains.h"

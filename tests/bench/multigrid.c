@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The multigrid on grids of growing size: bench_multigrid [largest cells a side [repeats]], also under mpirun -np 2.
  * Prints iterations to a reduction of 1e-3 and of 1e-8, what is then left of the error in the norm of A, wall time a
  * row of set-up (new links; the same links) and of a solution to 1e-3, best of the repeats, of the slowest rank. */

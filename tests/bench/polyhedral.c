@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Million cell-stages per second and rank of the polyhedral engine, beside the tiles on the same mesh of quads, whose
  * second-order time per cell is the measure: bench_polyhedral [boxes a side, default 316] [steps]. On two ranks
  * (mpirun -np 2) the same figures show how well it scales: 2 x 316 x 316 are 200,000 triangles.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Million cells per second of fitting polynomials and of their values at the face points on one core, for 4 variables
  * (5 in 3D): bench_polynomial [cells, default 200000] [rounds]. CPU time of the process, median of the rounds. */
 #include "libcore/schemes/polynomial.h"

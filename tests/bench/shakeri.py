@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Run time against error of the scheme of Shakeri et al., and of its parts, beside the defaults.
 
     tests/bench/shakeri.py [-rounds 3] [-within SECONDS] PROBLEM ..      sedimentation, waves, sound, bed

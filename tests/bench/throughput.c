@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Million cell-stages per second of the whole solver on one core: bench_throughput [cells a side, default 400] [steps]
  * [flux reconstruct [dimensions [tile [skipUniform, 1 or 0]]]].
  *

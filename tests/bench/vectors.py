@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Guards against silent loss of vectorisation: the solver with the machine's widest vectors against the same sources
 compiled without any, in turn on one core, best of several. Exit code 1 if a ratio is below FLOOR. Builds both first, where the folder
 is that of a build: the sources without vectors are compiled for nothing else.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs short forms of the cases through the real programs, in a temporary folder."""
 import os
 import shutil

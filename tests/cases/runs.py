@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Small cases that make every kind of wave, and comparison of what runs of them have written, byte by byte."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Boxes of cells that lack axes along which gas moves all the same, and the same boxes with three periodic cells along each of
 them: the flow must be the same to round-off."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """docs/gallery.md: what docs/makeGallery makes of the cases' READMEs, and all its pictures are there."""
 import os
 import re

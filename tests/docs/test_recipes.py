@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The recipes of docs/addAModel.md: each diff applies to this tree, touches no more files than it says, and all together
 compile, pass the tests that go over the tables of models, and run."""
 import os

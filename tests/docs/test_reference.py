@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The reference of all keywords: -keywords, docs/reference.md, docs/examples.
 
 Two ways to find a key that is read but not told, since each sees what the other cannot. A scan of the sources finds every call of a typed

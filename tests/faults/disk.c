@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Faults of disks and machines, for tests: preloaded (LD_PRELOAD), it counts the calls that change files below the
  * folder HAFF_FAULT_FOLDER, and at call number N of HAFF_FAULT="KIND:N" lets one happen.
  *

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What can happen to a run, done to real runs: each function below is a fault, and returns what the fault table says of it.
 
 A time is lost if the log had reported it ("written: NAME") and it is not whole afterwards: a file missing, or not of the size

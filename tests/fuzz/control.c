@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* system/controlDict and system/meshDict: what a dictionary's numbers and words are used for. */
 #include "solvers/case/control.h"
 #include "solvers/programs/meshrules.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solvers/dict/dict.h"
 #include "mesh/format/foamfile.h"
 #include "tests/fuzz/target.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solvers/gas/layers.h"
 #include "solvers/segregation/segregation_models.h"
 #include "tests/fuzz/target.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `functions` of system/controlDict on a gas of six cells: they are made, collect, write and save over three moments.
  * What they write stays below postProcessing and VTK of the case. */
 #include "solvers/functions/functions.h"

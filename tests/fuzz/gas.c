@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* constant/granularProperties with system/fvSchemes, system/fvSolution, constant/g and constant/shaking: the models of
  * the gas and their parameters. */
 #include "solvers/gas/models.h"

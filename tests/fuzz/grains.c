@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A cloud, lagrangian/grains (positions, U, id, d), and uniform/grains, the exact state, here as a file `state` beside.
  */
 #include "solvers/grains/grains_state.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Header, tokens and lists of OpenFOAM's files, from memory. */
 #include "tests/fuzz/target.h"
 

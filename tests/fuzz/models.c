@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The rows of the model tables that constant/granularProperties, g and shaking choose, with whatever parameters the
  * reader lets pass, on states from near vacuum to near packing: what the heads of the tables promise. */
 #include "solvers/gas/models.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numbers are changed as numbers: bytes changed at random seldom leave a mesh a mesh. Half of the time libFuzzer's own.
  */
 #include "mesh/format/foamfile.h"

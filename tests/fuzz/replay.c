@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* replay FILE|FOLDER...: gives every file to the target, in the order of names. Without sanitizers it bounds memory and
  * time itself, so that a bomb fails and does not take the machine along. */
 #include "tests/fuzz/target.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* constant/segregationProperties with system/fvSchemes, system/fvSolution and constant/g: numbers, laws, choices. */
 #include "solvers/segregation/segregation_models.h"
 #include "tests/fuzz/target.h"

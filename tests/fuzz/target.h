@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A fuzz target is one file that defines LLVMFuzzerTestOneInput for one reader. libFuzzer calls it with inputs it
  * makes; replay.c with the files of a folder, on any compiler. A target aborts where the reader breaks a promise; what
  * the sanitizers see aborts by itself. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads the reference tables of tests/oracles: rows of comma-separated words. */
 #ifndef TESTS_ORACLE_H
 #define TESTS_ORACLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a gas on a lattice or on a polyhedral mesh, for tests of both engines. */
 #ifndef TESTS_LIBCORE_SCENE_H
 #define TESTS_LIBCORE_SCENE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Turns on rows of source_table by name, for tests. */
 #ifndef TESTS_LIBCORE_SOURCES_H
 #define TESTS_LIBCORE_SOURCES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Meshes of boxes built face by face, in an order that polymesh_order has to sort: for the tests of mesh/. */
 #ifndef TESTS_MESHES_H
 #define TESTS_MESHES_H

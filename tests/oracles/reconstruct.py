@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes reconstruct.csv: right-face values of every reconstruction of libcore/schemes, for tests/libcore/schemes/test_reconstruct.c.
 
     tests/oracles/reconstruct.py > tests/oracles/reconstruct.csv

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Prints a checksum of the state after some steps, for every flux and reconstruction in 1D, 2D and 3D, and for every
  * polynomial on triangles and tetrahedra; of flows that need the limiter; last of grains and their fields. CTest
  * compares what the program prints when it is built with clones for the machine's vectors, and without them at -O0. */

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Shows that two builds compute the same bits: runs a short form of every shipped case, and some problems that no shipped case
 holds, with the programs of two folders, and compares all that they write and say.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """tests/parity/cases.py: silent where two builds compute the same, and not where a byte, a message or an input differs."""
 import os
 import subprocess

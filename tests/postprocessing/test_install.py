@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff installed by CMake and by pip, each in a folder of its own, works without the source tree and without network."""
 import importlib.util
 import os

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Families of problems that might have no end: gas that open sides feed, meshes of cells that differ by many orders,
  * and beds that have settled, over long times. They may end with a stated cause, but must end. */
 #include "tests/stress/problem.h"

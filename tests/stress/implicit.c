@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dense gas with implicit acoustics (libcore/acoustics/bed.h) on lattices and on polyhedra: beds at rest, falling, hit,
  * sheared, drained, cooled to collapse, and shaken, of every equation of state that has a packing limit. */
 #include "tests/stress/problem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A small random problem: a family and a seed say all about it, on every machine. */
 #ifndef STRESS_PROBLEM_H
 #define STRESS_PROBLEM_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The text of postprocessing/reports/stress.md, from the tables that stress and rhoCentralFoam.py write; see `remake`. notes.md
 goes in front."""
 import csv

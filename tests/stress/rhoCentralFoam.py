@@ -1,4 +1,5 @@
 #!/usr/bin/env -S /usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The problems `elastic` of stress (two random states of a perfect gas, e = 1, closed box, 1D and 2D) by OpenFOAM's rhoCentralFoam.
 
     rhoCentralFoam.py [-count 60] [-courant 0.2] [-bin build/bin] [-table FILE] [-keep FOLDER]

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One problem with one scheme, watched: what came of it. */
 #ifndef STRESS_RUN_H
 #define STRESS_RUN_H

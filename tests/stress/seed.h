@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random numbers with the same bits on every machine: splitmix64 (Steele, Lea & Flood 2014), and no libm. */
 #ifndef STRESS_SEED_H
 #define STRESS_SEED_H

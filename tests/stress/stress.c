@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Thousands of small random problems, each of which must end well: see README.md. */
 #include "tests/stress/run.h"
 #include "tests/stress/table.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Outcomes added up: a row per scheme and family. */
 #ifndef STRESS_TABLE_H
 #define STRESS_TABLE_H

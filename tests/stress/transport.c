@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Families of gases with viscosity and heat conduction, T over six decades, in one cell or between bed and gas: disks
  * by Jenkins & Richman, disks and spheres by Garzo & Dufty. */
 #include "tests/stress/problem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An engine that calls another one and looks at every state that comes out: admissible? conserved? the source exact?
  * Its checks are written apart from those of libcore, in long double. */
 #ifndef STRESS_WATCH_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rooms of the house: which folder may include which, how many files a room holds, who may see a library, what is
 nowhere allowed, and that every path the code, the build and the documents name is there. Each rule is a function from
 sources, {path: text}, to complaints, so that the rules are tested themselves, on made-up sources."""
@@ -12,6 +13,8 @@ LAYERS = ("mesh", "libcore", "solvers")
 MOST_FILES = 24  # of a room
 MOST_LINES = 700  # of a file
 LONGEST = 45  # lines of a function: a screen
+
+LICENCE = "SPDX-License-Identifier: GPL-3.0-or-later"
 
 # Each room, and the rooms its files may include beside their own. A room may use only rooms that stand above it here,
 # so that there are no circles.
@@ -227,11 +230,16 @@ def shared_kernels(files):
 
 
 def headless(files):
-    """Sources that do not begin with a comment whose first sentence says something and ends, with a stop or a colon."""
+    """Sources that do not begin, below the line of the licence, with a comment whose first sentence says something and ends, with a stop or a colon."""
     def head(text):
-        found = re.match(r"/\*(.*?)\*/", text, re.DOTALL)
+        found = re.match(r"/\*(.*?)\*/", text.removeprefix(f"/* {LICENCE} */\n"), re.DOTALL)
         return " ".join(re.sub(r"\n \*", " ", found.group(1)).split()) if found else ""
     return [path for path, text in files.items() if not re.match(r"\w\S* \S+ .*?[^.][.:]( |$)", head(text))]
+
+
+def without_licence(files):
+    """Sources that do not name their licence: first, or below `#!` and a comment that a script prints as its help."""
+    return [path for path, text in files.items() if not re.search(rf"^(/\* |# ){LICENCE}( \*/)?$", "\n".join(text.split("\n")[:15]), re.MULTILINE)]
 
 
 def forgotten_rows(files):
@@ -324,6 +332,11 @@ class Rooms(unittest.TestCase):
     def test_each_file_begins_with_a_sentence(self):
         self.assertNone(headless(self.files))
 
+    def test_each_source_names_its_licence(self):
+        scripts = {path: text_of(path) for path in tracked("*") if not path.startswith("docs/examples/") and "." not in os.path.basename(path)}
+        scripts = {path: text for path, text in scripts.items() if text.startswith("#!")}
+        self.assertNone(without_licence({**scripts, **{path: text_of(path) for path in tracked("*.c", "*.h", "*.py", "*CMakeLists.txt")}}))
+
     def test_guards_of_headers_differ(self):
         self.assertNone(shared_guards(self.files))
 
@@ -414,6 +427,10 @@ class Rules(unittest.TestCase):
         for text in ("", '#include "a.h"\n/* A gas moves. */', "/* A gas moves */", "/* gas.c */", "/* ---- gas ---- */",
                      "// A gas moves.\n", "/* Gas. */"):
             self.assertEqual(["a.c"], headless({"a.c": text}), text)
+
+    def test_licences(self):
+        self.assertEqual([], without_licence({"a.c": f"/* {LICENCE} */\n/* Adds. */\n", "b": f"#!/bin/sh\n# b: does this.\n# {LICENCE}\n"}))
+        self.assertEqual(["a.c"], without_licence({"a.c": "/* Adds. */\n"}))
 
     def test_names_and_rows(self):
         one = "/* x */\n#ifndef A_H\n#define A_H\n#endif\n"

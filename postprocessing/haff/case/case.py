@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A case directory: mesh, times, fields, values at points and on patches, tables of function objects."""
 import functools
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Entries of dictionaries, read and set by their path: the comments and the layout of the file stay.
 
     entries.get("case/constant/granularProperties", "grain/restitution")            0.97

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """OpenFOAM's files: header, lists, fields on cells; ascii or binary, plain or .gz.
 
 A plain file is read into memory once, and the numbers of a binary list are a view of that memory: no copy is made, and what

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Reads the cloud of grains that granularMD writes beside the fields: TIME/lagrangian/grains. Needs numpy only.
 
     cloud = grains.read(haff.Case("cases/faradayMD"), "20")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes whose cells are places of a lattice: boxes between straight lines along the axes, equal or not, with holes or not.
 
     lattice = haff.Case("cases/wedge").lattice()

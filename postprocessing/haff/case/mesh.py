@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """constant/polyMesh: points, faces, cells and patches."""
 import functools
 import os

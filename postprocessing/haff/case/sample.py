@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where points lie in a mesh, of any kind and dimension, and values there: at points, along lines, in planes.
 
 Along axes of one cell between empty patches a point may be anywhere. Order 1 is the value of the cell that holds the point; order 2

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables that function objects write: postProcessing/FUNCTION/START/FILE, whose columns have names.
 
     case = haff.Case("cases/wedge")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the numbers of a case are measured in.
 
 A case says so in system/units (length cm; mass g; time s;); without that file they are kg, m and s, as everywhere in OpenFOAM. A copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Reference solutions for a gas of disks with viscosity and heat conduction (`transport JenkinsRichman`): a gas that
 cools, the linear waves in it, and steady flow between two walls. Needs scipy.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Enskog theory of inelastic hard disks (d = 2) and spheres (d = 3): contact values, pressure, rate of cooling.
 
 Garzo & Dufty, Phys. Rev. E 59 (1999) 5895, for any d as in Garzo & Santos, Physica A 276 (2000) 262; without gradients.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Equations of state in numpy: perfect gas and Goldshtein-Shapiro (Serna & Marquina eqs (1)-(13), errata corrected).
 
 Written from the formulas, not from the solver, so that one can test the other. With grain mass 1, rho is a number

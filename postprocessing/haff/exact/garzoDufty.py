@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Closures of Garzo & Dufty (1999) for a gas of inelastic disks (d = 2) or spheres (d = 3), as in `transport GarzoDufty` and `cooling
 GarzoDufty`; written from the formulas in d dimensions, not from the solver. Grain mass 1, T per unit mass.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The vibrated layer of cases/vibratedLayer once more, in numpy: an independent program for the same scheme.
 
     haff layer [CELLS [CYCLES [split]]]     sum, plate value and maximum of the volume fraction at f t = .35, 1.35, ..

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Exact oblique and normal shocks and stagnation states of a gas with p = rho T A(rho), no sink: steady flow past wedges.
 
     shock = ObliqueShock(GoldshteinShapiro(1.0), rho=191.0, p=300.0, mach=3.5)

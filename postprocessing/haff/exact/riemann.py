@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Exact solution of the Riemann problem for a gas with p = rho T A(rho), no sink: an independent reference.
 
     solution = Riemann(GoldshteinShapiro(1.0), (44.5, 0.698, 3.528), (50, 0, 0.571))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Exact solutions of phi_t + (f phi (1 - phi))_y = D phi_yy, f constant: kink, Gray-Chugunov, Gray-Thornton.
 
     haff segregation > tests/oracles/gray_chugunov_exact.csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Exact smooth simple wave of a gas with p = rho T A(rho), no sink: the reference for orders of accuracy.
 
 A right-going simple wave has one entropy and one left-going Riemann invariant, so each density travels at its own

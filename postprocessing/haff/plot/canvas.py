@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws triangles, spheres and lines in three dimensions into an image, nearest first, without a display and without a graphics card.
 
     canvas = Canvas(View(low, high), pixels=(900, 700))

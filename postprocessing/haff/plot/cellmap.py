@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of fields on meshes without order: every cell is drawn as it is, in the colour of its value."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A picture of a scalar in a cube of cells as a cloud in the light of a lamp: rays through the cube add up what each layer sends and
 what it leaves through; the light that reaches it has been dimmed by the layers above it. Needs scipy and matplotlib; no display.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Contour lines of a field on a two-dimensional lattice with holes, with the walls drawn: Fig. 8 of Serna & Marquina.
 
     haff contours CASE [CASE ...] -o FIGURE.png      the whole domain and the corner of each

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The look of all figures, units and names on their axes, and saving.
 
     figures.panels(rows, columns)                 a figure and its axes [rows][columns]

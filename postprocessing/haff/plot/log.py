@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How a run goes or went: time steps and what limits them, extremes, drift, speed, time left.
 
     haffLog CASE                  a summary and small plots in the terminal

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures in colours: cases in two dimensions, and cuts through cases in three, with walls, meshes and lines of equal values."""
 import dataclasses
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A film of a field, or of grains, through all times of a case, with one range of colours.
 
     haffMovie CASE alpha                         CASE/postProcessing/figures/alpha.mp4, or alpha.gif where there is no ffmpeg

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command lines of haffPlot and haffMovie: options, what is wrong with them, and where a picture goes without -o."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of cases: profiles in one dimension, colours in two, cuts and surfaces in three, grains as what they are.
 
     wish = Wish(fields=["alpha"])

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A picture of any case, of what one wants to see first or of what one asks for.
 
     haffPlot CASE                                the main fields at the last time; prints the path of the picture

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of curves: profiles of cases in one dimension at several times, and values along lines through any case."""
 import dataclasses
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fields of a case as what a picture shows: one number for each cell, its name with its unit, its colours.
 
     names = quantity.fields(case, "0.5")               {name: (components, exponents of mass, length, time)} of all fields there

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run has told of itself: postProcessing/run/START/run.dat, or where there is no such table the text of log.granular*.
 
     story = runlog.read("cases/sod")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Colours of values, their bars, and how panels are arranged on a page."""
 import numpy as np
 from matplotlib import colormaps, colors

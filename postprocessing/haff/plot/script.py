@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the figure.py of a case begins and ends with: which run is drawn, and where the figure goes.
 
     haff figure CASE [RUN] [-keep] [-format png|pdf|svg]

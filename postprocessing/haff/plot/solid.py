@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces and clouds of fields in three dimensions.
 
     surface = isosurface(space, values, value)       corners, normals [n][3][3] of the surface on which a field has the value

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh of a case as flat shapes: the cells of a case in two dimensions, cuts through one in three, lines through any.
 
     space = Space(case)                  space.axes: the axes along which there is more than one cell; space.low, space.high

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures in three dimensions: surfaces, clouds, cuts beside them; and grains, as circles or as spheres."""
 import os
 import re

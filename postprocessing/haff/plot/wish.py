@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is wished of a picture, and the times it is of."""
 import dataclasses
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes a polyMesh of equal boxes, fields on it and whole cases, without any program of haff: for tests and studies.
 
     boxes.write_mesh(case, (64, 1, 1), (1.0, 0.1, 0.1), {"x": "cyclic"})

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs cases in full and compares them with their expected.json; ../Allcheck builds the programs and calls this.
 
 Each case runs as its Allrun does it, in a copy in build/check/cases; the table below gives processor seconds of Allrun, figure

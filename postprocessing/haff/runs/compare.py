@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Two results beside each other: a gas and grains, two grids, two schemes, two codes.
 
     found = haff.compare("cases/bouncingBed", "cases/bouncingBedMD", ["alpha", "T"], times=[4.03])

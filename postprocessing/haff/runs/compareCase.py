@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Two results beside each other: a gas and grains, two grids, two schemes, two codes.
 
     haff compare CASE OTHER [FIELD ..] [-times 0.1 0.2] [-o FIGURE.png] [-csv TABLE.csv]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Copies of cases: what a run starts from, without what runs have made, and with other entries.
 
 A copy has a file run.json, which says of which case and with which changes it was made and how far its run has come. It

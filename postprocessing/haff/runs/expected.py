@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compares a finished case with its expected.json.
 
     haff expected CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Homogeneous gases of grains: copies of the cases coolingGas and equationOfState with another dimension, packing and
 restitution, run by granularMD, and what is measured in them. Lengths in diameters, T = 1 at the start.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes and runs cases of OpenFOAM's rhoCentralFoam: the dilute elastic gas, p = rho T, by other people's code.
 
 T per unit mass is granularGas's T: molWeight makes the gas constant 1. Needs Debian's package openfoam and one variable in the

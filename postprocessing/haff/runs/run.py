@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a case, or a copy of it with other entries.
 
     case = haff.run("cases/wedge", {"constant/granularProperties": {"grain/restitution": 0.9}}, folder="wedge09", ranks=2)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a case, or a copy of it with other entries.
 
     haff run CASE                                                                  in its own folder

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a case with every combination of values of some entries, several at once, and makes a table of what came out.
 
     table = haff.sweep("cases/blast", {"constant/granularProperties": {"grain/restitution": [0.8, 0.9]}}, mesh={"N": [100, 200]},

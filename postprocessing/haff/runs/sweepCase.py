@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a case with every combination of values of some entries, several runs at once, and makes a table.
 
     haff sweep CASE constant/granularProperties:grain/restitution=0.8,0.9 mesh:N=10,20 -folder F -cores 2

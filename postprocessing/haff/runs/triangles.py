@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Square boxes of triangles by gmsh, with cyclic sides that match, and exact means over their cells.
 
     triangles.make(case, 10.0, 40, "build/bin/gmshToCase")      # constant/polyMesh: 40 edges a side, patches left, right, ...

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rhoCentralFoam twin of a granularGas case: the same mesh, initial state, patches and end time, for a gas that both know.
 
     twin = Twin("cases/sod", "twins", "build/bin", cells=100)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Grains that enter a tube at x = 0 with a speed that is modulated in time, as electrons leave the gap of a klystron, and fly on freely: the
 exact solution of cold gas (no pressure) as long as none overtakes another.
 

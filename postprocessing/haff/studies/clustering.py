@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A gas and grains that cool in the same periodic box, beside each other: energy, impacts, spectra, when Haff's law is left.
 
     haff clustering start GRAINS TIME LONGEST FOLDER     the longest waves of the grains at a time as expressions of 0.orig/alpha, T and U

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Profiles over the height, of a gas and of grains beside each other: means over rows of cells, and over the cycles of a shaken bed.
 
     haff columns CASE FILE.csv 0.05 0.1 0.15            at these times

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Two results on one mesh, and what both should have been: mean differences, places, positions of shocks.
 
 A state is {"rho", "U", "T", "p": values in the cells}.

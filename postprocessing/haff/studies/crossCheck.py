@@ -1,4 +1,5 @@
 #!/usr/bin/env -S /usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A case in the elastic limit by granularGas and by OpenFOAM's rhoCentralFoam, compared.
 
     crossCheck CASE [--grids N1,N2,..] [--fine N] [--out FOLDER] [--quick] [--courant C] [--bin FOLDER] [--core N]

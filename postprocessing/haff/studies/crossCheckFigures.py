@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of crossCheck: both results side by side with their difference; in one dimension as lines."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """crossCheck --limits: granularGas with a granular gas towards the same program with what the gas tends to, on the blast."""
 import csv
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The figure of flow along a channel of disks (cases couetteDisks, poiseuilleDisks)."""
 import os
 import sys

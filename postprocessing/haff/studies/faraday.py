@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Patterns on a shaken layer, measured from the fields on the mesh: of granularGas and granularMD alike.
 
     haff faraday CASE [-from CYCLE] [-to CYCLE] [-of mass|lift|height] [-figure FILE.png]

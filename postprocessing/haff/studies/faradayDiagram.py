@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rows of Table 1 of Carrillo et al. by granularGas: which wave stands in which row, beside the grains'.
 
     haff faradayDiagram FOLDER [-rows 1,5-9] [-jobs 2] [-cycles 20] [-last 8] [-warm CYCLES RAMP] [-warmBelow 2.1] [-length 1] [-draw] ..

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas and grains side by side: Figs. 2 and 4 to 8 of Carrillo et al. from two runs of the same row.
 
     haff faradayFigures GAS GRAINS FOLDER [-gas CYCLE] [-grains CYCLE]

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where waves set in: growth per period of single waves on a layer of gas, over the amplitude of the plate.
 
     haff faradayOnset FOLDER [-gamma 2 2.25 ..] [-A 1.4 1.55 ..] [-waves 16 20 ..] [-width 2] [-warm 0] [-jobs 2] [-draw]

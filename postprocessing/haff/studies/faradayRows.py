@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rows of Table 1 of Carrillo et al. (tests/oracles/carrillo_table1.csv) as cases: what the sweep of the grains
 (cases/faradayMD/table1.py) and that of the gas (faradayDiagram.py) share. Lengths in grain diameters."""
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fig. 1 of Serna & Marquina: adiabatic exponent, Grueneisen coefficient and fundamental derivative of the gas.
 
     haff figure1 FIGURE.png

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Linear stability of Marquina's flux on uniform gas, from its formulas; and growth rates measured with granularGas.
 
     haff marquinaStability FIGURE.png      tables on stdout, figure; a minute or two

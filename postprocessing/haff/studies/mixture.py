@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs of granularSegregation on lines along y."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Run time against error of granularSegregation: closures, iterations, fixed and adaptive steps.
 
     haff segregationPrecision FIGURE.png        with the programs in $HAFF_BIN (default build/bin)

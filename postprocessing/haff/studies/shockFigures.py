@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of the cases with shocks on general meshes: the flow over a wedge, and bow shocks in three gases."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where shocks stand on meshes without order, and the state behind them: the measurements of wedge15, cylinder, sphere3D.
 
     case = haff.Case("cases/wedge15")

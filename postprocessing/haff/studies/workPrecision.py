@@ -1,4 +1,5 @@
 #!/usr/bin/env -S /usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Run time against error: every sensible scheme of granularGas, and rhoCentralFoam, on problems with a known answer.
 
     workPrecision [--problems vortex,sod,...] [--out FOLDER] [--quick] [--no-foam] [--no-haff] [--bin FOLDER] [--core N]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The problems of workPrecision: initial state, exact solution or fine reference, error. PROBLEMS at the end lists them.
 
 A problem is a box of square cells (one cell thick), maybe with a corner cut out. `points` problems compare values at

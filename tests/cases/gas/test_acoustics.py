@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Implicit acoustics of dense cells on lattices: rest across their border, the bits of the explicit scheme until a cell is dense and on any
 number of ranks, restarts, bounds and budgets in one to three dimensions, and what is refused."""
 import os

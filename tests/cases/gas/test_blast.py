@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blast waves: elastic against the exact solution, inelastic against the prototype, clustering ordered by restitution."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Given boundary values through the whole program: what enters a box is what the patches say."""
 import os
 import unittest

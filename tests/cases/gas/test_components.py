@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas that moves along axes which the mesh does not resolve, without viscosity: shocks, floors, gravity, the bits of restarts and
 ranks, what is written of it, and what is refused. The same as with three cells along such an axis, to round-off."""
 import os

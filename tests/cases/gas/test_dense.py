@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse and short forms of the cases settlingColumn, heap2D and hopper, with implicit acoustics: as many steps as the flow needs, the
 centre of mass of explicit steps, mass, packing as a bound, and the same bits on two ranks, after a restart and under a budget."""
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The cases in the elastic limit, short: their expected.json. Against rhoCentralFoam: tests/postprocessing/studies/test_crossCheck.py."""
 import unittest
 

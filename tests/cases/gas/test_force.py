@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """FORCE and MUSTA in whole runs: a Riemann problem of the granular gas with its exact solution, on both engines; parameters."""
 import os
 import unittest

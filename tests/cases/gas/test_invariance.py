@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What must not depend on the axis or the number of axes; and conservation. Ranks and stops: test_parallel, test_restart."""
 import os
 import unittest

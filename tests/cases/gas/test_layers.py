@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """settledLayer and perturbation: mass, equilibrium and waves, on any axes and both engines, and what is refused."""
 import os
 import re

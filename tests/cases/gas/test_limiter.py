@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What keeps states admissible, and what a run says of it: log, postProcessing/limiter, the field `limited`."""
 import os
 import random

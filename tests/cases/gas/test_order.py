@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Order of accuracy on a smooth simple wave in the granular gas (e = 1, no source), along an axis and along a diagonal.
 
 The solution is the exact one of postprocessing/haff/exact/simpleWave.py at t = 0.3 of breaking, in the L1 norm; the time step falls

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Grains that stick fall on a step in two dimensions and pack: the same bits on two ranks and without skipping."""
 import os
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packing is a bound of every gas whose pressure diverges there: in a column that settles, at open patches of every kind, at the start."""
 import itertools
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What must stay as it is with the default flux: gas at rest with noise, contacts at rest, a free stream, free fall."""
 import os
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas at rest under gravity stays at rest to round-off on lattices: on any axis, at any T(height), by every equation of state, with
 every reconstruction and Runge-Kutta scheme; and what moves on it converges."""
 import os

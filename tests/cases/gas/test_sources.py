@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sources by name, `sources (..)` of constant/granularProperties: a uniform gas follows their equations on both engines, the
 budget books each under its own cause, mistakes are refused."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Axes along which a run is uniform are computed on one layer of cells, and nobody sees it: every byte that a run writes
 is that of the full computation, on any number of ranks. One bit in one cell brings the full computation back."""
 import os

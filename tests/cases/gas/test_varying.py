@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Patches whose values follow a rule, through the whole program: waves that enter, against the exact solution; mass that is given;
 all forms over restarts, ranks, both mesh engines and the tools of others; what is skipped; values that go wrong on the way."""
 import glob

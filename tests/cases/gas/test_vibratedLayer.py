@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The shaken layer in its first two cycles: packing at the plate, and the drift of the total."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas that falls on a wall: packing and mass before the collapse; the way through it; what the threshold changes."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The step at 100 cells a side, dilute and dense: maximum, upstream Mach number, mirror symmetry."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Short forms of coolingDisksMD and cooling3DMD, smaller and until they begin to cluster."""
 import unittest
 

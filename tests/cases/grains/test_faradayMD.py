@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Short forms of faradayMD and sedimentationMD: what is exact of them, the pattern of a small box, free fall and cooling."""
 import os
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Short forms of the cases coolingGas and equationOfState. Seeds are fixed; what the bounds are in standard deviations is
 said beside them."""
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """granularMD through the real program: restarts to the bit, balances, fields against the grains, shaking, clouds, VTK, errors."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Implicit acoustics of dense cells on triangles, tetrahedra and hexahedra: rest, bounds and budgets, the same bits on any number of ranks
 and over restarts, the lattice's answer on its own boxes, and heat that cold dense cells beside hot thin gas can bear."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bow shocks ahead of a cylinder and a sphere: in air where experiments have them, in a cooling gas nearer to the body."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """General meshes through the programs: triangles, prisms, tetrahedra, hexahedra by gmsh, and polyhedra, each with what a
 lattice must show: free stream, conservation, the same bytes on any number of ranks and after a restart, output that
 VTK and OpenFOAM read. A lattice as a general mesh gives the lattice engine's result to the order of both."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A settledLayer is at rest on polyhedra, whatever their shape, the fit, the flux, walls that conduct no heat; states near it, restarts
 and ranks; a bed that cools."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The isentropic vortex on gmsh's triangles through the programs, from expressions: cell averages at the start, and the
 order of the whole, which values at the cells' centres would take down to two."""
 import os

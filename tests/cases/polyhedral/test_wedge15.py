@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A dense granular gas over a 15 degree wedge on triangles: angle of the shock and state behind it against the exact ones."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The step of cases/wedge on triangles: nears the lattice's fine runs as the lattice itself does."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Allcheck: cases in full in copies, beside their expected values; what is run again, and what fails."""
 import json
 import os

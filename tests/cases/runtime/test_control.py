@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What controlDict says about writing, stopping and starting, seen in the folders of small runs; the log's figures."""
 import os
 import re

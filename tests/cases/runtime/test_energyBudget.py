@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The function object energyBudget: mass and energy close to round-off, every change has its cause, and the gas has the same
 bits with it."""
 import os

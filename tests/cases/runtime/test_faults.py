@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever is done to a run, no result is lost that had been reported as written, and the message says what to do."""
 import itertools
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """fieldAverage: means and mean squares of fluctuations are those of the steps, survive restarts to the bit on any ranks, and
 refuse what is wrong."""
 import os

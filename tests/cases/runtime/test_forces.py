@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The function objects forces and forceCoeffs, and the columns of momentum of energyBudget: what leaves the gas through patches is
 what the state has lost, to round-off, by whatever way a step goes; against exact pressures, stresses and weights."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Function object image: the pictures of haffPlot at each written time, without a say in the run."""
 import os
 import re

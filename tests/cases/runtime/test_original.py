@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A start as its user writes it, 0.orig, and the time 0 that programs make of it for all who read the case."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A case is all that a run reaches: nothing outside of it is written, renamed, removed or shown, whatever links lead there."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """1, 2, 4 ranks, and more ranks than tiles: every byte the same. processorN folders against OpenFOAM and VTK."""
 import glob
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """phaseAverage: the means are those of the written times, survive stops and restarts to the bit, and refuse what is wrong."""
 import json
 import os

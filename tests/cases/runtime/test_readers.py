@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every case that is shipped, meshed small and run on two ranks, opened by others: checkMesh and foamToVTK, reconstructPar on
 the parts of the ranks, the OpenFOAM readers of VTK and of ParaView (vtkPOpenFOAMReader), VTK's reader of legacy files."""
 import glob

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stops and restarts give the bytes of a run that went through; faults in test_faults.py."""
 import os
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """postProcessing/run/START/run.dat, the log as a table; and the changes of mass and energy, which count from the start of the
 case, after restarts, too."""
 import os

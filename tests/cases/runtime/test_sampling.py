@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Values along lines, at points and on surfaces: linear fields are exact on boxes and simplices, beside walls as inside; VTK reads the files;
 the same bytes on any number of ranks."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Allrun and its shell code with stand-ins for the programs: what is made once, what is made again, what it says."""
 import json
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every case that is shipped, on its own mesh: what checkCase says of it."""
 import os
 import re

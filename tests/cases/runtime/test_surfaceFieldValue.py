@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The function object surfaceFieldValue: operations on patches and planes, what flows through them, second order of planes on any mesh."""
 import os
 import shutil

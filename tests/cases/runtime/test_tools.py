@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A short wedge run opened by others: checkMesh, foamToVTK, VTK's OpenFOAM reader, meshio; names and values of arrays."""
 import glob
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fields made of the state: vorticity, gradAlpha and Kn, in the time folders by writeObjects and in the files of the other function
 objects."""
 import os

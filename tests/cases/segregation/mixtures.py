@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Short forms of the cases of granularSegregation."""
 import os
 import shutil

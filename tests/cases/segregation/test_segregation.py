@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """granularSegregation through the real program: orders, exact solutions, conservation, bounds, restarts, errors."""
 import os
 import shutil

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What carries the mixture: flows of other cases, their density, shear and stress, gravity, cyclic axes, 3D."""
 import os
 import shutil

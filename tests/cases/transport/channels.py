@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Copies of the channels of disks that are shipped, changed."""
 import os
 

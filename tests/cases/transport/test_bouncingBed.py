@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The bed of cases/bouncingBed, six periods of it: against a prototype (an independent program) and the grains."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which laws of transport go with which grains, in one, two and three dimensions, and what the programs say of a choice."""
 import os
 import unittest

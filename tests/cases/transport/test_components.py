@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas that moves along an axis which the mesh does not resolve, with viscosity and heat conduction: Couette flow in one dimension,
 and the section of a heap that runs down a slope. The same as with three cells along that axis, to round-off."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Spheres that cool in a periodic cube: the shipped case in fewer cells, and faint waves beside linear theory (postprocessing/haff/exact/disks.py)."""
 import os
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A cooling gas of disks with viscosity and heat conduction: Haff's law, and the linear theory of its waves
 (postprocessing/haff/exact/disks.py)."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A gas of disks with Torquato's contact value, through the program."""
 import os
 import re

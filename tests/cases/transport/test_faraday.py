@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Short form of faraday: one wave in a box of 38, eight strokes of the plate."""
 import os
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Flow down a slope whose section alone is solved: the shipped case `pile` on a coarse mesh, its bits on two ranks, and homogeneous
 shear, whose stress over pressure decides at which angle a layer without side walls can flow steadily."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The wall of Johnson & Jackson in files and programs: what is written and read again, its budget, tools of OpenFOAM, what is
 refused. Its flows are in test_steadyFlows.py and test_viscousTriangles.py."""
 import glob

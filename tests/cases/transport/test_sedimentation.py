@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The column of cases/sedimentation: against the grains, against a prototype (an independent program of finite volumes with the
 same closure, 100 cells; its values are in mm, mm/s), in three dimensions, and a bed that lies still."""
 import re

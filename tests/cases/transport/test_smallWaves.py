@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faint waves of inelastic spheres that cool, from near vacuum to dense, against linear theory with mu and zeta_U."""
 import os
 import unittest

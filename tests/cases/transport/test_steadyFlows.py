@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Flows of disks with viscosity and heat conduction between two walls, against the solution of the ordinary differential
 equations of steady flow (postprocessing/haff/exact/disks.py) and that of Couette flow that starts."""
 import unittest

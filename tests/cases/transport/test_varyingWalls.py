@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls that change in time, through the whole program: one that swings along itself (Stokes' second problem) and one that is heated
 in time, against the exact linear waves; what is refused. (tests/libcore/gas/test_mpi_vary.c has all time schemes.)"""
 import unittest

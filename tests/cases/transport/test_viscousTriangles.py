@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Viscous stress and heat conduction on gmsh's triangles through the programs: the channels of cases/poiseuilleDisks and
 cases/couetteDisks, against the solutions of their ordinary differential equations."""
 import os

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Systems on cells of a grid that is cut into blocks, for the tests and the benchmark of the multigrid: links between
  * neighbours with weights 1/rho of rho that jumps from cell to cell, and holes. */
 #ifndef TESTS_MULTIGRID_GRID_H

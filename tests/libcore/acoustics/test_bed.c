@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The implicit acoustic step of a bed (libcore/acoustics/bed.h): rest, conservation, bounds at any step, and the orders
  * that the header promises. */
 #include "libcore/acoustics/bed_private.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The multigrid: solutions, their bits on any ranks, iterations on growing grids, what is special. */
 #include "tests/libcore/acoustics/multigrid_grid.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Smooth fields in the unit box, periodic along every axis, and what the Navier-Stokes equations of a granular gas make
  * of them, by their definition. Every term is there: pressure and convection; bulk, shear, heat and, if the law asks
  * for them, cross and dilation (libcore/models/transport.h), with coefficients that vary in space, derivatives across,

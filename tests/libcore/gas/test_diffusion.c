@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The explicit schemes of diffusion, mode by mode: what a super step leaves of a mode that decays at a given rate. */
 #include "tests/libcore/oracle.h"
 

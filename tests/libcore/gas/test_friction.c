@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Heat is conducted with what the stress makes of T and with what cooling takes: nothing is split between these, on
  * either mesh engine, however a half step is cut into parts. */
 #include "tests/libcore/sources.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains in motion against published theory: pressure of elastic disks and spheres, cooling of inelastic ones. */
 #include "libcore/grains/packing.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The budget of energy by source: every change of a uniform gas belongs to the source that made it, whatever others are
  * on; the gas has the same bits with the budget, and with uniform cells left out. Lattice and polyhedra. */
 #include "tests/libcore/sources.h"

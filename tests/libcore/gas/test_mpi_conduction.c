@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Heat that inelastic spheres conduct, with what grad rho adds to it, also under their weight: steady between walls of
  * each kind that heat crosses, on both mesh engines. */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Steps that are left because somebody asked for an end, and diffusion that would have none, on both mesh engines. */
 #include <unistd.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The density floor: gas that flies apart stays above it on both mesh engines, what that adds is counted to round-off,
  * whatever the Runge-Kutta scheme, and the bits are those of one rank. */
 #include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */

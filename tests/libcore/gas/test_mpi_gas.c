@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whole steps of the gas on forests of tiles: conservation, bits that depend on neither tiles nor dimension, quiet
  * states, the limiter and the stop at a collapse. */
 #include "libcore/gas/gas.h"

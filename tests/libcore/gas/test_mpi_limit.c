@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The theorem of libcore/schemes/limit.h on both mesh engines: one limited Euler stage from random admissible cells
  * with K <= 1 is admissible everywhere, conserves, and has the same bits on all ranks; smooth flow keeps its order. */
 #include "libcore/lattice/tiles.h"

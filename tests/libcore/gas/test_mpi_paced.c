@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fluxes that depend on dt/dx: which dt and dx their faces get, on a lattice and on polyhedra. */
 #include "libcore/gas/gas.h"
 

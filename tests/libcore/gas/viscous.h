@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gases of disks and spheres with transport, for tests of diffusion on both mesh engines. */
 #ifndef TESTS_LIBCORE_VISCOUS_H
 #define TESTS_LIBCORE_VISCOUS_H

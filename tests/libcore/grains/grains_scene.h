@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains in a box, for tests of the engine. */
 #ifndef TESTS_LIBCORE_GRAINS_SCENE_H
 #define TESTS_LIBCORE_GRAINS_SCENE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The queue of events against a search through all, with times that come in bursts, far off, equal, or never. */
 #include "libcore/grains/calendar.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fields from grains: what the grains have, the fields have; kernels against brute force; impacts. */
 #include "libcore/grains/coarse.h"
 #include "libcore/grains/grains.h"

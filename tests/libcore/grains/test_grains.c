@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Event-driven grains against closed forms, against a plain reference that looks at all pairs, and against themselves
  * in pieces. */
 #include "tests/libcore/grains/grains_scene.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains and walls: contacts with moving ones at the first root, hops on one at rest, a column that rests on one. */
 #include "tests/libcore/grains/grains_scene.h"
 

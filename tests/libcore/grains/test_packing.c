@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts: places without overlap to dense packings, fields honoured, velocities with exact sums; errors. */
 #include "libcore/grains/packing.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random numbers: published outputs, moments, streams. */
 #include "libcore/grains/random.h"
 

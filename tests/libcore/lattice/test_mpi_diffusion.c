@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction on tiles: exact decays, the operator against its definition, what must not happen.
  */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */

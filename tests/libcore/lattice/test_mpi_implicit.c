@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit diffusion on tiles beside exact and explicit results; what a stiff step must not do. */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What one step of each implicit scheme leaves of a mode: R(z) as measured, z = -dt times the mode's rate. */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Walls of a gas with transport, on tiles: walls that move and that take heat, against exact solutions. */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 

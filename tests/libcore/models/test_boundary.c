@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every boundary type: the ghost values it makes of a line of cells, and what walls do to a gas with transport. */
 #include "tests/libcore/oracle.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every cooling law against its equation: reference values, an integration in small steps, steps of any length, and the
  * limits of the threshold of elastic impacts. */
 #include "tests/defaults.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every equation of state: reference values, thermodynamic identities by differences, limits. */
 #include "tests/libcore/oracle.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every source against its equation: exact steps, what its row says about it, how sources act together; gravity, shaken
  * or not. */
 #include "tests/libcore/oracle.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscosities and conductivity against reference values, and what holds at the ends of the range. */
 #include "tests/libcore/oracle.h"
 

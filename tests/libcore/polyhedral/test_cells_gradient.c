@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of cells on meshes that are as skewed as meshes get: exact for linear fields, and bounded. */
 #include "libcore/polyhedral/cells_gradient.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whole steps of the gas on polyhedra: free stream, conservation, order, bits, the limiter; against the tiles. */
 #include "libcore/gas/gas.h"
 #include "tests/defaults.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction on polyhedra: order on perturbed meshes, what linear fields must do exactly, bits,
  * what must not happen; against the tiles. */
 #include "libcore/polyhedral/cells.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit diffusion on polyhedra beside that on tiles, explicit results, and fewer ranks. */
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 

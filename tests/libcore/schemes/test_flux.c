@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every flux: eigenvectors against the references, consistency, mirror images, axes, batches. */
 #include "tests/libcore/oracle.h"
 

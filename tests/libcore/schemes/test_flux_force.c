@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* FORCE and MUSTA: their formula, their limits, what they keep monotone, and Godunov's flux. That they are consistent,
  * keep mirror images and do not depend on batches: test_flux.c. */
 #include "tests/libcore/oracle.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The limiter at single faces (libcore/schemes/limit.h): between any two admissible states of every equation of state,
  * whatever the high-order flux. */
 #include "libcore/schemes/limit.h"

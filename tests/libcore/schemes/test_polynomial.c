@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every way to fit polynomials, on perturbed quads, triangles, hexes and tets: constants to the bit, exactness, order
  * at the face points, jumps, strong shocks, units, moving observers, the same bits whatever the batches. */
 #include "tests/simplices.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every reconstruction: constants to the bit, mirror images, order; values of the published formulas. */
 #include "tests/libcore/oracle.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Segregation on a line: the paper's tables, exact solutions with and without diffusion, bounds, mass, adaptive steps.
  */
 #include "libcore/segregation/segregation.h"

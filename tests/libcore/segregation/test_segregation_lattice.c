@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Segregation on lattices: orders, uniform states in any flow without divergence, bounds, mass, one to three axes. */
 #include "libcore/segregation/segregation.h"
 #include "libcore/segregation/segregation_lattice.h"

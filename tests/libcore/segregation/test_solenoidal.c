@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Flows made free of divergence: closed and open boxes, holes, what is already free, what cannot be. */
 #include "libcore/segregation/solenoidal.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """gmshToCase on gmsh's own files in all four formats: OpenFOAM's checkMesh accepts the result, and gmshToFoam makes the
 same mesh up to ordering of the same ascii file."""
 import itertools

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of values in cells: exact for linear values on any mesh, and for quadratic ones on boxes, beside patches,
  * too; of second order on warped meshes. */
 #include "mesh/grid/gradient.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Means over cells: second moments are the polyhedra's, integrals of quartics over a box of any cells are exact. */
 #include "mesh/grid/quadrature.h"
 #include "mesh/polyhedral/polyhedra.h"

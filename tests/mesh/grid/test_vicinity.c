@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients, values at points and anywhere in cells, and surfaces through them, on every shape of cells: linear fields
  * are exact, beside the ends of the mesh as inside; level sets converge to spheres and have no gaps. */
 #include "mesh/grid/slices.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Each scene is a lattice with holes and patches, described by hand and cut into tiles; every ghost cell of every tile
  * is compared with the lattice cell that belongs there. */
 #include "mesh/lattice/forest.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Perturbed meshes of lines, quads, triangles, hexahedra, prisms, tetrahedra or pyramids in a box, or of hexahedra,
  * prisms and pyramids side by side (MIXED): for the tests of the polyhedra. */
 #ifndef TESTS_CELLS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Polyhedra on all ranks against the same ones made by each rank alone: the same lists and the same bits for every
  * cell, face, ghost and mirror; ghosts filled with the values of their cells. */
 #include "mesh/polyhedral/polyhedra.h"

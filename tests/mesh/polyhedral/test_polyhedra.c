@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Geometry and stencils of polyhedra against exact values and against their definitions, on one rank. */
 #include "mesh/polyhedral/polyhedra.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The reader of cases on files written here: ascii, binary, .gz, uniform, tables, geometry, and what it must refuse."""
 import gzip
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Entries of dictionaries by their path: read, set, made, removed, and everything else in the file stays."""
 import os
 import shutil

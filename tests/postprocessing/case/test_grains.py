@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The reader of clouds: ascii and binary fields, .gz, and what it must refuse."""
 import gzip
 import os

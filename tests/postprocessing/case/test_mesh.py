@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes in Python: lattices are recognised, whatever the numbers of their cells, and nothing else is; geometry chunk by chunk."""
 import os
 import tempfile

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Values at points, along lines and in slices of any mesh; values on patches; units. On lattices, sheared and warped boxes, simplices."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of function objects: names of their columns, starts joined, with pandas and without; of runs of the programs, restarted."""
 import os
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The reference solutions of steady flow between two walls: what they are solutions of, by other means than the solver's."""
 import unittest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Enskog's contact values, pressure and cooling against tables of an independent derivation (50 digits), and against
 what a Maxwellian gas must do."""
 import csv

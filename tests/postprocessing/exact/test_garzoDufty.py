@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The closures of Garzo & Dufty in Python against the oracles, and a gas without inelasticity."""
 import csv
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Oblique shocks against the perfect gas's closed forms, the jump conditions and their limits."""
 import unittest
 

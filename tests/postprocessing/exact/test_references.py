@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Python references against values that were made without them: oracles, Sod's tube, conservation, the equations."""
 import csv
 import os

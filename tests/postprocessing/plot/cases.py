@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tiny cases with fields that are known, for tests of pictures: nothing is run."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haffPlot, haffMovie and haffLog as they are called: files made and files left alone, exit codes, what they say when something is wrong."""
 import contextlib
 import fcntl

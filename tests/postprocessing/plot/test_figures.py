@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What all figures share: names on axes, and saving, which leaves a file whole or as it was."""
 import os
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of tiny cases: what stands in the figure is what stands in the fields; colours, walls, times, names and units."""
 import os
 import shutil

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff figure: where the figure of a case goes, of its own run and of another, and that the case's own picture is not touched."""
 import os
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes as flat shapes: sections, cuts, lines, surfaces. Areas, lengths and places are known; every kind of mesh is cut."""
 import os
 import shutil

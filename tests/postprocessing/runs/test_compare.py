@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff.compare: differences on the coarser mesh are those of exact means over its cells, whatever the two meshes are."""
 import os
 import shutil

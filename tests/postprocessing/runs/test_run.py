@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff.run: copies with other entries and their meshes, what is never touched, errors with file and line, stops."""
 import contextlib
 import os

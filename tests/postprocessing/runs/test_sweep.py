@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """haff.sweep: every combination once, stopped and killed and continued, failed runs as rows, other cases noticed."""
 import csv
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gas and grains in a box: their spectra, the noise that the one begins with, and when Haff's law is left."""
 import re
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Profiles over the height: kept, moved and compared."""
 import os
 import tempfile

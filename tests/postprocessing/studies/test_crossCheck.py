@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """crossCheck through the real programs: Sod's tube in short, refusals, the limits in small, OpenFOAM's tools on what is written."""
 import csv
 import glob

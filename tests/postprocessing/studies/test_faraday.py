@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The measures of patterns on layers whose waves are known: with noise, without a wave, with the wrong period, growing;
 from arrays and from the files of a case. The mean of the strongest wavelengths is shown to be the worse estimator."""
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """faradayDiagram: rows as cases, what stands, and the driver on a coarse template: done once, gone on, drawn."""
 import csv
 import os

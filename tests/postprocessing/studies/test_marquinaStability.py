@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Growth of noise in uniform gas with Marquina's flux: the formulas against the program, and the flux that is cured."""
 import unittest
 

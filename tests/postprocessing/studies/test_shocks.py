@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The measurements of shocks find what was put in: exact fields on a lattice, whose cells the shock cuts anywhere."""
 import os
 import tempfile

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """workPrecision --quick through the real programs: rows, errors that fall with the grid, and the time of rhoCentralFoam."""
 import csv
 import os

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* controlDict: time steps, write times, names, choices. */
 #include "solvers/case/control.h"
 #include "solvers/case/times.h"

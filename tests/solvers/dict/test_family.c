@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One loop reads every family of models: which row a keyword chooses, whose NAMECoeffs are read, and what is refused.
  */
 #include "solvers/dict/family.h"

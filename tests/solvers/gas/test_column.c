@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The isothermal column: against the exact gas, and by its own equation for dense grains. */
 #include "solvers/gas/initial.h"
 #include "solvers/gas/layers.h"

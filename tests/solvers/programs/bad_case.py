@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A small sound case for test_bad_input.py: 6 x 4 cells with an inlet, a wall, a cyclic pair and an empty patch."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mistakes of test_bad_input.py in meshes, mesh files, restarts and conversions (the others: bad_rows.py)."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mistakes of test_bad_input.py: what is changed in a sound case, and what the programs must say of it."""
 import os
 import shutil

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Wrong input, as users make it, through the real programs: each mistake is named with file, line, what was found and
 what is allowed; the exit code is 1 and the case folder stays as it was, to the byte."""
 import hashlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What checkCase and the log of a run foretell: narrow cells, and steps without number."""
 import os
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The programs on real case folders: bad input, restart, stopping, function objects."""
 import hashlib
 import os
