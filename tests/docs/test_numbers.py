@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers that README quotes from reports."""
+"""Numbers that the user guide quotes from reports."""
 import os
 import re
 import unittest
@@ -14,15 +14,15 @@ def text(*path):
 
 class Numbers(unittest.TestCase):
     def test_stress(self):
-        """README says how many of the random problems ran to their end, were stopped, ended with a stated cause and failed, as the
+        """The guide says how many of the random problems ran to their end, were stopped, ended with a stated cause and failed, as the
         report's row of all problems with the default schemes does."""
         report = text("postprocessing", "reports", "stress.md")
         head = re.search(r"^\| problem \|.*$", report, re.M).group().split("|")
         row = re.search(r"^\| \*\*all\*\* \|.*$", report, re.M).group().split("|")
         found = {name.strip(): value.strip() for name, value in zip(head, row)}
-        sentence = re.search(r"random problems,.*?stress\.md", text("README.md"), re.S).group()
+        sentence = re.search(r"random problems,.*?stress\.md", text("docs", "userGuide.md"), re.S).group()
         for name in ("ran to their end", "stopped at the bound of steps", "ended with a stated cause"):
-            self.assertIn(found[name], sentence, f"README.md quotes another share of problems {name} than stress.md has")
+            self.assertIn(found[name], sentence, f"docs/userGuide.md quotes another share of problems {name} than stress.md has")
         self.assertIn(f"{found['failed']} failed", sentence)
 
 
