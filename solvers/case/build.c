@@ -20,6 +20,9 @@
 const char *build_version(void) {
     return HAFF_VERSION " (git " HAFF_GIT ")";
 }
+const char *build_number(void) {
+    return HAFF_VERSION;
+}
 const char *build_compiler(void) {
     return COMPILER " " HAFF_FLAGS;
 }

@@ -12,7 +12,7 @@
 enum { MAX_FILES = 8 };
 struct setup_file { /* one dictionary of the case */
     const char *folder, *name;
-    const struct dict *dict; /* NULL: the file is not there */
+    struct dict *dict; /* NULL: the file is not there */
 };
 struct setup { /* the same on every rank, but for the grid */
     const struct comm *comm;

@@ -6,6 +6,7 @@
 
 #include "libcore/models/param.h"
 #include "mesh/format/foamfile.h"
+#include "solvers/case/version.h"
 #include "solvers/case/warnings.h"
 #include "solvers/dict/keywords.h"
 
@@ -24,6 +25,7 @@ struct trigger { /* when something is written: the fields, or a function object'
 struct control {
     struct dict *dict;
     struct dict *functions; /* NULL: none; owned by dict */
+    struct version written; /* haffVersion; 0.0: the case does not say */
     enum start_from start_from;
     enum stop_at stop_at;
     bool adjust;                     /* is dt chosen from the Courant number? */

@@ -14,11 +14,12 @@ const char *const warning_names[WARNINGS] = {
     [WARN_NARROW] = "narrowCell",      [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",
     [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
-    [WARN_PICTURE] = "noPicture",
+    [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",
 };
 
 const char *const warning_meanings[WARNINGS] = {
     [WARN_HEADER] = "a file lacks the FoamFile header",
+    [WARN_VERSION] = "what an entry that is left out means has changed since the haffVersion of the case",
     [WARN_UNEVALUATED] = "the start is given by expressions in a folder that other programs read",
     [WARN_SCHEME] = "the scheme that is given is for the other kind of mesh",
     [WARN_NARROW] = "a cell is far narrower than the others",

@@ -10,6 +10,7 @@
 /* What they mean: warning_meanings. */
 enum warning {
     WARN_HEADER,
+    WARN_VERSION,
     WARN_UNEVALUATED,
     WARN_SCHEME,
     WARN_NARROW,

@@ -31,6 +31,7 @@ TABLES = {
     "solvers/functions/functions_sets.c": {"dict_key(all, i)"},
     "solvers/functions/functions_surfaces.c": {"dict_key(all, i)"},
     "solvers/case/varying.c": {"v->key", "key", "motion"},
+    "solvers/case/version.c": {"*key", "sub", "key", "row->with.entry", "row->without.entry"},
     "solvers/gas/gas_medium.c": {"names[polyhedral]", "names[!polyhedral]"},  # reconstruct, polyReconstruct
     "solvers/functions/functions_means.c": {"key"},
     "solvers/functions/functions_average.c": {"key", "quantity_of(f, it->field)->name"},
