@@ -3,8 +3,9 @@
 
 Each case runs as its Allrun does it, in a copy in build/check/cases; the table below gives processor seconds of Allrun, figure
 included, and `seconds` of expected.json is what that took when it was written, by which the cases are ordered. A case is run
-again only if the programs or its files have changed since; one that was stopped goes on from its last time. Exit code 1: a
-value is outside its tolerance or missing, or a case did not run to its end."""
+again only if the programs or its files have changed since; one that was stopped goes on from its last time. A value that is not the
+one written down as `measured` in expected.json is pointed at; -record writes all down. Exit code 1: a value is outside its tolerance
+or missing, or a case did not run to its end."""
 import hashlib
 import json
 import os
@@ -118,18 +119,39 @@ def show(name, quantity, measured, wanted, tolerance, verdict):
     print(f"{name:<24}{quantity:<50}{measured:>14} {wanted:>14} {tolerance:>9}  {verdict}", flush=True)
 
 
-def check(name, root):
+def verdict(entry, value, right):
+    """What the row of a value says at its end."""
+    if not right:
+        return "FAILED"
+    stands = f"{entry['measured']:.6g}" if "measured" in entry else "nothing"
+    return "ok" if stands == f"{value:.6g}" else f"ok, but {stands} is written down (-record)"
+
+
+def write_down(name, values):
+    """The values of `full` into the expected.json of the case itself; what was not measured stays."""
+    path = os.path.join(TOP, "cases", name)
+    known = expected.read(path)
+    for entry, value in zip(known["full"], values):
+        if value == value:
+            entry["measured"] = float(f"{value:.9g}")
+    expected.save(path, known)
+
+
+def check(name, root, record=False):
     """Runs a case and prints its rows; returns whether all is well."""
     copy = Copy(name, root)
     trouble = copy.run()
-    good = not trouble
+    good, values = not trouble, []
     if trouble:
         show(name, trouble, "", "", "", "FAILED")
     for entry in expected.load(copy.path, "full"):
         value, right, why = expected.judge(copy.path, entry)
         good = good and right
         show(name, expected.describe(entry), why or f"{value:.9g}", f"{entry['value']:.9g}", f"{entry['tolerance']:.2g}",
-             "ok" if right else "FAILED")
+             "ok" if record and right else verdict(entry, value, right))
+        values.append(value)
+    if record and not trouble:
+        write_down(name, values)
     print(f"{name:<24}{copy.state['seconds']:.1f} s of processor time (written down: {cost(name):g} s)", flush=True)
     return good
 
@@ -139,6 +161,7 @@ def main():
     parser.add_argument("cases", nargs="*", metavar="CASE", help="all by default")
     parser.add_argument("-list", action="store_true", help="says what there is and what it costs; runs nothing")
     parser.add_argument("-within", type=float, metavar="SECONDS", default=float("inf"), help="only cases that cost no more than that")
+    parser.add_argument("-record", action="store_true", help="writes what was measured into expected.json; then run docs/makeValidation")
     parser.add_argument("-np", type=int, default=1, metavar="N", help="on N ranks")
     parser.add_argument("-scratch", metavar="FOLDER", default=os.path.join(TOP, "build", "check"), help="instead of build/check")
     options = parser.parse_args()
@@ -157,7 +180,7 @@ def main():
     bad, done, began = [], [], time.time()
     try:
         for name in chosen:
-            if not check(name, os.path.abspath(options.scratch)):
+            if not check(name, os.path.abspath(options.scratch), options.record):
                 bad.append(name)
             done.append(name)
     except KeyboardInterrupt:

@@ -6,6 +6,11 @@
 An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
 prints). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is the processor time of Allrun.
+
+docs/makeValidation makes its table of these, for which an entry of `full` also has kind (of KINDS: what value is), measured (what the
+case had when it was last run in full; `./Allcheck -record` writes it down) and, where it is further from the paper than the tolerance, why.
+`told` lists what the README compares and no program measures again: quantity, haff and reference as printed there, kind, source; optional
+allowed (printed there, too), why (where the two differ).
 """
 import csv
 import json
@@ -27,6 +32,14 @@ from haff.studies import bunches, clustering, columns, faraday, shocks
 REFERENCES = os.path.join(TOP, "postprocessing", "references")
 CASES = os.path.join(TOP, "cases")
 WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
+# What a number is compared with.
+KINDS = {
+    "exact": "an exact solution, a law, or a boundary value problem solved to round-off",
+    "paper": "a number that a paper prints",
+    "grains": "the grains of granularMD",
+    "peer": "another program",
+    "own": "haff itself: another grid, scheme or commit, so that a change is noticed",
+}
 
 
 def gas(case):
@@ -217,9 +230,23 @@ QUANTITIES = {
 }
 
 
+def read(path):
+    with open(os.path.join(path, "expected.json"), encoding="utf-8") as f:
+        return json.load(f)
+
+
 def load(path, part):
-    with open(os.path.join(path, "expected.json")) as f:
-        return json.load(f)[part]
+    return read(path)[part]
+
+
+def save(path, known):
+    """Writes the whole of expected.json, an entry a line."""
+    parts = []
+    for key, value in known.items():
+        rows = ",\n".join("    " + json.dumps(e, ensure_ascii=False) for e in value) if isinstance(value, list) else ""
+        parts.append(f'  "{key}": ' + (f"[\n{rows}\n  ]" if rows else json.dumps(value)))
+    with open(os.path.join(path, "expected.json"), "w", encoding="utf-8") as f:
+        f.write("{\n" + ",\n".join(parts) + "\n}\n")
 
 
 def measure(case, entry):

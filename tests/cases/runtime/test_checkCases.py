@@ -7,6 +7,7 @@ import subprocess
 import unittest
 
 from tests.cases import harness
+from tests.cases.harness import expected
 
 
 class CheckCases(harness.Folder, unittest.TestCase):
@@ -64,6 +65,18 @@ class CheckCases(harness.Folder, unittest.TestCase):
         self.assertRegex(self.check(code=1), r"sod +Allrun ended with 1; see .*sod\.log +FAILED")
         harness.edit(self.case, "system/controlDict", endTime=0.2)
         self.check()
+
+    def test_writes_down(self):
+        """-record writes down what was measured, and nothing else; without it Allcheck points at what is not that."""
+        before = expected.read(self.case)
+        self.expect(measured=1.5)
+        self.assertRegex(self.check(), r"maximum T at t = 0.2 .* ok, but 1\.5 is written down \(-record\)\n")
+        self.assertNotIn("written down (", self.check("-record"))
+        after = expected.read(self.case)
+        self.assertAlmostEqual(after["full"][0]["measured"], 1.1428, 4)
+        for entry in before["full"] + after["full"]:
+            del entry["measured"]
+        self.assertEqual(after, before)
 
     def test_command_line(self):
         self.assertIn("no case sodd; there are: sod", self.check("sodd", code=2))
