@@ -147,8 +147,23 @@ static bool is_digit(char c) {
 }
 
 static bool ends_token(const char *p) {
-    unsigned char c = (unsigned char)*p;
-    return c <= ' ' || strchr("()[]{};,\"'", c) || (c == '/' && (p[1] == '/' || p[1] == '*'));
+    switch (*p) {
+    case '(':
+    case ')':
+    case '[':
+    case ']':
+    case '{':
+    case '}':
+    case ';':
+    case ',':
+    case '"':
+    case '\'':
+        return true;
+    case '/':
+        return p[1] == '/' || p[1] == '*';
+    default:
+        return (unsigned char)*p <= ' ';
+    }
 }
 
 /* Calls strtod, which wants the decimal point of the locale; a library may have set one with a comma. */
@@ -161,21 +176,74 @@ static double slow_number(const char *text, size_t length) {
     return strtod(copy, NULL);
 }
 
-/* Mantissas up to 2^53 and powers of ten up to 10^22 are exact doubles, so one division or product of them rounds
- * correctly (Clinger 1990); strtod reads all other numbers. */
-const char *foam_number(const char *text, double *out) {
+typedef unsigned wide __attribute__((mode(TI))); /* 128 bits */
+
+enum { EXACT_POWER = 22, WIDE_POWER = 27 }; /* 10^22 is an exact double; 5^27 < 2^63 */
+
+/* Returns m 2^e of a whole number m > 0, rounded to the nearest double, or to the even one of two; `more`: a part
+ * between 0 and 1 is to be added to m. The result is far from the least and the largest double. */
+static double rounded(wide m, int e, bool more) {
+    const uint64_t high = (uint64_t)(m >> 64), low = (uint64_t)m;
+    const int drop = (high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll(low)) - 53;
+    double scale;
+    if (drop > 0) {
+        const wide half = (wide)1 << (drop - 1), rest = m & (2 * half - 1);
+        m >>= drop;
+        m += rest > half || (rest == half && (more || (m & 1)));
+        e += drop;
+    }
+    const uint64_t bits = (uint64_t)(1023 + e) << 52;
+    memcpy(&scale, &bits, sizeof scale);
+    return (double)(uint64_t)m * scale;
+}
+
+/* Returns m 10^exponent, correctly rounded. Whole numbers up to 2^53 and powers of ten up to 10^22 are exact doubles,
+ * so that one division or product of them rounds once (Clinger 1990). All others with |exponent| <= WIDE_POWER are
+ * products or quotients of whole numbers: m 5^exponent, or the quotient of m 2^s, 2^126 <= m 2^s < 2^127, by
+ * 5^-exponent, which has 64 digits or more, with the knowledge whether a rest is left. */
+static double scaled(uint64_t m, int exponent) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    static const uint64_t five_to[WIDE_POWER / 2 + 2] = {
+        1, 5, 25, 125, 625, 3125, 15625, 78125, 390625, 1953125, 9765625, 48828125, 244140625, 1220703125, 6103515625};
+    if (m == 0) return 0;
+    if (m <= UINT64_C(1) << 53 && abs(exponent) <= EXACT_POWER)
+        return exponent < 0 ? (double)m / power[-exponent] : (double)m * power[exponent];
+    const int n = abs(exponent);
+    const uint64_t five = five_to[n / 2] * five_to[n - n / 2];
+    if (exponent >= 0) return rounded((wide)m * five, exponent, false);
+    const int s = 63 + __builtin_clzll(m);
+    const wide dividend = (wide)m << s, quotient = dividend / five;
+    return rounded(quotient, exponent - s, quotient * five != dividend);
+}
+
+/* Reads the digits at p into *m, as long as 19 of them fit, and returns the character behind all of them; *lost: the
+ * digits that did not fit. */
+static const char *read_digits(const char *p, uint64_t *m, int *lost) {
+    for (; is_digit(*p); p++) {
+        if (*m < UINT64_C(1000000000000000000))
+            *m = 10 * *m + (uint64_t)(*p - '0');
+        else
+            ++*lost;
+    }
+    return p;
+}
+
+/* strtod reads the numbers with more than 19 digits, or exponents that `scaled` does not know. */
+const char *foam_number(const char *text, double *out) {
     const char *p = text;
-    bool minus = *p == '-';
+    const bool minus = *p == '-';
     if (*p == '-' || *p == '+') p++;
+    const char *first = p;
     uint64_t mantissa = 0;
-    int digits = 0, scale = 0, exponent = 0;
-    for (; is_digit(*p); p++, digits++)
-        if (mantissa < UINT64_C(1) << 59) mantissa = 10 * mantissa + (uint64_t)(*p - '0');
+    int lost = 0, scale = 0, exponent = 0, digits;
+    p = read_digits(p, &mantissa, &lost);
+    digits = p > first;
     if (*p == '.') {
-        for (p++; is_digit(*p); p++, digits++, scale--)
-            if (mantissa < UINT64_C(1) << 59) mantissa = 10 * mantissa + (uint64_t)(*p - '0');
+        first = p + 1;
+        p = read_digits(first, &mantissa, &lost);
+        scale = (int)(first - p);
+        digits |= p > first;
     }
     if (!digits) return NULL;
     if (*p == 'e' || *p == 'E') {
@@ -188,13 +256,10 @@ const char *foam_number(const char *text, double *out) {
     }
     if (!ends_token(p) || p - text >= 128) return NULL;
     exponent += scale;
-    if (mantissa <= UINT64_C(1) << 53 && exponent >= -22 && exponent <= 22) {
-        double v = (double)mantissa;
-        v = exponent < 0 ? v / power[-exponent] : v * power[exponent];
-        *out = minus ? -v : v;
-    } else {
+    if (!lost && abs(exponent) <= WIDE_POWER)
+        *out = minus ? -scaled(mantissa, exponent) : scaled(mantissa, exponent);
+    else
         *out = slow_number(text, (size_t)(p - text));
-    }
     return p;
 }
 

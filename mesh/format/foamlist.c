@@ -132,6 +132,91 @@ static status closes(struct lexer *l, const struct opening *o, bool *closed) {
     return OK;
 }
 
+/* Makes room for the entries that the list announces. A false count must not ask for memory that the file cannot
+ * fill. */
+static status make_room(const struct lexer *l, const struct opening *o, int components, struct growing *g) {
+    const long most = (long)(l->source->size - l->position) / 2;
+    return o->count > 0 && o->count * components <= most ? grow(g, o->count * components) : OK;
+}
+
+/* How many entries may follow n of them: any number, if the list does not say how many it has. */
+static long entries_left(const struct opening *o, long n) {
+    return o->count < 0 ? LONG_MAX : o->count - n;
+}
+
+/* ---- entries as writers put them ----
+ *
+ * Between entries stand blanks and line ends alone, whole numbers have nine digits at most. The functions below read
+ * such entries in one pass, as long as there are any, at most `most`, and the array has room, and return how many they
+ * read. What is left, the lexer reads, one entry at a time. */
+
+/* Returns the first character at p or behind it that is no blank and no line end; *line counts these. */
+static inline const char *after_blanks(const char *p, int *line) {
+    for (; *p == ' ' || *p == '\n'; p++) *line += *p == '\n';
+    return p;
+}
+
+/* Reads a whole number of at most nine digits at p and returns the character behind it; NULL: there is none. */
+static inline const char *plain_number(const char *p, int *out) {
+    const char *first = p;
+    unsigned v = 0;
+    for (; *p >= '0' && *p <= '9'; p++) v = 10 * v + (unsigned)(*p - '0');
+    *out = (int)v;
+    return p > first && p - first <= 9 ? p : NULL;
+}
+
+static void move_to(struct lexer *l, const char *p, int line) {
+    l->position = (size_t)(p - l->source->text);
+    l->line = l->last_line = line;
+}
+
+static long plain_labels(struct lexer *l, long most, struct growing *g) {
+    long n = 0;
+    if (most > g->room - g->count) most = g->room - g->count;
+    for (int line = l->line; n < most; n++) {
+        int *v = (int *)g->data + g->count;
+        const char *p = plain_number(after_blanks(l->source->text + l->position, &line), v);
+        if (!p || (*p != ' ' && *p != '\n' && *p != ')')) break;
+        g->count++;
+        move_to(l, p, line);
+    }
+    return n;
+}
+
+/* Reads faces `4(0 1 2 3)`. */
+static long plain_faces(struct lexer *l, long most, struct growing *start, struct growing *points) {
+    long n = 0;
+    if (most > start->room - start->count) most = start->room - start->count;
+    for (int line = l->line, corners; n < most; n++) {
+        const char *p = plain_number(after_blanks(l->source->text + l->position, &line), &corners);
+        if (!p || *p++ != '(' || corners > points->room - points->count) break;
+        int *v = (int *)points->data + points->count, read = 0;
+        while (read < corners && (p = plain_number(p, v + read)) && *p++ == (read + 1 < corners ? ' ' : ')')) read++;
+        if (read < corners || corners == 0 || points->count + corners > INT_MAX) break;
+        points->count += corners;
+        ((int *)start->data)[start->count++] = (int)points->count;
+        move_to(l, p, line);
+    }
+    return n;
+}
+
+/* Reads numbers, or vectors `(0 1 2)`. */
+static long plain_doubles(struct lexer *l, long most, int components, struct growing *g) {
+    long n = 0;
+    if (most > (g->room - g->count) / components) most = (g->room - g->count) / components;
+    for (int line = l->line; n < most; n++) {
+        double *v = (double *)g->data + g->count;
+        const char *p = after_blanks(l->source->text + l->position, &line);
+        int read = 0;
+        if (components > 1 && *p++ != '(') break;
+        while (read < components && (p = foam_number(p + (read && *p == ' '), v + read)) && isfinite(v[read])) read++;
+        if (read < components || (components > 1 && *p++ != ')')) break;
+        g->count += components;
+        move_to(l, p, line);
+    }
+    return n;
+}
+
 /* ---- numbers ---- */
 
 static status read_value(struct lexer *l, double *v) {
@@ -158,11 +243,10 @@ static status read_entry(struct lexer *l, int components, double *v) {
 }
 
 static status ascii_doubles(struct lexer *l, const struct opening *o, int components, struct growing *g) {
-    /* A false count must not ask for memory that the file cannot fill. */
-    long most = (long)(l->source->size - l->position) / 2;
-    if (o->count > 0 && o->count * components <= most) TRY(grow(g, o->count * components));
+    TRY(make_room(l, o, components, g));
     for (long n = 0;; n++) {
         bool closed;
+        n += plain_doubles(l, entries_left(o, n), components, g);
         TRY(closes(l, o, &closed));
         if (closed) return o->count >= 0 && n != o->count ? wrong_count(l, o, n) : OK;
         if (n == o->count) return too_many(l, o);
@@ -268,8 +352,10 @@ static status labels(struct lexer *l, const struct foam_header *h, long most, st
         for (long i = 0; i < o.count; i++) ((int *)g->data)[g->count++] = v;
         return OK;
     }
+    TRY(make_room(l, &o, 1, g));
     for (long n = 0;; n++) {
         bool closed;
+        n += plain_labels(l, entries_left(&o, n), g);
         TRY(closes(l, &o, &closed));
         if (closed) return o.count >= 0 && n != o.count ? wrong_count(l, &o, n) : OK;
         if (n == o.count) return too_many(l, &o);
@@ -315,8 +401,10 @@ static status listed_faces(struct lexer *l, const struct foam_header *h, struct 
     TRY(open_list(l, h, 0, &o));
     TRY(append(start, 0));
     if (o.empty) return OK;
+    TRY(make_room(l, &o, 1, start));
     for (long n = 0;; n++) {
         bool closed;
+        n += plain_faces(l, entries_left(&o, n), start, points);
         TRY(closes(l, &o, &closed));
         if (closed) return o.count >= 0 && n != o.count ? wrong_count(l, &o, n) : OK;
         if (n == o.count) return too_many(l, &o);

@@ -138,6 +138,37 @@ static void test_header(void **state) {
 
 static const struct foam_header ascii = {.label_bytes = 4, .scalar_bytes = 8};
 
+static void reads_as_strtod(const char *text) {
+    double v = 0, reference = strtod(text, NULL);
+    assert_non_null(foam_number(text, &v));
+    assert_memory_equal(&v, &reference, sizeof v);
+}
+
+/* Numbers of any length as meshes hold them, and such that lie half way between two doubles or next to that. */
+static void test_mesh_numbers_are_strtod(void **state) {
+    (void)state;
+    uint64_t seed = 7;
+    for (int i = 0; i < 200000; i++) {
+        char text[64];
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        const uint64_t m = seed >> (i % 60), half = (seed >> 11 | UINT64_C(1) << 52) << 1 | 1;
+        const int exponent = (int)(seed % 67) - 33;
+        snprintf(text, sizeof text, "%llue%d", (unsigned long long)m, exponent);
+        reads_as_strtod(text);
+        snprintf(text, sizeof text, "-%llu.%016llue%d", (unsigned long long)(m % 1000), (unsigned long long)half,
+                 exponent);
+        reads_as_strtod(text);
+        for (int off = -1; off <= 1; off++) {
+            snprintf(text, sizeof text, "%llu", (unsigned long long)((half << i % 10) + (uint64_t)off));
+            reads_as_strtod(text);
+            snprintf(text, sizeof text, "%llue-1", (unsigned long long)(half * 5 + (uint64_t)off));
+            reads_as_strtod(text);
+        }
+        snprintf(text, sizeof text, "%.17g", (double)half * (i % 2 ? 0x1p-60 : 0x1p-90));
+        reads_as_strtod(text);
+    }
+}
+
 static void doubles(const char *text, int components, long expected, double first, double last) {
     struct source *s = text_source(text);
     struct lexer l = lexer_start(s);
@@ -167,6 +198,31 @@ static void test_ascii_lists(void **state) {
     doubles("0();", 1, 0, 0, 0);
     doubles("2 // two\n(\n(1 2 3) // )\n/* )\n */ (4 5 6)\n)\n;", 3, 2, 1, 6);
     doubles("1((1 2 3 4 5 6));", 6, 1, 1, 6);
+}
+
+/* Entries that are read in one pass stand beside others, which the lexer reads. */
+static void test_mixed_lists(void **state) {
+    (void)state;
+    doubles("6\n(\n1 2 // two\n3e0 +4\n5\t6)\n;", 1, 6, 1, 6);
+    doubles("3((1 2 3)\n(4 5  6)(7 8 /* 9 */ 9));", 3, 3, 1, 9);
+    struct source *s = text_source("6(0 1 /* */ -2 3.0\n4 1234567890)\n4(3(0 1 2) 4(3 4 5 6)\n3( 7 8 9)3(1 2 3));");
+    struct lexer l = lexer_start(s);
+    static const int expected[] = {0, 1, -2, 3, 4, 1234567890}, corners[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2, 3};
+    int *v, *start;
+    long n;
+    ok(foam_list_read_labels(&l, &ascii, 0, &n, &v));
+    assert_int_equal(n, 6);
+    assert_memory_equal(v, expected, sizeof expected);
+    free(v);
+    ok(foam_list_read_faces(&l, &ascii, &n, &start, &v));
+    assert_int_equal(n, 4);
+    assert_int_equal(start[2], 7);
+    assert_int_equal(start[4], 13);
+    assert_memory_equal(v, corners, sizeof corners);
+    assert_int_equal(l.line, 4);
+    free(start);
+    free(v);
+    source_free(s);
 }
 
 static void test_list_errors(void **state) {
@@ -449,8 +505,10 @@ int main(void) {
         cmocka_unit_test(test_tokens),
         cmocka_unit_test(test_token_errors),
         cmocka_unit_test(test_numbers_are_strtod),
+        cmocka_unit_test(test_mesh_numbers_are_strtod),
         cmocka_unit_test(test_header),
         cmocka_unit_test(test_ascii_lists),
+        cmocka_unit_test(test_mixed_lists),
         cmocka_unit_test(test_list_errors),
         cmocka_unit_test(test_binary_variants),
         cmocka_unit_test_setup_teardown(test_missing_file, set_up, tear_down),
