@@ -3,10 +3,13 @@
 
     haff                 this list
     haff COMMAND -help   what a command does
+    haff -version        version, programs, licence
 """
 import os
 import runpy
 import sys
+
+from haff.command import version_text
 
 COMMANDS = {
     "Plot": ("plot.plotCase", "a picture of any field of a case; also called haffPlot"),
@@ -48,6 +51,9 @@ def main():
     name = name or (sys.argv[1] if len(sys.argv) > 1 else "-help")
     if name in ("-help", "-h", "--help"):
         print(listing())
+        return 0
+    if name in ("-version", "--version"):
+        print(version_text("haff"))
         return 0
     if name not in COMMANDS:
         import difflib

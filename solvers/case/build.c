@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Version, git hash, compiler and flags of this build, from macros that CMake sets (build.h). */
+/* Version, git hash, compiler and flags of this build come from macros that CMake sets (build.h). */
 #include "solvers/case/build.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 #ifndef HAFF_VERSION
 #define HAFF_VERSION "unknown"
@@ -10,6 +14,9 @@
 #endif
 #ifndef HAFF_FLAGS
 #define HAFF_FLAGS ""
+#endif
+#ifndef HAFF_PETSC
+#define HAFF_PETSC 0
 #endif
 #if defined(__clang__)
 #define COMPILER "clang " __clang_version__
@@ -25,4 +32,21 @@ const char *build_number(void) {
 }
 const char *build_compiler(void) {
     return COMPILER " " HAFF_FLAGS;
+}
+bool build_petsc(void) {
+    return HAFF_PETSC;
+}
+
+bool build_companion(const char *name, size_t size, char *path) {
+    static const char *const places[] = {"../lib/haff/", ""};
+    char folder[4096] = "";
+    const ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
+    if (length > 0) folder[length] = 0;
+    char *slash = strrchr(folder, '/');
+    if (slash) slash[1] = 0;
+    for (int i = 0; i < 2; i++) {
+        const int needs = snprintf(path, size, "%s%s%s", folder, places[i], name);
+        if (needs > 0 && (size_t)needs < size && !access(path, R_OK)) return true;
+    }
+    return false;
 }

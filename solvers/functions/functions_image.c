@@ -8,6 +8,8 @@
 #define _GNU_SOURCE /* for posix_spawn_file_actions_addclosefrom_np, environ */
 #include "solvers/functions/functions_private.h"
 
+#include "solvers/case/build.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -58,15 +60,6 @@ static const char script[] =
     "exit $bad\n";
 
 /* ---- reading ---- */
-
-static void find_program(struct image *x) {
-    static const char name[] = "haffPlot";
-    const size_t room = sizeof x->program - sizeof name;
-    const ssize_t length = readlink("/proc/self/exe", x->program, room);
-    char *end = length > 0 && (size_t)length < room ? x->program + length : x->program;
-    while (end > x->program && end[-1] != '/') end--;
-    memcpy(end, name, sizeof name);
-}
 
 /* Checks the name of a field of the time folders, of which a component may be asked for. */
 static status check_field(const struct function *f, struct dict *d, const char *word) {
@@ -141,7 +134,7 @@ static status image_make(struct function *f, struct dict *d) {
     TRY(read_fields(x, d));
     TRY(read_options(x, d));
     snprintf(x->place, sizeof x->place, "%s:%d", dict_path(d), dict_line(d, "fields"));
-    find_program(x);
+    build_companion("haffPlot", sizeof x->program, x->program);
     double missing = access(x->program, X_OK) != 0;
     comm_max(f->setup->comm, &missing, 1);
     x->missing = missing > 0;

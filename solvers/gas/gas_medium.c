@@ -508,7 +508,7 @@ static const struct patch_field *gas_patch(const struct medium *m, int quantity,
 
 static const char help[] =
     "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
-    "[-help]\n\n"
+    "[-version] [-help]\n\n"
     "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
     "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
@@ -516,7 +516,8 @@ static const char help[] =
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n\n"
+    "  -debug       the way an error took through the program\n"
+    "  -version     version, compiler, licence\n\n"
     "SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written "
     "and\n"
     "the run ends. One run at a time works on a case (DIR/.haff.lock); checkCase and caseToVTK may read "

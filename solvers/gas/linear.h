@@ -5,8 +5,8 @@
 
 #include "libcore/gas/implicit.h"
 
-/* Loads the module, and PETSc with it, from the folder of the program; a further call returns the same one. The text of
- * an error (ERR_INPUT) follows a dictionary's "key 'type' is implicit;". */
+/* Loads the module, and PETSc with it, from where build_companion finds it; a further call returns the same one. The
+ * text of an error (ERR_INPUT) follows a dictionary's "key 'type' is implicit;". */
 status linear_load(const struct linear_module **out);
 
 #endif

@@ -512,7 +512,8 @@ static status medium_save(const struct medium *m, const char *folder, const char
 }
 
 static const char help[] =
-    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-help]\n\n"
+    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
+    "[-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
     "in\n"
@@ -524,7 +525,8 @@ static const char help[] =
     "  -listModels  parameters and function objects\n"
     "  -listBCs     boundary conditions\n"
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n\n"
+    "  -debug       the way an error took through the program\n"
+    "  -version     version, compiler, licence\n\n"
     "It runs on one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
 const struct medium_type grains_medium = {

@@ -6,22 +6,29 @@
 
 #include <string.h>
 
-static status parse(int argc, char **argv, const char **dir, bool *help, bool *strict) {
+struct request {
+    const char *dir;
+    bool help, version, strict;
+};
+
+static status parse(int argc, char **argv, struct request *o) {
     const char *const slash = strrchr(argv[0], '/');
-    static const char *const names[] = {"DIR", "-case", "-strict", "-help"};
+    static const char *const names[] = {"DIR", "-case", "-strict", "-help", "-version"};
     for (int i = 1; i < argc; i++)
         if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help"))
-            *help = true;
+            o->help = true;
+        else if (!strcmp(argv[i], "-version") || !strcmp(argv[i], "--version"))
+            o->version = true;
         else if (!strcmp(argv[i], "-strict"))
-            *strict = true;
+            o->strict = true;
         else if (!strcmp(argv[i], "-case"))
-            TRY(option_value(argc, argv, &i, dir));
-        else if (*argv[i] == '-' || *dir)
-            return option_unknown(argv[i], names, 4);
+            TRY(option_value(argc, argv, &i, &o->dir));
+        else if (*argv[i] == '-' || o->dir)
+            return option_unknown(argv[i], names, 5);
         else
-            *dir = argv[i];
-    if (*help) return OK;
-    return *dir ? case_folder(*dir) : fail(ERR_INPUT, "which case? usage: %s DIR", slash ? slash + 1 : argv[0]);
+            o->dir = argv[i];
+    if (o->help || o->version) return OK;
+    return o->dir ? case_folder(o->dir) : fail(ERR_INPUT, "which case? usage: %s DIR", slash ? slash + 1 : argv[0]);
 }
 
 /* Returns the medium that controlDict's `application` names; the action reports errors of that file. */
@@ -43,14 +50,14 @@ static const struct medium_type *medium_of(const char *dir) {
 
 int anycase_main(int argc, char **argv, const char *help_text, anycase_action *action) {
     struct comm *c = NULL;
-    const char *dir = NULL;
-    bool help = false, strict = false;
-    status s = parse(argc, argv, &dir, &help, &strict);
-    if (!s && help) {
-        printf("%s", help_text);
+    struct request o = {.dir = NULL};
+    status s = parse(argc, argv, &o);
+    if (!s && (o.help || o.version)) {
+        if (o.version) program_version(argv[0]);
+        if (o.help) printf("%s", help_text);
         return 0;
     }
     if (!s) s = comm_start(&argc, &argv, &c);
-    if (!s) s = action(dir, medium_of(dir), strict, c);
+    if (!s) s = action(o.dir, medium_of(o.dir), o.strict, c);
     return program_end(c, s, false);
 }

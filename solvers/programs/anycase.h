@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The main of programs that take a case of any solver: PROGRAM DIR [-strict] [-help]. */
+/* The main of programs that take a case of any solver: PROGRAM DIR [-strict] [-help] [-version]. */
 #ifndef SOLVERS_ANYCASE_H
 #define SOLVERS_ANYCASE_H
 

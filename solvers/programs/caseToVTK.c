@@ -25,14 +25,14 @@ struct conversion {
     char name[256];
     const char *times[MOST], *fields[MOST]; /* names that the command line asks for; none: all */
     int ntimes, nfields;
-    bool ascii;
+    bool ascii, help, version;
     int clouds; /* number of clouds written */
     struct polymesh *mesh;
     struct vtk_grid *grid;
 };
 
 static const char usage[] =
-    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii]\n\n"
+    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii] [-help] [-version]\n\n"
     "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
     "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named. Grains of\n"
     "granularMD go to DIR/VTK/NAME-grains_TIME.vtk. -phases: instead of times the phases of that phaseAverage (of its\n"
@@ -47,12 +47,16 @@ static status take_list(char *text, const char **out, int *n) {
 }
 
 static status read_options(int argc, char **argv, struct conversion *c) {
-    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-phases", "-ascii", "-help"};
+    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-phases", "-ascii", "-help", "-version"};
     const char *value;
     for (int i = 1; i < argc; i++) {
         bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
         if (!strcmp(argv[i], "-ascii"))
             c->ascii = true;
+        else if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help"))
+            c->help = true;
+        else if (!strcmp(argv[i], "-version") || !strcmp(argv[i], "--version"))
+            c->version = true;
         else if (!strcmp(argv[i], "-case"))
             TRY(option_value(argc, argv, &i, &c->dir));
         else if (!strcmp(argv[i], "-phases"))
@@ -61,10 +65,11 @@ static status read_options(int argc, char **argv, struct conversion *c) {
             TRY(option_value(argc, argv, &i, &value));
             TRY(take_list(argv[i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
         } else if (argv[i][0] == '-' || c->dir)
-            return option_unknown(argv[i], names, 7);
+            return option_unknown(argv[i], names, 8);
         else
             c->dir = argv[i];
     }
+    if (c->help || c->version) return OK;
     if (!c->dir) return fail(ERR_INPUT, "which case? usage: caseToVTK DIR (more with -help)");
     TRY(case_folder(c->dir));
     TRY(folder_plain(c->dir, c->plain));
@@ -209,11 +214,12 @@ static status convert_all(struct conversion *c) {
 
 int main(int argc, char **argv) {
     struct conversion c = {.dir = NULL};
-    if (argc == 2 && (!strcmp(argv[1], "-help") || !strcmp(argv[1], "--help"))) {
-        printf("%s", usage);
+    status s = read_options(argc, argv, &c);
+    if (!s && (c.help || c.version)) {
+        if (c.version) program_version(argv[0]);
+        if (c.help) printf("%s", usage);
         return 0;
     }
-    status s = read_options(argc, argv, &c);
     if (!s) s = convert_all(&c);
     vtk_grid_free(c.grid);
     polymesh_free(c.mesh);

@@ -3,9 +3,12 @@
 #include "solvers/programs/anycase.h"
 
 static const char HELP[] =
-    "checkCase DIR [-strict]\n\nReads and checks the whole case: dictionaries, mesh, fields, function objects. Writes "
+    "checkCase DIR [-strict] [-help] [-version]\n\nReads and checks the whole case: dictionaries, mesh, fields, "
+    "function objects. Writes "
     "nothing.\n\n"
-    "  -strict  warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n\n"
+    "  -strict   warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
+    "  -help     this text\n"
+    "  -version  version, compiler, licence\n\n"
     "Exit code 0: sound, or with warnings, which it counts; 1: not.\n";
 
 int main(int argc, char **argv) {

@@ -22,6 +22,7 @@ static const char HELP[] =
     "  -compress   files are gzipped\n"
     "  -keywords [NAME]  every keyword of system/meshDict, or that one\n"
     "  -help       this text\n"
+    "  -version    version, compiler, licence\n"
     "\n"
     "Types of patches: names that begin with wall or empty have that type, all others are patch, unless\n"
     "DIR/system/meshDict says else:\n"
@@ -34,12 +35,13 @@ struct request {
     const char *mesh, *dir;
     char plain[PLAIN_PATH]; /* dir without links */
     struct foam_format format;
-    bool help;
+    bool help, version;
     struct lookup keywords;
 };
 
 static status parse(int argc, char **argv, struct request *o) {
-    static const char *const names[] = {"MESH.msh", "-case", "-ascii", "-binary", "-compress", "-keywords", "-help"};
+    static const char *const names[] = {"MESH.msh",  "-case",     "-ascii", "-binary",
+                                        "-compress", "-keywords", "-help",  "-version"};
     *o = (struct request){.format = {.precision = 17}};
     for (int i = 1; i < argc; i++) {
         const char *a = argv[i];
@@ -54,12 +56,14 @@ static status parse(int argc, char **argv, struct request *o) {
             o->format.compress = true;
         else if (strcmp(a, "-help") == 0)
             o->help = true;
+        else if (strcmp(a, "-version") == 0 || strcmp(a, "--version") == 0)
+            o->version = true;
         else if (*a == '-' || o->mesh)
-            return option_unknown(a, names, 7);
+            return option_unknown(a, names, 8);
         else
             o->mesh = a;
     }
-    if (o->help || o->keywords.asked) return OK;
+    if (o->help || o->version || o->keywords.asked) return OK;
     if (!o->mesh || !o->dir) return fail(ERR_INPUT, "usage: gmshToCase MESH.msh -case DIR (more with -help)");
     struct stat st;
     if (stat(o->dir, &st) != 0 || !S_ISDIR(st.st_mode))
@@ -157,8 +161,9 @@ static status run(const struct request *o) {
 int main(int argc, char **argv) {
     struct request o;
     status s = parse(argc, argv, &o);
-    if (!s && o.help) {
-        fputs(HELP, stdout);
+    if (!s && (o.help || o.version)) {
+        if (o.version) program_version(argv[0]);
+        if (o.help) fputs(HELP, stdout);
         return 0;
     }
     if (!s) s = o.keywords.asked ? lookup_print(&o.keywords, mesh_rules_keywords, NULL) : run(&o);

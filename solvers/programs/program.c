@@ -2,6 +2,7 @@
 /* Reads the solvers' command line, starts mpirun for -np, and ends a program (program.h). */
 #include "solvers/programs/program.h"
 
+#include "solvers/case/build.h"
 #include "solvers/dict/dict.h"
 
 #include <errno.h>
@@ -11,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAMES = 8 }; /* options of a solver, but -keywords */
+enum { NAMES = 9 }; /* options of a solver, but -keywords */
 
 status option_unknown(const char *word, const char *const *names, int n) {
     const char *near = nearest_name(word, names, n);
@@ -22,6 +23,14 @@ status option_unknown(const char *word, const char *const *names, int n) {
     }
     return fail(ERR_INPUT, "unknown argument '%s'%s%s%s; known are%s (more with -help)", word,
                 near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "", known);
+}
+
+void program_version(const char *argv0) {
+    const char *slash = strrchr(argv0, '/');
+    printf("%s %s\ncompiler  %s\nPETSc     %s\n\n", slash ? slash + 1 : argv0, build_version(), build_compiler(),
+           build_petsc() ? "yes, for implicit diffusion" : "no: built without implicit diffusion");
+    printf("Licence GPL-3.0-or-later: GNU GPL version 3 or later <https://www.gnu.org/licenses/gpl-3.0.html>.\n"
+           "This is free software: you may change and pass it on. There is NO WARRANTY, as far as the law permits.\n");
 }
 
 status case_folder(const char *dir) {
@@ -65,10 +74,11 @@ static status check_ranks(long n) {
 
 status options_read(int argc, char **argv, struct options *out) {
     static const char *const names[] = {"-case", "-np",         "-dry-run", "-strict",  "-debug",
-                                        "-help", "-listModels", "-listBCs", "-keywords"};
+                                        "-help", "-listModels", "-listBCs", "-version", "-keywords"};
     *out = (struct options){.dir = "."};
-    bool *const flags[] = {NULL,        NULL,       &out->dry_run,     &out->strict,
-                           &out->debug, &out->help, &out->list_models, &out->list_boundaries};
+    bool *const flags[] = {NULL,         NULL,       &out->dry_run,     &out->strict,
+                           &out->debug,  &out->help, &out->list_models, &out->list_boundaries,
+                           &out->version};
     for (int i = 1; i < argc; i++) {
         int k = 0;
         if (lookup_option(argc, argv, &i, &out->keywords)) continue;
@@ -89,18 +99,18 @@ status options_read(int argc, char **argv, struct options *out) {
         if (k == 1) TRY(check_ranks(n));
         if (k == 1) out->ranks = (int)n;
     }
-    return out->help || out->list_models || out->list_boundaries || out->keywords.asked ? OK : case_folder(out->dir);
+    const bool asks = out->help || out->list_models || out->list_boundaries || out->version || out->keywords.asked;
+    return asks ? OK : case_folder(out->dir);
 }
 
 status options_relaunch(int argc, char **argv, const struct options *o) {
     char number[16], wrapper[4096];
     char **command = NULL;
-    const char *slash = strrchr(argv[0], '/'); /* the mpirun beside this program needs no flags; else any mpirun */
-    snprintf(wrapper, sizeof wrapper, "%.*smpirun", slash ? (int)(slash + 1 - argv[0]) : 0, argv[0]);
+    const bool ours = build_companion("mpirun", sizeof wrapper, wrapper); /* it needs no flags; else any mpirun */
     TRY(allocate(&command, argc + 8L, sizeof *command, "command line"));
     int n = 0;
     snprintf(number, sizeof number, "%d", o->ranks);
-    command[n++] = slash && !access(wrapper, X_OK) ? wrapper : "mpirun";
+    command[n++] = ours ? wrapper : "mpirun";
     command[n++] = "-np";
     command[n++] = number;
     for (int i = 0; i < argc; i++)

@@ -17,7 +17,7 @@ status lookup_print(const struct lookup *l, keywords_walk *walk, const void *of)
 
 struct options {
     char dir[PLAIN_PATH]; /* -case DIR; default "."; without links, so that what is written goes through none */
-    bool dry_run, strict, debug, help, list_models, list_boundaries;
+    bool dry_run, strict, debug, help, list_models, list_boundaries, version;
     struct lookup keywords;
     int ranks; /* -np N; 0: not given */
 };
@@ -25,6 +25,8 @@ struct options {
  * ones; option_value takes the word behind argv[*i]. */
 status option_unknown(const char *word, const char *const *names, int n);
 status option_value(int argc, char **argv, int *i, const char **out);
+/* Prints what -version asks for: name, version, compiler, libraries, licence. */
+void program_version(const char *argv0);
 /* Fails if the folder is not there. */
 status case_folder(const char *dir);
 

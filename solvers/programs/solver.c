@@ -16,7 +16,8 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
     status s = options_read(argc, argv, &o);
     if (s) return program_end(NULL, s, false);
     if (o.keywords.asked) return program_end(NULL, lookup_print(&o.keywords, go_through, type), o.debug);
-    if (o.help || o.list_models || o.list_boundaries) {
+    if (o.help || o.list_models || o.list_boundaries || o.version) {
+        if (o.version) program_version(argv[0]);
         if (o.help) printf("%s", type->help);
         if (o.list_models) {
             type->list_models(stdout);

@@ -290,7 +290,7 @@ static status mixture_save(const struct medium *m, const char *folder, const cha
 
 static const char help[] =
     "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
-    "[-help]\n\n"
+    "[-version] [-help]\n\n"
     "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
     "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
     "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
@@ -305,7 +305,8 @@ static const char help[] =
     "  -listModels  models, schemes and function objects with their parameters\n"
     "  -listBCs     boundary conditions\n"
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n\n"
+    "  -debug       the way an error took through the program\n"
+    "  -version     version, compiler, licence\n\n"
     "Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
 const struct medium_type segregation_medium = {
