@@ -527,7 +527,7 @@ static const char help[] =
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n"
     "  -version     version, compiler, licence\n\n"
-    "It runs on one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+    "It runs on one rank (-np 1). Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
 const struct medium_type grains_medium = {
     .application = "granularMD",

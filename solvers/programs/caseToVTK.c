@@ -32,7 +32,7 @@ struct conversion {
 };
 
 static const char usage[] =
-    "caseToVTK DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii] [-help] [-version]\n\n"
+    "caseToVTK [-case] DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii] [-help] [-version]\n\n"
     "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
     "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named. Grains of\n"
     "granularMD go to DIR/VTK/NAME-grains_TIME.vtk. -phases: instead of times the phases of that phaseAverage (of its\n"

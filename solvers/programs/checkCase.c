@@ -3,7 +3,8 @@
 #include "solvers/programs/anycase.h"
 
 static const char HELP[] =
-    "checkCase DIR [-strict] [-help] [-version]\n\nReads and checks the whole case: dictionaries, mesh, fields, "
+    "checkCase [-case] DIR [-strict] [-help] [-version]\n\nReads and checks the whole case: dictionaries, mesh, "
+    "fields, "
     "function objects. Writes "
     "nothing.\n\n"
     "  -strict   warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"

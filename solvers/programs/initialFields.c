@@ -3,7 +3,7 @@
 #include "solvers/programs/anycase.h"
 
 static const char HELP[] =
-    "initialFields DIR [-strict] [-help] [-version]\n\n"
+    "initialFields [-case] DIR [-strict] [-help] [-version]\n\n"
     "Writes DIR/0 from DIR/0.orig: expressions, settledLayer, perturbation become values, in the format of "
     "controlDict,\n"
     "which caseToVTK, foamToVTK and ParaView read. A run that starts at 0.orig does the same before its first step.\n\n"

@@ -55,7 +55,7 @@ class Recipes(unittest.TestCase):
     def setUpClass(cls):
         cls.tree = tempfile.mkdtemp(prefix="recipes")
         cls.addClassCleanup(shutil.rmtree, cls.tree)
-        for name in ("mesh", "libcore", "solvers", "tests"):
+        for name in (".ci", "mesh", "libcore", "solvers", "tests"):
             shutil.copytree(os.path.join(SOURCE, name), os.path.join(cls.tree, name),
                             ignore=shutil.ignore_patterns("seeds", "regressions", "__pycache__"))
         shutil.copy(os.path.join(SOURCE, "CMakeLists.txt"), cls.tree)

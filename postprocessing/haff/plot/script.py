@@ -50,6 +50,9 @@ def main():
     if len(sys.argv) < 2 or sys.argv[1] in ("-help", "-h", "--help"):
         print(__doc__)
         sys.exit(0 if len(sys.argv) > 1 else 2)
+    if sys.argv[1] in ("-version", "--version"):
+        print(command.version_text("haff figure"))
+        return
     case = sys.argv[1]
     path = os.path.join(case, "figure.py") if os.path.isdir(case) else case
     if not os.path.isfile(path):

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Calls programs as one does who has neither the source tree nor the build: nothing of either is in the environment."""
+import os
+import re
+import subprocess
+
+from tests.cases import harness
+
+BUILD = os.path.dirname(harness.BIN)
+INSTALLS = os.path.exists(os.path.join(BUILD, "cmake_install.cmake"))
+MODULE = os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
+PROGRAMS = "granularGas granularSegregation granularMD gmshToCase checkCase initialFields caseToVTK".split()
+COMMANDS = "haff haffPlot haffMovie haffLog".split()
+
+
+def environment(path=""):
+    """Of a user who knows nothing of this tree; `path` first in PATH."""
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("HAFF", "PYTHON", "PIP", "VIRTUAL"))}
+    return {**env, "PATH": ":".join([path] * bool(path) + ["/usr/local/bin", "/usr/bin", "/bin", "/usr/sbin", "/sbin"]), "PIP_NO_INDEX": "1",
+            "PIP_DISABLE_PIP_VERSION_CHECK": "1", "MPLBACKEND": "Agg"}
+
+
+def call(*command, cwd, path="", code=0, **more):
+    """What a command says; an exit code other than `code` is a failure that shows it."""
+    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd, env={**environment(path), **more}, timeout=300)
+    if done.returncode != code:
+        raise AssertionError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+    return done.stdout if code == 0 else done.stderr
+
+
+def cached(name):
+    """An entry of the build's CMakeCache.txt."""
+    with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
+        found = re.search(rf"^{name}:\w+=(.*)$", file.read(), re.M)
+    return found[1] if found else ""
+
+
+def version():
+    """The version of the project, by CMakeLists.txt."""
+    with open(os.path.join(harness.SOURCE, "CMakeLists.txt"), encoding="utf-8") as file:
+        return re.search(r"^project\(haff VERSION ([\d.]+)", file.read(), re.M)[1]
+
+
+def texts(folder):
+    """{path below the folder: bytes} of its files, links left out."""
+    found = {}
+    for place, _, names in os.walk(folder):
+        for path in (os.path.join(place, name) for name in names):
+            if not os.path.islink(path):
+                with open(path, "rb") as file:
+                    found[os.path.relpath(path, folder)] = file.read()
+    return found
+
+
+def traces(folder):
+    """Files of a folder that name the source tree or the build."""
+    return sorted(path for path, text in texts(folder).items() if any(p.encode() in text for p in {harness.SOURCE, BUILD}))
