@@ -5,10 +5,12 @@
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
-prints). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is the processor time of Allrun.
+prints, where value is a band about it). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is
+the processor time of Allrun.
 
 docs/makeValidation makes its table of these, for which an entry of `full` also has kind (of KINDS: what value is), measured (what the
-case had when it was last run in full; `./Allcheck -record` writes it down) and, where it is further from the paper than the tolerance, why.
+case had when it was last run in full; `./Allcheck -record` writes it down), where it is further from the paper than the tolerance why,
+and beside: what else it is compared with, each with kind, reference, source, allowed (the deviation that the reference has) and why.
 `told` lists what the README compares and no program measures again: quantity, haff and reference as printed there, kind, source; optional
 allowed (printed there, too), why (where the two differ).
 """
@@ -282,6 +284,7 @@ def main():
         value, good, why = judge(path, entry)
         bad += not good
         paper = f"  paper {entry['paper']}" if "paper" in entry else ""
+        paper += "".join(f"  {other['kind']} {other['reference']:g}" for other in entry.get("beside", []))
         print(f"{'ok ' if good else 'BAD'} {describe(entry)}: {why or '%.9g' % value}, expected {entry['value']:.9g} "
               f"+- {entry['tolerance']:g}{paper}")
     return bad > 0
