@@ -80,6 +80,11 @@ class Recipes(unittest.TestCase):
             touched = [path for path in touched if not path.startswith("tests/")]
             self.assertLessEqual(len(touched), RECIPES[heading][0], f"{heading}: {touched}")
 
+    def test_new_files_name_their_licence(self):
+        for heading, diff in recipes().items():
+            for first in re.findall(r"^--- /dev/null\n\+\+\+ .*\n@@ .*\n(.*)$", diff, flags=re.MULTILINE):
+                self.assertEqual(first, "+/* SPDX-License-Identifier: GPL-3.0-or-later */", heading)
+
     def test_4_they_compile_and_their_tables_pass(self):
         build = os.path.join(self.tree, "build")
         run("cmake", "-S", self.tree, "-B", build, "-DCMAKE_BUILD_TYPE=Debug", "-DHAFF_WERROR=ON",
