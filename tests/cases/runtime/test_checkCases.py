@@ -78,6 +78,24 @@ class CheckCases(harness.Folder, unittest.TestCase):
             del entry["measured"]
         self.assertEqual(after, before)
 
+    def test_expected(self):
+        """haff expected CASE: a line a value, exit code 1 if one is off."""
+        case = harness.copy("sod", self.folder)
+        harness.mesh(case, 40)
+        harness.run(case)
+
+        def ask():
+            done = subprocess.run(["/usr/bin/python3", "-m", "haff", "expected", case], capture_output=True, text=True)
+            return done.returncode, done.stdout
+        code, said = ask()
+        self.assertEqual((code, said.count("ok  ")), (0, 2), said)
+        known = expected.read(case)
+        known["full"][0]["value"] = 1.2
+        expected.save(case, known)
+        code, said = ask()
+        self.assertEqual(code, 1, said)
+        self.assertRegex(said, r"^BAD maximum T at t = 0.2: 1\.14\d+, expected 1\.2 \+- 0\.003\nok  minimum rho")
+
     def test_command_line(self):
         self.assertIn("no case sodd; there are: sod", self.check("sodd", code=2))
         self.assertRegex(self.check("-list"), r"sod +[\d.]+ s +2 values")
