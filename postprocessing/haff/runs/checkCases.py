@@ -76,7 +76,7 @@ class Copy:
 
     def make(self):
         """The case anew, and links to whatever else its scripts look for."""
-        for link in [".ci", "postprocessing", "build/bin"] + [f"cases/{n}" for n in names() if n != self.name]:
+        for link in [".ci", "postprocessing", "build/bin", "tests/oracles"] + [f"cases/{n}" for n in names() if n != self.name]:
             at = os.path.join(self.root, link)
             os.makedirs(os.path.dirname(at), exist_ok=True)
             if not os.path.lexists(at):

@@ -2,12 +2,15 @@
 """Allcheck: cases in full in copies, beside their expected values; what is run again, and what fails."""
 import json
 import os
+import re
 import shutil
 import subprocess
 import unittest
 
 from tests.cases import harness
 from tests.cases.harness import expected
+
+from haff.studies import faradayRows
 
 
 class CheckCases(harness.Folder, unittest.TestCase):
@@ -95,6 +98,15 @@ class CheckCases(harness.Folder, unittest.TestCase):
         code, said = ask()
         self.assertEqual(code, 1, said)
         self.assertRegex(said, r"^BAD maximum T at t = 0.2: 1\.14\d+, expected 1\.2 \+- 0\.003\nok  minimum rho")
+
+    def test_files_of_the_tree_are_there(self):
+        """What the package takes from the top of the tree is found from the copies, too."""
+        self.check()
+        with open(faradayRows.__file__, encoding="utf-8") as f:
+            found = re.search(r'os\.path\.join\(TOP, "(\w+)", "(\w+)", "([\w.]+)"\)', f.read())
+        os.makedirs(os.path.join(self.top, *found.groups()[:2]), exist_ok=True)
+        shutil.copy(os.path.join(harness.SOURCE, *found.groups()), os.path.join(self.top, *found.groups()))
+        self.assertTrue(os.path.isfile(os.path.join(self.top, "build", "check", *found.groups())), found.group())
 
     def test_command_line(self):
         self.assertIn("no case sodd; there are: sod", self.check("sodd", code=2))
