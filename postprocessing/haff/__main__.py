@@ -12,6 +12,7 @@ import sys
 from haff.command import version_text
 
 COMMANDS = {
+    "newCase": ("start.newCase", "a new case around a geometry of gmsh; also called newCase"),
     "Plot": ("plot.plotCase", "a picture of any field of a case; also called haffPlot"),
     "Movie": ("plot.movie", "a film of a field; also called haffMovie"),
     "Log": ("plot.log", "how a run goes: time steps, extremes, drift, speed; also called haffLog"),
@@ -46,7 +47,7 @@ def listing():
 
 def main():
     called = os.path.basename(sys.argv[0])
-    name = called[4:] if called.startswith("haff") else ""
+    name = called if called in COMMANDS else called[4:] if called.startswith("haff") else ""
     words = sys.argv[1:] if name else sys.argv[2:]
     name = name or (sys.argv[1] if len(sys.argv) > 1 else "-help")
     if name in ("-help", "-h", "--help"):
@@ -60,7 +61,7 @@ def main():
         near = difflib.get_close_matches(name, COMMANDS, 1, 0.5)
         print(f"haff: there is no command '{name}'{f'; did you mean {near[0]}?' if near else ''}  (haff -help lists them)", file=sys.stderr)
         return 2
-    sys.argv = [called if called.startswith("haff") and called != "haff" else f"haff {name}", *words]
+    sys.argv = [called if called in (name, f"haff{name}") else f"haff {name}", *words]
     runpy.run_module(f"haff.{COMMANDS[name][0]}", run_name="__main__")
     return 0
 

@@ -10,7 +10,7 @@ BUILD = os.path.dirname(harness.BIN)
 INSTALLS = os.path.exists(os.path.join(BUILD, "cmake_install.cmake"))
 MODULE = os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
 PROGRAMS = "granularGas granularSegregation granularMD gmshToCase checkCase initialFields caseToVTK".split()
-COMMANDS = "haff haffPlot haffMovie haffLog".split()
+COMMANDS = "haff haffPlot haffMovie haffLog newCase".split()
 
 
 def environment(path=""):

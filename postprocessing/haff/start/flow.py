@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The numbers of a new case: grains, start, stream, gravity, times, from the options and the mesh."""
+import math
+
+import numpy as np
+
+from haff.exact import enskog
+
+AXES = "xyz"
+
+
+def rounded(x, digits=2):
+    """x with so many digits."""
+    return float(f"{x:.{digits - 1}e}")
+
+
+def sound_speed(alpha, e, d):
+    """c/sqrt(T) of a dense gas of disks (d = 2) or spheres (3), by Torquato's contact value: c^2/T = d(alpha A)/d alpha + (gamma - 1) A^2 with
+    p = rho T A and gamma - 1 = 2/d."""
+    A = lambda x: float(enskog.pressure_factor(x, e, d))
+    h = 1e-5 * alpha
+    return math.sqrt(A(alpha) + alpha * (A(alpha + h) - A(alpha - h)) / (2 * h) + 2 / d * A(alpha) ** 2)
+
+
+class Flow:
+    """Everything that the files of the case say in numbers. o: the options; kind: {patch: kind}. ValueError."""
+
+    def __init__(self, o, geometry, kind):
+        self.o, self.geometry, self.kind = o, geometry, kind
+        self.grains = o.application == "granularMD"
+        self.d = self.shape(o.grains)
+        self.transport = o.transport and not self.grains
+        self.sticky = self.transport and o.walls != "slip"
+        self.g = self.gravity(o.gravity)
+        self.open = [p for p in geometry.patches if kind[p.name] in ("inlet", "outlet", "open")]
+        self.stream = any(kind[p.name] == "inlet" for p in self.open) or bool(self.open and (o.Mach or o.speed))
+        self.layer = bool(np.any(self.g)) and not self.stream and self.floor() is not None
+        self.restitution = o.restitution if o.restitution is not None else 0.95 if self.stream else 0.9
+        self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer else 0.2)
+        self.diameter = o.diameter or rounded(min(geometry.width / 4, geometry.least / 1.5))
+        self.check()
+        self.speeds()
+        self.times()
+
+    def shape(self, grains):
+        """2 for disks, 3 for spheres."""
+        solved = len(self.geometry.axes)
+        if self.grains and solved == 1:
+            raise ValueError("-application granularMD: grains move in two or three dimensions, and the mesh has one")
+        if self.grains and grains and (grains == "disks") != (solved == 2):
+            raise ValueError(f"-application granularMD: on {solved} solved axes grains are {'disks' if solved == 2 else 'spheres'}, so leave out  -grains {grains}")
+        if grains == "disks" and solved == 3:
+            raise ValueError("-grains disks: disks move in a plane, and the mesh has three dimensions; take spheres")
+        return 2 if grains == "disks" or (self.grains and solved == 2) else 3
+
+    def gravity(self, given):
+        """The vector of gravity: a number points against the last solved axis."""
+        if given is None:
+            return np.zeros(3)
+        g = np.zeros(3)
+        if len(given) == 3:
+            g[:] = given
+        else:
+            g[self.geometry.axes[-1]] = -given[0]
+        if any(g[k] for k in range(3) if k not in self.geometry.axes):
+            raise ValueError(f"-gravity {','.join(f'{x:g}' for x in given)}: the mesh has no {', '.join(AXES[k] for k in range(3) if k not in self.geometry.axes)}")
+        return g
+
+    @property
+    def down(self):
+        """The axis that gravity lies along."""
+        return int(np.argmax(np.abs(self.g)))
+
+    def floor(self):
+        """A wall that gravity points to, or None."""
+        towards = self.g / np.linalg.norm(self.g)
+        return next((p for p in self.geometry.patches if self.kind[p.name] in ("wall", "body") and p.plane and p.normal @ towards > 0.99), None)
+
+    def check(self):
+        packed = enskog.TORQUATO[self.d][1]
+        limits = (("-alpha", self.alpha, 0, packed), ("-restitution", self.restitution, 0, 1), ("-diameter", self.diameter, 0, math.inf),
+                  ("-Mach", self.o.Mach or 1, 0, math.inf), ("-end", self.o.end or 1, 0, math.inf))
+        for name, value, low, high in limits:
+            if not (low <= value <= high and (value > 0 or name == "-restitution")) or (name == "-alpha" and value >= packed):
+                raise ValueError(f"{name} {value:g}: it lies between {low:g} and {high:g}")
+        if self.o.shaking and not self.layer:
+            raise ValueError("-shaking shakes the plate that a layer lies on: it wants  -gravity, a wall below, and no stream")
+        if self.o.Mach and not self.stream:
+            raise ValueError("-Mach is that of a stream, and no patch is an inlet; name one so, or say  -patch NAME=inlet")
+
+    def direction(self):
+        """Of the stream: into the inlets (else along x), along the mirrors."""
+        inlets = [p for p in self.geometry.patches if self.kind[p.name] == "inlet"]
+        along = -sum((p.normal * p.area for p in inlets), np.zeros(3)) if inlets else np.eye(3)[self.geometry.axes[0]]
+        along[[k for k in range(3) if k not in self.geometry.axes]] = 0
+        for p in self.geometry.patches:
+            if self.kind[p.name] == "symmetry" and p.plane:
+                along = along - (along @ p.normal) * p.normal
+        size = np.linalg.norm(along)
+        if size < 1e-9 * sum(p.area for p in inlets):
+            raise ValueError("the inlets face each other: say the velocity of the stream with  -speed X,Y,Z")
+        along = along / size
+        nearest = int(np.argmax(np.abs(along)))
+        return np.sign(along[nearest]) * np.eye(3)[nearest] if abs(along[nearest]) > 0.999 else along.round(4)
+
+    def speeds(self):
+        """Velocity and temperature of the start, and the speed below which impacts are elastic."""
+        given = self.o.speed or [1.0]
+        self.velocity, fall = np.zeros(3), math.sqrt(float(np.linalg.norm(self.g)) * self.diameter)
+        if self.stream:
+            self.velocity = np.array(given) if len(given) == 3 else given[0] * self.direction()
+            self.speed, self.Mach = float(np.linalg.norm(self.velocity)), self.o.Mach or 3.0
+            if not self.speed > 0:
+                raise ValueError("-speed 0: a stream moves")
+            self.T = rounded((self.speed / self.Mach / sound_speed(self.alpha, self.restitution, self.d)) ** 2, 4)
+        elif len(given) == 3:
+            raise ValueError("-speed X,Y,Z is that of a stream, and no patch is an inlet; name one so, or say  -patch NAME=inlet")
+        elif self.layer:
+            self.T = rounded(0.05 * fall**2)
+        else:
+            self.T = rounded(given[0] ** 2, 4)
+        self.threshold = rounded(fall / 30 if self.layer else math.sqrt(self.T) / 10) if self.restitution < 1 else 0
+
+    def times(self):
+        """End, and time between writes."""
+        length = self.geometry.longest
+        if self.o.shaking:
+            end, writes = 10 / self.o.shaking[1], 40
+        elif self.layer:
+            end, writes = 5 * math.sqrt(2 * self.geometry.size[self.down] / float(np.linalg.norm(self.g))), 20
+        elif self.stream:
+            end, writes = 3 * length / self.speed, 20
+        else:
+            end, writes = 10 * length / math.sqrt(self.T), 20
+        self.end = self.o.end or rounded(end)
+        self.interval = float(f"{self.end / writes:.12g}")
+
+    def summary(self):
+        """One line for the terminal."""
+        what = f"{'grains' if self.grains else 'gas'}: {'disks' if self.d == 2 else 'spheres'}, restitution {self.restitution:g}"
+        if self.stream:
+            return f"{what}; a stream of volume fraction {self.alpha:g}, velocity {self.velocity_text}, Mach number {self.Mach:g}"
+        if self.layer:
+            return f"{what}; a layer, {self.depth:g} diameters deep at volume fraction {self.alpha:g}" + (
+                f", shaken by {self.o.shaking[0]:g} g at {self.o.shaking[1]:g} Hz" if self.o.shaking else ", at rest")
+        return f"{what}; volume fraction {self.alpha:g} with faint waves, T {self.T:g}, left to itself"
+
+    # ---- as texts of the files ----
+
+    @property
+    def depth(self):
+        """Of a layer, in grain diameters: a quarter of the height, of as much mass as `alpha` says."""
+        return rounded(0.25 * float(self.geometry.size[self.down]) / self.diameter)
+
+    @property
+    def waves_along(self):
+        """Is there a periodic axis across gravity, along which the depth of a layer may vary?"""
+        return any(self.kind[p.name] == "periodic" and not (p.normal @ self.g) for p in self.geometry.patches)
+
+    @property
+    def alpha_text(self):
+        return f"{self.alpha:g}"
+
+    @property
+    def T_text(self):
+        return f"{self.T:.6g}"
+
+    @property
+    def velocity_text(self):
+        return f"({' '.join(f'{x + 0.0:g}' for x in self.velocity)})"
+
+    def from_low(self, k):
+        """The coordinate along an axis, from the low end of the box."""
+        low = self.geometry.low[k]
+        return f"({AXES[k]} {'-' if low > 0 else '+'} {abs(low):.10g})" if low else AXES[k]
+
+    @property
+    def wave(self):
+        """The start of a gas that nothing drives: a faint wave along each axis, two lengths of it in the box."""
+        waves = [f"cos({4 * math.pi / self.geometry.size[k]:.10g}*" + self.from_low(k) + ")" for k in self.geometry.axes]
+        return f"{self.alpha:g}*(1 + {0.2 / len(waves):.3g}*({' + '.join(waves)}))"

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh of a new case: made by gmsh and gmshToCase, and measured: its box, cells and patches."""
+import os
+import re
+import shutil
+import subprocess
+
+import numpy as np
+
+from haff import paths
+from haff.case.mesh import Mesh
+
+
+class Patch:
+    """A patch of the mesh: type in the polyMesh, faces, area (m^2), mean normal (outwards; of length 1 where the patch is plane), look: the
+    mean sizes of the normals' components; extruded: is it empty without being told so?"""
+
+    def __init__(self, name, kind, faces, areas):
+        size = np.sqrt((areas**2).sum(axis=1))
+        self.name, self.type, self.faces, self.area = name, kind, faces, float(size.sum())
+        self.normal, self.look = areas.sum(axis=0) / self.area, np.abs(areas).sum(axis=0) / self.area
+        self.extruded = kind == "empty"
+
+    @property
+    def plane(self):
+        return bool(np.linalg.norm(self.normal) > 1 - 1e-6)
+
+
+class Geometry:
+    """What a case must know of its mesh: low, high [3] (m); cells; width (m): the median of the cells' widths, least: the 1 % quantile;
+    axes: those that are solved; lattice: are the cells equal boxes on a grid?; patches: list of Patch."""
+
+    def __init__(self, case):
+        mesh = Mesh(os.path.join(case, "constant", "polyMesh"))
+        self.low, self.high, self.cells = mesh.points.min(axis=0), mesh.points.max(axis=0), mesh.cells
+        self.patches = []
+        for name, (kind, first, faces) in mesh.patches.items():
+            self.patches.append(Patch(name, kind, faces, mesh.face_geometry(first, first + faces)[1]))
+        self.volumes, self.lattice = mesh.cell_geometry()[1], mesh.lattice is not None
+        self.find_axes()
+
+    def find_axes(self):
+        """The solved axes, along which no face of an empty patch looks, and the widths of the cells along them. ValueError."""
+        self.axes = [k for k in range(3) if not any(p.type == "empty" and p.look[k] > 1e-6 for p in self.patches)]
+        if not self.axes:
+            raise ValueError("every axis of the mesh ends in empty patches, so that nothing can move")
+        thickness = float(np.prod([self.size[k] for k in range(3) if k not in self.axes]))
+        widths = (self.volumes / thickness) ** (1 / len(self.axes))
+        self.width, self.least = float(np.median(widths)), float(np.quantile(widths, 0.01))
+
+    @property
+    def size(self):
+        return self.high - self.low
+
+    @property
+    def longest(self):
+        """m: the greatest extent along a solved axis."""
+        return float(max(self.size[k] for k in self.axes))
+
+
+def called(command, folder, why):
+    """Runs a command in a folder. ValueError with what it said on stderr, behind `why`."""
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
+    except FileNotFoundError:
+        raise ValueError(f"{command[0]} is not there: on Debian, apt-get install {os.path.basename(command[0])}") from None
+    if done.returncode:
+        lines = [line for line in (done.stdout + done.stderr).splitlines() if "rror" in line] or done.stderr.splitlines()[-3:]
+        raise ValueError(why + "\n  " + "\n  ".join(re.sub(r"^error: ", "", line) for line in lines))
+    return done.stdout
+
+
+def with_merged(geo, folder):
+    """Copies a .geo file to FOLDER/mesh.geo, and the files beside it that it merges or includes under their names."""
+    shutil.copy(geo, os.path.join(folder, "mesh.geo"))
+    with open(geo, encoding="utf-8", errors="replace") as f:
+        named = re.findall(r'^\s*(?:Merge|Include|ShapeFromFile\()\s*\(?"([^"]+)"', f.read(), re.M)
+    for name in named:
+        source, target = os.path.join(os.path.dirname(os.path.abspath(geo)), name), os.path.join(folder, name)
+        if os.path.isfile(source) and not os.path.isabs(name) and ".." not in name.split("/"):
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            shutil.copy(source, target)
+
+
+def make_msh(folder):
+    """mesh.geo of a folder becomes its mesh.msh."""
+    said = called(["gmsh", "-3", "-v", "3", "mesh.geo", "-o", "mesh.msh"], folder, "gmsh cannot make a mesh of mesh.geo:")
+    if not os.path.isfile(os.path.join(folder, "mesh.msh")):
+        raise ValueError("gmsh made no mesh of mesh.geo: " + (said.splitlines() or ["is there a geometry in it?"])[-1])
+
+
+def make_poly_mesh(folder):
+    """mesh.msh of a folder becomes its constant/polyMesh, by system/meshDict where there is one."""
+    called([paths.program("gmshToCase"), "mesh.msh", "-case", "."], folder, "gmshToCase cannot take the mesh:")
+
+
+def box(lengths, cells):
+    """The text of a .geo file of a box of so many cells along each axis: a line, a rectangle, a box."""
+    names = ["left", "right", "bottom", "top", "back", "front"][:2 * len(lengths)]
+    head = [f"// A box of {' x '.join(f'{x:g}' for x in lengths)} in {' x '.join(map(str, cells))} cells."]
+    head += [f"{key} = {value:g};" for key, value in zip("LHD", lengths)] + [f"{key} = {value};" for key, value in zip("NMK", cells)]
+    if len(lengths) == 1:
+        body = ["Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};", "Line(1) = {1, 2};   Transfinite Curve {1} = N + 1;"]
+        groups = [f'Physical Point("{name}") = {{{k + 1}}};' for k, name in enumerate(names)] + ['Physical Curve("gas") = {1};']
+        return "\n".join(head + [""] + body + [""] + groups) + "\n"
+    body = ["Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};   Point(3) = {L, H, 0};   Point(4) = {0, H, 0};",
+            "Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};",
+            "Curve Loop(1) = {1:4};   Plane Surface(1) = {1};",
+            "Transfinite Curve {1, 3} = N + 1;   Transfinite Curve {2, 4} = M + 1;", "Transfinite Surface {1};   Recombine Surface {1};"]
+    sides = dict(zip(names, ("4", "2", "1", "3")))
+    what, inside = "Curve", 'Physical Surface("gas") = {1};'
+    if len(lengths) == 3:
+        body += ["out[] = Extrude {0, 0, D} { Surface{1}; Layers{K}; Recombine; };"]
+        sides = dict(zip(names, ("out[5]", "out[3]", "out[2]", "out[4]", "1", "out[0]")))
+        what, inside = "Surface", 'Physical Volume("gas") = {out[1]};'
+    groups = [f'Physical {what}("{name}") = {{{of}}};' for name, of in sides.items()]
+    return "\n".join(head + [""] + body + [""] + groups + [inside]) + "\n"
