@@ -9,14 +9,16 @@ foreach(component ${CPACK_COMPONENTS_ALL})
   file(REMOVE ${root}/share/doc/haff/LICENSE) # it is in common-licenses
   file(COPY ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${doc}
        FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
-  file(RENAME ${root}/share/doc/haff/CHANGELOG.md ${doc}/changelog RESULT none)
-  if(NOT component STREQUAL programs)
-    file(COPY ${CPACK_TEMPORARY_DIRECTORY}/programs/usr/share/doc/haff/changelog.gz DESTINATION ${doc})
-  endif()
+  string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
+  file(WRITE ${doc}/changelog "haff (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium
+
+  * As /usr/share/doc/haff/CHANGELOG.md says.
+
+ -- ${CPACK_PACKAGE_CONTACT}  ${now}
+")
+  file(CHMOD ${doc}/changelog FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   file(GLOB texts ${doc}/changelog ${root}/share/man/man1/*.1)
-  if(texts)
-    execute_process(COMMAND gzip -9n ${texts} COMMAND_ERROR_IS_FATAL ANY)
-  endif()
+  execute_process(COMMAND gzip -9n ${texts} COMMAND_ERROR_IS_FATAL ANY)
   # Libraries of the system are found without a path.
   file(GLOB_RECURSE binaries ${root}/bin/* ${root}/lib/haff/*.so)
   foreach(binary ${binaries})

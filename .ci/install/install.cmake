@@ -80,6 +80,7 @@ install(FILES ${CMAKE_BINARY_DIR}/install/haff.pc DESTINATION lib/pkgconfig COMP
 # Packages for Debian:  cd build && cpack. What they need of libraries is found by dpkg-shlibdeps.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME haff)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "gas dynamics of granular matter")
 set(CPACK_PACKAGE_CONTACT "haff maintainers <haff@localhost>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS ${CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS})
@@ -93,22 +94,18 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME haff)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "python3, python3-numpy, python3-matplotlib, openmpi-bin")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "gmsh, python3-scipy, haff-implicit")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "python3-vtk9, python3-meshio, python3-pandas, paraview, ffmpeg, libhaff-dev")
-set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "hydrodynamics of granular gases
- Solves the equations of rapid granular flow, a gas of grains that lose energy
- at every collision, on lattices and polyhedral meshes, with MPI; moves the
- grains themselves, event by event; draws and compares what comes out.")
+set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "Solves the equations of rapid granular flow, a gas of grains that lose energy
+at every collision, on lattices and polyhedral meshes, with MPI; moves the
+grains themselves, event by event; draws and compares what comes out.")
 set(CPACK_DEBIAN_IMPLICIT_PACKAGE_NAME haff-implicit)
 set(CPACK_DEBIAN_IMPLICIT_PACKAGE_DEPENDS "haff (= ${PROJECT_VERSION})")
-set(CPACK_COMPONENT_IMPLICIT_DESCRIPTION "implicit diffusion for haff, by PETSc
- The module that granularGas loads where a case says  diffusion implicit.")
+set(CPACK_COMPONENT_IMPLICIT_DESCRIPTION "The module with PETSc that granularGas loads for implicit diffusion.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libhaff-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libopenmpi-dev, libp4est-dev, libmetis-dev, liblapacke-dev, zlib1g-dev")
-set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "hydrodynamics of granular gases, for programs in C
- Static libraries and headers of haff, for find_package(haff) and pkg-config.")
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "Static libraries and headers of haff, for find_package(haff) and pkg-config.")
 include(CPack)
