@@ -5,8 +5,8 @@
  * little diffusion that two stages do, over those of the same gas without transport. CPU time of the process, the best
  * of the rounds. */
 #include "libcore/gas/gas_private.h"
+#include "mesh/lattice/box.h"
 #include "tests/bench/clock.h"
-#include "tests/box.h"
 #include "tests/defaults.h"
 
 #include <stdio.h>
@@ -66,7 +66,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
         rules[p].density.type = rules[p].temperature.type = boundary_find("zeroGradient");
         rules[p].velocity.type = boundary_find("slip");
     }
-    box_make(&box, 2, (int[3]){nx, ny, 1}, (double[3]){2. * nx, ny, 1}, (bool[3]){true, false, false});
+    TRY(box_make(&box, 2, (int[3]){nx, ny, 1}, (double[3]){2. * nx, ny, 1}, (bool[3]){true, false, false}));
     TRY(forest_make(&box.lattice, &box.mesh, c, 60, &f));
     TRY(gas_make(f, &m, 6, rules, &g));
     TRY(fill(g, nx, ny));
@@ -167,7 +167,7 @@ static status time_steps(struct forest *f, const char *reconstruct, int rounds) 
 static status time_spheres(const struct comm *c, int rounds) {
     struct box box;
     struct forest *f;
-    box_make(&box, 3, (int[3]){SIDE, SIDE, SIDE}, (double[3]){10, 10, 10}, (bool[3]){true, true, true});
+    TRY(box_make(&box, 3, (int[3]){SIDE, SIDE, SIDE}, (double[3]){10, 10, 10}, (bool[3]){true, true, true}));
     TRY(forest_make(&box.lattice, &box.mesh, c, 24, &f));
     TRY(time_steps(f, "PHM", rounds));
     TRY(time_steps(f, "WENO5", rounds));

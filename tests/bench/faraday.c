@@ -6,9 +6,9 @@
  * some Courant numbers; steps are at most 1.5e-3 maxCo. CPU time of the process; errors against the first scheme at a
  * small Courant number. Heights are those of the columns' centres of mass. */
 #include "libcore/gas/gas.h"
+#include "mesh/lattice/box.h"
 #include "solvers/gas/linear.h"
 #include "tests/bench/clock.h"
-#include "tests/box.h"
 #include "tests/defaults.h"
 
 #include <stdio.h>
@@ -116,7 +116,8 @@ static status run(const struct comm *c, int periods, const struct scheme *s, str
         rules[p].velocity.type = boundary_find("slip");
     }
     *r = (struct result){.seconds = -cpu_seconds()};
-    box_make(&box, 2, (int[3]){COLUMNS, ROWS, 1}, (double[3]){2 * COLUMNS, ROWS, 1}, (bool[3]){true, false, false});
+    TRY(box_make(&box, 2, (int[3]){COLUMNS, ROWS, 1}, (double[3]){2 * COLUMNS, ROWS, 1},
+                 (bool[3]){true, false, false}));
     TRY(forest_make(&box.lattice, &box.mesh, c, TILE, &f));
     TRY(gas_make(f, &m, 6, rules, &g));
     TRY(fill(g));

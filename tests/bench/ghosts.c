@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The ghost fill against memcpy of as many bytes: bench_ghosts [repeats], also under mpirun -np 2. Periodic boxes of
  * one rank's usual size; wall time, best of the repeats, of the slowest rank. */
+#include "mesh/lattice/box.h"
 #include "mesh/lattice/forest.h"
-#include "tests/box.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -57,7 +58,7 @@ static status time_scene(const struct comm *c, const struct scene *s, int repeat
     struct forest *f;
     double *block, **data;
     int nvar = s->dim + 2;
-    box_make(&box, s->dim, s->n, (double[3]){1, 1, 1}, (bool[3]){true, true, true});
+    TRY(box_make(&box, s->dim, s->n, (double[3]){1, 1, 1}, (bool[3]){true, true, true}));
     TRY(forest_make(&box.lattice, &box.mesh, c, s->tile, &f));
     TRY(allocate(&block, f->ntiles * nvar * f->size, sizeof *block, "blocks"));
     TRY(allocate(&data, f->ntiles, sizeof *data, "blocks"));

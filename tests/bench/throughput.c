@@ -7,8 +7,8 @@
  * steps as granularGas takes them: speed of the waves, sources, ghost cells, stages, checks. CPU time of the process.
  */
 #include "libcore/gas/gas.h"
+#include "mesh/lattice/box.h"
 #include "tests/bench/clock.h"
-#include "tests/box.h"
 #include "tests/defaults.h"
 
 #include <stdio.h>
@@ -52,7 +52,7 @@ static status time_scheme(const struct comm *c, const char *eos, int dim, int si
     struct forest *f;
     struct gas *g;
     int n[3] = {side, dim > 1 ? side : 1, dim > 2 ? side : 1};
-    box_make(&box, dim, n, (double[3]){10, 10, 10}, (bool[3]){true, true, true});
+    TRY(box_make(&box, dim, n, (double[3]){10, 10, 10}, (bool[3]){true, true, true}));
     struct gas_models m = {
         .material = {.diameter = 0.1, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find(eos),

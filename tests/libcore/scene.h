@@ -4,7 +4,7 @@
 #define TESTS_LIBCORE_SCENE_H
 
 #include "libcore/gas/gas.h"
-#include "tests/box.h"
+#include "mesh/lattice/box.h"
 
 #include "tests/mesh/polyhedral/cells.h" /* last: cmocka.h defines fail() */
 
@@ -31,7 +31,7 @@ static inline void set_walls(struct scene *s, const char *velocity) {
 static inline void open_box(struct scene *s, const struct comm *c, int dim, const int n[3], const double length[3],
                             const bool periodic[3], int tile) {
     const struct lattice *l = &s->box.lattice;
-    box_make(&s->box, dim, n, length, periodic);
+    ok(box_make(&s->box, dim, n, length, periodic));
     s->cells = s->box.mesh.ncells;
     s->dim = dim;
     s->centre = calloc(3 * (size_t)s->cells, sizeof *s->centre);

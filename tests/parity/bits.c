@@ -5,7 +5,7 @@
 #include "libcore/gas/gas.h"
 #include "libcore/grains/coarse.h"
 #include "libcore/grains/packing.h"
-#include "tests/box.h"
+#include "mesh/lattice/box.h"
 #include "tests/defaults.h"
 
 #include <stdio.h>
@@ -87,7 +87,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     struct gas *g;
     uint64_t sum = 0;
     int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, dim > 2 ? 14 : 1};
-    box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true});
+    TRY(box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true}));
     struct gas_models m = models_of(flux);
     m.reconstruct = r;
     m.material.threshold = dim == 2 ? 2 : 0; /* both sinks */
@@ -153,7 +153,7 @@ static status print_diffusion(const struct comm *c, int dim, bool spheres, const
     int n[3] = {dim == 1 ? 100 : 22, dim > 1 ? 18 : 1, dim > 2 ? 14 : 1};
     struct patch_rules walls[6];
     viscous_walls(spheres, walls);
-    box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false});
+    TRY(box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false}));
     struct gas_models m = spheres ? spheres_of(diffusion) : disks_of(diffusion);
     m.reconstruct = reconstruct_find("WENO5");
     TRY(forest_make(&box.lattice, &box.mesh, c, 12, &f));

@@ -2,8 +2,8 @@
 #include "tests/stress/run.h"
 
 #include "libcore/polyhedral/cells.h"
+#include "mesh/lattice/box.h"
 #include "solvers/gas/linear.h"
-#include "tests/box.h"
 #include "tests/defaults.h"
 #include "tests/stress/watch.h"
 
@@ -171,7 +171,7 @@ static status make_lattice(struct scene *s) {
     const struct problem *p = s->problem;
     const double length[3] = {1, 1 / p->squash, 1 / p->squash};
     const bool wrapped[3] = {is_periodic(p, 0), is_periodic(p, 1), is_periodic(p, 2)};
-    box_make(&s->box, p->dim, p->n, length, wrapped);
+    TRY(box_make(&s->box, p->dim, p->n, length, wrapped));
     s->cells = s->box.mesh.ncells;
     TRY(forest_make(&s->box.lattice, &s->box.mesh, s->comm, p->dim == 1 ? 16 : p->dim == 2 ? 8 : 4, &s->forest));
     return gas_make(s->forest, &s->models, 6, s->rules, &s->gas);

@@ -2,7 +2,7 @@
 /* Whole steps of the gas on forests of tiles: conservation, bits that depend on neither tiles nor dimension, quiet
  * states, the limiter and the stop at a collapse. */
 #include "libcore/gas/gas.h"
-#include "tests/box.h"
+#include "mesh/lattice/box.h"
 
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ static void open_scene(struct scene *s, int dim, const int n[3], bool periodic, 
                        const char *reconstruct) {
     const double length[3] = {1, 1, 1};
     const bool wrapped[3] = {periodic, periodic, periodic};
-    box_make(&s->box, dim, n, length, wrapped);
+    must(box_make(&s->box, dim, n, length, wrapped));
     s->models = (struct gas_models){
         .material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("GoldshteinShapiro"),
