@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The rows of the family `acoustics` and their parameters. */
+/* The rows of the family `acoustics` and their parameters: which cells take implicit steps, and when (docs/physics.md
+ * 9.2). */
 #include "libcore/acoustics/acoustics.h"
 
 #include <string.h>

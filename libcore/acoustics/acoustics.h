@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How sound is advanced in dense gas: a family of three rows, `explicit` (sound limits dt everywhere), `implicit`
  * (dense cells take an implicit acoustic step, libcore/acoustics/bed.h, and dt follows the flow) and `automatic` (they
- * do so where they can rest and cooling does not hold dt: libcore/gas/dense.c). */
+ * do so where they can rest and cooling does not hold dt: libcore/gas/dense.c; which cells, and when: docs/physics.md
+ * 9.2). */
 #ifndef LIBCORE_ACOUSTICS_H
 #define LIBCORE_ACOUSTICS_H
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An implicit acoustic step of dense gas: a bed, which is any set of cells of a mesh.
+/* An implicit acoustic step of dense gas: a bed, which is any set of cells of a mesh (docs/physics.md 9.1).
  *
  * Near packing sound is 100 to 10,000 times as fast as the flow. So in a bed the step is split into acoustics and
- * transport (Lagrange-projection: Chalons, Kestener, Kokh & Stauffert, Commun. Comput. Phys. 20, 188, 2016; here the
- * acoustics is nonlinear). Let V be the volume of a cell K, A and n the area and the normal of a face f between L and
+ * transport (Lagrange-projection: Chalons, Girardin & Kokh, Commun. Comput. Phys. 20, 188, 2016; here the acoustics is
+ * nonlinear). Let V be the volume of a cell K, A and n the area and the normal of a face f between L and
  * R, d_f = (x_R - x_L).n the distance of the centres along it, tau = 1/rho, and let P_K = p_K + rho_K g.(x_f - x_K) be
  * the pressure of cell K at the face, under its own weight.
  *

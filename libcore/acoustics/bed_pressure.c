@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The implicit acoustics of a bed: Newton's method for the pressures (bed.h, part 1). */
+/* The step of a bed, implicit acoustics: Newton's method for the pressures (bed.h, part 1; docs/physics.md 9.1). */
 #include "libcore/acoustics/bed_private.h"
 
 enum {

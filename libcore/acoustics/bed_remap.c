@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Transport in a bed: what the face velocities U carry (bed.h, part 3 and the theorem). */
+/* The step of a bed: the remap of what the face velocities U carry (bed.h, part 3 and the theorem; docs/physics.md
+ * 9.1). */
 #include "libcore/acoustics/bed_private.h"
 
 static const double LEFT = 0.1;

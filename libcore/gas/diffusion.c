@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Time integration of viscous stress and heat conduction, and their part of a step.
+/* Time integration of viscous stress and heat conduction (docs/physics.md 8.1), and their part of a step.
  *
  * Coefficients are frozen over a half step: in the first half of a step at its start, in the second half at its end,
  * where T is extrapolated from the first half. Both choices have errors of first order, which cancel. With the
@@ -36,8 +36,9 @@ enum {
     ASK_EVERY = 64   /* stages after which the ranks ask each other whether to leave the step */
 };
 
-/* Whatever its number of stages, a super step of RKL2 leaves 1 - b_s, about half, of the stiffest modes: a thin hot
- * cell that loses mass would keep its heat, and empty. Four super steps leave a sixteenth (cases/faraday). */
+/* RKL2 (super time stepping, docs/physics.md 8.2). Whatever its number of stages, a super step of it leaves 1 - b_s,
+ * about half, of the stiffest modes: a thin hot cell that loses mass would keep its heat, and empty. Four super steps
+ * leave a sixteenth (cases/faraday). */
 static long plan_rkl2(double ratio, int *stages) {
     const long parts = ratio > 50 ? 4 : 1;
     int s = (int)ceil(0.5 * (sqrt(9 + 16 * ratio / (double)parts) - 1)); /* ratio <= (s^2 + s - 2)/4 */
@@ -73,11 +74,11 @@ static void stage_explicit(int stages, int j, double out[4]) { /* Heun's method,
     out[2] = j == 1 ? 1 : 0.5;
 }
 
-/* Up to a ratio of 1/2 two stages of Heun's method do, whose every T is a mean of temperatures. Beyond, RKJ2 multiplies
- * a mode by R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the mode's rate. P is the Jacobi polynomial of s - 2
- * stages for (4, -1/2), 1 at 1; it falls faster than the quadratic factor grows, so that |R| < 0.11 from z = -8 to the
- * end -2/w. Half of the first order comes from P; b makes the second order right. The quadratic factor comes first, and
- * P damps its round-off. */
+/* RKJ2, super time stepping (docs/physics.md 8.2). Up to a ratio of 1/2 two stages of Heun's method do, whose every T
+ * is a mean of temperatures. Beyond, RKJ2 multiplies a mode by R(z) = (1 + z/2 + b z^2) P(1 + w z), z = -dt times the
+ * mode's rate. P is the Jacobi polynomial of s - 2 stages for (4, -1/2), 1 at 1; it falls faster than the quadratic
+ * factor grows, so that |R| < 0.11 from z = -8 to the end -2/w. Half of the first order comes from P; b makes the
+ * second order right. The quadratic factor comes first, and P damps its round-off. */
 static const double ALPHA = 4, BETA = -0.5;
 
 static long plan_rkj2(double ratio, int *stages) { /* 2 ratio <= 2/w */
@@ -105,6 +106,7 @@ static void stage_rkj2(int stages, int j, double out[4]) {
     out[2] = 0.5 * w * (2 * n + s - 1) * (2 * n + s) / ((n + s) * (n + ALPHA));
 }
 
+/* The implicit schemes (docs/physics.md 8.3) have no plan: implicit.c does their steps. */
 const struct diffusion diffusion_table[] = {
     {MODEL("RKJ2", "super time stepping, second order, that leaves a tenth of the stiffest modes"), .plan = plan_rkj2,
      .stage = stage_rkj2},

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Viscous stress and heat conduction over part of a time step: a table of schemes that take their many small steps.
  *
- * rho and the coefficients are frozen; then velocity and temperature obey linear equations of their own,
+ * rho and the coefficients are frozen (docs/physics.md 8.1); then velocity and temperature obey linear equations of
+ * their own,
  *     rho du/dt = div tau(u),  rho/(gamma - 1) dT/dt = div (heat grad T),
  * in short rho dq/dt = L q. A scheme of s stages takes q_0 over dt to q_s by sums S_j of earlier stages:
  *     S_j = a S_(j-1) + b S_(j-2) + dt (c q_(j-1) + d q_0),  S_0 = 0,  q_j = q_0 + L S_j / rho,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Applies the floors of density and of energy (libcore/schemes/limit.h) to the whole state, and keeps account of what
- * they add. */
+/* Applies the floors of density and of energy (libcore/schemes/limit.h; docs/physics.md 7.3) to the whole state, and
+ * keeps account of what they add. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>

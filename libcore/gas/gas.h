@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The granular gas on a lattice or on polyhedra: its state, its time step, and all that the outside may ask of it.
+/* The granular gas on a lattice or on polyhedra: its state, its time step, and all that the outside may ask of it. The
+ * equations of the gas stand in docs/physics.md 1.2, the order of a step in docs/physics.md 7.2.
  *
  * Variables are rho, rho u, E = rho (eps + |u|^2/2). u has a component along each of the dim computational axes of the
  * mesh (struct forest) and, behind these, along further axes that the mesh does not resolve, if it is asked for them:
@@ -45,8 +46,8 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     bool skip_uniform;
 };
 
-/* what kept the state admissible (libcore/schemes/limit.h) since gas_make, on all ranks, and before that what
- * gas_resume was told */
+/* Counts of the measures that kept the state admissible (libcore/schemes/limit.h), and of diffusion and beds: on all
+ * ranks since gas_make, added to the counts that gas_resume was given. */
 struct gas_counts {
     long cells;      /* cells whose faces were limited, counted once a stage */
     long faces;      /* faces whose flux was moved towards the low-order flux, counted once a stage */
@@ -117,8 +118,8 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
 /* Can a gas of these models ever take such steps? */
 bool gas_may_be_dense(const struct gas_models *m);
-/* The largest inertial number |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the last gas_bed_step, an upper
- * estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
+/* Returns the largest inertial number (docs/physics.md 4.8) |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the
+ * last gas_bed_step, an upper estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
 double gas_inertia(const struct gas *g);
 struct gas_cell {
     double place[3], alpha, T, c; /* centre, m; state, m^2/s^2, m/s */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Does the steps of implicit.h by the hooks of the engine; a module that the caller of gas_make gave solves the
- * systems. */
+/* Does the steps of implicit diffusion (implicit.h, docs/physics.md 8.3) by the hooks of the engine; a module that the
+ * caller of gas_make gave solves the systems. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>

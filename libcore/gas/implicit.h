@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Implicit steps of diffusion: they solve the two linear problems of diffusion.h.
+/* Implicit steps of diffusion (docs/physics.md 8.3): they solve the two linear problems of diffusion.h.
  *
  * A step of dt uses the L-stable SDIRK scheme of two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), which is of second
  * order:

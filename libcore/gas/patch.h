@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The edge of the domain as both engines see it: states beyond patches for the fluxes, and sums beyond patches for
- * diffusion, by the boundary types of libcore/models/boundary.h. */
+ * diffusion, by the boundary types of libcore/models/boundary.h: open patches (docs/physics.md 5.2) and walls of a gas
+ * with transport (docs/physics.md 5.3). */
 #ifndef LIBCORE_PATCH_H
 #define LIBCORE_PATCH_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One time step: sources, diffusion, Runge-Kutta stages, the limiting that keeps the state admissible, rejection.
+/* One time step: sources, diffusion, Runge-Kutta stages in the order of docs/physics.md 7.2, the limiting that keeps
+ * the state admissible, rejection.
  *
  * A stage is computed at high order. If a cell is inadmissible after it, or denser and all but packed, the cell is
  * flagged and the stage is done again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h).

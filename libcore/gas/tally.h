@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a step takes out of the gas through the faces of patches, to the round-off of the state itself: the fluxes of
+/* What a step takes out of the gas through the faces of patches, for the forces on patches and the budget
+ * (docs/physics.md 5.7), to the round-off of the state itself: the fluxes of
  * the Runge-Kutta stages by the weights with which they reach the end of the step, what the halves of diffusion pass
  * on, and what a bed of implicit acoustics exchanges. It is kept on request (gas_tally), else it costs nothing; the gas
  * has the same bits with it.

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Coarse graining: fields on equal cells from grains and their impacts (Goldhirsch, Granular Matter 12 (2010) 239;
- * Weinhart et al., Granular Matter 14 (2012) 289). A grain at x counts with the share w_i(x) in cell i, sum w_i = 1:
+ * Weinhart et al., Granular Matter 14 (2012) 289; docs/physics.md 10.4). A grain at x counts with the share w_i(x) in
+ * cell i, sum w_i = 1:
  *
  *   rho = sum m w / V,  rho U = sum m u w / V,  T = sum m |u - U|^2 w / (dim rho V),  p = p_kin + p_coll,
  *   T_k = sum m (u_k - U_k)^2 w / (rho V): T is the mean of these,  p_kin = rho T,

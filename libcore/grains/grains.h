@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Event-driven motion of smooth hard disks (dim 2) and spheres (dim 3): free parabolas between impacts, impacts at
- * their exact times in their exact order. There is no time step.
+ * their exact times in their exact order (docs/physics.md 10.2). There is no time step.
  *
- * An impact of two grains with relative velocity v and unit normal k (from a to b), v.k < 0, gives each the impulse
- * m (1 + e)/2 (v.k) k; e = restitution, or 1 where |v.k| < threshold (the rule of libcore/models/source.h, which keeps
- * inelastic collapse away). A wall has infinite mass and its own restitution. Grains leave an impact with at least
- * 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration relative to the box: even without a
- * threshold, time goes on (slowly: a collapse then takes millions of impacts).
+ * An impact (docs/physics.md 10.1) of two grains with relative velocity v and unit normal k (from a to b), v.k < 0,
+ * gives each the impulse m (1 + e)/2 (v.k) k; e = restitution, or 1 where |v.k| < threshold (the rule of
+ * libcore/models/source.h, which keeps inelastic collapse away). A wall has infinite mass and its own restitution.
+ * Grains leave an impact with at least 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration
+ * relative to the box: even without a threshold, time goes on (slowly: a collapse then takes millions of impacts).
  *
  * Space is a box with axes 0..dim-1, periodic or walled axis by axis. The box as a whole may be shaken: its
  * displacement is s_k(t) = shake[k] cos(omega t + phase). All positions and velocities in this header are in the frame

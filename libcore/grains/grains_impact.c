@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Changes the velocities of two grains, or of a grain at a wall, in an impact; grains.h has the rule.
+/* Changes the velocities of two grains, or of a grain at a wall, in an impact; grains.h and docs/physics.md 10.1 have
+ * the rule.
  *
  * A grain leaves an impact with at least a normal speed of v0 = 1e-13 (|u_a| + |u_b|) + 1e-7 sqrt(G d). That is far
  * below any approach speed except where without a threshold infinitely many impacts would fall into a finite time

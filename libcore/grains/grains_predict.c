@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Predicts what happens to a grain next.
+/* Predicts what happens to a grain next, for the order of events (docs/physics.md 10.2).
  *
  * Each grain stores one predicted impact, and the time at which it leaves its cell if that comes first. Between events
  * this holds for every pair i, j in neighbouring cells that would meet at t_ij on their present courses:

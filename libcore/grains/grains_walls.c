@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds when a grain touches a flat wall: a wall at rest by the root of a parabola, a moving wall by steps that cannot
- * pass the first contact. */
+/* Finds when a grain in flight touches a flat wall (docs/physics.md 10.2): a wall at rest by the root of a parabola, a
+ * moving wall by steps that cannot pass the first contact. */
 #include "libcore/grains/grains_private.h"
 
 /* Returns the first t >= 0 at which h + v t + a t^2/2 falls to zero; HUGE_VAL: never. h <= 0 is a contact: the root is

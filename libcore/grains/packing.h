@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Places and velocities of hard grains for a start: random sequential addition where there is room, else smaller grains
  * are added that then grow to their size while they move as elastic hard grains (Lubachevsky & Stillinger, J. Stat.
- * Phys. 60 (1990) 561). */
+ * Phys. 60 (1990) 561; docs/physics.md 10.3). */
 #ifndef LIBCORE_PACKING_H
 #define LIBCORE_PACKING_H
 

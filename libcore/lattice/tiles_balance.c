@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The balance of pressure and weight at the faces of a lattice, so that gas at rest stays so to round-off.
+/* The balance of pressure and weight at the faces of a lattice, so that gas at rest stays so to round-off
+ * (docs/physics.md 7.4).
  *
  * A row of cells whose pressures differ by the weight of half of either cell,
  *     p_1 - p_0 = h/2 (rho_0 g + rho_1 g),

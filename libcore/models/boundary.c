@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of boundary conditions (boundary.h): the ghosts of each row, and the shares in which walls drag the gas and
- * exchange heat with it. */
+/* The table of boundary conditions (boundary.h): the ghosts of each row, mirror walls (docs/physics.md 5.1) and open
+ * patches (docs/physics.md 5.2), and the shares in which walls of a gas with transport drag it and exchange heat with
+ * it (docs/physics.md 5.3). */
 #include "libcore/models/boundary.h"
 
 static const double PI = 3.14159265358979323846;
@@ -97,9 +98,10 @@ static void moving_velocity(const struct rule *rule, int components, int face, d
     for (int c = 0; c < components; c++) out[c] = rule->values ? value_of(rule, components, face, c) : own.U[c];
 }
 
-/* A wall of restitution e takes the heat q = c p sqrt(T_w), c = (1 - e^2)/sqrt(2 pi), with T_w of the gas on it: per
- * area and time n sqrt(T_w/2 pi) grains hit it with a mean normal energy of m T_w each, and n m T_w = p at a wall. The
- * cell conducts 2 heat/d (T - T_w) to the wall. Both are equal if s = sqrt(T_w) solves
+/* Walls that take what impacts lose (docs/physics.md 5.4). A wall of restitution e takes the heat q = c p sqrt(T_w), c
+ * = (1 - e^2)/sqrt(2 pi), with T_w of the gas on it: per area and time n sqrt(T_w/2 pi) grains hit it with a mean
+ * normal energy of m T_w each, and n m T_w = p at a wall. The cell conducts 2 heat/d (T - T_w) to the wall. Both are
+ * equal if s = sqrt(T_w) solves
  *     s^2 + 2 B s - T = 0,  B = c p d/(4 heat).
  * With B/s kept from the start the wall takes the share 4 B/(s + 2 B) of heat T/d, which is linear in T, and less than
  * a wall of T = 0 takes.
@@ -132,9 +134,10 @@ static void granular_heat(const struct rule *rule, const struct wall_line *l, do
     absorbed_shares(own.restitution, l, share);
 }
 
-/* The wall with friction of Johnson & Jackson (J. Fluid Mech. 176, 1987, p. 67). At a wall of hard grains n_w m T = p
- * at every density, and p/(m sqrt(2 pi T)) grains hit it per area and time. On average an impact gives the wall the
- * part phi, the specularity, of the grain's momentum along it, which is m s in gas that slips at s on the wall itself:
+/* The wall with friction of Johnson & Jackson (J. Fluid Mech. 176, 1987, p. 67; docs/physics.md 5.5). At a wall of hard
+ * grains n_w m T = p at every density, and p/(m sqrt(2 pi T)) grains hit it per area and time. On average an impact
+ * gives the wall the part phi, the specularity, of the grain's momentum along it, which is m s in gas that slips at s
+ * on the wall itself:
  *     tau = phi p/sqrt(2 pi T) s,  q = (1 - e^2) p sqrt(T/(2 pi)),
  * with q as above. The wall gets the work tau u_w of its own motion, and q. The rest of what the stress takes off the
  * gas, tau s, stays there as heat, so that with n into the gas
@@ -324,7 +327,7 @@ static void find_share(void (*share_of)(const struct rule *, const struct wall_l
     if (any && share_of) share_of(rule, l, share);
 }
 
-/* rho has a gradient at a wall that conducts, as dp/dn = rho push there with n towards the wall:
+/* rho has a gradient at a wall that conducts (docs/physics.md 5.6), as dp/dn = rho push there with n towards the wall:
  *     d rho/dn = (rho push - p_T dT/dn)/p_rho.
  * Hence the heat flux -heat dT/dn - cross d rho/dn towards the wall is
  *     -through dT/dn - Q,  through = heat - cross p_T/p_rho,  Q = cross rho push/p_rho,

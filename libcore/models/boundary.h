@@ -2,6 +2,8 @@
 /* Boundary conditions: a table of types by OpenFOAM's names. A patch has one rule for each of density, velocity and
  * temperature; a rule is a row of the table and what a case gives for it.
  *
+ * docs/physics.md 5.1 and 5.3 have the mirror walls and the walls of a gas with transport.
+ *
  * The inviscid gas sees ghost cells beyond a patch. Where the rule of the velocity is that of a wall every ghost is
  * the mirror image of a cell, so that mass is conserved to round-off. In a gas with transport every wall is a plain
  * mirror to the fluxes of the inviscid gas, which then pass on its pressure and nothing else. Whatever a wall does

@@ -4,7 +4,8 @@
 
 #include "libcore/models/kernel.h"
 
-/* Computes T/(1 + B sqrt(T) dt/2)^2, the solution of dT/dt = -B T^(3/2); B = per_contact G. */
+/* Computes T/(1 + B sqrt(T) dt/2)^2, the solution of Haff's law dT/dt = -B T^(3/2) (docs/physics.md 3.2); B =
+ * per_contact G. */
 KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
                         double *restrict eps) {
     for (int i = 0; i < n; i++) {
@@ -14,8 +15,8 @@ KERNEL static void cool(int n, double g1, double per_contact, double dt, const d
     }
 }
 
-/* The functions below solve dT/dt = -B T^(3/2) (1 + x) e^-x, x = v_c^2/(4 T). With s = sqrt x and tau = B v_c dt this
- * is
+/* The functions below solve the law with a threshold speed (docs/physics.md 3.3), dT/dt = -B T^(3/2) (1 + x) e^-x, x =
+ * v_c^2/(4 T). With s = sqrt x and tau = B v_c dt this is
  *   ds/dtau = (1 + x) e^-x / 4:  Haff's straight line at first, then a logarithm.
  * w = sqrt(2 (e^2x - 1)) follows both, dw/dtau = r/2 with r = 2 s (1 + x)/sqrt(2 (1 - e^-2x)), which is 1 at x = 0 and
  * grows no faster than s^3. One midpoint step in w is of second order, keeps T positive and falling, stops T where e^-x
@@ -43,7 +44,7 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
     }
 }
 
-/* Haff's law with `factor` times its rate */
+/* Advances eps by Haff's law with `factor` times its rate. */
 static void cool_by(double factor, const struct eos *eos, const struct material *m, double dt, int n,
                     const double *restrict rho, double *restrict eps) {
     const double g1 = m->gamma - 1, losses = 1 - m->restitution * m->restitution;
@@ -62,9 +63,9 @@ static void haff(const struct own_params *params, const struct eos *eos, const s
     cool_by(1, eos, m, dt, n, rho, eps);
 }
 
-/* Garzo & Dufty (1999), van Noije & Ernst (1998): the velocities of inelastic grains are not quite Maxwellian, and with
- * their second Sonine coefficient a2 the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and 1.028 at e = 0.2 for
- * spheres. */
+/* Cooling with the second Sonine coefficient a2 (docs/physics.md 3.4; Garzo & Dufty 1999, van Noije & Ernst 1998): the
+ * velocities of inelastic grains are not quite Maxwellian, and the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and
+ * 1.028 at e = 0.2 for spheres. */
 static void garzo_dufty(const struct own_params *params, const struct eos *eos, const struct material *m, double dt,
                         int n, const double *restrict rho, double *restrict eps) {
     (void)params;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cooling laws: the rate at which impacts take granular temperature. A law is one function and one row of
- * cooling_table.
+ * cooling_table. docs/physics.md 3.2 and 3.3 have Haff's law and the threshold speed of impacts.
  *
  * Haff (1983), Serna & Marquina (2): T = (gamma - 1) eps falls by
  *     dT/dt = -B T^(3/2),  B = (gamma - 1) (12/sqrt pi) (1 - e^2) G/sigma;  for disks 4 stands in place of 12.

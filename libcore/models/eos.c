@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The equations of state, each with its parameters and its row of the table, and the parameters of the grains. */
+/* The equations of state, each with its parameters and its row of the table, and the parameters of the grains. All have
+ * the form of docs/physics.md 2.1, p = rho T A, c^2 = T [A + nu A' + (gamma - 1) A^2]. */
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
 
@@ -20,10 +21,12 @@ double packing_per_density(const struct material *m) {
     return PI / 6 * m->diameter * m->diameter * m->diameter / m->mass;
 }
 
+/* The sink of the contact integrals (docs/physics.md 1.3) over (1 - e^2) rho T^(3/2) G/sigma. */
 double cooling_factor(const struct material *m) {
     return (m->disks ? 4 : 12) / sqrt(PI);
 }
 
+/* a2 of docs/physics.md 3.4, the second Sonine coefficient. */
 double second_sonine(const struct material *m) {
     const double e = m->restitution, d = m->disks ? 2 : 3;
     return 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
@@ -42,10 +45,11 @@ double density_limit(const struct eos *eos, const struct material *m) {
     return k > 0 ? packing_limit(eos, m) / k : HUGE_VAL;
 }
 
-/* Goldshtein & Shapiro (1995), Serna & Marquina (1)-(8):
+/* Goldshtein & Shapiro (1995), Serna & Marquina (1)-(8); docs/physics.md 2.2:
  *   x = (nu/nu_max)^(4 nu_max/3), G = nu/(1 - x), A = 1 + 2(1+e) G, p = rho T A
  *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
- * Their printed A' lacks the factor 2 (physics S1); `printed_sound` reproduces it in c alone. */
+ * The A' that Serna & Marquina print lacks the factor 2 (docs/physics.md S1); `printed_sound` puts that A' into c
+ * alone. */
 static inline double gs_x(double nu, double inverse_max, double a) {
     double x = power(nu * inverse_max + 1e-200, a); /* 1e-200 allows nu = 0: x is then too small to matter */
     return smaller(x, LAST_DIGIT);
@@ -81,7 +85,7 @@ KERNEL static void gs_slope(const struct material *m, int n, const double *restr
     }
 }
 
-/* The dilute limit: p = rho T, c^2 = gamma T, G = nu. */
+/* The perfect gas, the dilute limit (docs/physics.md 2.3): p = rho T, c^2 = gamma T, G = nu. */
 KERNEL static void perfect_state(const struct material *m, int n, const double *restrict rho,
                                  const double *restrict eps, double *restrict p, double *restrict c2,
                                  double *restrict gruneisen) {
@@ -100,8 +104,8 @@ KERNEL static void perfect_contact(const struct material *m, int n, const double
     for (int i = 0; i < n; i++) contact[i] = k * rho[i];
 }
 
-/* Torquato's contact value chi for disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G (physics
- * 2.1):
+/* Torquato's contact value chi for disks (d = 2) and spheres (d = 3), G = nu chi, A = 1 + 2^(d-2) (1+e) G
+ * (docs/physics.md 2.4; with G = chi, as printed, thin gas would be wrong: docs/physics.md C1):
  *   chi = (1 - a nu)/(1 - nu)^d below freezing, a = 0.436 (disks), 1/2;  chi_f (nu_c - nu_f)/(nu_c - nu) above.
  * chi' jumps at nu_f, and with it the speed of sound. On nu_f -+ smoothing a quintic of t = (nu - nu_f)/(2 smoothing) +
  * 1/2 takes over value, slope and curvature of both branches. G diverges at nu_c, below which the gas stays (limit.h).

@@ -2,7 +2,8 @@
 /* Equations of state of granular gases: a table of batch functions of (rho, eps). Their formulas stand in eos.c alone.
  *
  * All are linear in the granular temperature, p = rho T A(nu), with T = (gamma - 1) eps per unit mass and the packing
- * fraction nu = pi rho sigma^3 / (6 m) for spheres, nu = pi rho sigma^2 / (4 m) for disks (rho is then per area). */
+ * fraction nu = pi rho sigma^3 / (6 m) for spheres, nu = pi rho sigma^2 / (4 m) for disks (rho is then per area).
+ * Symbols: docs/physics.md 1.1; what all equations of state share: docs/physics.md 2.1. */
 #ifndef LIBCORE_EOS_H
 #define LIBCORE_EOS_H
 
@@ -22,7 +23,7 @@ struct material {       /* parameters of the grains and of the equation of state
     double gamma;       /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
     double alpha_max;   /* packing fraction at which the pressure diverges, or would without the tangent */
     bool tangent;       /* does Torquato's G go on as its tangent from EOS_PACKING of alpha_max on, without a bound? */
-    bool printed_sound; /* is the sound speed that of Serna & Marquina's printed A' (half of dA/drho; erratum S1)? */
+    bool printed_sound; /* is c that of the A' that Serna & Marquina print, half of dA/drho (docs/physics.md S1)? */
     bool disks;         /* are the grains disks, not spheres? Given by the equation of state */
     double freezing;    /* nu_f: packing fraction at which Torquato's two branches meet */
     double smoothing;   /* the branches are joined smoothly from nu_f - smoothing to nu_f + smoothing */
@@ -64,9 +65,10 @@ const char *eos_objection(const struct eos *eos, const struct material *m);
 
 double packing_per_density(const struct material *m); /* nu / rho in m^3/kg, for disks m^2/kg */
 /* Returns K of the cooling rate K (1 - e^2) rho T^(3/2) G / sigma per volume, for disks per area: 12/sqrt pi, for disks
- * 4/sqrt pi. */
+ * 4/sqrt pi (the contact integrals of docs/physics.md 1.3). */
 double cooling_factor(const struct material *m);
-/* Returns the second Sonine coefficient of the velocities of cooling grains in d dimensions (van Noije & Ernst 1998),
+/* Returns the second Sonine coefficient of the velocities of cooling grains in d dimensions (docs/physics.md 3.4; van
+ * Noije & Ernst 1998),
  *   a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]: 0 if they are elastic. */
 double second_sonine(const struct material *m);
 /* nu, and rho, below which a gas stays: alpha_max, and rho there; HUGE_VAL: there is no limit */

@@ -5,7 +5,7 @@
 
 #define PI 3.14159265358979323846
 
-/* Cooling, by its law (libcore/models/cooling.h). */
+/* Cooling, by its law (libcore/models/cooling.h; docs/physics.md 3.2). */
 
 static bool cooling_active(const struct sources *all, const struct material *m) {
     return all->cooling && m->restitution < 1 && m->diameter > 0;
@@ -17,7 +17,7 @@ static void cooling_step(const struct source_step *s, int n, const double *restr
     s->all->cooling->step(&s->all->cooling_params, s->eos, s->material, s->dt, n, rho, eps);
 }
 
-/* Gravity, constant or shaken: g(t) = gravity (1 + a(t) cos(2 pi frequency t + phase)). */
+/* Gravity, constant or shaken (docs/physics.md 3.1): g(t) = gravity (1 + a(t) cos(2 pi frequency t + phase)). */
 
 static bool gravity_active(const struct sources *all, const struct material *m) {
     (void)m;
@@ -110,15 +110,15 @@ static void gravity_step(const struct source_step *s, int n, const double *restr
         if (s->kick[k] != 0) kick_momentum(n, s->kick[k], rho, mom[k]);
 }
 
-/* As gravity_step, on the cells in which falls is 1; in the others it is 0. */
+/* Does what gravity_step does, in the cells in which falls is 1; in the others falls is 0. */
 static void fall(const struct source_step *s, int n, const double *falls, const double *rho,
                  double *const mom[MAX_DIM]) {
     for (int k = 0; k < s->dim; k++)
         if (s->kick[k] != 0) kick_falling(n, s->kick[k], falls, rho, mom[k]);
 }
 
-/* Linear drag by a gas between the grains, of velocity u_g: du/dt = -rate (u - u_g). It acts on each grain, so that
- * random velocities decay, too, and dT/dt = -2 rate T. */
+/* Linear drag by a gas between the grains, of velocity u_g (docs/physics.md 3.5): du/dt = -rate (u - u_g). It acts on
+ * each grain, so that random velocities decay, too, and dT/dt = -2 rate T. */
 
 struct linear_drag {
     double rate, velocity[MAX_DIM];
@@ -166,7 +166,7 @@ static void linear_drag_step(const struct source_step *s, int n, const double *r
     drag_energy(n, s->number[1], eps);
 }
 
-/* Uniform heating, a thermostat that kicks each grain at random, everywhere alike: dT/dt = rate. */
+/* Uniform heating, a thermostat that kicks each grain at random (docs/physics.md 3.6): dT/dt = rate. */
 
 struct uniform_heating {
     double rate;

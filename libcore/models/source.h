@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Source terms: a table of terms that change velocity and temperature of a cell without its neighbours, integrated
  * exactly at frozen density. Gravity is a source of cold cells alone; elsewhere it acts within the stages of the flow,
- * so that it balances the pressure of gas at rest there (libcore/gas/gas_private.h, `falls`).
+ * so that it balances the pressure of gas at rest there (libcore/gas/gas_private.h, `falls`; docs/physics.md 3.1).
  *
  * A source is one row of source_table with the functions it names, all in source.c: reading, listing, both mesh
  * engines, diffusion, and the budget of energy work by the row. A step applies the sources over half of its time

@@ -8,11 +8,12 @@
 
 struct jenkins_richman { /* the law's own parameters */
     double alpha_min;    /* packing fraction below which G no longer falls in the coefficients */
-    int bulk;            /* index of bulk_words; 1: the bulk viscosity is twice as large, as printed (erratum C2) */
+    int bulk;            /* index of bulk_words; 1: bulk viscosity twice as large, as printed (docs/physics.md C2) */
 };
 OWN_PARAMS_FIT(struct jenkins_richman);
 
-/* Jenkins & Richman (1985) as in Carrillo, Poeschel & Saluena (2.12)-(2.14):
+/* Jenkins & Richman's disks (1985; docs/physics.md 4.2) as in Carrillo, Poeschel & Saluena (2.12)-(2.14), with the bulk
+ * viscosity of the contact integrals (docs/physics.md 1.3):
  *   bulk = 2/sqrt pi rho sigma sqrt T G,  shear = sqrt pi/8 rho sigma sqrt T [1/G + 2 + (1 + 8/pi) G],
  *   heat = sqrt pi/2 rho sigma sqrt T [1/G + 3 + (9/4 + 4/pi) G].
  * Where G vanishes, rho/G has a limit, but diffusivities, which are coefficients per rho, have none: below alpha_min G
@@ -30,7 +31,8 @@ KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, con
     }
 }
 
-/* The density at which the coefficients are taken at most. */
+/* Returns the density at which the coefficients end: above it they are those there times rho/(rho there)
+ * (docs/physics.md 4.5). */
 static double packed_density(const struct material *m) {
     return m->alpha_max > 0 ? EOS_PACKING * m->alpha_max / packing_per_density(m) : HUGE_VAL;
 }
@@ -62,12 +64,12 @@ struct garzo_dufty {
     double alpha_min; /* as Jenkins & Richman's; 0: coefficients do not fall */
     double knudsen;   /* packing fraction at which the coefficients are halved; 0: they are not cut */
     int zeta_u;       /* index of zeta_words */
-    int stress;       /* index of stress_words; 1: diagonal */
+    int stress;       /* index of stress_words; 1: diagonal, derivatives across faces alone (docs/physics.md 4.6) */
 };
 OWN_PARAMS_FIT(struct garzo_dufty);
 
-/* Garzo & Dufty (1999) in d dimensions, Lutsko (2005): with nu the packing fraction, X = nu chi, L = nu chi'/chi, and
- * a2 the second Sonine coefficient,
+/* Garzo & Dufty's disks and spheres (1999) in d dimensions, Lutsko (2005); docs/physics.md 4.3: with nu the packing
+ * fraction, X = nu chi, L = nu chi'/chi, and a2 the second Sonine coefficient,
  *   shear = shear0 shear*,  bulk = shear0 bulk*,  heat = heat0 heat*,  cross = heat0 T/rho cross*,
  *   shear0 = (d + 2)/8 Gamma(d/2) pi^(-(d - 1)/2) m sqrt T/sigma^(d - 1),  heat0 = d (d + 2)/(2 (d - 1)) shear0,
  * where the starred functions of X, chi, nu and L are
@@ -177,9 +179,9 @@ static void garzo_cross(const struct own_params *params, const struct eos *eos, 
     garzo_crossing(n, &c, &l, packing_per_density(m), T, cross);
 }
 
-/* The cooling rate of a gas that is compressed has the term zeta_U div u beside that of a gas at rest, which takes the
- * heat rho T/(gamma - 1) zeta_U div u per volume and time. Most of zeta_U is geometry, the rest the change of the
- * fourth moment of the velocities (taken for a2 = 0). */
+/* The cooling rate of a gas that is compressed depends on the divergence of the velocity (docs/physics.md 4.4): its
+ * term zeta_U div u takes the heat rho T/(gamma - 1) zeta_U div u per volume and time. Most of zeta_U is geometry, the
+ * rest the change of the fourth moment of the velocities (taken for a2 = 0). */
 static void garzo_dilation(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                            const double *restrict rho, const double *restrict T, double *restrict dilation) {
     const double e = m->restitution, d = m->disks ? 2 : 3, two = m->disks ? 1 : 2, losses = 1 - e * e;

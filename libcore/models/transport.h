@@ -3,7 +3,7 @@
  *
  * Stress tau = (bulk - 2/d shear) tr(E) I + 2 shear E with E the symmetric gradient of u, d = 2 for disks and 3 for
  * spheres; heat flux q = -heat grad T - cross grad rho, T per unit mass; and of inelastic grains the heat per volume
- * and time dilation div u, which the gas loses besides the work p div u of its pressure. */
+ * and time dilation div u, which the gas loses besides the work p div u of its pressure (docs/physics.md 4.1). */
 #ifndef LIBCORE_TRANSPORT_H
 #define LIBCORE_TRANSPORT_H
 

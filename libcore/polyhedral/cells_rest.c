@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The balance of pressure and weight on polyhedra, so that gas at rest stays so to round-off.
+/* The balance of pressure and weight on polyhedra, so that gas at rest stays so to round-off (docs/physics.md 7.4).
  *
  * On cells of any shape no formula says which averages are at rest. So the state U* that a case lays at rest says it.
  * Its own polynomials have two values at a point of a face; their mean is U*(x), one for both sides. Other states U are

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Projects the cells of a stencil on the eigenbasis of a face (physics 1.1) and reconstructs the projected fields, in
- * one loop over the faces: flux.c makes the bases, reconstruct.c instantiates the loops below for each row of its
- * table. */
+/* Projects the cells of a stencil on the eigenvectors of a face (docs/physics.md 6.1) and reconstructs the projected
+ * fields from their upwind sides (docs/physics.md 6.2), in one loop over the faces: flux.c makes the bases,
+ * reconstruct.c instantiates the loops below for each row of its table. */
 #ifndef LIBCORE_CHARACTERISTIC_H
 #define LIBCORE_CHARACTERISTIC_H
 
@@ -11,7 +11,7 @@ enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* families of fields by their speeds: 
 #define UPWIND_LEFT  (-1.)
 #define UPWIND_RIGHT (-2.)
 
-struct bases { /* eigenbases of faces, as lines; b1 and b2 (physics 1.1) are halved */
+struct bases { /* eigenbases of faces, as lines; b1 and b2 (docs/physics.md 6.1) are halved */
     double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
     double inverse_b1[BATCH];
 };
@@ -37,8 +37,8 @@ ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b,
 }
 
 /* Projects cell i of q, less the pressure P in q_n, on the left eigenvectors. With s = (b2 q0 - b1 (u.q - q_E))/2 and d
- * = (q_n - u_n q0)/(2c), the rows of L (physics 1.1) are l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j q0,  l_+
- * q = s + d. */
+ * = (q_n - u_n q0)/(2c), the rows of L (docs/physics.md 6.1) are l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j
+ * q0,  l_+ q = s + d. */
 ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i,
                                     double P) {
     double q0 = q[0][i], qn = q[1][i] - P, work = fma(l.u[0], qn, -q[dim + 1][i]);

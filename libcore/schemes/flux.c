@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Characteristic fluxes in the form of Shu & Osher (1989): project the nodal fluxes (and, where a field is split, the
  * states) of the stencil on an eigenbasis of the face, reconstruct each field from its upwind side, project back. The
- * fluxes below differ in the basis and in which fields are split; their sources are cited beside them. A batch is cut
- * into runs of faces that need the same work; the flux of a face does not depend on its run. */
+ * fluxes below differ in the basis and in which fields are split (docs/physics.md 6.2); their sources are cited beside
+ * them. A batch is cut into runs of faces that need the same work; the flux of a face does not depend on its run. */
 #include "libcore/schemes/flux_private.h"
 
 enum { GROUP = 8 }; /* faces that are kept in one run: a vector */
@@ -45,8 +45,8 @@ KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) 
     return end < n ? end : n;
 }
 
-/* Computes the eigenbasis of physics 1.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho: total
- * enthalpy h, b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
+/* Computes the eigenvectors of docs/physics.md 6.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho:
+ * total enthalpy h, b1 = g/c^2, b2 = 1 + b1 (u^2 - h); one division serves all. */
 ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, double c, double g,
                                struct bases *restrict b, int i) {
     double inverse = 1 / (c * g), inverse_c = g * inverse, b1 = g * inverse_c * inverse_c, t = 0;
@@ -102,7 +102,8 @@ ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const 
     }
 }
 
-/* Computes one basis per face, from the means of the two cells' u, static enthalpy, c^2 and g. For the perfect gas this
+/* Computes one basis per face, the common basis (docs/physics.md 6.3), from the means of the two cells' u, static
+ * enthalpy, c^2 and g. For the perfect gas this
  * is the basis of the mean (u, T), which keeps contacts exactly; for other equations of state it is as accurate as the
  * basis of the mean state, without evaluating them. Where all speeds have one sign both states are the upwind cell's,
  * so that nothing downwind of a supersonic face touches its flux, not even by round-off. */
@@ -254,19 +255,20 @@ static void two_bases_flux(const struct faces *f, const struct eos *eos, const s
     }
 }
 
-/* Marquina's flux: Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_- (erratum S6). The bases belong
- * to the reconstructed face states: with the cells' states the flux is first order only (physics 1.2). */
+/* Marquina's flux (docs/physics.md 6.4): Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_-
+ * (docs/physics.md S6). The bases belong
+ * to the reconstructed face states: with the cells' states the flux is first order only. */
 static void marquina(const struct faces *f, const struct eos *eos, const struct material *m,
                      const struct reconstruct *r) {
     struct two_bases t;
     two_bases_flux(f, eos, m, r, &t);
 }
 
-/* Marquina's flux of two states l, r is that of an upwind scheme with the fluxes measured from f* = (f_l + f_r)/2 (and
- * states from their mean), plus D = (Q_l + Q_r - 1) f*. Q_l f is the part of f that the fields take from the left side
- * on its basis, Q_r f likewise. D is of the order of the jump and belongs to Marquina's flux alone. It damps shocks
- * along the grid and the heating of walls. But it makes entropy in dense gas, at rest above alpha 0.45, and noise grows
- * there (postprocessing/reports/marquinaStability.md). */
+/* Marquina's flux of two states l, r (docs/physics.md 6.5) is that of an upwind scheme with the fluxes measured from f*
+ * = (f_l + f_r)/2 (and states from their mean), plus D = (Q_l + Q_r - 1) f*. Q_l f is the part of f that the fields
+ * take from the left side on its basis, Q_r f likewise. D is of the order of the jump and belongs to Marquina's flux
+ * alone. It damps shocks along the grid and the heating of walls. But it makes entropy in dense gas, at rest above
+ * alpha 0.45, and noise grows there (postprocessing/reports/marquinaStability.md). */
 struct excess {
     double f[MAX_VAR][BATCH], u[MAX_VAR][BATCH]; /* means of the two sides */
     double jump[MAX_VAR][BATCH], D[MAX_VAR][BATCH];
@@ -395,6 +397,7 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     tame(f->dim, f->n, &t, &mean, &e, f->out);
 }
 
+/* FORCE and MUSTA (docs/physics.md 6.7) are in flux_force.c. */
 #define PARAM_STRUCT struct musta
 static const struct param musta_param[] = {
     NUMBER("tolerance", tolerance, 0.01, FROM_TO(0, 1), NO_UNIT, "stops when the flux changes by less of itself"),
@@ -402,7 +405,8 @@ static const struct param musta_param[] = {
 };
 #undef PARAM_STRUCT
 
-/* Rusanov's flux (1961): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r). */
+/* Rusanov's flux (1961; docs/physics.md 6.6): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r).
+ * */
 KERNEL static void rusanov_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
                                 const double *restrict ul, const double *restrict ur, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);

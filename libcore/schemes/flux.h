@@ -44,8 +44,8 @@ const struct flux *flux_find(const char *name); /* NULL: none */
 void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);
 
 /* Computes left (rows) and right (columns) eigenvectors of the Jacobian along the normal for one state, normal
- * component first, in the order u - c, entropy, shears, u + c (physics 1.1). Tests look at the bases of the fluxes by
- * this function. */
+ * component first, in the order u - c, entropy, shears, u + c (docs/physics.md 6.1). Tests look at the bases of the
+ * fluxes by this function. */
 struct basis { /* the state of one face, as the eigenvectors need it */
     double u[MAX_DIM], c, h /* total enthalpy */, b1 /* p_eps / (rho c^2) */;
 };

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The centred fluxes of Shakeri et al. (their (4.7)-(4.9)): FORCE, and MUSTA, which begins with it.
+/* The centred fluxes of Shakeri et al. (their (4.7)-(4.9); docs/physics.md 6.7): FORCE, and MUSTA, which begins with
+ * it.
  *
  * FORCE (Toro 1996) is the mean of the fluxes of Lax & Friedrichs and of Lax & Wendroff (two-step) of a face's states,
  *     F = (f_l + f_r + 2 f(U*) - (U_r - U_l)/k)/4,  U* = (U_l + U_r)/2 - k/2 (f_r - f_l),  k = dt/dx.
- * (In print the last term has k for 1/k, which is no such mean and has no dimension of a flux.) It asks for no waves; a
- * wave of speed s is damped as by the speed s (1 + nu^2)/(2 nu), nu = s k: no less than upwinding does, and the more
- * the shorter the step is. MUSTA (Titarev & Toro 2004) goes on as if the two states were two cells,
+ * (In print the last term has k for 1/k, which is no such mean and has no dimension of a flux: docs/physics.md H2.) It
+ * asks for no waves; a wave of speed s is damped as by the speed s (1 + nu^2)/(2 nu), nu = s k: no less than upwinding
+ * does, and the more the shorter the step is. MUSTA (Titarev & Toro 2004) goes on as if the two states were two cells,
  *     U_l -= k (F - f_l),  U_r -= k (f_r - F),
  * with F of the new states, until F changes by less than `tolerance` of itself, at most `stages` times: the waves leave
  * the face, both states become the one between them, and F becomes Godunov's flux.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Invariant-domain limiting: states stay in the convex set 0 < rho < rho_max, rho e > 0 by a theorem.
+/* Invariant-domain limiting: admissible states, the convex set 0 < rho < rho_max, rho e > 0, stay so by a theorem
+ * (docs/physics.md 7.3).
  *
  * Let n be the normal from cell l to cell r, f_l, f_r the nodal fluxes along n, v the normal velocity, c the sound
  * speed, e = T/(gamma - 1), p = rho T A(rho). Low-order flux and bar state (Guermond & Popov 2016), and D of a flux

@@ -177,9 +177,9 @@ ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const 
     finish_points(m, f, batch, c.own, &c.frame);
 }
 
-/* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000) with the quadratic of the whole stencil as the optimal
- * polynomial P_opt and linear polynomials, one per sector, as in Dumbser, Boscheri, Semplice & Russo (SIAM J. Sci.
- * Comput. 39, 2017):
+/* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000; docs/physics.md 6.11) with the quadratic of the whole
+ * stencil as the optimal polynomial P_opt and linear polynomials, one per sector, as in Dumbser, Boscheri, Semplice &
+ * Russo (SIAM J. Sci. Comput. 39, 2017):
  *   P = w_0/d_0 (P_opt - sum d_s P_s) + sum w_s P_s,   w_s ~ d_s (1 + (tau/(I_s + epsilon))^2)
  * with the Z weights of Cravero, Semplice & Visconti (SIAM J. Numer. Anal. 57, 2019). I is the sum over the derivatives
  * of the mean over the cell (taken as a cube) of their square, in units of the squared scales of the frame, and over

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Face values on polyhedral meshes: a polynomial in each cell from the averages of its stencil, and a table of ways to
- * fit it.
+ * fit it (docs/physics.md 6.11).
  *
  * U(x) = average + sum_k a_k phi_k(x), where phi_k are the monomials of degree 1 (and 2) of (x - c)/h less their means
  * over the cell, h = volume^(1/dim): the average stays. Fits are linear in the averages and their weights are made

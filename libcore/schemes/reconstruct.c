@@ -9,7 +9,7 @@ ALWAYS_INLINE double first_order(double a, double b, double c, double d, double 
     return c;
 }
 
-/* Piecewise hyperbolic method, Marquina (1994); physics 1.2. With differences l, r of one sign, harmonic mean
+/* Piecewise hyperbolic method, Marquina (1994); docs/physics.md 6.8. With differences l, r of one sign, harmonic mean
  * d = 2 l r/(l + r) and z = a/2 (z = sqrt(2r/(l+r)) - 1 if |l| <= |r|, else 1 - sqrt(2l/(l+r)), so |z| <= sqrt 2 - 1)
  *   r(1/2) = q + d/2 [1/(1 - z) - (atanh(z)/z - 1)/z],   (atanh(z)/z - 1)/z = z (1/3 + z^2/5 + z^4/7 ..)
  * With s = l + r and the root in z: 1/(1 - z) = s (2 + root)/(2 (s + l)) if |l| <= |r|, else s root/(2 l).
@@ -62,7 +62,8 @@ ALWAYS_INLINE double weighted(double c, struct parabolas p, double n0, double n1
     return c + fma(n0, p.v0, fma(n1, p.v1, n2 * p.v2)) / (6 * (n0 + n1 + n2));
 }
 
-/* WENO5 of Jiang & Shu (1996): linear weights 1/10, 6/10, 3/10 over the squared smoothness, on one denominator. */
+/* WENO5 of Jiang & Shu (1996; docs/physics.md 6.9): linear weights 1/10, 6/10, 3/10 over the squared smoothness, on one
+ * denominator. */
 ALWAYS_INLINE double weno5(double a, double b, double c, double d, double e) {
     struct parabolas p = parabolas(a, b, c, d, e);
     double q0 = p.b0 * p.b0, q1 = p.b1 * p.b1, q2 = p.b2 * p.b2;
@@ -100,8 +101,8 @@ ALWAYS_INLINE double power3(double x, double y) {
     return x * y > 0 ? 0.5 * sum * fma(-t * t, t, 1) : 0;
 }
 
-/* Weighted PowerENO5, Serna & Marquina (2004); physics 1.2: linear weights 1/5, 1/5, 3/5 of the left, central and right
- * parabola, whose second differences are limited by power_3. */
+/* Weighted PowerENO5, Serna & Marquina (2004); docs/physics.md 6.10: linear weights 1/5, 1/5, 3/5 of the left, central
+ * and right parabola, whose second differences are limited by power_3. */
 ALWAYS_INLINE double wpeno5(double a, double b, double c, double d, double e) {
     double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d, epsilon = weight_epsilon(a, b, c, d, e);
     double D = e3 - e2, PL = power3(e2 - e1, D), PR = power3(D, e4 - e3);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of Runge-Kutta schemes; each row cites its paper. */
+/* The table of Runge-Kutta schemes (docs/physics.md 7.1); each row cites its paper. */
 #include "libcore/schemes/stepper.h"
 
 #define ALL(x)                                                                                                         \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Crank-Nicolson steps of segregation on a line, iterated by Newton or Picard; equation numbers are those of Christov
- * (2018). segregation.h has the scheme. */
+ * (2018). segregation.h has the scheme on a line, docs/physics.md 11.1 the closures. */
 #include "libcore/segregation/segregation_private.h"
 
 #include <lapacke.h>

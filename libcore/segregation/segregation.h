@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Segregation of a bidisperse granular mixture on a line: phi_t + (f phi (1 - phi))_y = (D phi_y)_y (Dolgunin &
  * Ukolov), by the strongly implicit Crank-Nicolson scheme of Christov (2018), without flux through the walls at both
- * ends.
+ * ends (docs/physics.md 11.1).
  *
  * A line is n cells between n + 1 faces, uniform or graded; a value stands at the node of its cell. With a node at the
  * middle of each cell this is the finite-volume scheme on the cells of a mesh. The paper's M nodes, of which the first

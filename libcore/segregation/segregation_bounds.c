@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Brings a Crank-Nicolson step of segregation on a line within its bounds by flux-corrected transport (Zalesak 1979):
- * an implicit Euler step with the Engquist-Osher flux, and as much of Crank-Nicolson's flux as the bounds allow. */
+/* Brings a Crank-Nicolson step of segregation on a line within its bounds by flux-corrected transport (Zalesak 1979;
+ * docs/physics.md 11.1): an implicit Euler step with the Engquist-Osher flux, and as much of Crank-Nicolson's flux as
+ * the bounds allow. */
 #include "libcore/segregation/segregation_private.h"
 
 /* Computes the Engquist-Osher flux of f phi (1 - phi) at phi', and diffusion. It is monotone: upward >= 0 >=

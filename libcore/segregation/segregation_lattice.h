@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Segregation on a lattice of equal boxes in one to three dimensions, carried by a given flow:
+/* Segregation on a lattice of equal boxes in one to three dimensions, carried by a given flow (docs/physics.md 11.4):
  *
  *     capacity phi_t + div(u phi + f phi (1 - phi) - D grad phi) = 0
  *

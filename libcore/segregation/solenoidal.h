@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Projects face velocities on a lattice to the nearest ones without divergence (segregation_lattice.h needs them). */
+/* Projects face velocities on a lattice to the nearest ones without divergence (segregation_lattice.h and
+ * docs/physics.md 11.4 need them). */
 #ifndef LIBCORE_SOLENOIDAL_H
 #define LIBCORE_SOLENOIDAL_H
 

@@ -16,8 +16,8 @@
 
 /* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
 static const double FALL_PART = 0.2;
-/* Dense flow is slow below this inertial number (GDR MiDi, Eur. Phys. J. E 14, 341, 2004: there the friction of lasting
- * contacts rules); the log says so after SLOW_STEPS steps of it. */
+/* Dense flow is slow below this inertial number (docs/physics.md 4.8; GDR MiDi, Eur. Phys. J. E 14, 341, 2004: there
+ * the friction of lasting contacts rules); the log says so after SLOW_STEPS steps of it. */
 static const double SLOWEST = 1e-2;
 enum { SLOW_STEPS = 1000 };
 static const double DENSE = 0.9; /* fraction of alphaMax beyond which it is packing that makes c large */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A layer of grains at the start, by the dictionaries `settledLayer` and `perturbation` in 0.orig/alpha or rho of
- * granularGas.
+/* A layer of grains at rest under gravity (docs/physics.md 7.4) at the start, by the dictionaries `settledLayer` and
+ * `perturbation` in 0.orig/alpha or rho of granularGas.
  *
  *   settledLayer { depth 6; packing 0.82; hydrostatic yes; background 1e-6; }
  *   perturbation { modes 20; amplitude 1e-3; seed 1; of density; axis x; }

@@ -5,9 +5,9 @@
  *   vorticity = curl u
  *   gradAlpha = grad alpha
  *   Kn        = lambda |grad alpha|/alpha, the Knudsen number of the scale on which the gas itself varies, with
- * Enskog's mean free path lambda (scales.h): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler, Phys. Fluids 7, 210,
- * 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267, 2003, for grains,
- * where restitution sets that scale)
+ * Enskog's mean free path lambda (scales.h, docs/physics.md 4.7): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler,
+ * Phys. Fluids 7, 210, 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267,
+ * 2003, for grains, where restitution sets that scale)
  *
  * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
 #ifndef SOLVERS_GAS_QUANTITIES_H

@@ -38,6 +38,7 @@ static void measure_domain(const struct setup *s, struct scales *q) {
     }
 }
 
+/* Returns Enskog's mean free path (docs/physics.md 4.7). */
 double free_path(const struct gas_models *models, double rho) {
     const struct material *m = &models->material;
     double contact;

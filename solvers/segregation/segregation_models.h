@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The choices in the dictionaries of granularSegregation: constant/segregationProperties, system/fvSchemes,
- * fvSolution. */
+ * fvSolution. Percolation velocities and diffusivities: docs/physics.md 11.2. */
 #ifndef SOLVERS_SEGREGATION_MODELS_H
 #define SOLVERS_SEGREGATION_MODELS_H
 

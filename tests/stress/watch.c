@@ -133,8 +133,8 @@ static void before_visit(void *context, long cell, double volume, const double U
     for (int v = 0; v < s->g->nvar; v++) s->w->before[MAX_VAR * cell + v] = U[v];
 }
 
-/* Torquato's contact value of disks (d = 2) or spheres, or its derivatives, on one of its branches (shared/physics.md
- * 2.1): (1 - a nu)/(1 - nu)^d below freezing. */
+/* Torquato's contact value of disks (d = 2) or spheres, or its derivatives, on one of its branches (docs/physics.md
+ * 2.4): (1 - a nu)/(1 - nu)^d below freezing. */
 static long double branch(int d, bool dense, int derivative, long double nu, long double f, long double c) {
     const long double a = d == 2 ? 0.436L : 0.5L, r = 1 - nu, rest = 1 - a * nu;
     const long double chi = (1 - a * f) / powl(1 - f, d) * (c - f) / (c - nu);

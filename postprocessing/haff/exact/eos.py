@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Equations of state in numpy: perfect gas and Goldshtein-Shapiro (Serna & Marquina eqs (1)-(13), errata corrected).
+"""Equations of state in numpy: perfect gas and Goldshtein-Shapiro (Serna & Marquina eqs (1)-(13); where a factor is
+missing in print, or the exponent is too large, corrected: docs/physics.md S1, S3, S4), with the adiabatic exponent and the
+fundamental derivative (docs/physics.md 2.5).
 
 Written from the formulas, not from the solver, so that one can test the other. With grain mass 1, rho is a number
 density and T a velocity squared. p = rho T A(rho), T = (gamma - 1) eps.

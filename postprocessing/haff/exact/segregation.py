@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exact solutions of phi_t + (f phi (1 - phi))_y = D phi_yy, f constant: kink, Gray-Chugunov, Gray-Thornton.
+"""Exact solutions (docs/physics.md 11.3) of phi_t + (f phi (1 - phi))_y = D phi_yy, f constant: kink, Gray-Chugunov, Gray-Thornton.
 
     haff segregation > tests/oracles/gray_chugunov_exact.csv
 """

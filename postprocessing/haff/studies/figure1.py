@@ -3,7 +3,7 @@
 
     haff figure1 FIGURE.png
 
-The paper draws its printed eqs (9) and (13); these are the corrected ones (README of cases/wedge, errata S3, S4), so the
+The paper draws its printed eqs (9) and (13); these are the corrected ones (docs/physics.md 2.5, S3, S4), so the
 exponent for e = 0.9 ends at 18.2 at nu = 0.55 and not at 32.7.
 """
 import numpy as np

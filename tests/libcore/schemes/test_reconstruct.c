@@ -44,7 +44,7 @@ static void orders(void **state) {
     }
 }
 
-/* The hyperbola as it is cited (physics 1.2), with its logarithm. */
+/* The hyperbola as it is cited (PHM, docs/physics.md 6.8), with its logarithm. */
 static void phm_is_the_hyperbola(void **state) {
     (void)state;
     const struct reconstruct *r = reconstruct_find("PHM");

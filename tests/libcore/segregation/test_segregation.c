@@ -78,7 +78,8 @@ static struct errors errors_of(int n, double h, const double *e) {
     return out;
 }
 
-/* physics 4.3: the paper's scheme (4) with (7) from dt = dy = 0.02, halved four times. */
+/* The kink, an exact solution (docs/physics.md 11.3): the paper's scheme (4) with (7) from dt = dy = 0.02, halved four
+ * times. */
 static void table_of_the_kink(void **state) {
     static const double max[] = {1.265e-2, 4.822e-3, 1.191e-3, 3.061e-4, 7.650e-5};
     static const double order[3][4] = {{1.39, 2.02, 1.96, 2.00}, {2.0, 2.0, 2.0, 2.0}, {1.41, 1.82, 1.95, 1.99}};
@@ -164,8 +165,9 @@ static void gray_chugunov(void **state) {
     }
 }
 
-/* Erratum B1: neither the sum over the nodes nor the trapezium's stays, with what order they drift. B2: of first order
- * in time from the well mixed start; a damped step at the start gives back the second. */
+/* docs/physics.md B1: neither the sum over the nodes nor the trapezium's stays, with what order they drift.
+ * docs/physics.md B2: of first order in time from the well mixed start; a damped step at the start gives back the
+ * second. */
 static void closure_of_the_paper(void **state) {
     (void)state;
     static const double nodal[] = {-4.8e-4, -2.4e-4, -1.2e-4}, trapezium_of[] = {-8e-6, -2e-6, -4e-7};
