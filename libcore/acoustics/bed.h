@@ -92,8 +92,8 @@ struct bed {
     double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
     double *kept[MAX_VAR];    /* [faces] BED_KEPT: the fluxes of U, from left to right, mean over the step */
     double *outside[MAX_VAR]; /* [faces] BED_KEPT, BED_HELD, BED_FREE: U of the gas beyond the face, at the start */
-    /* Where a state is known to be at rest, though its P_L and P_R are not equal: [left or right][faces] what is added
-     * to P, so that they are in that state. */
+    /* [left or right][faces] numbers that are added to P. They make P_L = P_R in a state that is known to be at rest,
+     * though its own P_L and P_R differ. `balanced`: are there such numbers? */
     bool balanced;
     double *balance[2];
 
@@ -115,8 +115,8 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
-/* After a step: what crossed a face from left to right, per area and time, of rho, rho u and E; on a wall without
- * `balance`, which makes up for what the wall carries. */
+/* Computes, after a step, the fluxes of rho, rho u and E through a face from left to right, per area and time. On a
+ * wall they are without `balance`, which stands for the pressure that the wall carries. */
 void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]);
 /* After a step: sets b->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
  * latter on faces that are no walls. */

@@ -17,7 +17,7 @@ static const double NOISE = 8 * 0x1p-52;
 static const double REDUCTION = 1e-4;       /* of the linear residual in one iteration of Newton's method */
 static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in one iteration */
 
-/* u.n of the gas beyond a face. */
+/* Returns u.n of the gas beyond a face. */
 static double beyond_speed(const struct bed *b, int face) {
     double u[MAX_DIM];
     for (int k = 0; k < b->dim; k++) u[k] = b->outside[k + 1][face] / b->outside[0][face];
@@ -33,7 +33,7 @@ static double pressure_beyond(const struct bed *b, int face) {
     return p;
 }
 
-/* The face's mass flux moves the gas of its upwind side with the velocity U. */
+/* Returns the velocity U with which the gas of the upwind side makes the mass flux that is kept for the face. */
 static double kept_speed(const struct bed *b, int face) {
     const double mass = b->kept[0][face];
     const int left = b->left[face], right = b->right[face];
@@ -41,7 +41,8 @@ static double kept_speed(const struct bed *b, int face) {
     return mass / (from_bed ? b->lines->rho[left >= 0 ? left : right] : b->outside[0][face]);
 }
 
-/* U_f = drift - give (p_R - p_L), with the weights of P_R - P_L in drift. */
+/* Finds drift and give of a face that gas passes, U_f = drift - give (p_R - p_L): the weights, by which P_R - P_L
+ * differs from p_R - p_L, are in drift. */
 static void find_open_drift(struct bed *b, int f, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
     const int l = b->left[f], r = b->right[f], shape = b->shape[f];
@@ -77,11 +78,10 @@ static void find_speeds(struct bed *b) {
     }
 }
 
-/* One step of Newton's method for h(rho) = rho S - 1 - 1/Gamma(rho) = 0, which is (*), with S = tau^n + eps^n/p; rho
- * Gamma' = c^2 - Gamma - Gamma^2 for eps = 1, as p is linear in eps. h rises, and is all but linear both in dilute gas
- * and near packing. A cell that has converged keeps its bits, and those of c2 and gruneisen, whichever cells share its
- * batch. Returns whether a cell
- * has not converged. */
+/* Does one step of Newton's method for h(rho) = rho S - 1 - 1/Gamma(rho) = 0, which is (*), with S = tau^n + eps^n/p;
+ * rho Gamma' = c^2 - Gamma - Gamma^2 for eps = 1, as p is linear in eps. h rises, and is all but linear both in dilute
+ * gas and near packing. A cell that has converged keeps its bits, and those of c2 and gruneisen, whichever cells share
+ * its batch. Returns whether a cell has not converged. */
 KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, const double *restrict c2,
                                  const double *restrict gruneisen, double *restrict root, double *restrict open) {
     double any = 0;
@@ -99,7 +99,7 @@ KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, 
     return any > 0;
 }
 
-/* slack = -tau'(p) = (eps^n/p^2)/(1 + 1/Gamma + rho Gamma'/Gamma^2) */
+/* Computes slack = -tau'(p) = (eps^n/p^2)/(1 + 1/Gamma + rho Gamma'/Gamma^2) */
 KERNEL static void bed_slack(int n, const double *restrict eps, const double *restrict p, const double *restrict c2,
                              const double *restrict gruneisen, double *restrict slack) {
     for (int i = 0; i < n; i++) {
@@ -155,7 +155,7 @@ static bool is_link(const struct bed *b, const struct bed_side *s, int cell) {
     return b->kind[s->face] == BED_INNER && bed_across(b, s) != cell;
 }
 
-/* The links of a cell, in the order of its faces. */
+/* Lists the links of a cell, in the order of its faces. */
 static void find_links(struct bed *b) {
     const struct bed_lines *x = b->lines;
     int links = 0;
@@ -195,7 +195,8 @@ static bool move_pressure(struct bed *b) {
     return sound;
 }
 
-/* In a new step aggregates are made anew, so that it has the bits of the first one of a restart. */
+/* Solves the linear system of one iteration of Newton's method. again: it is not the first of the step. The first makes
+ * the multigrid's aggregates anew, as the first step of a restart must do, which shall have the same bits. */
 static status solve(struct bed *b, bool again, bool *sound) {
     const struct bed_lines *x = b->lines;
     int iterations = 0;
@@ -218,8 +219,8 @@ static status solve(struct bed *b, bool again, bool *sound) {
     return OK;
 }
 
-/* One iteration is made at least: pressures that stay as they were would let round-off grow, as in an explicit step
- * that is far too long. */
+/* Finds the pressures by at least one iteration of Newton's method: if they stayed as they were, the step would be an
+ * explicit one, far too long, and round-off would grow. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     double failed = 0;
     b->newton = b->linear = 0;

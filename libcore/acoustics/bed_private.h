@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the bed share: lines of work memory and the parts of a step. */
+/* The inside of the bed, which its files share: lines of work memory and the parts of a step. */
 #ifndef LIBCORE_BED_PRIVATE_H
 #define LIBCORE_BED_PRIVATE_H
 
@@ -29,7 +29,7 @@ struct bed_lines {
 /* A face as one of its cells sees it. */
 struct bed_side {
     int face, shape, right; /* right: is the cell on the right of the face? */
-    double sign;            /* of what leaves the cell through the face, against what flows from left to right */
+    double sign;            /* 1 or -1: a flux from left to right leaves the cell, or enters it */
 };
 ALWAYS_INLINE struct bed_side bed_side(const struct bed *b, int entry) {
     const int listed = b->face_of_cell[entry], right = listed < 0, face = right ? ~listed : listed;

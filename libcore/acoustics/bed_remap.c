@@ -5,13 +5,13 @@
 
 static const double LEFT = 0.1;
 
-/* The part of a cell that leaves through one of its faces. */
+/* Returns the part of a cell's volume that leaves through one of its faces; negative: it enters. */
 static double leaving(const struct bed *b, double dt, const struct bed_side *s, int cell) {
     return s->sign * dt * b->shapes->area[s->shape] / b->shapes->volume[b->body[cell]] * b->lines->U[s->face];
 }
 
-/* The difference between a cell's value and the mean over dt at one of its faces. On boxes what leaves is |U| dt deep,
- * of which this is the mean along the axis. */
+/* Returns the mean over dt of a variable at a face of a cell, less its value in the cell, by the cell's slopes. On
+ * boxes a layer of the depth |U| dt leaves, and the mean over that layer along the axis is taken. */
 static double change_at(const struct bed *b, double dt, const struct bed_side *s, int cell, int v) {
     const struct bed_lines *x = b->lines;
     const double reach = bed_reach(b, s, cell, v);
@@ -19,7 +19,7 @@ static double change_at(const struct bed *b, double dt, const struct bed_side *s
     return reach * (1 - dt * fabs(x->U[s->face]) / (2 * b->shapes->depth[s->right][s->shape]));
 }
 
-/* The conserved state that leaves a cell through a face. */
+/* Computes the conserved state that leaves a cell through a face. */
 static void face_state(const struct bed *b, double dt, const struct bed_side *s, int cell, double V[MAX_VAR]) {
     double *const *after = b->lines->after;
     const int last = b->components + 1;
@@ -39,7 +39,7 @@ static bool admissible(const struct bed *b, const double V[MAX_VAR], double volu
     return V[0] > 0 && V[0] < b->limit * volume && V[b->components + 1] * V[0] - 0.5 * square > 0;
 }
 
-/* The conserved state of a cell after acoustics. */
+/* Computes the conserved state of a cell after acoustics. */
 static void cell_state(const struct bed *b, int i, double rho, double V[MAX_VAR]) {
     const struct bed_lines *x = b->lines;
     const int last = b->components + 1;
@@ -75,8 +75,8 @@ static bool settle_cell(struct bed *b, double dt, int i) {
     return in < MOST_OUT && out < MOST_OUT;
 }
 
-/* What crosses a face from left to right, per area and dt: U_f W_f, or what was kept without the pressure's part,
- * which acoustics has moved. */
+/* Computes the flux from left to right through a face, per area and time: U_f W_f; on a face with a kept flux that flux
+ * without its pressure, which the acoustics has passed on. */
 static void face_flux(const struct bed *b, double dt, int face, double F[MAX_VAR]) {
     const struct bed_lines *x = b->lines;
     const double U = x->U[face];
@@ -130,9 +130,9 @@ static bool is_beside_rest(const struct bed *b, int i) {
     return beside;
 }
 
-/* The fluxes that were kept are those of other velocities than U. In cold gas that is faster than sound they may take
- * more of E than the cell can spare; then eps is lifted to a share LEFT of what it was before the remap. Returns
- * whether no cell was lifted by more than all its energy. */
+/* Lifts eps of cells beside kept faces to LEFT of its value before the remap, where it is less. The kept fluxes belong
+ * to other velocities than U: in cold gas that moves faster than sound they may take more energy than the cell has to
+ * spare. Returns whether no cell was lifted by more energy than it and its neighbours had. */
 static bool lift_beside_rest(struct bed *b) {
     const int last = b->components + 1;
     bool fine = true;

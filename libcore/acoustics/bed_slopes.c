@@ -8,7 +8,7 @@ static const double FLAT = 1e-3;
 
 /* ---- boxes: van Leer's monotonised central difference of each line of cells ---- */
 
-/* The limited difference over a cell, of the differences below and above it. */
+/* Returns the limited difference over a cell, from the differences below and above it. */
 static double limited(double below, double above) {
     const double least = 2 * smaller(fabs(below), fabs(above)), mean = 0.5 * (below + above);
     const double size = smaller(least, fabs(mean));
@@ -78,7 +78,9 @@ static bool look_around(const struct bed *b, int i, struct around *a) {
     return invert(b->dim, A, a->inverse);
 }
 
-/* The value across side j of cell i: at a wall the velocity is mirrored, and all else is the cell's. */
+/* Returns variable v across side j of cell i. A wall mirrors the velocity; of other variables it gives the cell's
+ * value.
+ */
 static double value_across(const struct bed *b, const struct around *a, int j, int i, double *const *of, int v) {
     const struct bed_side *s = &a->side[j];
     if (b->kind[s->face] == BED_INNER) return of[v][bed_across(b, s)];

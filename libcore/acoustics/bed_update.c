@@ -5,7 +5,7 @@
 /* z is STIFF rho h/dt at most, so that q is stable at any dt: it takes less than all of a difference of velocities. */
 static const double STIFF = 0.4;
 
-/* Slopes of the velocities, for q. */
+/* Finds the slopes of the velocities, which q_f needs. */
 static void find_tilts(struct bed *b) {
     const struct bed_lines *x = b->lines;
     double *velocity[MAX_VAR] = {NULL, x->u[0], x->u[1], x->u[2]};
@@ -15,7 +15,7 @@ static void find_tilts(struct bed *b) {
         bed_fill(b, b->shapes->boxes ? 1 : b->dim, &x->slope[k][b->shapes->boxes ? k + 1 : 1]);
 }
 
-/* u.n at a face, as its cell has it there. */
+/* Returns u.n at a face by the slopes of one of its cells. */
 static double speed_at(const struct bed *b, const struct bed_side *s, int cell) {
     double sum = 0;
     for (int k = 0; k < b->dim; k++) {
@@ -39,7 +39,7 @@ static struct bed_side side_within(const struct bed *b, int face) {
     return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
 }
 
-/* P of the cells at their faces. */
+/* Finds P, the pressures of cells at their faces under their own weight. */
 static void find_pressures(struct bed *b, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
     for (int f = 0; f < b->faces; f++)
@@ -61,7 +61,7 @@ static double inner_pressure(const struct bed *b, int face, double dt) {
            friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
 }
 
-/* A wall carries the weight of the gas before it, and mirrors its velocity. */
+/* Returns p_f on a wall: the pressure P of its cell there, and q_f with the mirror image of the cell's velocity. */
 static double wall_pressure(const struct bed *b, int face, double dt) {
     const struct bed_lines *x = b->lines;
     const struct bed_side s = side_within(b, face);
@@ -105,8 +105,8 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
         }
 }
 
-/* Density and velocity of a cell after acoustics. As sum_f A n = 0 and sum_f A n (x_f - x) = V, the forces of p_f - P
- * are those of p_f and gravity, but exactly 0 at rest. */
+/* Finds density and velocity of a cell after acoustics, by the forces p_f - P on its faces. As sum_f A n = 0 and sum_f
+ * A n (x_f - x) = V, these add up to the forces of p_f and gravity, and at rest each of them is exactly 0. */
 static void move_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
     const double per = dt / b->shapes->volume[b->body[i]], rho = x->rho[i];
@@ -125,8 +125,8 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
         x->after[k + 1][i] = x->u[k][i] + (k < b->dim ? -force[k] / rho : dt * gravity[k]);
 }
 
-/* The heat (J/(m^2 s)) that a cell gains at a face, where p_f moves the gas with U but the cell with the mean of its
- * velocities before and behind: -(p_f - P) (U - u.n), outwards. */
+/* Returns the heat (J/(m^2 s)) that a cell gains at a face, -(p_f - P) (U - u.n) outwards: p_f moves the gas on the
+ * face with U, and the cell with u, the mean of its velocities before and after acoustics. */
 static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell) {
     const struct bed_lines *x = b->lines;
     const double mean =
@@ -144,7 +144,7 @@ static void find_heat(struct bed *b) {
     }
 }
 
-/* The heat (J/kg) of the faces of a cell in the step. */
+/* Returns the heat (J/kg) that a cell gains at its faces in the step. */
 static double heat_of_cell(const struct bed *b, double dt, int i) {
     double sum = 0;
     for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
@@ -154,29 +154,29 @@ static double heat_of_cell(const struct bed *b, double dt, int i) {
     return dt / b->shapes->volume[b->body[i]] * sum / b->lines->rho[i];
 }
 
-/* What the cell across a face could give to one that the face cools. */
+/* Returns the heat of a face that the cell across it can give to the cell on side `right`, which the face cools. */
 static double spare(const struct bed *b, int face, int right) {
     const double mine = b->lines->heat[right][face], others = b->lines->heat[!right][face];
     return b->kind[face] == BED_INNER && mine < 0 && others > 0 ? smaller(-mine, others) : 0;
 }
 
-/* The eps that a cell keeps. The gas of a cell at the surface of a bed has room to fall within the cell, and (*)
- * presses it together; so the bound is that of (*) or of the start, whichever is less. */
+/* Returns the least eps that a cell may be left with: 1 - b of that of (*), or of that at the start if this is less.
+ * For in a cell at the surface of a bed the gas has room to fall within the cell, and (*) presses it together. */
 static double least_of(const struct bed *b, int i) {
     const struct bed_lines *x = b->lines;
     return (1 - b->params.keep) * (x->eps[i] - larger(x->p[i] * (1 / x->root[i] - 1 / x->rho[i]), 0));
 }
 
-/* eps = eps^n - p (tau - tau^n) + heat */
+/* Returns eps of a cell after acoustics, eps^n - p (tau - tau^n) + heat. */
 static double eps_after(const struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
     return x->eps[i] - x->p[i] * x->growth[i] / x->rho[i] + heat_of_cell(b, dt, i);
 }
 
-/* The heat of both cells at a face is U_p (U_p - [change of u.n]/2) rho_f d_f/dt + z du^2/2, U_p the part of U that the
- * pressures make, which is hardly ever negative; but that of one of them may be, and a cold cell has nothing to spare.
- * So where a cell would fall below its bound, those across the faces that cool it give it as much as it lacks, of the
- * heat that they have of the same faces. */
+/* Gives a cell that would fall below its bound what it lacks, out of the heat that its neighbours gain at the faces
+ * that cool it. Together two cells gain at their face U_p (U_p - [change of u.n]/2) rho_f d_f/dt + z du^2/2, U_p the
+ * part of U that the pressures make: that is hardly ever negative. But one of them may lose, and a cold cell has
+ * nothing to lose. */
 static void share_heat(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double *lacks = x->change; /* part of what could be given to the cell */
@@ -204,8 +204,8 @@ static void share_heat(struct bed *b, double dt) {
         }
 }
 
-/* Gravity, and what balances a state at rest, work on what crosses the cell, P - p at each face: then the hydrostatic
- * parts of p_f do no work on eps. Returns J/m^3. */
+/* Returns the work (J/m^3) of gravity, and of the balance of a state at rest, on the gas that moves through a cell: the
+ * sum over its faces of (P - p) A U dt/V. So the hydrostatic parts of p_f do no work on eps. */
 static double work_on_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
     double sum = 0, carried = 0;
@@ -250,8 +250,8 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     return fine;
 }
 
-/* The forces of p_f - P of move_cell are those of p_f, and these: as sum_f A n (x_f - x) = V, the weight, and the sums
- * of `balance`. */
+/* Sums the forces that move_cell adds to those of p_f by taking p_f - P: the weight, as sum_f A n (x_f - x) = V, and
+ * `balance`. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
     for (int block = 0; block < b->blocks; block++) {
         b->pushed[block] = 0;

@@ -58,7 +58,7 @@ static void apply(const struct level *l, const double *x, double *out) {
 
 static void correct(struct multigrid *m, int level);
 
-/* x = B r on a level: one cycle. */
+/* Computes x = B r on a level by one cycle. */
 static void cycle(struct multigrid *m, int level) {
     struct level *l = &m->level[level];
     const bool spread = level < m->spread, gather = level + 1 == m->spread && m->ranks > 1;
@@ -75,7 +75,8 @@ static void cycle(struct multigrid *m, int level) {
     sweep_backward(l);
 }
 
-/* c, the correction for r: the best of one cycle, or of two if one leaves more than a quarter of r. */
+/* Computes c, the correction for r: the best multiple of the result of one cycle, or combination of two cycles, if one
+ * leaves more than a quarter of r. */
 static void correct(struct multigrid *m, int level) {
     struct level *l = &m->level[level];
     if (level == m->levels - 1) {
@@ -108,7 +109,7 @@ static void correct(struct multigrid *m, int level) {
     for (int i = 0; i < l->rows; i++) c[i] = first * c[i] + second * l->x[i];
 }
 
-/* The sum of r^2/d, by blocks; the quotients go to `scratch`. */
+/* Returns the sum of r^2/d, taken by blocks; writes r/d to `scratch`. */
 static double measure(const struct multigrid *m, const struct level *l, const double *r, double *scratch) {
     double sum;
     for (int i = 0; i < l->rows; i++) scratch[i] = l->diagonal[i] > 0 ? r[i] / l->diagonal[i] : 0;
@@ -116,7 +117,8 @@ static double measure(const struct multigrid *m, const struct level *l, const do
     return sum;
 }
 
-/* The next direction p is conjugate to the last one, whatever the cycle did (it is not the same for all r). */
+/* Makes the next direction p, conjugate to the last one. The coefficient is that for preconditioners that depend on r,
+ * as the cycle does. */
 static void turn(const struct multigrid *m, const struct level *l, double bend) {
     double sum[1] = {0}, *z = l->x;
     if (bend > 0) multigrid_dots(m, l, 1, (const double *const[]){z}, (const double *const[]){m->q}, sum);

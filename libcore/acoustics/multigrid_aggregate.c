@@ -2,15 +2,15 @@
 /* Joins rows along strong links into aggregates: pairs, pairs of pairs and so on, all inside blocks. */
 #include "libcore/acoustics/multigrid_private.h"
 
-/* Groups of rows: group[i] is the lowest row of i's group; next[i] the next of its rows, or -1; last: of a lowest row
- * the last one of its group. */
+/* Groups of rows, each known by its lowest row g. group[i] = g for every row i of the group; next[i] is the row behind
+ * i in the group, or -1; last[g] is the last row, size[g] their number. */
 struct groups {
     const struct level *l;
     int *group, *next, *last, *size;
-    int *done, *met;  /* of a lowest row: the pass that has paired it; the group whose neighbour it was found to be */
+    int *done, *met;  /* [g] the pass that has paired g; the group beside which g was found last */
     int *found;       /* neighbours of a group */
-    double *sum;      /* of a lowest row: its group's links to others and its excess */
-    double *coupling; /* of a lowest row: its links to the group that found it */
+    double *sum;      /* [g] the group's links to other groups, and its excess */
+    double *coupling; /* [g] links between g and the group beside which it was found */
     int stamp;
 };
 
@@ -40,11 +40,11 @@ static int neighbours(struct groups *s, int g) {
     return n;
 }
 
-/* Errors inside a group of two are smoothed at the rate w/min(D) of the link between them, w, and the lesser of the
- * sums D of each one's links to others and of its excess. The best neighbour of g by that rate, among those that this
- * pass has not paired yet; -1 if none is good. */
+/* Returns the best neighbour of g to be paired with, among those that this pass has not paired yet; -1 if none is good.
+ * Good is a high rate w/min(D_g, D_h) at which errors within the pair are smoothed: w is the link between g and h, D
+ * the sum of one's links to others and of its excess. */
 static int strongest(const struct groups *s, int g, int n, int pass) {
-    double best = 0.13; /* a fourth of that of lines, half of that of planes: what worked best */
+    double best = 0.13; /* measured; equal links in a line have the rate 1/2, in a plane 1/4 */
     int found = -1;
     for (int f = 0; f < n; f++) {
         const int h = s->found[f];
@@ -64,7 +64,7 @@ static void join(struct groups *s, int g, int h) {
     s->size[g] += s->size[h];
 }
 
-/* The lower row of two is to be the lowest of their group. */
+/* Joins two groups under the lower one of their lowest rows; returns that row. */
 static int join_lower(struct groups *s, int g, int h) {
     s->sum[g] = s->sum[h] = s->sum[g] + s->sum[h] - 2 * s->coupling[h];
     if (h < g) {
@@ -83,7 +83,7 @@ static void pair_all(struct groups *s, int pass) {
     }
 }
 
-/* What has stayed small joins the neighbour that it is linked to most. */
+/* Joins each group of at most `small` rows to the neighbour with which it has the highest rate (strongest). */
 static void join_small(struct groups *s, int small) {
     for (int i = 0; i < s->l->rows; i++) {
         if (s->group[i] != i || s->size[i] > small) continue;

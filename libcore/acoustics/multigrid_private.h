@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the parts of the multigrid share: levels, the direct solver, what the ranks know of each other. */
+/* The inside of the multigrid, which its files share: levels, the direct solver, tables of the blocks of all ranks. */
 #ifndef LIBCORE_MULTIGRID_PRIVATE_H
 #define LIBCORE_MULTIGRID_PRIVATE_H
 
@@ -14,7 +14,7 @@ enum {
 };
 enum { INSIDE = -1, DROPPED = -2 }; /* links and rows that the coarser matrix does not have */
 
-/* Memory that grows by need; what it holds is lost then. */
+/* Memory that grows by need. When it grows its content is lost. */
 struct room {
     void *data;
     long bytes;
@@ -59,7 +59,8 @@ struct direct {
     struct room room[4];
 };
 
-/* What a rank knows of all ranks, if there are several. `j` counts blocks in the order of the ranks. */
+/* Tables of the blocks and rows of all ranks, which each rank has if there are several. Index j counts blocks in the
+ * order of the ranks. */
 struct world {
     int blocks;                   /* of all ranks */
     int *count, *first;           /* [ranks], [ranks + 1] blocks of each rank */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What ranks tell each other of a multigrid: their blocks, ghosts' values, sums, the matrix of all rows. */
+/* The messages between the ranks of a multigrid: their blocks, ghosts' values, sums, the matrix of all rows. */
 #include "libcore/acoustics/multigrid_private.h"
 
 #include <stdlib.h>
@@ -142,7 +142,7 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
     return OK;
 }
 
-/* Rows with links to ghosts are the ghosts of other ranks, as links are mutual. */
+/* Lists the rows that are sent: those with links to ghosts are ghosts of other ranks, as links are mutual. */
 static void find_sent(const struct multigrid *m, struct level *l) {
     l->sent = 0;
     for (int e = 0; e < l->edges && m->ranks > 1; e++) {
@@ -192,7 +192,7 @@ static void pack_links(const struct multigrid *m, const struct level *l, int *pa
     }
 }
 
-/* Finds where the rows begin in what all have packed. */
+/* Finds where each row begins in the numbers that all ranks have packed. */
 static void find_rows(struct world *w, const int *packed) {
     int at = 0;
     for (int j = 0; j < w->blocks; j++)

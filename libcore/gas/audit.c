@@ -224,8 +224,9 @@ static bool kicks_beside_bed(const struct gas *g, const struct source_plan *plan
     return g->hybrid && plan->n == 1 && plan->step[0].row == &source_table[source_gravity_row()];
 }
 
-/* A formula sees the mass and the momentum of the last look. So totals are looked at before a source that pushes where
- * another has since, and before a second source without a formula. */
+/* Prepares the account for the sources of a plan. Formulas take mass and momentum from the last look at the totals. So
+ * there is a new look before a source that pushes if another has pushed since, and before a second source without a
+ * formula. */
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
                    const struct state *scratch) {
     struct audit *a = g->audit;
@@ -312,7 +313,7 @@ status audit_keep(struct gas *g) {
     return e;
 }
 
-/* The momentum by cause. */
+/* Finds the momentum by cause. */
 static status find_momentum(const struct gas *g, const double totals[MAX_VAR], struct gas_budget *out) {
     const struct audit *a = g->audit;
     for (int k = 0; k < g->components; k++) {
@@ -336,7 +337,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     floors_of(g, floors);
     const double now[2] = {totals[0], totals[g->components + 1]};
     for (int i = 0; i < GAS_CAUSES; i++) out->gained[i] = a->known[i] ? a->start.gained[i] : 0;
-    /* the energy booked under the stages contains what the floors added in them */
+    /* the energy booked under the stages contains the energy that floors added in them */
     const double seen = a->start.gained[GAS_FLOORS], all = floors[1] - a->floors[1];
     out->gained[GAS_FLOORS] = all;
     if (a->known[GAS_FLOW]) out->gained[GAS_FLOW] -= all - seen;

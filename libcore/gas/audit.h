@@ -41,9 +41,10 @@ void audit_rest(struct gas *g, double part);
 status audit_filled(struct gas *g);
 /* Books the work of gravity, and its momentum, in the bed of a step with implicit acoustics. */
 void audit_bed(struct gas *g);
-/* Notes the account before a part that may be done again; back: returns to the last note first, as it is done again. */
+/* Notes the account before a part that may be done again. back: returns to the last note first, because the part is
+ * done again. */
 void audit_mark(struct gas *g, bool back);
-/* The attempt stands. Returns the first error of its sums. */
+/* Keeps the account of an attempt that stands. Returns the first error of its sums. */
 status audit_keep(struct gas *g);
 void audit_free(struct audit *a);
 

@@ -16,8 +16,8 @@
 /* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
  * step that falling gas is given by the explicit scheme. */
 static const double THIN = 0.5, FLOW = 0.4, FALL = 0.5;
-/* A gas that can collapse, whose cooling holds dt, takes explicit steps once these are so many times as short as those
- * of its calm cells, so that gas_step sees the collapse: else dt would go on falling. */
+/* If cooling limits dt of a bed in a gas that can collapse, steps become explicit once the explicit dt is below CREEP
+ * times that of the calm cells: explicit steps let gas_step see the collapse, while a bed's dt would fall for ever. */
 static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
@@ -25,8 +25,8 @@ static const double HARD = 0.98;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
-/* Nobody asked for implicit steps: only beds that can come to rest get them, in which impacts take energy unless they
- * are slow. */
+/* `automatic` means that nobody asked for implicit steps: then only gases whose beds can come to rest get them, those
+ * in which impacts take energy unless they are slow (thresholdSpeed). */
 bool gas_may_be_dense(const struct gas_models *m) {
     if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;
     return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
@@ -60,7 +60,7 @@ void dense_free(struct gas *g) {
     free(g->dense);
 }
 
-/* The rate at which impacts cool dense cells, as their law has it over dt. */
+/* Returns the largest rate at which impacts cool the dense cells of a row, by the cooling law over dt. */
 static double rate_of_cooling(const struct gas *g, double dt, const struct bed_row *row) {
     const struct gas_models *m = &g->models;
     double cooled[BATCH], most = 0;
@@ -126,7 +126,8 @@ static int least_of(const double limit[CAUSES]) {
     return least;
 }
 
-/* Near vacuum above a bed is hot. Where it would limit dt it is made a part of the bed. */
+/* Plans the next step, as gas.h says. Near vacuum above a bed is hot: where it would limit dt, `include` makes it a
+ * part of the bed. */
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit) {
     struct dense *d = g->dense;
     if (!d) return 0;
@@ -170,7 +171,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     double bad = (double)g->engine->bed.put(g, to);
     comm_max(g->comm, &bad, 1);
     g->share = 1;
-    d->begun = false; /* what the floors raise from here on is counted */
+    d->begun = false; /* from here on the floors count the cells that they raise */
     if (bad > 0 && guarded) bad = (double)floors_apply(g, to);
     comm_max(g->comm, &bad, 1);
     return bad == 0;

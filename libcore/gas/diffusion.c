@@ -277,16 +277,16 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
-/* Takes what the law's term of dilation takes from the result `mid` of the stress on `from`. */
+/* Takes the heat dilation div u over dt from `mid`, the result of the stress on `from`, if the law has that term. */
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
     if (!g->terms.dilation) return;
-    audit_part(g, GAS_HEAT, mid); /* what cross has moved */
+    audit_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
     g->engine->diffusion.dilate(g, from, mid, dt);
     audit_part(g, GAS_DILATION, mid);
 }
 
-/* Applies the stress, then conducts heat, by way of a third state. again: the heat of dilation is no source of
- * conduction, but has gone before. */
+/* Applies the stress to `from`, then conducts heat, by way of a third state. again: the heat of dilation was taken
+ * before, so that it is no source of conduction. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          const double rate[2], bool again) {
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;

@@ -43,7 +43,7 @@ static void floor_bed_row(const struct gas *g, double *U, const double *part, in
     }
 }
 
-/* Adds a share of the momentum of a row to what the density floor gave. */
+/* Adds a share of the momentum of a row to g->given, the momentum that the density floor gave. */
 static void give(const struct gas *g, const struct row *row, const double *U, double share) {
     const int step = g->raised_step, place = row->block + step * (int)row->at;
     for (int k = 0; k < g->components && g->given[k]; k++)

@@ -56,7 +56,7 @@ struct gas {
     double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
     double dt;               /* s: the Runge-Kutta step in hand, for fluxes that depend on it */
     double least, limit;     /* admissible: least < rho < limit; least is 0, or the density floor less round-off */
-    bool parts; /* are crowded cells limited (find_crowded)? Not where packing is what the gas collapses to */
+    bool parts; /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
     struct gas_speed speed; /* wave speeds of U, if speed_known */
     bool speed_known;
 
@@ -86,7 +86,7 @@ struct gas {
     bool *falling;           /* [blocks] has the block a cold cell? */
     double gravity[MAX_DIM]; /* m/s^2: at the time of the stage in hand */
     double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
-    /* [nraised] kg s/m^3, with a budget: what drop_row drops there is denser than before the stage, times dt */
+    /* [nraised] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
     double *denser;
 
     double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
@@ -167,15 +167,15 @@ status dense_count(struct gas *g);
 /* Does the gas cool, however slow its impacts are, so that it may reach close packing in finite time? With a threshold
  * speed the steps of a bed at rest are short, but they fall no further. */
 bool gas_can_collapse(const struct gas *g);
-/* dt falls below what is allowed. */
+/* Returns the error of a dt that falls below its least value. */
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
-/* The rate of wave speeds is infinite or no number. */
+/* Returns the error of a rate of wave speeds that is infinite or no number. */
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
-/* Diffusion is too stiff: g->stiff. */
+/* Returns the error of diffusion that is too stiff; g->stiff says where and by how much. */
 status stop_of_diffusion(struct gas *g, double t);
 /* Have the ranks been asked to leave the step? Sets g->left. */
 bool asked_to_leave(struct gas *g);
-/* t + dt is t, or all but t. */
+/* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
 
 /* ---- rows of cells (libcore/gas/rows.c) ---- */
@@ -192,16 +192,16 @@ struct advance {
 };
 /* Advances n <= BATCH states by L = residual. */
 void update_rows(const struct gas *g, int n, const struct advance *s);
-/* Adds to the residuals of rho u and E what gravity gives n <= BATCH cells, rho g and rho u.g; not where falls is 1
- * (NULL: it is 0 everywhere) or flag is above 0. */
+/* Adds rho g and rho u.g, the effect of gravity, to the residuals of rho u and E of n <= BATCH cells, but not where
+ * falls is 1 (NULL: it is 0 everywhere) or flag is above 0. */
 void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const double *falls, const double *flag,
                double *const residual[MAX_VAR]);
-/* Advances n <= BATCH states by L = residual and, under gravity, what that adds to the residuals of rho u and E, rho g
- * and rho u.g; not where falls is 1 (NULL: it is 0 everywhere) or flag is above 0. */
+/* Advances n <= BATCH states by L = residual, to which gravity adds rho g and rho u.g of rho u and E, but not where
+ * falls is 1 (NULL: it is 0 everywhere) or flag is above 0. */
 void advance_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag);
-/* Lets the states that advance_row advanced fall where it left gravity out for their flags: there W falls over dt at
- * its own T, so that it stays admissible. dropped[i step]: J/m^3 that W then has more than by advance_row, but for
- * cells of a bed (part, enum bed_part, or NULL), which are given back their start. */
+/* Lets flagged states fall, for which advance_row left gravity out: W gains the velocity g dt at its own T, so that it
+ * stays admissible. dropped[i step]: the energy (J/m^3) that W gains by that; it is not noted for cells of a bed (part,
+ * enum bed_part, or NULL), which are given back their start. */
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
               const double *part, double *dropped);
 /* Forgets what drop_row noted, before a stage is done again. */

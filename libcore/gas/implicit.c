@@ -214,8 +214,8 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
     return true;
 }
 
-/* The stage q = q_0 + gamma (dt L q/rho + h), of which S/dt is q: the midpoint rule, or with gamma = 1 backward Euler.
- */
+/* Solves the one stage of the midpoint rule, or with gamma = 1 of backward Euler: q = q_0 + gamma (dt L q/rho + h), S =
+ * dt q. */
 static bool one_stage(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
     renew_patches(p->gas, p->t + p->factor);
@@ -226,7 +226,7 @@ static bool one_stage(struct implicit *m, struct problem *p, double gamma) {
     return true;
 }
 
-/* Both stages of SDIRK. */
+/* Solves both stages of SDIRK. */
 static bool two_stages(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
     if (!one_stage(m, p, gamma)) return false;
@@ -276,7 +276,7 @@ static void change_edges(struct implicit *m, struct problem *p, double s) {
     renew_patches(p->gas, p->t + 0.5 * dt);
 }
 
-/* The two stages of Gauss & Legendre. The first guess is their mean by the midpoint rule with s for 1/2. */
+/* Solves the two stages of Gauss & Legendre. The first guess is their mean by the midpoint rule with s for 1/2. */
 static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
     const int rows = p->system.rows;
     memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
@@ -294,7 +294,7 @@ static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
     return false;
 }
 
-/* gamma of a scheme, the share of dt in its matrix. */
+/* Returns gamma of a scheme, the share of dt in its matrix. */
 static double share_of(enum implicit_scheme scheme) {
     return scheme == BY_SDIRK ? 1 - sqrt(0.5) : scheme == BY_MIDPOINT ? 0.5 : sqrt(3) / 6;
 }

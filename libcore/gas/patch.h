@@ -31,7 +31,7 @@ struct sum_line {              /* n <= BATCH cells along a patch, and S (diffusi
     const int *face;           /* [n] faces within the patch */
     double weight;             /* the value of S if q were 1 throughout */
     const double *share;       /* [n] share of drag, from wall_shares: for a velocity at a wall */
-    /* [components] S in the cells; q_0 beyond the patch; out: S beyond the patch */
+    /* [components][n] inner: S in the cells; start: q_0 beyond the patch; ghost, the result: S beyond the patch */
     double (*inner)[BATCH], (*start)[BATCH], (*ghost)[BATCH];
 };
 /* Compute S beyond a patch, by its rules. Beyond a wall of the share a of drag and the velocity w

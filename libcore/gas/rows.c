@@ -50,7 +50,7 @@ void update_rows(const struct gas *g, int n, const struct advance *s) {
     update_lines(n, g->nvar, g->size, s->each, s->a, s->dt, s->U0, s->from, s->residual, s->to);
 }
 
-/* The power of gravity, summed from the last axis, so that two of three commute. */
+/* Returns the power of gravity rho u.g, summed from the last axis on: of three terms two then commute to the bit. */
 ALWAYS_INLINE double power_of(const int dim, long size, const double *restrict mom, const double g[MAX_DIM], int i) {
     double sum = mom[(dim - 1) * size + i] * g[dim - 1];
     if (dim > 2) sum += mom[size + i] * g[1];
@@ -58,7 +58,8 @@ ALWAYS_INLINE double power_of(const int dim, long size, const double *restrict m
     return sum;
 }
 
-/* As update_lines, with gravity in the residuals of momentum and energy where `share` is 1 and not where it is 0. */
+/* Does what update_lines does, and adds gravity to the residuals of momentum and energy where `share` is 1; where it is
+ * 0 nothing is added. */
 ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, long size, long each, double a, double dt,
                                       const double *gravity, const double *restrict share, const double *restrict U0,
                                       const double *restrict from, const double *restrict residual,
@@ -171,9 +172,10 @@ void freeze_row(const struct gas *g, int n, const struct advance *s, const doubl
     }
 }
 
-/* The heat q = dt dilation div u is that of the beginning or of the end of a half step, whose errors cancel in a whole
- * step. Of the internal energy I before the stress it takes or adds I z/sqrt(1 + z^2), z = q/I: q, but for terms of
- * third order, and never more than there is, as q would in packed gas, where zeta_U is large. */
+/* Takes the heat q = dt dilation div u from E, with coefficients of the beginning or of the end of a half step, whose
+ * errors cancel in a whole step. In place of q it takes I z/sqrt(1 + z^2), z = q/I, with I the internal energy before
+ * the stress: that is q but for terms of third order, and never more than I, as q would be in packed gas, where zeta_U
+ * is large. */
 KERNEL static void take_dilation(int n, double dt, const double *restrict dilation, const double *restrict spread,
                                  const double *restrict rho, const double *restrict eps, double *restrict E) {
     for (int i = 0; i < n; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Why a gas cannot go on: says when, where and in which state, what feeds it, and what can be done. And whether it may
- * go on: somebody may have asked for an end. */
+/* Ends a run that cannot go on: its errors say when, where and in which state, which input feeds the trouble, and what
+ * can be done. Finds out, too, whether somebody has asked to leave a step. */
 #include "libcore/gas/gas_private.h"
 
 #define PACKED_AT_LAST 0.9 /* fraction of alphaMax that a collapse has reached where it is */

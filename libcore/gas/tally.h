@@ -43,9 +43,10 @@ struct tally_hooks {
 void tally_begin(struct gas *g); /* an attempt at a step begins */
 void tally_stage(struct gas *g, double weight);
 void tally_bed(struct gas *g, double dt);
-/* Notes what diffusion has passed on before a part that may be done again; back: returns to the last note first. */
+/* Notes the sums of diffusion before a part of it that may be done again. back: returns to the last note first, because
+ * the part is done again. */
 void tally_mark(struct gas *g, bool back);
-/* The same for conduction within such a part. */
+/* Does the same for conduction, within such a part. */
 void tally_mark_heat(struct gas *g, bool back);
 void tally_keep(struct gas *g, double dt); /* the attempt stands */
 void tally_free(struct tally *t);

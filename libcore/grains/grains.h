@@ -4,7 +4,7 @@
  *
  * An impact (docs/physics.md 10.1) of two grains with relative velocity v and unit normal k (from a to b), v.k < 0,
  * gives each the impulse m (1 + e)/2 (v.k) k; e = restitution, or 1 where |v.k| < threshold (the rule of
- * libcore/models/source.h, which keeps inelastic collapse away). A wall has infinite mass and its own restitution.
+ * libcore/models/cooling.h, which keeps inelastic collapse away). A wall has infinite mass and its own restitution.
  * Grains leave an impact with at least 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration
  * relative to the box: even without a threshold, time goes on (slowly: a collapse then takes millions of impacts).
  *

@@ -12,8 +12,8 @@ static double speed(const double u[3]) {
     return sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
 }
 
-/* The speed after an approach: `ratio` times the speed before, but no less than `least`. Elastic impacts are
- * counted. */
+/* The speed after an approach is `ratio` times the speed before, but no less than `least`. rebound counts elastic
+ * impacts. */
 struct rebound {
     double ratio, speed;
 };

@@ -53,7 +53,7 @@ static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : beyond(rule, l, c, i);
 }
 
-/* The values are rho u: what flows in is the same at any density. */
+/* Makes ghosts of the velocity from values of rho u: the same mass flows in at any density. */
 static void fed(const struct rule *rule, const struct ghost_line *l) {
     for (int c = 0; c < l->components; c++)
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = value_of(rule, l->components, l->face[i], c) / l->rho[i];
@@ -71,7 +71,8 @@ static void find_pressure(const struct wall_line *l, double p[BATCH]) {
         p[i] = larger(p[i] + 0.5 * l->d[i] * l->rho[i] * l->push[i], 0); /* 0: the wall leaves the gas behind */
 }
 
-/* The share of a wall whose velocity or temperature the gas on it has: the jump from the cell to it lies in d/2. */
+/* Sets the share to 2, that of a wall whose velocity or temperature the gas on it has: the jump from the cell to the
+ * wall lies in d/2. */
 static void half_way(const struct rule *rule, const struct wall_line *l, double *share) {
     (void)rule;
     for (int i = 0; i < l->n; i++) share[i] = 2;
@@ -91,7 +92,8 @@ static const struct param moving_param[] = {
 };
 #undef PARAM_STRUCT
 
-/* A wall that does not move alike everywhere has values. */
+/* Gives the velocity of a wall that moves along itself: by its values, if it has any because it does not move alike
+ * everywhere, else its parameter U. */
 static void moving_velocity(const struct rule *rule, int components, int face, double out[3]) {
     struct moving_wall own;
     memcpy(&own, &rule->params, sizeof own);

@@ -21,12 +21,12 @@ double packing_per_density(const struct material *m) {
     return PI / 6 * m->diameter * m->diameter * m->diameter / m->mass;
 }
 
-/* The sink of the contact integrals (docs/physics.md 1.3) over (1 - e^2) rho T^(3/2) G/sigma. */
+/* Returns the sink of the contact integrals (docs/physics.md 1.3) over (1 - e^2) rho T^(3/2) G/sigma. */
 double cooling_factor(const struct material *m) {
     return (m->disks ? 4 : 12) / sqrt(PI);
 }
 
-/* a2 of docs/physics.md 3.4, the second Sonine coefficient. */
+/* Returns a2 of docs/physics.md 3.4, the second Sonine coefficient. */
 double second_sonine(const struct material *m) {
     const double e = m->restitution, d = m->disks ? 2 : 3;
     return 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));

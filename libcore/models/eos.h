@@ -9,8 +9,8 @@
 
 #include "libcore/models/param.h"
 
-/* m^2/s^2: T at which coefficients are taken where round-off leaves a cell none, or a wall takes all: nothing is
- * divided by 0 */
+/* m^2/s^2: the least T that coefficients and walls see. Round-off may leave a cell without T, and a wall may take all
+ * of it; nothing is then divided by 0. */
 #define COLDEST     1e-200
 #define EOS_PACKING 0.9999 /* fraction of alpha_max at which the coefficients of transport are taken at most */
 
@@ -71,7 +71,8 @@ double cooling_factor(const struct material *m);
  * Noije & Ernst 1998),
  *   a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]: 0 if they are elastic. */
 double second_sonine(const struct material *m);
-/* nu, and rho, below which a gas stays: alpha_max, and rho there; HUGE_VAL: there is no limit */
+/* Return the packing fraction, and the density, below which a gas must stay: alpha_max and rho there, or HUGE_VAL if
+ * the equation of state has no limit. */
 double packing_limit(const struct eos *eos, const struct material *m);
 double density_limit(const struct eos *eos, const struct material *m);
 

@@ -113,9 +113,10 @@ struct garzo_line { /* of a batch: nu, X and 1 + L at densities within the range
     double nu[BATCH], X[BATCH], steep[BATCH], share[BATCH], cut[BATCH];
 };
 
-/* Below alpha_min and above EOS_PACKING of alpha_max the coefficients are those there times rho/(rho there), as Jenkins
- * & Richman's are above. The Knudsen cut takes from the coefficients what grains that cross a thin gas without a
- * collision do not carry. */
+/* Finds the state of a batch at which the coefficients are taken: below alpha_min and above EOS_PACKING of alpha_max
+ * that at the end of the range, and `share` = rho/(rho there) multiplies them. The Knudsen cut nu/(nu + knudsen)
+ * multiplies them, too: grains that cross a thin gas without a collision carry less momentum and heat than the law
+ * says. */
 static void garzo_state(const struct garzo_dufty *own, const struct eos *eos, const struct material *m, int n,
                         const double *rho, struct garzo_line *l) {
     const double per = packing_per_density(m), low = larger(own->alpha_min / per, 1e-200);

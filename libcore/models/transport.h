@@ -14,8 +14,8 @@ static inline enum grains_shape shape_of(const struct material *m) {
     return m->disks ? GRAINS_DISKS : GRAINS_SPHERES;
 }
 
-struct transport_terms {  /* what a law asks for besides stress and q = -heat grad T */
-    bool cross, dilation; /* are these coefficients there? */
+struct transport_terms {  /* terms of a law besides stress and q = -heat grad T */
+    bool cross, dilation; /* has the law these coefficients? */
     bool diagonal;        /* is the stress on a face made by derivatives across it alone? On lattices only */
 };
 
@@ -27,7 +27,7 @@ struct transport {
     void (*coefficients)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
                          const double *restrict rho, const double *restrict T, double *restrict bulk,
                          double *restrict shear, double *restrict heat);
-    /* Returns what else the law asks for with these parameters; NULL: nothing. */
+    /* Returns the terms that the law has with these parameters, besides stress and q = -heat grad T; NULL: none. */
     struct transport_terms (*terms)(const struct own_params *params);
     /* Compute cross (m^4/s^3, for disks m^3/s^3) and dilation (Pa, for disks N/m), as coefficients. NULL: terms never
      * asks for them. */
@@ -37,7 +37,7 @@ struct transport {
                      const double *restrict rho, const double *restrict T, double *restrict dilation);
 };
 
-/* What a law asks for; nothing without a law. */
+/* Returns the terms of a law; without a law there are none. */
 static inline struct transport_terms transport_terms(const struct transport *t, const struct own_params *params) {
     return t && t->terms ? t->terms(params) : (struct transport_terms){false, false, false};
 }

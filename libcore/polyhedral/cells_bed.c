@@ -10,7 +10,7 @@
 static const double SKEWEST = 0.05;
 
 struct cells_bed {
-    struct bed_shapes shapes; /* those of the mesh: a face has its own, and so has a cell */
+    struct bed_shapes shapes; /* of the mesh: each face and each cell has a shape of its own */
     double *memory;           /* of the arms and depths */
     double *listed;           /* [ncells] the parts for which the bed was listed */
     int *index;               /* [ncells] the bed's cell or ghost; -1: of the rest */

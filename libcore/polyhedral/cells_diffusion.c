@@ -10,7 +10,7 @@
 #include "libcore/polyhedral/cells_diffuser.h"
 
 static const double STEEP = 0.2;    /* n.e counts as no less than this fraction of |e| */
-static const double MOST_RISE = 4;  /* T is extrapolated by at most this factor: at a passing front it says nothing */
+static const double MOST_RISE = 4;  /* most factor of T's extrapolation, which means nothing at a passing front */
 static const double CLOSEST = 0.05; /* least distance of a centre to the face, over that of both centres */
 
 static int lines_of(const struct gas *g, enum diffusing what) {

@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-/* Ratio of two cells' T, or rho, up to which they are not alike at all, and from which on they are. */
+/* Two cells are alike from the ratio ALIKE of their T, or rho, on, and not at all below UNLIKE. */
 static const double UNLIKE = 0.0625, ALIKE = 0.25;
 static const double TWISTED = 0.2; /* determinant of C below which least squares are taken */
 

@@ -74,7 +74,8 @@ static double *weigh_links(const struct gas *g, enum diffusing what, int c, doub
     return weight;
 }
 
-/* S is free here, so it serves to ask what the patches' rules make of S = 1 inside where they are given no values. */
+/* Computes the matrix. At patches its entries follow from S beyond the patch for S = 1 inside and values of 0; the last
+ * S is free at this time, and holds that 1. */
 void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
                            double *E, double *weight) {
     const struct polyhedra *m = g->cells->polyhedra;

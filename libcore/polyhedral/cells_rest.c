@@ -176,7 +176,8 @@ static void note_walls(const struct gas *g) {
     }
 }
 
-/* What flows through an open patch, or stands against it, is no error of the scheme. */
+/* Sets the force r to 0 in cells at open patches: the pressure there is not balanced, and that is no error of the
+ * scheme. */
 static void leave_open(const struct gas *g) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     for (int i = f->ninternal; i < f->n; i++)

@@ -405,8 +405,7 @@ static const struct param musta_param[] = {
 };
 #undef PARAM_STRUCT
 
-/* Rusanov's flux (1961; docs/physics.md 6.6): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r).
- * */
+/* Rusanov's flux (docs/physics.md 6.6): F = (f_l + f_r)/2 - s (u_r - u_l)/2, s = max(|u_l| + c_l, |u_r| + c_r). */
 KERNEL static void rusanov_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
                                 const double *restrict ul, const double *restrict ur, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);

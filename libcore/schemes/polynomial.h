@@ -35,8 +35,9 @@ status fit_make(const struct polyhedra *m, const struct polynomial *p, int compo
                 struct fit **out);
 void fit_free(struct fit *f);
 
-/* From now on fits are of U less what `near` [nnear] (0 .. 1) of each cell takes of a state without velocity, whose rho
- * and E [size] are given; all are borrowed. fit_points then leaves that state's change within the cell out. */
+/* From now on fits are of the deviation U - w U*: U* is a state at rest, whose rho and E [size] are given, and w = near
+ * [nnear], 0 .. 1, the share of each cell. fit_points then returns values without the change of U* within the cell. All
+ * arrays are borrowed. */
 void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
 
 /* Fits cells from <= i < to (< nnear) to the lines U[v][size] of the variables. Cells are fitted batch by batch: cells

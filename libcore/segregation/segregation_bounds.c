@@ -21,7 +21,7 @@ KERNEL static void monotone_flux(int n, const struct segregation *s, const doubl
     }
 }
 
-/* Computes out = phi - dt/width (F_{i+1} - F_i): to the last bit what the flux moves. */
+/* Computes out = phi - dt/width (F_{i+1} - F_i), so that phi changes by the fluxes to the last bit. */
 static void balance(const struct segregation *s, double dt, const double *phi, const double *flux, double *out) {
     for (int j = 0; j < s->line.n; j++) out[j] = phi[j] - dt / s->width[j] * (flux[j + 1] - flux[j]);
 }
@@ -78,7 +78,8 @@ static void limit_cell(struct segregation *s, double dt, int j) {
     s->part[j + 1] = smaller(s->part[j + 1], out > 0 ? losses : gains);
 }
 
-/* Limits the cells that leave their bounds, then the cells that leave theirs because of it, until none is left. */
+/* Limits the faces of cells that leave their bounds, then the faces of cells that leave their bounds because of that,
+ * until every cell keeps them. */
 static void limit(struct segregation *s, double dt, double *found) {
     const int n = s->line.n;
     for (int i = 0; i <= n; i++) s->part[i] = 1;

@@ -59,7 +59,7 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
     }
 }
 
-/* Limits the cell's faces to what keeps it within its bounds whatever the other faces do. */
+/* Limits the shares of fluxes on a cell's faces so that it keeps its bounds, whatever shares other cells ask for. */
 static void limit_cell(struct segregation_field *s, double dt, long c) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {
@@ -111,7 +111,7 @@ static bool watch(struct segregation_field *s, double dt, double slack) {
     return again;
 }
 
-/* Lets through what keeps the cell within its bounds if its other faces stay as they are. */
+/* Computes the shares of fluxes with which a cell keeps its bounds, from the shares that its faces have now. */
 static void relieve_cell(struct segregation_field *s, double dt, long c, double *const share[MAX_DIM]) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {

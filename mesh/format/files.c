@@ -128,7 +128,8 @@ static int walk_to(const char *path, const char **name) {
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* What stands there is removed and not emptied: the file may have other names, in a copy made by `cp -al`. */
+/* Makes a new file. A file of that name is removed, not emptied: it may have other names, in a copy made by `cp -al`,
+ * whose content must stay. */
 int file_create(const char *path, int *out) {
     const char *name;
     int at = walk_to(path, &name), why = 0;

@@ -41,7 +41,8 @@ static void put_row(const struct forest *f, const struct lattice_row *row, doubl
     }
 }
 
-/* The derivative at *q, whose neighbours are `step` away and `width` m: `below` and `above` of them are there. */
+/* Returns the derivative at *q. Its neighbours are `step` apart in memory and `width` (m) in space; `below` and `above`
+ * say how many there are on either side. */
 static double slope(const double *q, long step, int below, int above, double width) {
     if (below >= 1 && above >= 1) return (q[step] - q[-step]) / (2 * width);
     const long inward = above ? step : -step;

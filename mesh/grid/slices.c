@@ -173,7 +173,7 @@ bool slice_face(const struct polymesh *m, const double *distance, int face, int 
     return false;
 }
 
-struct segment { /* of the outline of what a plane cuts out of a cell */
+struct segment { /* of the polygon that a plane cuts out of a cell */
     int from, to;
 };
 

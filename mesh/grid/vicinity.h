@@ -24,7 +24,8 @@ struct vicinity {
 status vicinity_make(const struct polymesh *m, const double *centre, int dim, const int axis[3], struct vicinity **out);
 void vicinity_free(struct vicinity *v);
 
-/* A field: value[stride cell] in all cells, and what is found of it elsewhere, which is kept where there is room. */
+/* A field: value[stride cell] in all cells. Gradients and values at points are kept, once they are found, where there
+ * is room for them. */
 struct vicinity_field {
     const struct vicinity *v;
     const double *value; /* borrowed */
@@ -32,7 +33,7 @@ struct vicinity_field {
     double (*gradient)[3]; /* [ncells], first NAN: not found yet; NULL: gradients are not kept */
     double *at_point;      /* [npoints], as gradient */
 };
-/* Makes the room. A field of which little is asked needs none: {v, value, stride, NULL, NULL}. */
+/* Makes a field with room. A field that is asked for few values needs none: {v, value, stride, NULL, NULL}. */
 status vicinity_field_make(const struct vicinity *v, const double *value, int stride, struct vicinity_field *out);
 void vicinity_field_free(struct vicinity_field *f);
 
@@ -52,7 +53,7 @@ void vicinity_mark(const struct vicinity *v, int point, bool *wanted);
  * error. */
 typedef status vicinity_taker(void *context, int cell, const long node[4]);
 status vicinity_cut(const struct vicinity *v, int cell, vicinity_taker *take, void *context);
-/* Sets x to the place of a node (m); along empty axes it is that of the cell's centre, which `cell` has. */
+/* Sets x to the place of a node (m); along empty axes it is the place of the centre of `cell`. */
 void vicinity_place(const struct vicinity *v, int cell, long node, double x[3]);
 /* Returns the value at a node: of a cell's centre its value, of a face's mean that of its points' values. */
 double vicinity_at_node(const struct vicinity_field *f, long node);

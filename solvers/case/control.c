@@ -154,8 +154,8 @@ static status together(struct dict *d, const struct control *c) {
     return OK;
 }
 
-/* Fails if controlDict names another of our solvers: one word turns a case of gas into one of grains, but what one
- * solver wrote is no restart of the other. */
+/* Fails if controlDict names another of our solvers: that one word turns a case of gas into one of grains, but no
+ * solver can restart from the folders of another. */
 static status check_application(struct dict *d, const char *application) {
     static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
     int i;

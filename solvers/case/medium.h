@@ -24,7 +24,7 @@ struct pace {          /* how long the next step may be */
     const char *early; /* name of what may end a step early; NULL: a rejection */
 };
 
-struct crossing { /* what left the medium by a face of a patch, mean over the last step; vectors along physical axes */
+struct crossing { /* flow out of the medium by a face of a patch, mean over the last step; vectors: physical axes */
     int patch;
     double area, centre[3], normal[3]; /* m^2, m; unit, out of the medium */
     double mass, energy;               /* kg/s, W: energy by flow, work and heat */
@@ -32,7 +32,7 @@ struct crossing { /* what left the medium by a face of a patch, mean over the la
 };
 typedef void crossing_visitor(void *context, const struct crossing *face);
 
-struct budget_row { /* what changed mass, momentum and energy: the titles of the columns, and their values */
+struct budget_row { /* changes of mass, momentum and energy by cause: titles and values of the columns */
     int n;
     const char *title[MAX_BUDGET];
     double value[MAX_BUDGET];

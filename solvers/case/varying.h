@@ -42,7 +42,7 @@ struct varying_range { /* what values may be */
  * The error, of the kind given, names file, line, patch, face and time. */
 status varying_check(const struct varying *v, double t, const double *values, const struct varying_range *range,
                      enum status_kind kind);
-/* The same at each time of a table: what lies in between is then right, too. */
+/* Checks the values at each time of a table; the values in between, which are linear, are then right, too. */
 status varying_check_table(const struct varying *v, const struct varying_range *range);
 /* Prints the entry as it was given; numbers have all digits. */
 void varying_print(struct sink *s, const struct varying *v);

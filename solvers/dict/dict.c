@@ -68,9 +68,10 @@ static const char *bracket_end(const char *c) {
     return *c ? c : c - 1;
 }
 
-/* Names what makes a regular expression costly. The library repeats in memory what stands before {n} and +, tries back
- * references one by one, and tries all ways through what can be empty: their number may double with each sign that
- * makes something empty, and with each anchor; a + behind a group doubles those in it. */
+/* Returns why a regular expression is too costly for the library; NULL: it is not. The library copies the part before
+ * {n} and + in memory, tries back references one by one, and tries all ways through parts that can be empty: the number
+ * of ways may double with each sign that makes a part empty, and with each anchor; a + behind a group doubles the signs
+ * in it. */
 static const char *costly(const char *key) {
     enum { SIGNS = 12 };
     int plus = 0, groups = 0, signs = 0;

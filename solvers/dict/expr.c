@@ -177,7 +177,7 @@ static status call(struct compiler *c, const struct function *f) {
 static const char foam_known[] = "known are pos().x() pos().y() pos().z() time() pi() vector(a, b, c) and functions "
                                  "like sin, sqr, pow, min";
 
-/* Moves behind `text` if it is what follows, blanks aside. */
+/* Moves behind `text` if the input goes on with it, blanks aside; returns whether it does. */
 static bool follows(struct compiler *c, const char *text) {
     const char *p = c->p;
     for (; *text; text++) {
@@ -230,7 +230,7 @@ static status foam_name(struct compiler *c, int length, bool *done) {
     return OK;
 }
 
-/* What type have two operands together? */
+/* Finds the type, scalar or vector, of the result of an operator on two operands. */
 static status foam_types(struct compiler *c, const char *operator, bool left) {
     const bool right = c->vector;
     const char which = operator[1] ? 'c' : * operator;

@@ -18,7 +18,8 @@ struct keyword {
     char unit[64], range[64], standard[64], example[KEYWORD_TEXT];
 };
 
-/* What goes through the rows of a program: a function that takes each of them, and the place that it has come to. */
+/* A walk through the rows of a program: `take` is called for each row; file, dict and when are the place that the walk
+ * has come to. */
 struct keywords {
     void (*take)(void *context, const struct keyword *k);
     void *context;

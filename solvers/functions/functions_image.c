@@ -43,9 +43,9 @@ static const struct param image_param[] = {
           "options (-size 1200x800 -log);"),
 };
 
-/* Draws one field after the other, so that a run loses one processor at most; $1 .. $7 as in draw(), then options. The
- * folder of a start that was given has some fields only, and the others are not drawn. What tells programs that they
- * are ranks of a run is not for this one. */
+/* Draws one field after the other, so that a run loses one processor at most. $1 .. $7 are as in draw(), the options
+ * follow. If the folder of the start was given by the user it may lack fields, which are then not drawn. Variables of
+ * the environment by which programs take themselves for ranks of an MPI run are unset, since haffPlot is no rank. */
 static const char script[] =
     "program=$1 case=$2 time=$3 stem=$4 kind=$5 fields=$6 given=$7; shift 7; bad=0\n"
     "for v in $(env | sed -n 's/^\\(OMPI_[A-Za-z0-9_]*\\)=.*/\\1/p; s/^\\(PMIX_[A-Za-z0-9_]*\\)=.*/\\1/p'); do\n"
@@ -168,7 +168,7 @@ static void shorten(char reason[MESSAGE]) {
         if (*c == '\n') *c = ' ';
 }
 
-/* Waits for the child, if there is one, and keeps the end of what it said. Returns whether it failed. On the root. */
+/* Waits for the child, if there is one, and keeps the end of its messages. Returns whether it failed. On the root. */
 static bool wait_for_child(struct image *x, char reason[MESSAGE]) {
     char more[MESSAGE];
     size_t length = 0;

@@ -215,7 +215,7 @@ static status same_fields(const struct function *f, struct dict *d, bool *same) 
     return OK;
 }
 
-/* Takes up saved sums if they are those of the same averages; else the averages begin anew. */
+/* Goes on with saved sums if period, start, phases and fields are the same; else the averages begin anew. */
 static status take_up(const struct function *f, struct dict *d) {
     struct phases *p = f->own;
     const double *counts;

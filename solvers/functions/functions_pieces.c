@@ -97,7 +97,9 @@ static void cut_face(const struct making *m, int face, double turn, const double
 
 /* ---- gradients ---- */
 
-/* Solves the symmetric M x = b of n unknowns, which is changed; x = 0 along what M does not know. */
+/* Solves M x = b for n unknowns, M symmetric; x replaces b and M is changed. Along directions in which M is singular x
+ * is
+ * 0. */
 static void solve(int n, double M[3][3], double b[3]) {
     double most = 0;
     for (int k = 0; k < n; k++) most = fmax(most, M[k][k]);
@@ -117,7 +119,7 @@ static void solve(int n, double M[3][3], double b[3]) {
     }
 }
 
-/* The other cell of a face; -1: there is none. */
+/* Returns the cell on the other side of a face; -1: there is none. */
 static int across(const struct polymesh *m, int face, int cell) {
     if (face >= m->ninternal) return -1;
     return m->owner[face] == cell ? m->neighbour[face] : m->owner[face];

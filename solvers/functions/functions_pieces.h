@@ -27,9 +27,9 @@ struct surface {
 
 /* The faces of patches, with the values of the cells beside them. */
 status surface_of_patches(const struct function *f, const struct patch_choice *c, struct surface *out);
-/* What a plane through a point cuts out of the cells, with values of second order: those of the cell and its least
- * squares gradient, within the range of the cell and its neighbours. A plane along faces has the cells on their lower
- * side. */
+/* Makes the polygons that a plane through a point cuts out of the cells, with values of second order: those of the cell
+ * and its least squares gradient, within the range of the cell and its neighbours. A plane along faces has the cells on
+ * their lower side. */
 status surface_of_plane(const struct function *f, const double point[3], const double normal[3], struct surface *out);
 /* Gathers a quantity's values in the pieces on every rank: [n][components], along physical axes; malloc'd.
  * Collective. */

@@ -53,7 +53,7 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
 
 /* ---- values that are linear in the simplices of cells ----
  *
- * The root finds the simplices and the cells whose values they need; every rank gives it those of its own. */
+ * The root finds the simplices, and the cells whose values they need; every rank sends its cells' values. */
 
 struct pick { /* a cell of this rank whose value is wanted */
     int block, cell, slot;

@@ -227,7 +227,8 @@ static bool is_normal(int operation) {
     return operation == AREA_NORMAL_AVERAGE || operation == AREA_NORMAL_INTEGRATE;
 }
 
-/* What a piece counts in sums of component k, and its share of what they are divided by. */
+/* Returns the term of piece i in the sum of component k; *share: its term in the sum of weights, by which averages
+ * divide. */
 static double counted(const struct reduction *r, int i, int k, double *share) {
     const struct piece *p = &r->surface->piece[i];
     const double *v = r->value + (long)i * r->components, weight = r->weight ? r->weight[i] : 1;

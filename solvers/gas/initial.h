@@ -7,7 +7,7 @@
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 
-/* What is said of a density that a gas cannot start from. */
+/* The end of the message about a density that a gas cannot start from. */
 #define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
 
 struct initial {                      /* the same on every rank */
@@ -38,7 +38,8 @@ status initial_renew(void *initial, double t);
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out);
 /* Reads the state of a folder that no run has written as it would be at rest: its hydrostatic settledLayer without
- * waves, averaged as initial_average does, without patches. It is not at rest in the layer's background, which falls.
+ * waves, averaged as initial_average does, without patches. Cells of the layer's background are not at rest: they
+ * fall.
  * *out is NULL if there is no such layer. */
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out);

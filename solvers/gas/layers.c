@@ -210,7 +210,8 @@ static status measure_cells(struct bed *b) {
     return OK;
 }
 
-/* Computes the volume of the mesh, which must be that of a box: what lies over another floor is no layer. */
+/* Computes the volume of the mesh. Fails if the mesh is no box: grains that lie over a floor of another shape are no
+ * layer. */
 static status check_box(const struct bed *b, double *out) {
     double box = 1, sum = 0;
     for (int a = 0; a < 3; a++) box *= b->high[a] - b->low[a];

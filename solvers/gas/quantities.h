@@ -16,7 +16,8 @@
 #include "libcore/gas/gas.h"
 #include "solvers/case/case.h"
 
-/* Behind those of enum gas_field: what function objects know, then what is written only. */
+/* The quantities that follow those of enum gas_field: first those that function objects know, then those that are only
+ * written. */
 enum { GAS_VORTICITY = GAS_FIELDS, GAS_GRAD_ALPHA, GAS_KNUDSEN, GAS_OFFERED, GAS_MOMENTUM = GAS_OFFERED, GAS_ENERGY };
 enum { GAS_DERIVED = GAS_OFFERED - GAS_FIELDS };
 extern const struct quantity gas_quantity[];
@@ -35,7 +36,7 @@ void gas_view_free(struct gas_view *v);
 void gas_view_forget(struct gas_view *v); /* the state has changed */
 /* Returns why a gas of these models has no such quantity; NULL: it has it. */
 const char *gas_view_lacks(const struct gas_models *models, int quantity);
-/* Computes a derived quantity, unless it is known; of others there is nothing to be done. Collective. */
+/* Computes a derived quantity, unless it is known; does nothing for any other quantity. Collective. */
 status gas_view_derive(struct gas_view *v, int quantity);
 /* As the hooks block and gather of a medium; block: of a derived quantity, after gas_view_derive. */
 void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);

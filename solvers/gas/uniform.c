@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Lists what the gas takes its state from; returns how many arrays. */
+/* Lists the arrays from which the gas takes its state; returns their number. */
 static int list_state(const struct initial *s, const double *out[MAX_VAR]) {
     int n = 0;
     for (; n < MAX_VAR && s->conserved[n]; n++) out[n] = s->conserved[n];

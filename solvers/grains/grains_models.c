@@ -165,7 +165,7 @@ void grains_models_list(FILE *f) {
     for (int i = 0; kernel_names[i]; i++) fprintf(f, "  kernel %-13s %s\n", kernel_names[i], kernel_about[i]);
 }
 
-/* Is the boundary condition one of walls of grains, or of scalars there? */
+/* Is the boundary condition allowed for grains: for U a smooth wall, for scalars one that such a wall has? */
 static bool is_offered(const struct boundary_type *b) {
     return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }

@@ -312,7 +312,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
-/* Removes what was written of a time, to make room on a full disk; the next run would do it, too. */
+/* Removes the unfinished folder of a time, to make room on a full disk; else the next run would remove it. */
 static void remove_half(struct output *o, const char *folder) {
     status gone = case_here(o->setup);
     if (!gone) status_free(remove_folder(folder));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a run foretells of its end: cells that are far narrower than the others, and steps without number. */
+/* Warnings about runs that would take very long: some cells are far narrower than the others, or the number of steps to
+ * endTime is huge. */
 #ifndef SOLVERS_OUTLOOK_H
 #define SOLVERS_OUTLOOK_H
 
@@ -11,8 +12,8 @@ struct outlook {     /* of one run; starts as zeros */
 };
 
 /* Says on the root, once, if the number of steps from t to endTime exceeds a million at the first call, or 1000 times
- * that of the first call (or 100,000, if that is more) later on: with what limits the step and what can be done about
- * it. Collective. */
+ * that of the first call (or 100,000, if that is more) later on. The message says which cell or
+ * model limits the step, and what can be done about that. Collective. */
 void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t);
 
 /* Warns of a cell whose V/A is so small beside that of the others that it alone makes the steps short. */
