@@ -99,7 +99,8 @@ static void triangle_normal(const double *a, const double *b, const double *c, d
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-static void face_geometry(const double *points, const int *p, int n, double *centre, double *area) {
+/* Computes the geometry of a face of n points. */
+static inline void outline_geometry(const double *points, const int *p, int n, double *centre, double *area) {
     double mean[3] = {0}, sum_n[3] = {0}, sum_a = 0, sum_ac[3] = {0};
     for (int i = 0; i < n; i++)
         for (int k = 0; k < 3; k++) mean[k] += points[3L * p[i] + k];
@@ -108,7 +109,7 @@ static void face_geometry(const double *points, const int *p, int n, double *cen
         triangle_normal(points + 3L * p[0], points + 3L * p[1], points + 3L * p[2], sum_n);
     } else {
         for (int i = 0; i < n; i++) {
-            const double *a = points + 3L * p[i], *b = points + 3L * p[(i + 1) % n];
+            const double *a = points + 3L * p[i], *b = points + 3L * p[i + 1 < n ? i + 1 : 0];
             double t[3];
             triangle_normal(a, b, mean, t);
             double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
@@ -122,10 +123,16 @@ static void face_geometry(const double *points, const int *p, int n, double *cen
     }
 }
 
+void polymesh_one_face(const struct polymesh *m, int f, double centre[3], double area[3]) {
+    const int *p = m->face_points + m->face_start[f], n = m->face_start[f + 1] - m->face_start[f];
+    if (n == 4) /* the most frequent number of points is a constant, by which the loops unroll */
+        outline_geometry(m->points, p, 4, centre, area);
+    else
+        outline_geometry(m->points, p, n, centre, area);
+}
+
 void polymesh_face_geometry(const struct polymesh *m, double *centre, double *area) {
-    for (int f = 0; f < m->nfaces; f++)
-        face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f],
-                      centre + 3L * f, area + 3L * f);
+    for (int f = 0; f < m->nfaces; f++) polymesh_one_face(m, f, centre + 3L * f, area + 3L * f);
 }
 
 int polymesh_axes(const struct polymesh *m, int axis[3]) {
@@ -134,8 +141,8 @@ int polymesh_axes(const struct polymesh *m, int axis[3]) {
         for (int f = m->patch[p].start;
              !strcmp(m->patch[p].type, "empty") && f < m->patch[p].start + m->patch[p].nfaces; f++) {
             double centre[3], a[3];
-            face_geometry(m->points, m->face_points + m->face_start[f], m->face_start[f + 1] - m->face_start[f], centre,
-                          a);
+            if (m->owner[f] != 0) continue; /* an axis that is closed at all is closed at each cell (polymesh_check) */
+            polymesh_one_face(m, f, centre, a);
             int k = fabs(a[1]) > fabs(a[0]) ? 1 : 0;
             closed[fabs(a[2]) > fabs(a[k]) ? 2 : k] = true;
         }
@@ -189,4 +196,22 @@ status polymesh_cell_geometry(const struct polymesh *m, const double *face_centr
     }
     free(mean);
     return OK;
+}
+
+status polymesh_geometry_make(const struct polymesh *m, struct polymesh_geometry *g) {
+    *g = (struct polymesh_geometry){0};
+    TRY(allocate(&g->face_centre, 3L * m->nfaces, sizeof(double), "face centres"));
+    TRY(allocate(&g->face_area, 3L * m->nfaces, sizeof(double), "face areas"));
+    TRY(allocate(&g->cell_centre, 3L * m->ncells, sizeof(double), "cell centres"));
+    TRY(allocate(&g->volume, m->ncells, sizeof(double), "cell volumes"));
+    polymesh_face_geometry(m, g->face_centre, g->face_area);
+    return polymesh_cell_geometry(m, g->face_centre, g->face_area, g->cell_centre, g->volume);
+}
+
+void polymesh_geometry_free(struct polymesh_geometry *g) {
+    free(g->face_centre);
+    free(g->face_area);
+    free(g->cell_centre);
+    free(g->volume);
+    *g = (struct polymesh_geometry){0};
 }

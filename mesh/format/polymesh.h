@@ -37,9 +37,18 @@ status polymesh_order(struct polymesh *m, const int *patch_of_face);
 
 /* Compute centres (m), area vectors (m^2) and volumes (m^3) by decomposition into triangles and pyramids, as OpenFOAM
  * does. The arrays are the caller's; only memory can be missing. */
+void polymesh_one_face(const struct polymesh *m, int face, double centre[3], double area[3]);
 void polymesh_face_geometry(const struct polymesh *m, double *centre /* [nfaces][3] */, double *area /* [nfaces][3] */);
 status polymesh_cell_geometry(const struct polymesh *m, const double *face_centre, const double *face_area,
                               double *centre /* [ncells][3] */, double *volume /* [ncells] */);
+
+struct polymesh_geometry {           /* all of that, as computed by the functions above */
+    double *face_centre, *face_area; /* [nfaces][3] */
+    double *cell_centre, *volume;    /* [ncells][3], [ncells] */
+};
+/* The caller frees g, also after an error. */
+status polymesh_geometry_make(const struct polymesh *m, struct polymesh_geometry *g);
+void polymesh_geometry_free(struct polymesh_geometry *g);
 
 /* Lists the faces of every cell, ascending: start[ncells + 1] into face[]. The caller frees both, also after an
  * error. */
@@ -69,6 +78,8 @@ status polymesh_narrowest(const struct polymesh *m, const double *area, const do
  * defaultFaces. Each defect is an error with number and
  * place. */
 status polymesh_check(const struct polymesh *m);
+/* Does that and leaves the geometry on which it rests in g, which the caller frees, also after an error. */
+status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometry *g);
 
 int polymesh_find_patch(const struct polymesh *m, const char *name); /* -1: none */
 unsigned long polymesh_checksum(const struct polymesh *m); /* CRC-32 of points, faces, owner, neighbour, patches */

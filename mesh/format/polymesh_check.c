@@ -19,7 +19,7 @@ static const double MATCH = 1e-4;  /* tolerance of positions for cyclic faces, t
 
 struct check {
     const struct polymesh *m;
-    double *face_centre, *face_area, *cell_centre, *volume;
+    const struct polymesh_geometry *g;
     char *covered; /* [ncells][6] empty faces per axis and side */
     long defects;
     char text[TEXT]; /* the first defects */
@@ -76,9 +76,11 @@ static status check_leftover(const struct polymesh *m) {
 static status check_faces(struct check *k) {
     const struct polymesh *m = k->m;
     for (long f = 0; f < m->nfaces; f++) {
-        const double *c = k->face_centre + 3 * f, *a = k->face_area + 3 * f, *o = k->cell_centre + 3L * m->owner[f];
+        const double *c = k->g->face_centre + 3 * f, *a = k->g->face_area + 3 * f,
+                     *o = k->g->cell_centre + 3L * m->owner[f];
         double d[3];
-        for (int i = 0; i < 3; i++) d[i] = (f < m->ninternal ? k->cell_centre[3L * m->neighbour[f] + i] : c[i]) - o[i];
+        for (int i = 0; i < 3; i++)
+            d[i] = (f < m->ninternal ? k->g->cell_centre[3L * m->neighbour[f] + i] : c[i]) - o[i];
         if (!(size3(a) > 0))
             defect(k, "face %ld at (%g, %g, %g) has no area", f, c[0], c[1], c[2]);
         else if (!(dot3(a, d) > 0))
@@ -95,16 +97,16 @@ static status check_cells(struct check *k) {
     for (long f = 0; f < m->nfaces; f++)
         for (int side = 0; side < (f < m->ninternal ? 2 : 1); side++) {
             double *s = sum + 4L * (side ? m->neighbour[f] : m->owner[f]);
-            for (int i = 0; i < 3; i++) s[i] += (side ? -1 : 1) * k->face_area[3 * f + i];
-            s[3] += size3(k->face_area + 3 * f);
+            for (int i = 0; i < 3; i++) s[i] += (side ? -1 : 1) * k->g->face_area[3 * f + i];
+            s[3] += size3(k->g->face_area + 3 * f);
         }
     for (long c = 0; c < m->ncells; c++) {
-        const double *x = k->cell_centre + 3 * c, *s = sum + 4 * c;
+        const double *x = k->g->cell_centre + 3 * c, *s = sum + 4 * c;
         if (!(size3(s) <= CLOSED * s[3]))
             defect(k, "cell %ld at (%g, %g, %g) is not closed: its faces leave a gap of %g of its surface", c, x[0],
                    x[1], x[2], size3(s) / s[3]);
-        else if (!(k->volume[c] > 0))
-            defect(k, "cell %ld at (%g, %g, %g) has the volume %g", c, x[0], x[1], x[2], k->volume[c]);
+        else if (!(k->g->volume[c] > 0))
+            defect(k, "cell %ld at (%g, %g, %g) has the volume %g", c, x[0], x[1], x[2], k->g->volume[c]);
     }
     free(sum);
     return verdict(k, "bad cells");
@@ -112,8 +114,8 @@ static status check_cells(struct check *k) {
 
 static status check_widths(const struct check *k) {
     struct narrowest n;
-    TRY(polymesh_narrowest(k->m, k->face_area, k->volume, &n));
-    const double *x = k->cell_centre + 3 * n.cell;
+    TRY(polymesh_narrowest(k->m, k->g->face_area, k->g->volume, &n));
+    const double *x = k->g->cell_centre + 3 * n.cell;
     if (n.ratio > LEAST) return OK;
     return fail(ERR_INPUT,
                 "mesh: cell %ld at (%g, %g, %g) has V/A = %.3g m, %.3g of the median of all cells; %g is the least: a "
@@ -126,7 +128,7 @@ static status check_widths(const struct check *k) {
 
 static void cover(struct check *k, const struct patch *p, bool *axes) {
     for (long f = p->start; f < p->start + p->nfaces; f++) {
-        const double *a = k->face_area + 3 * f, *c = k->face_centre + 3 * f;
+        const double *a = k->g->face_area + 3 * f, *c = k->g->face_centre + 3 * f;
         int axis = 0;
         for (int i = 1; i < 3; i++)
             if (fabs(a[i]) > fabs(a[axis])) axis = i;
@@ -153,7 +155,7 @@ static status check_empty(struct check *k) {
     for (long c = 0; c < m->ncells; c++)
         for (int axis = 0; axis < 3; axis++) {
             const char *n = k->covered + 6 * c + 2L * axis;
-            const double *x = k->cell_centre + 3 * c;
+            const double *x = k->g->cell_centre + 3 * c;
             if (axes[axis] && (n[0] != 1 || n[1] != 1))
                 defect(k, "cell %ld at (%g, %g, %g) has %d empty faces below and %d above along %c", c, x[0], x[1],
                        x[2], n[0], n[1], "xyz"[axis]);
@@ -168,9 +170,9 @@ static status check_empty(struct check *k) {
 static void match_faces(struct check *k, const struct patch *p, const struct patch *q, long i) {
     const struct polymesh *m = k->m;
     long a = p->start + i, b = q->start + i;
-    const double *ca = k->face_centre + 3 * a, *cb = k->face_centre + 3 * b;
-    const double *c0 = k->face_centre + 3L * p->start, *d0 = k->face_centre + 3L * q->start;
-    double tolerance = MATCH * sqrt(size3(k->face_area + 3 * a)), off = 0, points = 0;
+    const double *ca = k->g->face_centre + 3 * a, *cb = k->g->face_centre + 3 * b;
+    const double *c0 = k->g->face_centre + 3L * p->start, *d0 = k->g->face_centre + 3L * q->start;
+    double tolerance = MATCH * sqrt(size3(k->g->face_area + 3 * a)), off = 0, points = 0;
     int n = m->face_start[a + 1] - m->face_start[a];
     if (m->face_start[b + 1] - m->face_start[b] != n) points = INFINITY;
     for (int j = 0; j < 3; j++) off = fmax(off, fabs((cb[j] - ca[j]) - (d0[j] - c0[j])));
@@ -201,15 +203,6 @@ static status check_cyclic(struct check *k) {
 }
 
 static status check_all(struct check *k) {
-    const struct polymesh *m = k->m;
-    TRY(polymesh_check_points(m));
-    TRY(check_leftover(m));
-    TRY(allocate(&k->face_centre, 3L * m->nfaces, sizeof(double), "faces"));
-    TRY(allocate(&k->face_area, 3L * m->nfaces, sizeof(double), "faces"));
-    TRY(allocate(&k->cell_centre, 3L * m->ncells, sizeof(double), "cells"));
-    TRY(allocate(&k->volume, m->ncells, sizeof(double), "cells"));
-    polymesh_face_geometry(m, k->face_centre, k->face_area);
-    TRY(polymesh_cell_geometry(m, k->face_centre, k->face_area, k->cell_centre, k->volume));
     TRY(check_cells(k));
     TRY(check_faces(k));
     TRY(check_empty(k));
@@ -217,13 +210,20 @@ static status check_all(struct check *k) {
     return check_cyclic(k);
 }
 
-status polymesh_check(const struct polymesh *m) {
-    struct check k = {.m = m};
+status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometry *g) {
+    struct check k = {.m = m, .g = g};
+    *g = (struct polymesh_geometry){0};
+    TRY(polymesh_check_points(m));
+    TRY(check_leftover(m));
+    TRY(polymesh_geometry_make(m, g));
     status s = check_all(&k);
-    free(k.face_centre);
-    free(k.face_area);
-    free(k.cell_centre);
-    free(k.volume);
     free(k.covered);
+    return s;
+}
+
+status polymesh_check(const struct polymesh *m) {
+    struct polymesh_geometry g;
+    status s = polymesh_check_geometry(m, &g);
+    polymesh_geometry_free(&g);
     return s;
 }

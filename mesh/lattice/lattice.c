@@ -35,20 +35,28 @@ static bool no(struct search *s, const char *format, ...) {
     return false;
 }
 
+/* Widens a box so that it holds another one. */
+static void widen(double *restrict box, const double *restrict by) {
+    for (int k = 0; k < 3; k++) {
+        box[k] = by[k] < box[k] ? by[k] : box[k];
+        box[3 + k] = by[3 + k] > box[3 + k] ? by[3 + k] : box[3 + k];
+    }
+}
+
 static void find_boxes(struct search *s) {
     const struct polymesh *m = s->m;
-    for (long c = 0; c < m->ncells; c++)
-        for (int k = 0; k < 6; k++) s->box[6 * c + k] = k < 3 ? INFINITY : -INFINITY;
-    for (int f = 0; f < m->nfaces; f++)
-        for (int half = 0; half < (f < m->ninternal ? 2 : 1); half++) {
-            double *box = s->box + 6L * (half ? m->neighbour[f] : m->owner[f]);
-            for (int i = m->face_start[f]; i < m->face_start[f + 1]; i++)
-                for (int k = 0; k < 3; k++) {
-                    double x = m->points[3L * m->face_points[i] + k];
-                    box[k] = x < box[k] ? x : box[k];
-                    box[3 + k] = x > box[3 + k] ? x : box[3 + k];
-                }
+    const double nowhere[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    for (long c = 0; c < m->ncells; c++) memcpy(s->box + 6 * c, nowhere, sizeof nowhere);
+    for (int f = 0; f < m->nfaces; f++) {
+        double face[6];
+        memcpy(face, nowhere, sizeof face);
+        for (int i = m->face_start[f]; i < m->face_start[f + 1]; i++) {
+            const double *x = m->points + 3L * m->face_points[i];
+            widen(face, (const double[6]){x[0], x[1], x[2], x[0], x[1], x[2]});
         }
+        widen(s->box + 6L * m->owner[f], face);
+        if (f < m->ninternal) widen(s->box + 6L * m->neighbour[f], face);
+    }
 }
 
 /* Finds the grid on which the boxes would lie: the number of cells from the boxes' mean size, then the width from the
@@ -58,9 +66,10 @@ static bool find_grid(struct search *s) {
     for (int k = 0; k < 3; k++) {
         double low = INFINITY, high = -INFINITY, sum = 0;
         for (long c = 0; c < m->ncells; c++) {
-            low = fmin(low, s->box[6 * c + k]);
-            high = fmax(high, s->box[6 * c + 3 + k]);
-            sum += s->box[6 * c + 3 + k] - s->box[6 * c + k];
+            const double *box = s->box + 6 * c + k;
+            low = box[0] < low ? box[0] : low;
+            high = box[3] > high ? box[3] : high;
+            sum += box[3] - box[0];
         }
         double cells = (high - low) / (sum / m->ncells);
         if (!(cells < INT_MAX / 2)) return no(s, "cells have no extent along %c", "xyz"[k]);
@@ -81,8 +90,8 @@ static bool place_cells(struct search *s) {
         for (int k = 0; k < 3; k++) {
             const double *box = s->box + 6L * c;
             double x = (box[k] - s->low[k]) / s->width[k], size = (box[3 + k] - box[k]) / s->width[k];
-            double i = floor(x + 0.5);
-            s->at[3L * c + k] = (int)i;
+            int i = (int)(x + 0.5); /* x >= 0 */
+            s->at[3L * c + k] = i;
             if (fabs(size - 1) > TOLERANCE)
                 return no(s, "cell %d at (%g, %g, %g) is %g long along %c, the mean cell is %g", c,
                           0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]),
@@ -99,23 +108,24 @@ static int find_side(const struct search *s, int c, int f) {
     const struct polymesh *m = s->m;
     const double *box = s->box + 6L * c;
     int first = m->face_start[f], n = m->face_start[f + 1] - first, corners = 0, all = 7, any = 0;
+    bool inside = false;
     if (n != 4) return -1;
     for (int i = 0; i < 4; i++) {
         int corner = 0;
         for (int k = 0; k < 3; k++) {
-            double x = m->points[3L * m->face_points[first + i] + k], tolerance = TOLERANCE * s->width[k];
-            if (x - box[k] <= tolerance) continue;
-            if (box[3 + k] - x > tolerance) return -1;
-            corner |= 1 << k;
+            const double x = m->points[3L * m->face_points[first + i] + k], tolerance = TOLERANCE * s->width[k];
+            const bool high = x - box[k] > tolerance; /* no branches: what comes next cannot be guessed */
+            inside |= high & (box[3 + k] - x > tolerance);
+            corner |= high << k;
         }
         corners |= 1 << corner;
         all &= corner;
         any |= corner;
     }
-    if (__builtin_popcount((unsigned)corners) != 4) return -1;
-    for (int k = 0; k < 3; k++)
-        if (((all ^ any) & 1 << k) == 0 && ((all ^ any) | 1 << k) == 7) return 2 * k + (all >> k & 1);
-    return -1;
+    const int flat = 7 & ~(all ^ any); /* the axes along which all corners are on the same side */
+    if (inside || __builtin_popcount((unsigned)corners) != 4 || (flat & (flat - 1)) || !flat) return -1;
+    const int k = flat >> 1; /* 0, 1, 2 of 1, 2, 4 */
+    return 2 * k + (all >> k & 1);
 }
 
 static bool find_sides(struct search *s) {

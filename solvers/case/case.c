@@ -20,21 +20,17 @@ static status read_mesh(struct setup *s) {
         return fail(ERR_INPUT, "%s: no mesh; make it with  gmshToCase MESH.msh -case %.1000s", path, s->dir);
     TRY(polymesh_read(path, &s->mesh));
     const struct polymesh *m = s->mesh;
-    TRY(status_note(polymesh_check(m), "%s", path));
-    s->checksum = polymesh_checksum(m);
-    double *face_centre = NULL, *area = NULL;
-    status e = allocate(&face_centre, 3L * m->nfaces, sizeof(double), "face centres");
-    if (!e) e = allocate(&area, 3L * m->nfaces, sizeof(double), "face areas");
-    if (!e) e = allocate(&s->centre, 3L * m->ncells, sizeof(double), "cell centres");
-    if (!e) e = allocate(&s->volume, m->ncells, sizeof(double), "cell volumes");
-    if (!e) {
-        polymesh_face_geometry(m, face_centre, area);
-        e = polymesh_cell_geometry(m, face_centre, area, s->centre, s->volume);
-    }
+    struct polymesh_geometry g;
+    status e = status_note(polymesh_check_geometry(m, &g), "%s", path);
+    if (!e) s->checksum = polymesh_checksum(m);
     if (!e) e = lattice_recognise(m, &s->lattice, s->why);
+    if (!e) {
+        s->centre = g.cell_centre;
+        s->volume = g.volume;
+        g.cell_centre = g.volume = NULL;
+    }
     if (!e && s->lattice) lattice_centres(s->lattice, s->centre);
-    free(face_centre);
-    free(area);
+    polymesh_geometry_free(&g);
     return e;
 }
 

@@ -32,19 +32,15 @@ static const char *wall_motion(const struct boundary_type *t) {
 /* ---- reading ---- */
 
 static status take_geometry(struct varying *v, const struct polymesh *m, const struct patch *p) {
-    double *all;
     TRY(allocate(&v->centre, 6L * p->nfaces + 1, sizeof *v->centre, "faces of a patch"));
     v->normal = v->centre + 3L * p->nfaces;
-    TRY(allocate(&all, 6L * m->nfaces, sizeof *all, "face geometry"));
-    polymesh_face_geometry(m, all, all + 3L * m->nfaces);
-    memcpy(v->centre, all + 3L * p->start, 3 * (size_t)p->nfaces * sizeof *all);
     for (int i = 0; i < p->nfaces; i++) {
-        const double *A = all + 3L * (m->nfaces + p->start + i);
+        double A[3];
+        polymesh_one_face(m, p->start + i, v->centre + 3L * i, A);
         const double size = sqrt(A[0] * A[0] + A[1] * A[1] + A[2] * A[2]);
         for (int k = 0; k < 3; k++) v->normal[3L * i + k] = A[k] / size;
         v->area += size;
     }
-    free(all);
     return OK;
 }
 

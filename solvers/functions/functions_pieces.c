@@ -16,7 +16,6 @@ struct making { /* a surface being made */
     struct surface *out;
     int *slot_of;              /* [cells] -1: not wanted yet */
     int *face_start, *face_of; /* of cells: polymesh_cell_faces; NULL for patches */
-    double *area, *face;       /* [faces][3] of polymesh_face_geometry */
     double point[3], normal[3];
     double *above; /* [points] distance from the plane; 0 on it */
     int room, near, near_room;
@@ -200,21 +199,20 @@ static status begin(struct making *m, const struct function *f, struct surface *
 }
 
 static void end(struct making *m) {
-    void *const all[] = {m->slot_of, m->face_start, m->face_of, m->area, m->face, m->above};
+    void *const all[] = {m->slot_of, m->face_start, m->face_of, m->above};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
 }
 
 static status take_faces(struct making *m, const struct patch_choice *c) {
     const struct polymesh *mesh = m->f->setup->mesh;
-    TRY(allocate(&m->area, 3L * mesh->nfaces, sizeof *m->area, "faces"));
-    TRY(allocate(&m->face, 3L * mesh->nfaces, sizeof *m->face, "faces"));
-    polymesh_face_geometry(mesh, m->face, m->area);
+    double centre[3], area[3];
     for (int p = 0; p < mesh->npatches; p++)
         for (int i = 0; i < mesh->patch[p].nfaces && c->takes[p]; i++) {
-            const long face = mesh->patch[p].start + (long)i;
-            const double size = sqrt(dot(m->area + 3 * face, m->area + 3 * face));
+            const int face = mesh->patch[p].start + i;
+            polymesh_one_face(mesh, face, centre, area);
+            const double size = sqrt(dot(area, area));
             struct piece piece = {.slot = slot_for(m, mesh->owner[face]), .area = size};
-            for (int k = 0; k < 3; k++) piece.normal[k] = m->area[3 * face + k] / size;
+            for (int k = 0; k < 3; k++) piece.normal[k] = area[k] / size;
             TRY(add_piece(m, &piece));
         }
     return find_picks(m);

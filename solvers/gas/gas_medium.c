@@ -77,18 +77,18 @@ static void largest_gravity(const struct setup *s, const struct sources *q, doub
  * rest fall through many cells in its first step. */
 static status find_fall(const struct setup *s, const struct sources *q, double *out) {
     const struct polymesh *m = s->mesh;
-    double g[3], *face = NULL, most = 0;
+    double g[3], *through = NULL, most = 0;
     largest_gravity(s, q, g);
-    TRY(allocate(&face, 6L * m->nfaces + m->ncells, sizeof(double), "faces"));
-    double *area = face + 3L * m->nfaces, *through = area + 3L * m->nfaces;
-    polymesh_face_geometry(m, face, area);
+    TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
     for (int f = 0; f < m->nfaces; f++) {
-        const double *A = area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
+        double centre[3], A[3];
+        polymesh_one_face(m, f, centre, A);
+        const double part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
         through[m->owner[f]] += part;
         if (f < m->ninternal) through[m->neighbour[f]] += part;
     }
     for (int i = 0; i < m->ncells; i++) most = fmax(most, through[i] / (2 * s->volume[i]));
-    free(face);
+    free(through);
     *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
     return OK;
 }

@@ -321,18 +321,14 @@ static status check_tangential(const struct reader *r, const struct field *U, in
     const struct patch_field *q = &U->patch[p];
     struct patch_rules given = {
         .velocity = {.type = boundary_find(q->type), .params = q->params, .values = q->values}}; /* in axes x, y, z */
-    double *geometry, *areas, u[3];
+    double centre[3], area[3], u[3];
     status s = OK;
     memcpy(given.velocity.uniform, q->uniform, sizeof q->uniform);
-    TRY(allocate(&geometry, 6L * m->nfaces, sizeof *geometry, "face geometry"));
-    areas = geometry + 3L * m->nfaces;
-    polymesh_face_geometry(m, geometry, areas);
     for (int i = 0; i < patch->nfaces && !s; i++) {
-        const long face = patch->start + i;
+        polymesh_one_face(m, patch->start + i, centre, area);
         wall_velocity(&given, 3, i, u);
-        s = check_motion(r, U, p, u, geometry + 3 * face, areas + 3 * face);
+        s = check_motion(r, U, p, u, centre, area);
     }
-    free(geometry);
     return s;
 }
 

@@ -223,26 +223,21 @@ static status check_box(const struct bed *b, double *out) {
 }
 
 /* Finds which axes are cyclic: the area vector of the first face of a cyclic patch lies along its axis. */
-static status cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
-    double *face = NULL;
-    TRY(allocate(&face, 6L * m->nfaces, sizeof(double), "faces"));
-    const double *area = face + 3L * m->nfaces;
-    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+static void cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
+    double centre[3], s[3];
     for (int a = 0; a < 3; a++) cyclic[a] = false;
     for (int p = 0; p < m->npatches; p++) {
-        const double *s = area + 3L * m->patch[p].start;
         if (strcmp(m->patch[p].type, "cyclic") || !m->patch[p].nfaces) continue;
+        polymesh_one_face(m, m->patch[p].start, centre, s);
         int most = fabs(s[1]) > fabs(s[0]) ? 1 : 0;
         cyclic[fabs(s[2]) > fabs(s[most]) ? 2 : most] = true;
     }
-    free(face);
-    return OK;
 }
 
 /* Finds the axis of the waves: the one asked for, or the longest that is cyclic and lies across gravity. */
 static status waves_axis(const struct bed *b, int *out) {
     bool cyclic[3];
-    TRY(cyclic_axes(b->place->mesh, cyclic));
+    cyclic_axes(b->place->mesh, cyclic);
     *out = b->l->axis;
     for (int a = 0; a < 3 && b->l->axis < 0; a++)
         if (cyclic[a] && a != b->up && (*out < 0 || b->high[a] - b->low[a] > b->high[*out] - b->low[*out])) *out = a;

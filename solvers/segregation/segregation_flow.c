@@ -113,7 +113,8 @@ static status lattice_flow(const struct setup *s, const struct segregation_model
     if (!e && m->weighted) e = spread(n, from, 1, other, &f->density);
     free(other);
     other = NULL;
-    if (!e && m->sheared) e = take_shear_rate(g->mesh, g->centre, g->face_centre, g->dim, g->axis, U, &other);
+    if (!e && m->sheared)
+        e = take_shear_rate(g->mesh, g->geometry.cell_centre, g->geometry.face_centre, g->dim, g->axis, U, &other);
     if (!e && m->sheared) e = spread(n, from, 1, other, &f->shear_rate);
     for (int i = 0; !e && i < n; i++)
         if (f->density && !(f->density[i] > 0))
@@ -176,7 +177,9 @@ static status stress_along(const struct setup *s, const struct segregation_model
     if (!e) e = gas_time_cells(&g, s, &from);
     if (!e) e = allocate(&room, 9L * g.mesh->ncells, sizeof(double), "a slope");
     if (!e) e = allocate(out, s->mesh->ncells, sizeof(double), "a slope");
-    if (!e) cell_gradients(g.mesh, g.centre, g.face_centre, g.dim, g.axis, 1, stress, room, room + 3L * g.mesh->ncells);
+    if (!e)
+        cell_gradients(g.mesh, g.geometry.cell_centre, g.geometry.face_centre, g.dim, g.axis, 1, stress, room,
+                       room + 3L * g.mesh->ncells);
     for (int i = 0; !e && i < s->mesh->ncells; i++)
         for (int k = 0; k < 3; k++) (*out)[i] += m->q / m->rho * m->direction[k] * room[3L * from[i] + k];
     free(from);

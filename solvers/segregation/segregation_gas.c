@@ -28,21 +28,13 @@ static status find_time(double wanted, struct gas_time *g) {
 
 static status read_mesh(struct gas_time *g) {
     char path[2 * TIME_PATH];
-    double *area = NULL;
     snprintf(path, sizeof path, "%s/constant/polyMesh", g->dir);
     if (access(path, F_OK))
         return fail(ERR_INPUT, "%s: %s: case %s has no mesh", dict_path(g->asked), g->entry, g->dir);
     TRY(polymesh_read(path, &g->mesh));
     const struct polymesh *m = g->mesh;
-    TRY(status_note(polymesh_check(m), "%s", path));
-    g->dim = polymesh_axes(m, g->axis);
-    TRY(allocate(&g->face_centre, 3L * m->nfaces, sizeof(double), "geometry"));
-    TRY(allocate(&g->centre, 3L * m->ncells, sizeof(double), "geometry"));
-    TRY(allocate(&g->volume, m->ncells, sizeof(double), "geometry"));
-    TRY(allocate(&area, 3L * m->nfaces, sizeof(double), "geometry"));
-    polymesh_face_geometry(m, g->face_centre, area);
-    status e = polymesh_cell_geometry(m, g->face_centre, area, g->centre, g->volume);
-    free(area);
+    status e = status_note(polymesh_check_geometry(m, &g->geometry), "%s", path);
+    if (!e) g->dim = polymesh_axes(m, g->axis);
     return e;
 }
 
@@ -61,9 +53,7 @@ status gas_time_open(const struct setup *s, const struct dict *asked, const char
 
 void gas_time_close(struct gas_time *g) {
     polymesh_free(g->mesh);
-    free(g->face_centre);
-    free(g->centre);
-    free(g->volume);
+    polymesh_geometry_free(&g->geometry);
 }
 
 status gas_time_field(const struct gas_time *g, const char *name, int components, double **out) {
@@ -81,7 +71,7 @@ status gas_time_cells(const struct gas_time *g, const struct setup *s, int **out
     const int n = s->mesh->ncells;
     int missing = 0, first = -1;
     TRY(allocate(out, n, sizeof **out, "the cells of another case"));
-    TRY(search_make(g->mesh, g->centre, g->dim, g->axis, &search));
+    TRY(search_make(g->mesh, g->geometry.cell_centre, g->dim, g->axis, &search));
     for (int i = 0; i < n; i++) {
         (*out)[i] = search_cell(search, s->centre + 3L * i);
         if ((*out)[i] >= 0) continue;
@@ -124,8 +114,9 @@ status gas_time_columns(const struct gas_time *g, int axis, int components, cons
     const int cells = g->mesh->ncells;
     TRY(allocate(out, cells, sizeof **out, "columns"));
     for (int i = 0; i < cells; i++) {
-        (*out)[i] = (struct column){.at = g->centre[3L * i + axis], .weight = g->volume[i]};
-        for (int k = 0; k < components; k++) (*out)[i].value[k] = g->volume[i] * values[(long)components * i + k];
+        (*out)[i] = (struct column){.at = g->geometry.cell_centre[3L * i + axis], .weight = g->geometry.volume[i]};
+        for (int k = 0; k < components; k++)
+            (*out)[i].value[k] = g->geometry.volume[i] * values[(long)components * i + k];
     }
     *n = merge(cells, *out);
     if (*n >= 3) return OK;

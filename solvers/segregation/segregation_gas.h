@@ -11,7 +11,7 @@ struct gas_time {
     char dir[TIME_PATH], name[TIME_NAME];
     struct polymesh *mesh;
     int dim, axis[3];
-    double *centre, *volume, *face_centre; /* [ncells][3] m, [ncells] m^3, [nfaces][3] m */
+    struct polymesh_geometry geometry;
 };
 /* Opens a time of the case case_dir (relative to the folder of s, or absolute); time NAN: the latest. Call
  * gas_time_close after success and failure. */
