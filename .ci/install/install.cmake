@@ -13,7 +13,7 @@ set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 # Programs. The mpirun that knows how to stop them lies where it hides no other.
 install(TARGETS ${PROGRAMS} RUNTIME DESTINATION bin COMPONENT programs)
 install(PROGRAMS postprocessing/bin/haff DESTINATION bin COMPONENT programs)
-foreach(command haffPlot haffMovie haffLog newCase)
+foreach(command ${COMMANDS})
   install(CODE "file(CREATE_LINK haff \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/bin/${command}\" SYMBOLIC)" COMPONENT programs)
 endforeach()
 install(PROGRAMS solvers/programs/mpirun DESTINATION lib/haff COMPONENT programs)
@@ -36,8 +36,11 @@ if(NOT CMAKE_CROSSCOMPILING)
     endif()" COMPONENT programs)
 endif()
 # Completion for bash; its loader looks for a file of the command's name.
-install(FILES .ci/install/completion RENAME haff DESTINATION share/bash-completion/completions COMPONENT programs)
-foreach(command ${PROGRAMS} haffPlot haffMovie haffLog newCase)
+list(JOIN PROGRAMS " " programs)
+list(JOIN COMMANDS " " commands)
+configure_file(.ci/install/completion install/completion @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/install/completion RENAME haff DESTINATION share/bash-completion/completions COMPONENT programs)
+foreach(command ${PROGRAMS} ${COMMANDS})
   install(CODE "file(CREATE_LINK haff \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share/bash-completion/completions/${command}\" SYMBOLIC)"
           COMPONENT programs)
 endforeach()

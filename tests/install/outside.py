@@ -9,8 +9,9 @@ from tests.cases import harness
 BUILD = os.path.dirname(harness.BIN)
 INSTALLS = os.path.exists(os.path.join(BUILD, "cmake_install.cmake"))
 MODULE = os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
-PROGRAMS = "granularGas granularSegregation granularMD gmshToCase checkCase initialFields caseToVTK".split()
-COMMANDS = "haff haffPlot haffMovie haffLog newCase".split()
+with open(os.path.join(harness.SOURCE, "CMakeLists.txt"), encoding="utf-8") as _file:
+    _LISTS = dict(re.findall(r"^(?:project\(haff )?(?:set\()?(PROGRAMS|COMMANDS|VERSION) ([^)\n]*?)(?: LANGUAGES.*)?\)", _file.read(), re.M))
+PROGRAMS, COMMANDS, VERSION = _LISTS["PROGRAMS"].split(), ["haff", *_LISTS["COMMANDS"].split()], _LISTS["VERSION"]
 
 
 def environment(path=""):
@@ -35,12 +36,6 @@ def cached(name):
     return found[1] if found else ""
 
 
-def version():
-    """The version of the project, by CMakeLists.txt."""
-    with open(os.path.join(harness.SOURCE, "CMakeLists.txt"), encoding="utf-8") as file:
-        return re.search(r"^project\(haff VERSION ([\d.]+)", file.read(), re.M)[1]
-
-
 def texts(folder):
     """{path below the folder: bytes} of its files, links left out."""
     found = {}
@@ -53,5 +48,7 @@ def texts(folder):
 
 
 def traces(folder):
-    """Files of a folder that name the source tree or the build."""
+    """Files of a folder that name the source tree or the build, but for what debuggers read of a build for them."""
+    if cached("CMAKE_BUILD_TYPE") == "Debug":
+        return []
     return sorted(path for path, text in texts(folder).items() if any(p.encode() in text for p in {harness.SOURCE, BUILD}))

@@ -46,13 +46,13 @@ class Debian(harness.Folder, unittest.TestCase):
         """Three, with the version of the project; PETSc is needed by its own one alone, which goes with the same version."""
         self.assertEqual(set(self.packages), {"haff", "libhaff-dev"} | ({"haff-implicit"} if MODULE else set()))
         for package in self.packages:
-            self.assertEqual(self.field(package, "Version"), outside.version())
+            self.assertEqual(self.field(package, "Version"), outside.VERSION)
             self.assertGreater(len(self.field(package, "Description").split("\n")), 1)
         self.assertNotIn("petsc", self.field("haff", "Depends"))
         for needed in ("python3-numpy", "python3-matplotlib", "openmpi-bin", "libopenmpi", "libp4est", "libmetis", "liblapacke", "libc6"):
             self.assertIn(needed, self.field("haff", "Depends"))
         if MODULE:
-            self.assertRegex(self.field("haff-implicit", "Depends"), rf"haff \(= {re.escape(outside.version())}\).*libpetsc")
+            self.assertRegex(self.field("haff-implicit", "Depends"), rf"haff \(= {re.escape(outside.VERSION)}\).*libpetsc")
         with open(os.path.join(harness.SOURCE, ".ci", "setup"), encoding="utf-8") as file:
             wanted = set(re.findall(r"\b(lib\w+-dev|zlib1g-dev)\b", re.search(r'^build_packages="([^"]*)"', file.read(), re.M)[1])) - {"libc6-dev"}
         self.assertEqual(set(self.field("libhaff-dev", "Depends").split(", ")), wanted)
@@ -61,7 +61,7 @@ class Debian(harness.Folder, unittest.TestCase):
         """apt resolves them; it knows each package that they recommend and suggest."""
         said = call("apt-get", "install", "--simulate", "--no-install-recommends", *self.packages.values(), cwd=self.folder)
         for package in self.packages:
-            self.assertRegex(said, rf"(?m)^Inst {package} \({re.escape(outside.version())}")
+            self.assertRegex(said, rf"(?m)^Inst {package} \({re.escape(outside.VERSION)}")
         if subprocess.run(["apt-cache", "show", "hello"], capture_output=True).returncode:
             self.skipTest("apt has no lists of packages: apt-get update")
         for name in re.split(r", | \| ", self.field("haff", "Recommends") + ", " + self.field("haff", "Suggests")):

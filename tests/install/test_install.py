@@ -98,7 +98,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
 
     def test_version(self):
         """-version of each program and command: name, version, git, compiler with flags, PETSc, the licence; `haff COMMAND`, too."""
-        number = re.escape(outside.version())
+        number = re.escape(outside.VERSION)
         for name in [*PROGRAMS, *COMMANDS, "haff sweep", "haff figure"]:
             with self.subTest(name):
                 said = call(os.path.join(self.bin, name.split()[0]), *name.split()[1:], "-version" if name in PROGRAMS else "--version", cwd=self.folder)
@@ -248,9 +248,9 @@ class ByPip(Commands, harness.Folder, unittest.TestCase):
     def test_version(self):
         """CMake and the package have one version, also where no program is."""
         code = "import importlib.metadata; print(importlib.metadata.version('haff'))"
-        self.assertEqual(outside.version(), call(os.path.join(self.bin, "python"), "-c", code, cwd=self.folder).strip())
+        self.assertEqual(outside.VERSION, call(os.path.join(self.bin, "python"), "-c", code, cwd=self.folder).strip())
         said = call(os.path.join(self.bin, "haff"), "-version", cwd=self.folder, HAFF_BIN=self.folder)
-        self.assertRegex(said, rf"(?s)^haff {re.escape(outside.version())}\n.*programs  none .*GPL-3.0-or-later.*NO WARRANTY")
+        self.assertRegex(said, rf"(?s)^haff {re.escape(outside.VERSION)}\n.*programs  none .*GPL-3.0-or-later.*NO WARRANTY")
 
     def test_no_programs(self):
         """Without programs the error says what to do."""

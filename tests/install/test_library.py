@@ -41,7 +41,7 @@ class Library(harness.Folder, unittest.TestCase):
     def test_ways(self):
         """find_package and pkg-config lead to programs that print the same, also on two ranks."""
         ours = {"PKG_CONFIG_PATH": os.path.join(self.prefix, "lib", "pkgconfig")}
-        self.assertEqual(outside.version(), call("pkg-config", "--modversion", "haff", cwd=self.folder, **ours).strip())
+        self.assertEqual(outside.VERSION, call("pkg-config", "--modversion", "haff", cwd=self.folder, **ours).strip())
         flags = call("pkg-config", "--cflags", "--libs", "haff", cwd=self.folder, **ours).split()
         call("gcc", "-std=c11", "sod.c", *flags, "-o", "sod", cwd=self.example)
         said = call(os.path.join(self.example, "sod"), cwd=self.folder)
@@ -71,12 +71,12 @@ class Library(harness.Folder, unittest.TestCase):
             text = file.read()
         other = os.path.join(self.folder, "other")
         os.mkdir(other)
-        major, minor, _ = outside.version().split(".")
+        major, minor, _ = outside.VERSION.split(".")
         self.assertIn(f"find_package(haff {major}.{minor} REQUIRED)", text)
         with open(os.path.join(other, "CMakeLists.txt"), "w", encoding="utf-8") as file:
             file.write(text.replace(f"haff {major}.{minor}", f"haff {major}.{int(minor) + 1}"))
         said = call("cmake", "-S", other, "-B", os.path.join(other, "build"), "-DCMAKE_PREFIX_PATH=" + self.prefix, cwd=other, code=1)
-        self.assertRegex(" ".join(said.split()), rf"version: {outside.version()}")
+        self.assertRegex(" ".join(said.split()), rf"version: {outside.VERSION}")
 
 
 if __name__ == "__main__":
