@@ -125,15 +125,16 @@ class Flow:
         """End, and time between writes."""
         length = self.geometry.longest
         if self.o.shaking:
-            end, writes = 10 / self.o.shaking[1], 40
+            end, writes = 20 / self.o.shaking[1], 40
         elif self.layer:
             end, writes = 5 * math.sqrt(2 * self.geometry.size[self.down] / float(np.linalg.norm(self.g))), 20
         elif self.stream:
             end, writes = 3 * length / self.speed, 20
         else:
             end, writes = 10 * length / math.sqrt(self.T), 20
-        self.end = self.o.end or rounded(end)
-        self.interval = float(f"{self.end / writes:.12g}")
+        self.end = self.o.end or (end if self.o.shaking else rounded(end))
+        between = 0.5 / self.o.shaking[1] if self.o.shaking else self.end / writes  # of a shaken layer: at the same phases of every stroke
+        self.end, self.interval = (float(f"{x:.12g}") for x in (self.end, between))
 
     def summary(self):
         """One line for the terminal."""
@@ -149,8 +150,8 @@ class Flow:
 
     @property
     def depth(self):
-        """Of a layer, in grain diameters: a quarter of the height, of as much mass as `alpha` says."""
-        return rounded(0.25 * float(self.geometry.size[self.down]) / self.diameter)
+        """Of a layer, in grain diameters: a quarter of the height, or an eighth where it is thrown up."""
+        return rounded((0.125 if self.o.shaking else 0.25) * float(self.geometry.size[self.down]) / self.diameter)
 
     @property
     def waves_along(self):

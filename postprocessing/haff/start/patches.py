@@ -9,7 +9,7 @@ KINDS = {"wall": "a wall", "body": "a wall, whose forces are measured", "inlet":
 WORDS = [("wall", "wall walls noslip slip"), ("empty", "empty"), ("symmetry", "symmetry symmetric symmetryplane mirror symm sym"), ("periodic", "periodic cyclic"),
          ("inlet", "inlet inflow in feed entrance source"), ("outlet", "outlet outflow out exit drain"),
          ("open", "open opening farfield far freestream ambient atmosphere"),
-         ("body", "body cylinder sphere ball obstacle step wedge ramp block bump airfoil blade prism cone pillar post object"),
+         ("body", "body cylinder sphere ball obstacle cube step wedge ramp block bump airfoil blade prism cone pillar post object"),
          ("sides", "front back frontandback"),
          ("wall", "floor lid roof ceiling ground plate base bed bottom top left right low high lower upper side sides end ends piston hopper silo pipe tube channel "
                   "drum north south east west outer inner x y z box")]

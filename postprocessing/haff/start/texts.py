@@ -128,7 +128,7 @@ def control(keywords, flow, version):
     f.note("")
     f.entry("startFrom", "latestTime", "a run that was stopped goes on; the first starts from 0.orig")
     f.entry("stopAt", "endTime", "or writeNow, which stops a run that is going on")
-    f.entry("endTime", f"{flow.end:g}")
+    f.entry("endTime", f"{flow.end:.12g}")
     f.note("")
     f.entry("deltaT", f"{flow.interval / 100:g}", "the most for the first step; grains take no steps" if flow.grains else "the most for the first step")
     f.entry("adjustTimeStep", "yes")
