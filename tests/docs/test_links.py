@@ -17,6 +17,7 @@ PROGRAMS = {"granularGas", "granularMD", "granularSegregation", "gmshToCase", "c
 # A command as it is printed, without its comment: the test that runs it, or the same with other names.
 COMMANDS = {
     "./Allrun": "tests/cases/runtime/test_setup.py::test_made_once",
+    "newCase myCase mesh.geo && cd myCase && ./Allrun && haffPlot .": "tests/docs/test_links.py::test_readme",
     "./Alltest": "tests/cases/runtime/test_setup.py::test_tests",
     "cmake --build build -j2 && ctest --test-dir build -L unit -j2": "tests/cases/runtime/test_setup.py::test_tests",
     "build/bin/haffPlot CASE [FIELD ..]": "tests/postprocessing/plot/test_commands.py::test_without_options",
@@ -31,6 +32,9 @@ COMMANDS = {
     "haff faraday CASE": "tests/postprocessing/studies/test_faraday.py::test_command",
     "haff crossCheck CASE": "tests/postprocessing/studies/test_crossCheck.py::test_agrees",
 }
+
+# Pages all of whose commands one test takes from the page and runs: that test.
+WHOLE = {"docs/tutorial.md": "tests/docs/test_tutorial.py::test_every_block_is_run", "docs/install.md": "tests/install/test_guide.py::test_commands"}
 
 
 def text(path):
@@ -103,7 +107,7 @@ def commands(path):
 
 
 def pages():
-    return ["README.md", "CONTRIBUTING.md"] + [path for path in documents() if re.fullmatch(r"docs/[^/]+\.md", path)]
+    return ["README.md", "CONTRIBUTING.md"] + [path for path in documents() if re.fullmatch(r"docs/[^/]+\.md", path) and path not in WHOLE]
 
 
 def unrun(lines, known):
@@ -145,6 +149,13 @@ class Commands(harness.Folder, unittest.TestCase):
     def test_are_run_by_tests(self):
         self.assertEqual([f"{path}: {wrong}" for path in pages() for wrong in unrun(commands(path), COMMANDS)], [])
 
+    def test_whole_pages(self):
+        """The tests of pages that run all commands are there, and read the page."""
+        for page, test in WHOLE.items():
+            path, _, name = test.partition("::")
+            self.assertIn(f"def {name}(", text(path))
+            self.assertIn(f'"{os.path.basename(page)}"', text(path))
+
     def test_rows_are_used(self):
         shown = {line for path in pages() for line in commands(path)}
         self.assertEqual([line for line in COMMANDS if line not in shown], [], "no document shows these commands any more")
@@ -154,6 +165,16 @@ class Commands(harness.Folder, unittest.TestCase):
         self.assertEqual(unrun(["haffPlot .", "haffPlot CASE", "newCase x"], known),
                          ["`haffPlot .` has no row in COMMANDS", "`haffPlot CASE`: there is no tests/docs/test_links.py::test_nothing",
                           "`newCase x`: tests/docs/test_gallery.py does not call newCase"])
+
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
+    def test_readme(self):
+        """The line of README on the geometry of the reference's examples: newCase, ./Allrun and haffPlot, to a picture."""
+        line = next(line for line in commands("README.md") if line.startswith("newCase"))
+        shutil.copy(os.path.join(TOP, "docs", "examples", "mesh.geo"), self.folder)
+        done = subprocess.run(["sh", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=600,
+                              env={**os.environ, "PATH": harness.BIN + ":" + os.environ["PATH"]})
+        self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
+        self.assertTrue(os.path.isfile(os.path.join(self.folder, "myCase", done.stdout.split()[-1])), done.stdout[-500:])
 
     @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
     def test_reference(self):
