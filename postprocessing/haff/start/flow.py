@@ -115,8 +115,8 @@ class Flow:
             self.T = rounded((self.speed / self.Mach / sound_speed(self.alpha, self.restitution, self.d)) ** 2, 4)
         elif len(given) == 3:
             raise ValueError("-speed X,Y,Z is that of a stream, and no patch is an inlet; name one so, or say  -patch NAME=inlet")
-        elif self.layer:
-            self.T = rounded(0.05 * fall**2)
+        elif self.layer:  # shaken it is warm; at rest it is cold, where most impacts are elastic, so that it has lost what it would lose
+            self.T = rounded(fall**2 * (0.05 if self.o.shaking else 1 / 900))
         else:
             self.T = rounded(given[0] ** 2, 4)
         self.threshold = rounded(fall / 30 if self.layer else math.sqrt(self.T) / 10) if self.restitution < 1 else 0

@@ -72,9 +72,11 @@ def called(command, folder, why):
 
 def with_merged(geo, folder):
     """Copies a .geo file to FOLDER/mesh.geo, and the files beside it that it merges or includes under their names."""
-    shutil.copy(geo, os.path.join(folder, "mesh.geo"))
-    with open(geo, encoding="utf-8", errors="replace") as f:
-        named = re.findall(r'^\s*(?:Merge|Include|ShapeFromFile\()\s*\(?"([^"]+)"', f.read(), re.M)
+    with open(geo, "rb") as f:
+        text = f.read()
+    with open(os.path.join(folder, "mesh.geo"), "wb") as f:
+        f.write(text if text.endswith(b"\n") else text + b"\n")  # gmsh passes over a last line without an end
+    named = re.findall(r'^\s*(?:Merge|Include|ShapeFromFile)\s*\(?\s*"([^"]+)"', text.decode("utf-8", "replace"), re.M)
     for name in named:
         source, target = os.path.join(os.path.dirname(os.path.abspath(geo)), name), os.path.join(folder, name)
         if os.path.isfile(source) and not os.path.isabs(name) and ".." not in name.split("/"):

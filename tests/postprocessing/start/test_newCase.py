@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""newCase: cases around geometries of many kinds are sound and run at once; what cannot be made is refused with the cure, and leaves nothing."""
+import os
+import re
+import shutil
+import subprocess
+import types
+import unittest
+
+import numpy as np
+
+from tests.cases import harness
+from haff.case import entries
+from haff.start import flow, geometry, newCase, patches
+
+SQUARE = "".join(f"Point({k + 1}) = {{{x}, {y}, 0, 0.1}};\n" for k, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1)))) + \
+    "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};\n"
+GEOMETRIES = {
+    "cylinder": """h = 0.3; Point(1) = {-3, -2, 0, h}; Point(2) = {4, -2, 0, h}; Point(3) = {4, 2, 0, h}; Point(4) = {-3, 2, 0, h};
+        Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+        Point(5) = {0, 0, 0, h}; Point(6) = {1, 0, 0, h}; Point(7) = {-1, 0, 0, h}; Circle(5) = {6, 5, 7}; Circle(6) = {7, 5, 6};
+        Curve Loop(1) = {1, 2, 3, 4}; Curve Loop(2) = {5, 6}; Plane Surface(1) = {1, 2};
+        Physical Curve("inlet") = {4}; Physical Curve("farField") = {1, 3}; Physical Curve("outlet") = {2}; Physical Curve("cylinder") = {5, 6};
+        Physical Surface("gas") = {1};""",
+    # the upper half of a body's front, whose inlet is an ellipse: the stream goes along the mirror
+    "half": """h = 2; Point(1) = {0, 0, 0, h}; Point(2) = {-10, 0, 0, h}; Point(3) = {0, 10, 0, h}; Point(4) = {0, 45, 0, 2*h}; Point(5) = {-28, 0, 0, 2*h};
+        Circle(1) = {2, 1, 3}; Line(2) = {3, 4}; Ellipse(3) = {4, 1, 4, 5}; Line(4) = {5, 2}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+        Physical Curve("inlet") = {3}; Physical Curve("outlet") = {2}; Physical Curve("noseOfTheBody") = {1}; Physical Curve("symmetry") = {4};
+        Physical Surface("gas") = {1};""",
+    "tetrahedra": """SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 3, 1, 1}; Box(2) = {1, 0.3, 0, 0.4, 0.4, 0.4};
+        BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; }; Mesh.MeshSizeMax = 0.25; e = 0.01;
+        in[] = Surface In BoundingBox {-e, -e, -e, e, 1 + e, 1 + e}; out[] = Surface In BoundingBox {3 - e, -e, -e, 3 + e, 1 + e, 1 + e};
+        all[] = Boundary{ Volume{3}; }; all[] -= {in[], out[]};
+        Physical Surface("inlet") = in[]; Physical Surface("outlet") = out[]; Physical Surface("obstacleAndWalls") = all[]; Physical Volume("gas") = {3};""",
+    "tube": """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2}; Transfinite Curve {1} = 101;
+        Physical Point("inlet") = {1}; Physical Point("end") = {2}; Physical Curve("gas") = {1};""",
+    "unknown": SQUARE + 'Physical Curve("quux") = {1, 3}; Physical Curve("foo7") = {2, 4}; Physical Surface("gas") = {1};',
+    "layer1": SQUARE.replace(", 0.1}", "}") + """Transfinite Curve{1:4} = 21; Transfinite Surface{1}; Recombine Surface{1};
+        out[] = Extrude{0, 0, 0.1}{Surface{1}; Layers{1}; Recombine;}; Physical Volume("gas") = {out[1]};
+        Physical Surface("frontAndBack") = {1, out[0]}; Physical Surface("periodicTop") = {out[4]}; Physical Surface("periodicBottom") = {out[2]};
+        Physical Surface("inflow") = {out[5]}; Physical Surface("outflow") = {out[3]};""",
+    "nogroup": SQUARE, "broken": "Point(1) = {0, 0, 0\n",
+    "lonely": SQUARE + 'Physical Curve("periodicA") = {1}; Physical Curve("inlet") = {2:4}; Physical Surface("gas") = {1};',
+}
+GRAVITY = "-gravity 1 -diameter 1 -restitution 0.8 -shaking 2.5,0.1 -grains disks".split()
+SPARE = "-box 40x32 -cells 20x16".split()
+
+
+@unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
+class NewCase(harness.Folder, unittest.TestCase):
+    def geo(self, name):
+        path = os.path.join(self.folder, f"{name}.geo")
+        with open(path, "w") as f:
+            f.write(GEOMETRIES[name])
+        return path
+
+    def call(self, *words, code=0, cwd=None):
+        done = subprocess.run([os.path.join(harness.BIN, "newCase"), *words], capture_output=True, text=True, cwd=cwd or self.folder, timeout=300)
+        self.assertEqual(done.returncode, code, done.stdout[-1500:] + done.stderr[-1500:])
+        return done.stdout if code == 0 else done.stderr
+
+    def new(self, *words):
+        """A case that is sound, without a warning; its folder and what was said."""
+        case = os.path.join(self.folder, f"case{len(os.listdir(self.folder))}")
+        said = self.call(case, *words)
+        self.assertIn("which checkCase finds sound", said)
+        self.assertIn("The case is sound.", harness.program("checkCase", case, "-strict").stdout)
+        return case, said
+
+    def run_case(self, case, share=1.0):
+        """Runs a share of the time by Allrun, with nothing but PATH; the haff.Case."""
+        control = os.path.join(case, "system", "controlDict")
+        end = share * float(entries.get(control, "endTime"))
+        entries.edit(control, {"endTime": f"{end:.12g}", "writeInterval": f"{end:.12g}"})
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("HAFF", "PYTHON"))}
+        done = subprocess.run([os.path.join(case, "Allrun")], capture_output=True, text=True, env={**env, "PATH": f"{harness.BIN}:/usr/bin:/bin"}, cwd="/")
+        self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
+        made = harness.haff.Case(case)
+        self.assertAlmostEqual(float(made.times[-1]), end, delta=1e-6 * end)
+        return made
+
+    def patch(self, case, field, name):
+        return entries.get(os.path.join(case, "0.orig", field), f"boundaryField/{name}/type")
+
+    def test_cylinder(self):
+        case, said = self.new(self.geo("cylinder"), "-Mach", "4", "-speed", "10")
+        made = self.run_case(case, 0.3)
+        self.assertEqual([self.patch(case, "U", n) for n in ("inlet", "farField", "outlet", "cylinder", "front")],
+                         ["fixedValue", "inletOutlet", "zeroGradient", "slip", "empty"])
+        upstream = made.centres[:, 0] < -2.5
+        Ma = np.sqrt((made.field("U", "0")[upstream] ** 2).sum(axis=1) / made.field("T", "0")[upstream]) / flow.sound_speed(0.05, 0.95, 3)
+        np.testing.assert_allclose(Ma, 4, rtol=1e-3)
+        self.assertGreater(made.table("forces", "force.dat")[-1][1], 0)  # the stream pushes the cylinder
+        self.assertGreater(made.field("alpha").max(), 0.1)  # grains gather before it
+
+    def test_Mach_is_the_solvers(self):
+        """The T of a stream is that of which the solver says the same Mach number."""
+        case, _ = self.new("-box", "1", "-cells", "50", "-patch", "left=inlet", "-patch", "right=outlet", "-Mach", "2.5", "-alpha", "0.3", "-restitution", "1")
+        with open(os.path.join(case, "system", "controlDict")) as f:
+            text = f.read().replace("functions\n{", "functions\n{\n    more { type writeObjects; fields (Ma); }")
+        with open(os.path.join(case, "system", "controlDict"), "w") as f:
+            f.write(text)
+        np.testing.assert_allclose(self.run_case(case, 0.02).field("Ma"), 2.5, rtol=2e-4)
+
+    def test_mirror(self):
+        """The stream goes along the mirror, whatever the shape of the inlet."""
+        case, said = self.new(self.geo("half"))
+        self.assertIn("velocity (1 0 0)", said)
+        self.assertEqual(self.patch(case, "T", "symmetry"), "symmetryPlane")
+        self.assertEqual(self.patch(case, "U", "noseOfTheBody"), "slip")
+        self.run_case(case, 0.1)
+
+    def test_tetrahedra(self):
+        case, said = self.new(self.geo("tetrahedra"), "-transport")
+        self.assertRegex(said, r"3D, polyhedra")
+        self.assertEqual(self.patch(case, "U", "obstacleAndWalls"), "noSlip")
+        self.assertEqual(self.patch(case, "T", "obstacleAndWalls"), "granularWall")
+        self.run_case(case, 0.01)
+
+    def test_tube(self):
+        case, said = self.new(self.geo("tube"))
+        self.assertRegex(said, r"100 cells, 1D, a lattice")
+        self.assertGreater(self.run_case(case, 0.3).field("alpha").max(), 0.2)  # it is filled against its end
+
+    def test_boxes(self):
+        for box, cells, dim in (("2", "50", 1), ("1x2", "20x40", 2), ("1x1x1", "8x8x8", 3)):
+            case, said = self.new("-box", box, "-cells", cells)
+            self.assertRegex(said, rf"{dim}D, a lattice")
+            made = self.run_case(case)
+            self.assertLess(made.field("T").max(), 0.3)  # it has cooled
+            self.assertEqual(sorted(k for k, (kind, _, _) in made.mesh.patches.items() if kind == "wall"),
+                             sorted(["left", "right", "bottom", "top", "back", "front"][:2 * dim]))
+
+    def test_layer(self):
+        """A shaken layer as gas and as grains has the same mass, to a grain, and jumps."""
+        gas, _ = self.new(*SPARE, *GRAVITY, "-periodic", "left,right", "-transport", "-walls", "slip")
+        grains, _ = self.new(*SPARE, *GRAVITY, "-periodic", "left,right", "-application", "granularMD")
+        mass, heights = [], []
+        for case in (gas, grains):
+            made = self.run_case(case, 0.1)
+            rho = made.field("rho", "0")
+            mass.append((rho * made.volumes).sum() / (made.mesh.points[:, 2].max() - made.mesh.points[:, 2].min()))
+            heights.append((made.field("rho") * made.volumes * made.centres[:, 1]).sum() / (made.field("rho") * made.volumes).sum())
+        self.assertLess(abs(mass[0] - mass[1]), 1)
+        self.assertTrue(all(2 < h < 16 for h in heights), heights)
+        self.assertEqual(self.patch(gas, "U", "left"), "cyclic")
+
+    def test_rest(self):
+        """A layer that nothing shakes stays where it is."""
+        case, said = self.new("-box", "1x1", "-cells", "10x40", "-gravity", "9.81")
+        self.assertIn("a layer", said)
+        made = self.run_case(case)
+        heights = [(rho * made.volumes * made.centres[:, 1]).sum() / (rho * made.volumes).sum() for rho in (made.field("rho", "0"), made.field("rho"))]
+        self.assertLess(abs(heights[1] - heights[0]), 0.02 * entries.get(os.path.join(case, "constant", "granularProperties"), "grain/diameter"))
+        self.assertEqual(entries.get(os.path.join(case, "constant", "g"), "value"), [0, -9.81, 0])
+
+    def test_grains_in_space(self):
+        self.run_case(self.new("-box", "1x1x1", "-cells", "5x5x5", "-application", "granularMD", "-diameter", "0.08")[0], 0.2)
+
+    def test_unknown_names(self):
+        """They are walls, which is told, with the cure; and a .msh is as good as a .geo."""
+        geo = self.geo("unknown")
+        with open(geo, "a") as f:
+            f.write("\n")
+        subprocess.run(["gmsh", "-3", "-v", "1", geo, "-o", geo.replace(".geo", ".msh")], check=True, capture_output=True)
+        case, said = self.new(geo.replace(".geo", ".msh"))
+        self.assertRegex(said, r"note +quux, foo7: if that is no wall, say  -patch quux=outlet")
+        self.assertEqual(self.patch(case, "U", "quux"), "slip")
+        with open(os.path.join(case, "0.orig", "U")) as f:
+            self.assertRegex(f.read(), r"quux .*// a wall, for its name says nothing else")
+        with open(os.path.join(case, "Allrun")) as f:
+            self.assertNotIn("gmsh -3", f.read())
+        self.assertNotIn("mesh.geo", os.listdir(case))
+        case, said = self.new(geo, "-patch", "quux=outlet", "-patch", "foo7=inlet", "-speed", "0,2,0")
+        self.assertEqual((self.patch(case, "U", "quux"), self.patch(case, "U", "foo7")), ("zeroGradient", "fixedValue"))
+        self.assertNotIn("note", said)
+
+    def test_one_layer_of_cells(self):
+        """A mesh of one cell between front and back is one of two dimensions; periodic patches find each other."""
+        case, said = self.new(self.geo("layer1"))
+        self.assertRegex(said, r"400 cells, 2D, a lattice")
+        kinds = {name: kind for name, (kind, _, _) in harness.haff.Case(case).mesh.patches.items()}
+        self.assertEqual(kinds, {"frontAndBack": "empty", "periodicTop": "cyclic", "periodicBottom": "cyclic", "inflow": "patch", "outflow": "patch"})
+        self.run_case(case, 0.3)
+
+    def test_every_entry_is_explained(self):
+        """An entry of a dictionary stands in its line with a comment; the file has a header; nothing is there that no one reads."""
+        case, _ = self.new(*SPARE, *GRAVITY, "-periodic", "left,right", "-transport")
+        for folder in ("0.orig", "constant", "system"):
+            for name in os.listdir(os.path.join(case, folder)):
+                path = os.path.join(case, folder, name)
+                if os.path.isdir(path) or name in ("meshDict",):
+                    continue
+                with open(path) as f:
+                    text = f.read()
+                self.assertRegex(text, rf'^FoamFile\n\{{\n(.*\n)*?    object      {name};\n\}}\n', name)
+                for line in text.split("\n}\n", 1)[1].splitlines():
+                    if re.search(r"[;}]", line) and not re.match(r"//|\}|\w+Schemes \{\}", line.strip()):
+                        self.assertIn(" // ", line, f"{name}: {line}")
+        with open(os.path.join(case, "system", "controlDict")) as f:
+            self.assertRegex(f.read(), r"\nmaxCo +1; +// largest Courant number")
+
+    def test_version(self):
+        case, _ = self.new("-box", "1", "-cells", "20")
+        cmake = open(os.path.join(harness.SOURCE, "CMakeLists.txt")).read()
+        self.assertEqual(entries.get(os.path.join(case, "system", "controlDict"), "haffVersion"), float(re.search(r"haff VERSION (\d+\.\d+)", cmake)[1]))
+
+    def test_in_the_folder_of_the_mesh(self):
+        """DIR may hold the mesh, which stays as it is; files that it merges come along."""
+        folder = os.path.join(self.folder, "own")
+        os.makedirs(os.path.join(self.folder, "parts"))
+        os.mkdir(folder)
+        with open(os.path.join(folder, "mesh.geo"), "w") as f:
+            f.write(GEOMETRIES["tube"])
+        self.assertIn("\n    ./Allrun\n", self.call(".", "mesh.geo", cwd=folder))
+        with open(os.path.join(folder, "mesh.geo")) as f:
+            self.assertEqual(f.read(), GEOMETRIES["tube"])
+        with open(self.geo("unknown"), "a") as f:
+            f.write("\n")  # without it gmsh 4.8 frees twice what it merges
+        with open(os.path.join(self.folder, "merging.geo"), "w") as f:
+            f.write('Merge "unknown.geo";\n')
+        self.assertIn("unknown.geo", os.listdir(self.new(os.path.join(self.folder, "merging.geo"))[0]))
+
+    def test_nothing_is_overwritten(self):
+        folder = os.path.join(self.folder, "taken")
+        os.mkdir(folder)
+        for name in ("notes.txt",):
+            with open(os.path.join(folder, name), "w") as f:
+                f.write("mine")
+        self.assertIn("taken is not empty (it holds notes.txt)", self.call(folder, "-box", "1", code=1))
+        self.assertEqual(os.listdir(folder), ["notes.txt"])
+        self.assertIn("no folder", self.call(os.path.join(folder, "notes.txt"), "-box", "1", code=1))
+
+    def test_refused(self):
+        """With the cure; and nothing is left behind."""
+        geo = {name: self.geo(name) for name in GEOMETRIES}
+        wrong = [(1, [geo["nogroup"]], r'no physical groups; name the boundary with Physical Curve\("NAME"\)'), (1, [geo["broken"]], "gmsh cannot make a mesh .*\n.*line 1: syntax error"),
+                 (1, [geo["tube"] + "x"], "no such file; did you mean tube.geo"), (1, [self.folder], "is a folder"), (1, [geo["lonely"]], "say which with  -periodic NAME,NAME"),
+                 (1, ["-Mach", "2"], "no patch is an inlet.*-patch NAME=inlet"), (1, ["-shaking", "2,1"], "it wants  -gravity"), (1, ["-patch", "left=inlt"], "did you mean inlet"),
+                 (1, ["-patch", "lft=inlet"], "did you mean left"), (1, ["-periodic", "left,rigt"], "no patch 'rigt'; there are left"), (1, ["-alpha", "0.7"], "between 0 and 0.64"),
+                 (1, ["-restitution", "2"], "between 0 and 1"), (1, [geo["unknown"], "-application", "granularMD"], "grains move in a box"),
+                 (1, ["-box", "1", "-application", "granularMD"], "two or three dimensions"), (1, ["-grains", "disks", "-box", "1x1x1", "-cells", "4x4x4"], "take spheres"),
+                 (1, ["-application", "granularMD", "-grains", "spheres"], "leave out  -grains spheres"), (1, ["-gravity", "0,0,1"], "the mesh has no z"),
+                 (2, ["-restitutoin", "1"], "did you mean -restitution"), (2, ["-box", "1x1", "-cells", "4"], "2 lengths and 1 numbers"), (2, ["-gravity", "down"], "a number, or a vector"),
+                 (2, [geo["tube"], "-box", "1"], "where no mesh is given"), (2, ["-speed", "1,2"], "a velocity as 1,0,0"), (2, ["-box", "0x1"], "one to three lengths")]
+        for code, words, says in wrong:
+            with self.subTest(words):
+                said = self.call("made", *words, code=code)
+                self.assertRegex(said, says)
+                self.assertNotRegex(said, "Traceback")
+                self.assertFalse(os.path.exists(os.path.join(self.folder, "made")))
+
+    def test_warnings_are_told(self):
+        """What is asked for and hardly meant is written, with checkCase's warning, its file and line."""
+        said = self.call("coarse", "-box", "1x1", "-cells", "20x20", "-diameter", "0.3")
+        self.assertRegex(said, r"warning: coarse/constant/granularProperties:\d+: .*\[largeGrains\]")
+        self.assertIn("with warnings", said)
+
+
+class Names(unittest.TestCase):
+    def test_kinds(self):
+        known = {"inlet": "inlet inlet_2 leftInlet INLET inflow in gasIn", "outlet": "outlet outlet2 Outflow exit rightOutlet", "open": "farField far_field open openTop freestream",
+                 "wall": "wall walls upperWall floor lid left right_1 bottom sideWalls inletWall wallOutlet", "body": "cylinder cylinder1 theSphere obstacle step",
+                 "symmetry": "symmetry symmetryPlane symmetryBottom mirror", "periodic": "periodicLeft cyclic1", "sides": "front back frontAndBack", None: "quux foo7 alpha inx"}
+        for kind, names in known.items():
+            for name in names.split():
+                self.assertEqual(patches.kind_of(name), kind, name)
+
+    def test_direction(self):
+        """Against the inlet's normal, along the mirror."""
+        patch = lambda name, kind, normal: types.SimpleNamespace(name=name, type=kind, normal=np.array(normal, float), area=1.0, plane=True)
+        o = newCase.parse(["d"])
+        found = types.SimpleNamespace(axes=[0, 1], patches=[patch("a", "patch", (0.6, -0.8, 0)), patch("b", "patch", (0, -1, 0))])
+        made = flow.Flow.__new__(flow.Flow)
+        made.o, made.geometry, made.kind = o, found, {"a": "inlet", "b": "outlet"}
+        np.testing.assert_allclose(made.direction(), (-0.6, 0.8, 0))
+        made.kind["b"] = "symmetry"
+        np.testing.assert_allclose(made.direction(), (-1, 0, 0))
+
+    def test_box_is_a_lattice_of_any_dimension(self):
+        self.assertIn("Extrude {0, 0, D}", geometry.box([1, 2, 3], [4, 5, 6]))
+        self.assertIn('Physical Point("left") = {1};', geometry.box([1], [4]))
+
+
+if __name__ == "__main__":
+    unittest.main()
