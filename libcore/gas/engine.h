@@ -63,8 +63,9 @@ struct state_hooks {
     void (*join)(const struct gas *g, const struct state *a, const struct state *b);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* As gas_block_field and gas_field. */
+    /* As gas_block_field, gas_block_uniform and gas_field. */
     void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
+    bool (*block_uniform)(const struct gas *g, int block, enum gas_field field, double value[3]); /* NULL: never */
     status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
     /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
      * gas_fastest_place. */

@@ -119,6 +119,10 @@ void gas_block_field(const struct gas *g, int block, enum gas_field field, doubl
     g->engine->state.block_field(g, block, field, out);
 }
 
+bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
+    return g->engine->state.block_uniform && g->engine->state.block_uniform(g, block, field, value);
+}
+
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
     return g->engine->state.field(g, field, out);
 }

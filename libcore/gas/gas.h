@@ -102,6 +102,8 @@ enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_L
  * lattice axis 0 is fastest), out[component][cells], with all components for GAS_U, else 1. gas_field gathers a whole
  * field to the root in polyMesh order. */
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]);
+/* Is a field known to have the same bits in all cells of a block? Then value[component] gets them. */
+bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]);
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]);
 
 /* Checks that every cell has rho > 0 (and the density floor), T > 0 and alpha < alphaMax. The error names field, value,

@@ -246,6 +246,17 @@ static void spread_over(const struct forest_block *b, const int n[3], double *va
         }
 }
 
+/* The values of the background of a tile without varied cells. */
+static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
+    const int tile = g->forest->block[block].tile, *n = g->forest->tile[tile].n;
+    if (field == GAS_LIMITED) return false;
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++)
+            if (!span_empty(*activity_row(&g->tiles->activity, g->U.varied[tile], j, k))) return false;
+    field_row(g, field, 1, g->size, g->U.block[tile], (double *[]){value, value + 1, value + 2});
+    return true;
+}
+
 static void tiles_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
     const struct forest_block *b = &g->forest->block[block];
     tile_field(g, b->tile, field, out);
@@ -395,6 +406,7 @@ const struct engine engine_lattice = {
               .join = tiles_join,
               .place = tiles_place,
               .block_field = tiles_block_field,
+              .block_uniform = tiles_block_uniform,
               .field = tiles_field,
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,

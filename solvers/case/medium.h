@@ -97,6 +97,9 @@ struct medium_type {
      * where all three lines of `out` are needed; gathered to the root in polyMesh order. */
     void (*block)(const struct medium *m, int block, int quantity, double *const out[3]);
     status (*gather)(const struct medium *m, int quantity, double *const out[3]);
+    /* Is a quantity known to have the same bits in all cells of a block? Then value[line] gets them. NULL: it never
+     * is. */
+    bool (*uniform)(const struct medium *m, int block, int quantity, double value[3]);
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
     /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);

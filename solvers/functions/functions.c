@@ -254,6 +254,14 @@ void function_block(const struct function *f, int block, int field, double *line
     f->setup->medium->type->block(f->setup->medium, block, field, lines);
 }
 
+int function_values(const struct function *f, int block, int field, double *lines[3]) {
+    const struct medium *m = f->setup->medium;
+    for (int c = 0; c < 3; c++) lines[c] = f->block_values + c;
+    if (m->type->uniform && m->type->uniform(m, block, field, f->block_values)) return 1;
+    function_block(f, block, field, lines);
+    return f->setup->grid->block[block].ncells;
+}
+
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {
     char path[TIME_PATH];
     snprintf(path, sizeof path, "%s/%s", f->name, folder);

@@ -10,7 +10,8 @@
 #include <string.h>
 
 struct extremes {
-    FILE *file; /* on the root; opened by the first execution */
+    FILE *file;  /* on the root; opened by the first execution */
+    int *lowest; /* [blocks] the lowest polyMesh cell of each block; made by the first execution */
 };
 
 static const char *const modes[] = {"magnitude", NULL};
@@ -70,21 +71,20 @@ static int lowest_cell(int n, const double *v, double value, const int *cell, do
 /* Finds a field's extremes (of a vector: those of its magnitude) and the lowest polyMesh cell that reaches each. */
 static void find_extremes(const struct function *f, int field, double value[2], int cell[2]) {
     const struct grid *grid = f->setup->grid;
+    const int *lowest = ((const struct extremes *)f->own)->lowest;
     const bool vector = quantity_of(f, field)->components == 3;
     double best[2] = {HUGE_VAL, HUGE_VAL}, where[2] = {HUGE_VAL, HUGE_VAL}, mine[2], range[2], *lines[3];
     for (int b = 0; b < grid->nblocks; b++) {
-        const struct grid_block *block = &grid->block[b];
-        function_block(f, b, field, lines);
-        if (vector) magnitudes(setup_lines(f->setup, field), block->ncells, lines);
-        range_of(block->ncells, lines[0], range);
+        const int n = function_values(f, b, field, lines), *numbers = n > 1 ? grid->block[b].cell : &lowest[b];
+        if (vector) magnitudes(setup_lines(f->setup, field), n, lines);
+        range_of(n, lines[0], range);
         for (int end = 0; end < 2; end++) {
             const double w = end ? -range[1] : range[0];
             if (w > best[end]) continue;
-            const int i =
-                lowest_cell(block->ncells, lines[0], range[end], block->cell, w < best[end] ? HUGE_VAL : where[end]);
+            const int i = lowest_cell(n, lines[0], range[end], numbers, w < best[end] ? HUGE_VAL : where[end]);
             if (i < 0) continue;
             best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero keeps the sign that it has in that cell */
-            where[end] = block->cell[i];
+            where[end] = numbers[i];
         }
     }
     memcpy(mine, best, sizeof mine);
@@ -98,11 +98,22 @@ static void find_extremes(const struct function *f, int field, double value[2], 
     }
 }
 
+static status find_lowest(const struct grid *grid, int **out) {
+    TRY(allocate(out, grid->nblocks + 1L, sizeof **out, "blocks"));
+    for (int b = 0; b < grid->nblocks; b++) {
+        (*out)[b] = INT_MAX;
+        for (int i = 0; i < grid->block[b].ncells; i++)
+            if (grid->block[b].cell[i] < (*out)[b]) (*out)[b] = grid->block[b].cell[i];
+    }
+    return OK;
+}
+
 static status extremes_execute(struct function *f, const struct moment *now, const char *time) {
     struct extremes *e = f->own;
     (void)time;
     bool root = comm_root(f->setup->comm);
-    status s = OK;
+    status s = e->lowest ? OK : find_lowest(f->setup->grid, &e->lowest);
+    TRY(comm_agree(f->setup->comm, s));
     if (root && !e->file) {
         s = function_open(f, f->setup->start.name, "fieldMinMax.dat", &e->file);
         if (!s)
@@ -128,6 +139,7 @@ static status extremes_execute(struct function *f, const struct moment *now, con
 static void extremes_free(void *own) {
     struct extremes *e = own;
     if (e->file) fclose(e->file);
+    free(e->lowest);
     free(e);
 }
 

@@ -4,10 +4,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct integral {
     int operation; /* VOL_INTEGRATE .. MAXIMUM */
     FILE *file;    /* on the root; opened by the first execution */
+    double volume; /* m^3, of all blocks; found by the first execution, as is */
+    double *kept;  /* [fields][3][blocks][2] a value that filled a block, and its sum then */
 };
 
 enum { VOL_INTEGRATE, VOL_AVERAGE, SUM, MINIMUM, MAXIMUM };
@@ -26,26 +29,31 @@ static status integral_make(struct function *f, struct dict *d) {
     return params_read(d, f->type->param, f->type->nparam, v);
 }
 
-/* Reduces one block: to the sums of a field's m components and, for an average, of the weights in sum[m]; or to
- * extremes. */
-static void reduce_block(const struct function *f, int field, int b, int m, double sum[4], double extreme[3]) {
+/* Sums a component of a field over a block, cell by cell. Where the block is uniform (n = 1) and has the value of the
+ * last such call, the sum is that of then. */
+static double sum_block(const struct function *f, int field, int b, int component, int n, const double *v) {
+    const struct integral *own = f->own;
     const struct grid_block *block = &f->setup->grid->block[b];
     const double *volume = f->setup->grid->volume;
+    double *kept = own->kept + 2 * ((3L * field + component) * f->setup->grid->nblocks + b), total = 0;
+    if (n == 1 && !memcmp(kept, v, sizeof *v)) return kept[1];
+    for (int i = 0; i < block->ncells && own->operation == SUM; i++) total += v[n > 1 ? i : 0];
+    for (int i = 0; i < block->ncells && own->operation != SUM; i++) total += volume[block->cell[i]] * v[n > 1 ? i : 0];
+    if (n > 1) return total;
+    kept[0] = *v;
+    return kept[1] = total;
+}
+
+/* Reduces one block: to the sums of a field's m components, or to extremes. */
+static void reduce_block(const struct function *f, int field, int b, int m, double sum[3], double extreme[3]) {
     const int operation = ((const struct integral *)f->own)->operation;
     double *lines[3];
-    function_block(f, b, field, lines);
-    sum[m] = 0;
-    for (int i = 0; i < block->ncells && operation == VOL_AVERAGE; i++) sum[m] += volume[block->cell[i]];
+    const int n = function_values(f, b, f->field[field], lines);
     for (int c = 0; c < m; c++) {
         const double *v = lines[c];
-        double total = 0;
-        if (operation > SUM)
-            for (int i = 0; i < block->ncells; i++) extreme[c] = fmin(extreme[c], operation == MAXIMUM ? -v[i] : v[i]);
-        else if (operation == SUM)
-            for (int i = 0; i < block->ncells; i++) total += v[i];
-        else
-            for (int i = 0; i < block->ncells; i++) total += volume[block->cell[i]] * v[i];
-        sum[c] = total;
+        if (operation <= SUM) sum[c] = sum_block(f, field, b, c, n, v);
+        for (int i = 0; i < n && operation > SUM; i++)
+            extreme[c] = fmin(extreme[c], operation == MAXIMUM ? -v[i] : v[i]);
     }
 }
 
@@ -53,26 +61,40 @@ static void reduce_block(const struct function *f, int field, int b, int m, doub
  * bits on any number of ranks. */
 static status reduce(const struct function *f, int field, double out[3]) {
     const struct grid *grid = f->setup->grid;
-    const int operation = ((const struct integral *)f->own)->operation;
-    bool vector = quantity_of(f, field)->components == 3;
-    int m = setup_lines(f->setup, field);
-    double *per_block, sum[4] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    TRY(allocate(&per_block, (m + 1L) * (grid->nblocks + 1), sizeof(double), "sums of blocks"));
+    const struct integral *own = f->own;
+    const int operation = own->operation, m = setup_lines(f->setup, f->field[field]);
+    bool vector = quantity_of(f, f->field[field])->components == 3;
+    double *per_block, sum[3] = {0}, result[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    TRY(allocate(&per_block, m * (grid->nblocks + 1L), sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++) {
         reduce_block(f, field, b, m, sum, result);
-        for (int c = 0; c <= m; c++) per_block[(long)c * grid->nblocks + b] = sum[c];
+        for (int c = 0; c < m; c++) per_block[(long)c * grid->nblocks + b] = sum[c];
     }
     status s = OK;
-    for (int c = 0; c <= m && operation <= SUM && !s; c++)
+    for (int c = 0; c < m && operation <= SUM && !s; c++)
         s = grid_sum(grid, per_block + (long)c * grid->nblocks, &sum[c]);
     free(per_block);
     if (operation > SUM) comm_min(f->setup->comm, result, m);
     for (int x = 0; x < 3; x++) out[x] = 0;
     for (int c = 0; c < m; c++)
-        out[vector ? f->setup->axis[c] : 0] = operation == VOL_AVERAGE ? sum[c] / sum[m]
+        out[vector ? f->setup->axis[c] : 0] = operation == VOL_AVERAGE ? sum[c] / own->volume
                                               : operation <= SUM       ? sum[c]
                                               : operation == MAXIMUM   ? -result[c]
                                                                        : result[c];
+    return s;
+}
+
+static status find_volumes(const struct function *f, struct integral *v) {
+    const struct grid *grid = f->setup->grid;
+    const long most = 6L * f->nfields * grid->nblocks;
+    double *per_block;
+    TRY(allocate(&v->kept, most + 1, sizeof *v->kept, "sums of blocks"));
+    for (long i = 0; i < most; i++) v->kept[i] = NAN;
+    TRY(allocate(&per_block, grid->nblocks + 1L, sizeof(double), "sums of blocks"));
+    for (int b = 0; b < grid->nblocks; b++)
+        for (int i = 0; i < grid->block[b].ncells; i++) per_block[b] += grid->volume[grid->block[b].cell[i]];
+    status s = grid_sum(grid, per_block, &v->volume);
+    free(per_block);
     return s;
 }
 
@@ -98,11 +120,13 @@ static status integral_execute(struct function *f, const struct moment *now, con
     struct integral *own = f->own;
     (void)time;
     bool root = comm_root(f->setup->comm);
-    status s = root && !own->file ? integral_open(f, own) : OK;
+    status s = own->kept ? OK : find_volumes(f, own);
+    TRY(comm_agree(f->setup->comm, s));
+    if (root && !own->file) s = integral_open(f, own);
     if (root && !s) fprintf(own->file, "%-16.12g", now->t);
     for (int k = 0; k < f->nfields; k++) {
         double v[3];
-        status reduced = reduce(f, f->field[k], v);
+        status reduced = reduce(f, k, v);
         if (!s) s = reduced;
         if (!root || s) continue;
         if (quantity_of(f, f->field[k])->components == 3)
@@ -120,6 +144,7 @@ static status integral_execute(struct function *f, const struct moment *now, con
 static void integral_free(void *own) {
     struct integral *v = own;
     if (v->file) fclose(v->file);
+    free(v->kept);
     free(v);
 }
 

@@ -56,6 +56,9 @@ status function_field(struct function *f, const struct dict *d, const char *key,
 status function_fields(struct function *f, struct dict *d, const char *key);
 /* Computes the values of a block's cells in f->block_values; lines[c] are those along computational axis c. */
 void function_block(const struct function *f, int block, int field, double *lines[3]);
+/* Does that or, where all cells of the block have the same value, to the bit, computes one value only. Returns the
+ * number of values: that of the cells, or 1. */
+int function_values(const struct function *f, int block, int field, double *lines[3]);
 /* Checks the key `name` of a dictionary, which names a file or a folder below postProcessing/: it must not lead out. */
 status function_name(struct dict *d, const char *name);
 /* Opens postProcessing/<function>/<folder>/<file>, and makes its folders. On the root. */

@@ -484,6 +484,10 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
     gas_view_block(&of(m)->view, block, quantity, out);
 }
 
+static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {
+    return gas_view_uniform(&of(m)->view, block, quantity, value);
+}
+
 static status gas_gather(const struct medium *m, int quantity, double *const out[3]) {
     return gas_view_gather(&of(m)->view, quantity, out);
 }
@@ -650,6 +654,7 @@ const struct medium_type gas_medium = {
     .lacks = gas_lacks,
     .derive = gas_derive,
     .block = gas_block,
+    .uniform = gas_uniform,
     .gather = gas_gather,
     .present = gas_present,
     .patch = gas_patch,

@@ -184,6 +184,10 @@ void gas_view_block(const struct gas_view *v, int block, int quantity, double *c
     }
 }
 
+bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]) {
+    return quantity < GAS_FIELDS && gas_block_uniform(v->gas, block, (enum gas_field)quantity, value);
+}
+
 /* Gathers momentum or energy: the conserved variables come all at once, and those not asked for are dropped. */
 static status gather_conserved(const struct gas_view *v, int quantity, double *const out[3]) {
     const struct comm *comm = v->setup->comm;

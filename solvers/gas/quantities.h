@@ -38,8 +38,9 @@ void gas_view_forget(struct gas_view *v); /* the state has changed */
 const char *gas_view_lacks(const struct gas_models *models, int quantity);
 /* Computes a derived quantity, unless it is known; does nothing for any other quantity. Collective. */
 status gas_view_derive(struct gas_view *v, int quantity);
-/* As the hooks block and gather of a medium; block: of a derived quantity, after gas_view_derive. */
+/* As the hooks block, uniform and gather of a medium; block: of a derived quantity, after gas_view_derive. */
 void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);
+bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]);
 status gas_view_gather(struct gas_view *v, int quantity, double *const out[3]);
 
 #endif

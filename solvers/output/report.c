@@ -131,11 +131,13 @@ status report_extremes(const struct setup *s, int quantity, double range[2]) {
     for (int b = 0; b < grid->nblocks; b++) {
         const long n = grid->block[b].ncells;
         double *values = NULL;
-        TRY(allocate(&values, vector ? 3 * n : n, sizeof(double), "a block's field"));
-        double *const out[3] = {values, vector ? values + n : NULL, vector ? values + 2 * n : NULL};
-        s->medium->type->block(s->medium, b, quantity, out);
-        if (vector) magnitudes(setup_lines(s, quantity), (int)n, out);
-        for (int i = 0; i < n; i++) {
+        TRY(allocate(&values, 3 * n, sizeof(double), "a block's field"));
+        double *const out[3] = {values, values + n, values + 2 * n};
+        double *const first[3] = {values, values + 1, values + 2}, *const *lines = first;
+        const bool uniform = s->medium->type->uniform && s->medium->type->uniform(s->medium, b, quantity, values);
+        if (!uniform) s->medium->type->block(s->medium, b, quantity, lines = out);
+        if (vector) magnitudes(setup_lines(s, quantity), uniform ? 1 : (int)n, lines);
+        for (int i = 0; i < (uniform ? 1 : n); i++) {
             pair[0] = fmin(pair[0], values[i]);
             pair[1] = fmin(pair[1], -values[i]);
         }
