@@ -49,9 +49,9 @@ struct state_hooks {
      * failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* The state from and to arrays in polyMesh order, as gas_set_conserved and gas_get_conserved. */
+    /* The state from and to arrays in polyMesh order, as gas_set_conserved and gas_get_variables. */
     void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
-    status (*get_conserved)(const struct gas *g, double *const U[MAX_VAR]);
+    status (*get_conserved)(const struct gas *g, int first, int n, double *const *out);
     void (*set_limited)(struct gas *g, const double *values); /* the field GAS_LIMITED, as set_conserved */
     /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
     status (*rest)(struct gas *g, const bool *rests);

@@ -112,7 +112,11 @@ status gas_rest(struct gas *g, const bool *rests) {
 }
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
-    return g->engine->state.get_conserved(g, U);
+    return gas_get_variables(g, 0, g->nvar, U);
+}
+
+status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
+    return g->engine->state.get_conserved(g, first, n, out);
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {

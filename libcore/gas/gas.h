@@ -91,6 +91,8 @@ int gas_variables(const struct gas *g); /* 2 + components of u */
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T);
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
+/* As that, of n variables from the first one on: out[n]. */
+status gas_get_variables(const struct gas *g, int first, int n, double *const *out);
 
 /* Makes it known that the state now set, with its velocity taken as 0, is at rest under gravity in the cells with
  * rests[ncells_all]: on polyhedra it, and states near it, are then balanced to round-off

@@ -132,9 +132,9 @@ static void tiles_set_limited(struct gas *g, const double *values) {
     forest_scatter(g->forest, values, 0, g->tiles->limited);
 }
 
-static status tiles_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
+static status tiles_get_conserved(const struct gas *g, int first, int n, double *const *out) {
     for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
-    for (int v = 0; v < g->nvar; v++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, v, U[v]));
+    for (int i = 0; i < n; i++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, first + i, out[i]));
     return OK;
 }
 
@@ -196,7 +196,7 @@ static void field_visit(void *context, long offset, int n) {
     r->at += n;
 }
 
-struct placing { /* consecutive values that go from or to the cells of a tile's block */
+struct placing { /* consecutive values that come from the cells of a tile's block */
     double *values, *block;
 };
 static void take_visit(void *context, long offset, int n) {
@@ -204,12 +204,6 @@ static void take_visit(void *context, long offset, int n) {
     memcpy(p->values, p->block + offset, (size_t)n * sizeof(double));
     p->values += n;
 }
-static void place_visit(void *context, long offset, int n) {
-    struct placing *p = context;
-    memcpy(p->block + offset, p->values, (size_t)n * sizeof(double));
-    p->values += n;
-}
-
 static void tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
     int components = field == GAS_U ? g->components : 1;
     const int *n = g->forest->tile[tile].n;
@@ -266,21 +260,21 @@ static void tiles_block_field(const struct gas *g, int block, enum gas_field fie
 
 static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
     const struct forest *f = g->forest;
-    int components = field == GAS_U ? g->components : 1;
+    const int components = field == GAS_U ? g->components : 1;
+    long cells = 0;
     double *values;
-    TRY(allocate(&values, f->size * components, sizeof(double), "a field"));
-    for (int t = 0; t < f->ntiles; t++) { /* W is free between steps: it carries the values to the gather */
-        double *lines[3] = {values, values + f->size, values + 2 * f->size};
-        tile_field(g, t, field, lines);
-        for (int c = 0; c < components; c++) {
-            struct placing p = {.values = lines[c], .block = g->W.block[t] + c * f->size};
-            runs_visit(f, &f->tile[t], 0, place_visit, &p);
-        }
+    for (int b = 0; b < f->nblocks; b++) cells += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
+    TRY(comm_agree(f->comm, allocate(&values, cells * components, sizeof(double), "a field")));
+    double *at[3] = {values, values + cells, values + 2 * cells};
+    for (int b = 0; b < f->nblocks; b++) {
+        tiles_block_field(g, b, field, at);
+        for (int c = 0; c < components; c++) at[c] += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
     }
+    status s = OK;
+    for (int c = 0; c < components && !s; c++)
+        s = forest_gather_values(f, values + c * cells, comm_root(f->comm) ? out[c] : NULL);
     free(values);
-    for (int c = 0; c < components; c++)
-        TRY(forest_gather(f, (const double *const *)g->W.block, c, comm_root(f->comm) ? out[c] : NULL));
-    return OK;
+    return s;
 }
 
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {

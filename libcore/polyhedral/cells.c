@@ -140,10 +140,10 @@ static status gather(const struct gas *g, const double *value, double *all) {
     return grid_gather(g->grid, (const double *const *)c->by_block, all);
 }
 
-static status cells_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
+static status cells_get_conserved(const struct gas *g, int first, int n, double *const *out) {
     double *line[MAX_VAR];
     cells_lines(g, &g->U, line);
-    for (int v = 0; v < g->nvar; v++) TRY(gather(g, line[v], comm_root(g->comm) ? U[v] : NULL));
+    for (int i = 0; i < n; i++) TRY(gather(g, line[first + i], comm_root(g->comm) ? out[i] : NULL));
     return OK;
 }
 

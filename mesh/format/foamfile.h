@@ -88,6 +88,7 @@ struct foam_format {
 struct sink;
 /* Opens path.tmp (path.gz.tmp if `compress`); nothing stands at `path` until sink_close. */
 status sink_open(const char *path, bool compress, struct sink **out);
+void sink_unsummed(struct sink *s); /* no checksum is wanted: sink_close_sum will not be called */
 void sink_printf(struct sink *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void sink_write(struct sink *s, const void *data, size_t bytes);
 /* Flushes and renames. Returns the first error since sink_open (for example a full disk) and then leaves the old

@@ -21,6 +21,7 @@ struct sink {
     int file;
     gzFile zip;
     int error; /* errno of the first failure; later output is dropped */
+    bool unsummed;
     struct file_sum sum;
     size_t used;
     char buffer[BUFFER];
@@ -64,13 +65,17 @@ status sink_open(const char *path, bool compress, struct sink **out) {
     return OK;
 }
 
+void sink_unsummed(struct sink *s) {
+    s->unsummed = true;
+}
+
 static void add_up(struct file_sum *sum, const char *data, size_t bytes) {
     sum->crc = crc32_z(sum->crc, (const unsigned char *)data, bytes);
     sum->bytes += bytes;
 }
 
 static void put(struct sink *s, const char *data, size_t bytes) {
-    add_up(&s->sum, data, bytes);
+    if (!s->unsummed) add_up(&s->sum, data, bytes);
     while (bytes && !s->error) {
         size_t part = bytes < 1 << 30 ? bytes : 1 << 30;
         errno = 0;

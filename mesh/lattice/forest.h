@@ -85,6 +85,8 @@ void forest_fill_derivatives(struct forest *f, double *const *data);
  * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that
  * every rank holds; local. */
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all);
+/* As forest_gather, from the values of this rank's blocks, one block after the other in the order of their cells. */
+status forest_gather_values(const struct forest *f, const double *values, double *all);
 void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data);
 
 /* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of

@@ -11,11 +11,25 @@ static long row_offset(const struct forest *f, int j, int k) {
     return f->first + j * f->step[1] + k * f->step[2];
 }
 
+static long cells_of(const struct forest *f) {
+    long n = 0;
+    for (int b = 0; b < f->nblocks; b++) n += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
+    return n;
+}
+
+status forest_gather_values(const struct forest *f, const double *values, double *all) {
+    const bool alone = comm_size(f->comm) == 1;
+    double *gathered = NULL;
+    if (!alone) TRY(comm_gather(f->comm, values, cells_of(f), &gathered, NULL));
+    const double *from = alone ? values : gathered;
+    for (int c = 0; comm_root(f->comm) && c < f->ncells_all; c++) all[f->hidden->order[c]] = from[c];
+    free(gathered);
+    return OK;
+}
+
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {
-    double *mine = NULL, *values = NULL, *next;
-    long ncells = 0;
-    for (int b = 0; b < f->nblocks; b++) ncells += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
-    TRY(comm_agree(f->comm, allocate(&mine, ncells, sizeof *mine, "the cells of this rank")));
+    double *mine = NULL, *next;
+    TRY(comm_agree(f->comm, allocate(&mine, cells_of(f), sizeof *mine, "the cells of this rank")));
     next = mine;
     for (int b = 0; b < f->nblocks; b++) {
         const int *n = f->block[b].n;
@@ -24,13 +38,9 @@ status forest_gather(const struct forest *f, const double *const *data, int vari
             for (int j = 0; j < n[1]; j++)
                 for (int i = 0; i < n[0]; i++) *next++ = values_of[row_offset(f, j, k) + i * f->step[0]];
     }
-    status s = comm_gather(f->comm, mine, ncells, &values, NULL);
+    status s = forest_gather_values(f, mine, all);
     free(mine);
-    TRY(s);
-    if (comm_root(f->comm))
-        for (int c = 0; c < f->ncells_all; c++) all[f->hidden->order[c]] = values[c];
-    free(values);
-    return OK;
+    return s;
 }
 
 void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data) {

@@ -188,18 +188,10 @@ bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double 
     return quantity < GAS_FIELDS && gas_block_uniform(v->gas, block, (enum gas_field)quantity, value);
 }
 
-/* Gathers momentum or energy: the conserved variables come all at once, and those not asked for are dropped. */
 static status gather_conserved(const struct gas_view *v, int quantity, double *const out[3]) {
-    const struct comm *comm = v->setup->comm;
-    const int nvar = gas_variables(v->gas), first = quantity == GAS_ENERGY ? nvar - 1 : 1,
-              last = quantity == GAS_ENERGY ? nvar - 1 : nvar - 2;
-    double *U[MAX_VAR] = {NULL}, *rest = NULL;
-    const bool root = comm_root(comm);
-    TRY(comm_agree(comm, root ? allocate(&rest, v->setup->mesh->ncells, sizeof(double), "a field") : OK));
-    for (int i = 0; root && i < nvar; i++) U[i] = i >= first && i <= last ? out[i - first] : rest;
-    status e = gas_get_conserved(v->gas, U);
-    free(rest);
-    return e;
+    const int last = gas_variables(v->gas) - 1;
+    return quantity == GAS_ENERGY ? gas_get_variables(v->gas, last, 1, out)
+                                  : gas_get_variables(v->gas, 1, last - 1, out);
 }
 
 static status gather_derived(struct gas_view *v, int quantity, double *const out[3]) {

@@ -7,6 +7,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ struct vtk_grid {
     int *cell_start, *cell_faces; /* [ncells + 1]; faces of each cell */
     int *type;                    /* [ncells] VTK's cell type */
     int *start;                   /* [ncells + 1] into ids */
-    int *ids;                     /* points of each cell; of a polyhedron VTK's face stream */
+    int *ids;                     /* of each cell the number of its points, then these; or VTK's face stream */
 };
 
 static int face_size(const struct polymesh *m, int f) {
@@ -106,20 +107,21 @@ static int polyhedron(const struct vtk_grid *g, int c, int *ids) {
 
 static status build_cells(struct vtk_grid *g) {
     const struct polymesh *m = g->mesh;
-    long most = m->ncells;
+    long most = 2L * m->ncells;
     for (int f = 0; f < m->nfaces; f++) most += (f < m->ninternal ? 2L : 1L) * (1 + face_size(m, f));
     TRY(allocate(&g->type, m->ncells, sizeof(int), "VTK cells"));
     TRY(allocate(&g->start, m->ncells + 1L, sizeof(int), "VTK cells"));
     TRY(allocate(&g->ids, most, sizeof(int), "VTK cells"));
     for (int c = 0; c < m->ncells; c++) {
-        int base, *ids = g->ids + g->start[c], simple[8];
+        int base, *ids = g->ids + g->start[c] + 1, simple[8];
         int type = kind_of(g, c, &base), n = type == POLYHEDRON ? 0 : simple_cell(g, c, type, base, simple);
         g->type[c] = n ? type : POLYHEDRON;
         if (n)
             memcpy(ids, simple, (size_t)n * sizeof(int));
         else
             n = polyhedron(g, c, ids);
-        g->start[c + 1] = g->start[c] + n;
+        ids[-1] = n;
+        g->start[c + 1] = g->start[c] + 1 + n;
     }
     return OK;
 }
@@ -149,40 +151,42 @@ void vtk_grid_free(struct vtk_grid *g) {
     free(g);
 }
 
+enum { CHUNK = 1 << 17 }; /* bytes: more than a sink copies to its buffer */
+
 struct out { /* numbers on their way to a file */
     struct sink *sink;
     bool ascii;
-    int used;
-    unsigned char bytes[8192];
 };
-static void flush(struct out *o) {
-    sink_write(o->sink, o->bytes, (size_t)o->used);
-    o->used = 0;
+
+static status open_out(const char *path, bool ascii, struct out *o) {
+    *o = (struct out){.ascii = ascii};
+    TRY(sink_open(path, false, &o->sink));
+    sink_unsummed(o->sink);
+    return OK;
 }
-static void put_big_endian(struct out *o, uint64_t bits, int bytes) {
-    if (o->used + bytes > (int)sizeof o->bytes) flush(o);
-    /* no o->used++ byte by byte, so that the compiler swaps all bytes at once */
-    unsigned char *at = o->bytes + o->used;
-    for (int i = 0; i < bytes; i++) at[i] = (unsigned char)(bits >> 8 * (bytes - 1 - i));
-    o->used += bytes;
+
+/* Writes n numbers, `per_line` (or all) on a line of a text. */
+static void put_ints(struct out *o, long n, long per_line, const int *values) {
+    uint32_t swapped[CHUNK / 4];
+    for (long i = 0; o->ascii && i < n; i++)
+        sink_printf(o->sink, "%d%c", values[i], i + 1 == n || (i + 1) % per_line == 0 ? '\n' : ' ');
+    for (long at = 0, part; !o->ascii && at < n; at += part) {
+        part = n - at < CHUNK / 4 ? n - at : CHUNK / 4;
+        for (long i = 0; i < part; i++) swapped[i] = __builtin_bswap32((uint32_t)values[at + i]);
+        sink_write(o->sink, swapped, (size_t)part * 4);
+    }
 }
-static void put_int(struct out *o, int value, char after) {
-    if (o->ascii)
-        sink_printf(o->sink, "%d%c", value, after);
-    else
-        put_big_endian(o, (uint32_t)value, 4);
-}
-static void put_double(struct out *o, double value, char after) {
-    uint64_t bits;
-    memcpy(&bits, &value, 8);
-    if (o->ascii)
-        sink_printf(o->sink, "%.17g%c", value, after);
-    else
-        put_big_endian(o, bits, 8);
-}
+
 static void put_doubles(struct out *o, long n, int per_line, const double *values) {
-    for (long i = 0; i < n; i++) put_double(o, values[i], (i + 1) % per_line ? ' ' : '\n');
-    flush(o);
+    uint64_t swapped[CHUNK / 8];
+    for (long i = 0; o->ascii && i < n; i++)
+        sink_printf(o->sink, "%.17g%c", values[i], (i + 1) % per_line ? ' ' : '\n');
+    for (long at = 0, part; !o->ascii && at < n; at += part) {
+        part = n - at < CHUNK / 8 ? n - at : CHUNK / 8;
+        memcpy(swapped, values + at, (size_t)part * 8);
+        for (long i = 0; i < part; i++) swapped[i] = __builtin_bswap64(swapped[i]);
+        sink_write(o->sink, swapped, (size_t)part * 8);
+    }
     sink_printf(o->sink, "\n");
 }
 
@@ -190,15 +194,12 @@ static void write_grid(const struct vtk_grid *g, struct out *o) {
     const struct polymesh *m = g->mesh;
     sink_printf(o->sink, "POINTS %d double\n", m->npoints);
     put_doubles(o, 3L * m->npoints, 3, m->points);
-    sink_printf(o->sink, "CELLS %d %ld\n", m->ncells, (long)m->ncells + g->start[m->ncells]);
-    for (int c = 0; c < m->ncells; c++) {
-        put_int(o, g->start[c + 1] - g->start[c], ' ');
-        for (int i = g->start[c]; i < g->start[c + 1]; i++) put_int(o, g->ids[i], i + 1 < g->start[c + 1] ? ' ' : '\n');
-    }
-    flush(o);
+    sink_printf(o->sink, "CELLS %d %d\n", m->ncells, g->start[m->ncells]);
+    for (int c = 0; o->ascii && c < m->ncells; c++)
+        put_ints(o, g->start[c + 1] - g->start[c], LONG_MAX, g->ids + g->start[c]);
+    if (!o->ascii) put_ints(o, g->start[m->ncells], LONG_MAX, g->ids);
     sink_printf(o->sink, "\nCELL_TYPES %d\n", m->ncells);
-    for (int c = 0; c < m->ncells; c++) put_int(o, g->type[c], '\n');
-    flush(o);
+    put_ints(o, m->ncells, 1, g->type);
     sink_printf(o->sink, "\n");
 }
 
@@ -210,8 +211,7 @@ static void write_start(struct out *o, const char *dataset, double t, long step)
     sink_printf(o->sink, "FIELD FieldData 2\nTimeValue 1 1 double\n");
     put_doubles(o, 1, 1, &t);
     sink_printf(o->sink, "Step 1 1 int\n");
-    put_int(o, (int)step, '\n');
-    flush(o);
+    put_ints(o, 1, 1, &(int){(int)step});
     sink_printf(o->sink, "\n");
 }
 
@@ -224,9 +224,9 @@ static void write_fields(struct out *o, long n, int nfields, const struct vtk_fi
 
 status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
                  const struct vtk_field *fields) {
-    struct out o = {.ascii = ascii};
+    struct out o;
     long n = g->mesh->ncells;
-    TRY(sink_open(path, false, &o.sink));
+    TRY(open_out(path, ascii, &o));
     write_start(&o, "UNSTRUCTURED_GRID", t, step);
     write_grid(g, &o);
     sink_printf(o.sink, "CELL_DATA %ld\nFIELD attributes %d\n", n, nfields);
@@ -236,17 +236,13 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
 
 status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
                         const struct vtk_field *fields) {
-    struct out o = {.ascii = ascii};
-    TRY(sink_open(path, false, &o.sink));
+    struct out o;
+    TRY(open_out(path, ascii, &o));
     write_start(&o, "POLYDATA", t, step);
     sink_printf(o.sink, "POINTS %d double\n", n);
     put_doubles(&o, 3L * n, 3, x);
     sink_printf(o.sink, "VERTICES %d %ld\n", n, 2L * n);
-    for (int i = 0; i < n; i++) {
-        put_int(&o, 1, ' ');
-        put_int(&o, i, '\n');
-    }
-    flush(&o);
+    for (int i = 0; i < n; i++) put_ints(&o, 2, 2, (const int[]){1, i});
     sink_printf(o.sink, "\nPOINT_DATA %d\nFIELD attributes %d\n", n, nfields);
     write_fields(&o, n, nfields, fields);
     return sink_close(o.sink);
@@ -254,19 +250,21 @@ status vtk_write_points(const char *path, bool ascii, double t, long step, int n
 
 status vtk_write_polygons(const char *path, bool ascii, double t, long step, const struct vtk_polygons *p,
                           bool in_polygons, int nfields, const struct vtk_field *fields) {
-    struct out o = {.ascii = ascii};
+    struct out o;
     const long corners = p->n ? p->start[p->n] : 0, n = in_polygons ? p->n : p->npoints;
-    TRY(sink_open(path, false, &o.sink));
+    TRY(open_out(path, ascii, &o));
     write_start(&o, "POLYDATA", t, step);
     sink_printf(o.sink, "POINTS %d double\n", p->npoints);
     put_doubles(&o, 3L * p->npoints, 3, p->x);
     sink_printf(o.sink, "POLYGONS %d %ld\n", p->n, p->n + corners);
     for (int i = 0; i < p->n; i++) {
-        put_int(&o, p->start[i + 1] - p->start[i], ' ');
-        for (int k = p->start[i]; k < p->start[i + 1]; k++)
-            put_int(&o, p->around[k], k + 1 < p->start[i + 1] ? ' ' : '\n');
+        const int around = p->start[i + 1] - p->start[i];
+        if (ascii)
+            sink_printf(o.sink, "%d ", around);
+        else
+            put_ints(&o, 1, 1, &around);
+        put_ints(&o, around, LONG_MAX, p->around + p->start[i]);
     }
-    flush(&o);
     sink_printf(o.sink, "\n%s %ld\nFIELD attributes %d\n", in_polygons ? "CELL_DATA" : "POINT_DATA", n, nfields);
     write_fields(&o, n, nfields, fields);
     return sink_close(o.sink);
