@@ -131,10 +131,8 @@ def write(folder, made):
 
 
 def version():
-    """Of the programs: the two numbers that a case needs to name. ValueError."""
-    said = subprocess.run([paths.program("granularGas"), "-version"], capture_output=True, text=True).stdout
-    found = re.search(r"(\d+\.\d+)", said)
-    return found[1] if found else "0.2"
+    """Of the programs: the two numbers that a case names."""
+    return re.search(r"(\d+\.\d+)", subprocess.run([paths.program("granularGas"), "-version"], capture_output=True, text=True, check=True).stdout)[1]
 
 
 def mesh_of(o, folder):

@@ -221,6 +221,19 @@ class NewCase(harness.Folder, unittest.TestCase):
             f.write('Merge "unknown.geo";\n')
         self.assertIn("unknown.geo", os.listdir(self.new(os.path.join(self.folder, "merging.geo"))[0]))
 
+    def test_readme(self):
+        """The line of README.md, as it stands, with a mesh of one's own."""
+        with open(os.path.join(harness.SOURCE, "README.md")) as f:
+            line = re.search(r"^    (newCase .*)$", f.read(), re.M)[1]
+        folder = os.path.join(self.folder, "readme")
+        os.mkdir(folder)
+        shutil.move(self.geo("layer1"), os.path.join(folder, "mesh.geo"))
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("HAFF", "PYTHON"))}
+        done = subprocess.run(["sh", "-c", line], cwd=folder, capture_output=True, text=True, env={**env, "PATH": f"{harness.BIN}:/usr/bin:/bin", "MPLBACKEND": "Agg"})
+        self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
+        self.assertIn("end at time 3:", done.stdout)
+        self.assertTrue(os.path.isfile(os.path.join(folder, re.search(r"newCase (\w+)", line)[1], done.stdout.splitlines()[-1])), done.stdout)
+
     def test_nothing_is_overwritten(self):
         folder = os.path.join(self.folder, "taken")
         os.mkdir(folder)
