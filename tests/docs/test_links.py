@@ -17,7 +17,7 @@ PROGRAMS = {"granularGas", "granularMD", "granularSegregation", "gmshToCase", "c
 # A command as it is printed, without its comment: the test that runs it, or the same with other names.
 COMMANDS = {
     "./Allrun": "tests/cases/runtime/test_setup.py::test_made_once",
-    "newCase myCase mesh.geo && cd myCase && ./Allrun && haffPlot .": "tests/docs/test_links.py::test_readme",
+    "newCase myCase mesh.geo && cd myCase && ./Allrun && haffPlot .": "tests/postprocessing/start/test_newCase.py::test_readme",
     "./Alltest": "tests/cases/runtime/test_setup.py::test_tests",
     "cmake --build build -j2 && ctest --test-dir build -L unit -j2": "tests/cases/runtime/test_setup.py::test_tests",
     "build/bin/haffPlot CASE [FIELD ..]": "tests/postprocessing/plot/test_commands.py::test_without_options",
@@ -165,16 +165,6 @@ class Commands(harness.Folder, unittest.TestCase):
         self.assertEqual(unrun(["haffPlot .", "haffPlot CASE", "newCase x"], known),
                          ["`haffPlot .` has no row in COMMANDS", "`haffPlot CASE`: there is no tests/docs/test_links.py::test_nothing",
                           "`newCase x`: tests/docs/test_gallery.py does not call newCase"])
-
-    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
-    def test_readme(self):
-        """The line of README on the geometry of the reference's examples: newCase, ./Allrun and haffPlot, to a picture."""
-        line = next(line for line in commands("README.md") if line.startswith("newCase"))
-        shutil.copy(os.path.join(TOP, "docs", "examples", "mesh.geo"), self.folder)
-        done = subprocess.run(["sh", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=600,
-                              env={**os.environ, "PATH": harness.BIN + ":" + os.environ["PATH"]})
-        self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
-        self.assertTrue(os.path.isfile(os.path.join(self.folder, "myCase", done.stdout.split()[-1])), done.stdout[-500:])
 
     @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
     def test_reference(self):
