@@ -15,7 +15,8 @@ struct comm {
     int rank, size;
 };
 
-/* Open MPI starts a program without mpirun in 0.1 s instead of 0.4 s if it needs no daemon and no network. The settings
+/* Open MPI starts a program without mpirun in 9 ms instead of 0.4 s if it needs no daemon and no network, and if hwloc,
+ * which it asks for the processors, looks for no devices (PCI, displays) and loads no plugins for them. The settings
  * below say so; they do not replace the user's own, and other MPIs ignore them. */
 static void settle_alone(void) {
     static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"};
@@ -26,6 +27,8 @@ static void settle_alone(void) {
     setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
     setenv("OMPI_MCA_btl", "self", 0);
     setenv("OMPI_MCA_pml", "ob1", 0);
+    setenv("HWLOC_COMPONENTS", "-linuxio", 0);
+    setenv("HWLOC_PLUGINS_PATH", "/dev/null", 0);
 }
 
 status comm_start(int *argc, char ***argv, struct comm **out) {
