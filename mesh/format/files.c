@@ -132,15 +132,15 @@ static int walk_to(const char *path, const char **name) {
  * whose content must stay. */
 int file_create(const char *path, int *out) {
     const char *name;
-    int at = walk_to(path, &name), why = 0;
+    int at = walk_to(path, &name), why = EEXIST;
     *out = -1;
     if (at < 0) return errno;
-    if (is_link(at, name))
-        why = ELOOP;
-    else if (unlinkat(at, name, 0) && errno != ENOENT)
-        why = errno;
-    if (!why) *out = openat(at, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (!why && *out < 0) why = errno;
+    for (int i = 0; i < 2 && why == EEXIST; i++) {
+        *out = openat(at, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        why = *out < 0 ? errno : 0;
+        if (why == EEXIST && is_link(at, name)) why = ELOOP;
+        if (why == EEXIST && i == 0 && unlinkat(at, name, 0) && errno != ENOENT) why = errno;
+    }
     close(at);
     return why;
 }
@@ -177,10 +177,14 @@ int file_rename(const char *from, const char *to) {
     const char *old, *new;
     int a = walk_to(from, &old), why = errno;
     if (a < 0) return why;
-    int b = walk_to(to, &new);
+    const char *slash = strrchr(to, '/');
+    const size_t folder = slash ? (size_t)(slash + 1 - to) : 0;
+    const bool same = folder == (size_t)(old - from) && !strncmp(from, to, folder);
+    int b = same ? a : walk_to(to, &new);
+    if (same) new = to + folder;
     why = b < 0 || renameat(a, old, b, new) ? errno : 0;
     close(a);
-    if (b >= 0) close(b);
+    if (b >= 0 && !same) close(b);
     return why;
 }
 
