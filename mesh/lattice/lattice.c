@@ -50,10 +50,12 @@ static void find_boxes(struct search *s) {
     for (int f = 0; f < m->nfaces; f++) {
         double face[6];
         memcpy(face, nowhere, sizeof face);
-        for (int i = m->face_start[f]; i < m->face_start[f + 1]; i++) {
-            const double *x = m->points + 3L * m->face_points[i];
-            widen(face, (const double[6]){x[0], x[1], x[2], x[0], x[1], x[2]});
-        }
+        for (int i = m->face_start[f]; i < m->face_start[f + 1]; i++)
+            for (int k = 0; k < 3; k++) {
+                const double x = m->points[3L * m->face_points[i] + k];
+                face[k] = x < face[k] ? x : face[k];
+                face[3 + k] = x > face[3 + k] ? x : face[3 + k];
+            }
         widen(s->box + 6L * m->owner[f], face);
         if (f < m->ninternal) widen(s->box + 6L * m->neighbour[f], face);
     }

@@ -27,7 +27,8 @@ static status read_mesh(struct setup *s) {
     if (!e) {
         s->centre = g.cell_centre;
         s->volume = g.volume;
-        g.cell_centre = g.volume = NULL;
+        s->face_area = g.face_area;
+        g.cell_centre = g.volume = g.face_area = NULL;
     }
     if (!e && s->lattice) lattice_centres(s->lattice, s->centre);
     polymesh_geometry_free(&g);
@@ -106,6 +107,8 @@ status case_read(const char *dir, const struct medium_type *type, struct reading
     if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, how.afresh, &s->start) : OK);
     if (!e) comm_broadcast(c, &s->start, sizeof s->start);
     if (!e) e = comm_agree(c, read_state(s));
+    free(s->face_area);
+    s->face_area = NULL;
     if (e) {
         case_free(s);
         return e;

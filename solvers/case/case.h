@@ -23,6 +23,7 @@ struct setup { /* the same on every rank, but for the grid */
     struct warnings warnings;
     struct polymesh *mesh;
     double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
+    double *face_area;       /* [nfaces][3] m^2, as polymesh_face_geometry; NULL once the state is read */
     unsigned long checksum;
     int dim, axis[3]; /* the solved axes; behind them those along which the medium moves all the same, then the rest */
     int components;   /* of a vector, along axis[]; dim unless the medium sets it in `state` */

@@ -81,9 +81,7 @@ static status find_fall(const struct setup *s, const struct sources *q, double *
     largest_gravity(s, q, g);
     TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
     for (int f = 0; f < m->nfaces; f++) {
-        double centre[3], A[3];
-        polymesh_one_face(m, f, centre, A);
-        const double part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
+        const double *A = s->face_area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
         through[m->owner[f]] += part;
         if (f < m->ninternal) through[m->neighbour[f]] += part;
     }
