@@ -137,15 +137,16 @@ void polymesh_face_geometry(const struct polymesh *m, double *centre, double *ar
 
 int polymesh_axes(const struct polymesh *m, int axis[3]) {
     bool closed[3] = {false};
-    for (int p = 0; p < m->npatches; p++)
-        for (int f = m->patch[p].start;
-             !strcmp(m->patch[p].type, "empty") && f < m->patch[p].start + m->patch[p].nfaces; f++) {
+    for (int p = 0; p < m->npatches; p++) {
+        const int end = strcmp(m->patch[p].type, "empty") ? 0 : m->patch[p].start + m->patch[p].nfaces;
+        for (int f = m->patch[p].start; f < end; f++) {
             double centre[3], a[3];
             if (m->owner[f] != 0) continue; /* an axis that is closed at all is closed at each cell (polymesh_check) */
             polymesh_one_face(m, f, centre, a);
             int k = fabs(a[1]) > fabs(a[0]) ? 1 : 0;
             closed[fabs(a[2]) > fabs(a[k]) ? 2 : k] = true;
         }
+    }
     int dim = 0;
     for (int x = 0; x < 3; x++)
         if (!closed[x]) axis[dim++] = x;

@@ -14,9 +14,11 @@ static int ascending(const void *a, const void *b) {
 /* Adds up the surfaces of cells, without `empty` faces, which nothing crosses. */
 static void add_surfaces(const struct polymesh *m, const double *area, double *surface) {
     int patch = -1;
+    bool empty = false;
     for (int f = 0; f < m->nfaces; f++) {
-        while (patch + 1 < m->npatches && f >= m->patch[patch + 1].start) patch++;
-        if (patch >= 0 && !strcmp(m->patch[patch].type, "empty")) continue;
+        while (patch + 1 < m->npatches && f >= m->patch[patch + 1].start)
+            empty = !strcmp(m->patch[++patch].type, "empty");
+        if (empty) continue;
         const double *a = area + 3L * f, size = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
         surface[m->owner[f]] += size;
         if (f < m->ninternal) surface[m->neighbour[f]] += size;

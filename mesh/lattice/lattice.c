@@ -105,19 +105,16 @@ static bool place_cells(struct search *s) {
     return true;
 }
 
-/* Returns the side (2*axis + 0/1) of the cell's box that face f fills, or -1. */
-static int find_side(const struct search *s, int c, int f) {
-    const struct polymesh *m = s->m;
-    const double *box = s->box + 6L * c;
-    int first = m->face_start[f], n = m->face_start[f + 1] - first, corners = 0, all = 7, any = 0;
-    bool inside = false;
-    if (n != 4) return -1;
+/* Returns the side (2*axis + 0/1) of the cell's box that a face of four points fills, or -1. There are no branches,
+ * because what comes next cannot be guessed. */
+static int find_side(const double *box, const double tolerance[3], const double *const x[4]) {
+    int corners = 0, all = 7, any = 0;
+    int inside = 0;
     for (int i = 0; i < 4; i++) {
         int corner = 0;
         for (int k = 0; k < 3; k++) {
-            const double x = m->points[3L * m->face_points[first + i] + k], tolerance = TOLERANCE * s->width[k];
-            const bool high = x - box[k] > tolerance; /* no branches: what comes next cannot be guessed */
-            inside |= high & (box[3 + k] - x > tolerance);
+            const int high = x[i][k] - box[k] > tolerance[k];
+            inside |= high & (box[3 + k] - x[i][k] > tolerance[k]);
             corner |= high << k;
         }
         corners |= 1 << corner;
@@ -125,23 +122,32 @@ static int find_side(const struct search *s, int c, int f) {
         any |= corner;
     }
     const int flat = 7 & ~(all ^ any); /* the axes along which all corners are on the same side */
-    if (inside || __builtin_popcount((unsigned)corners) != 4 || (flat & (flat - 1)) || !flat) return -1;
+    for (int i = 0; i < 3; i++) corners &= corners - 1;
+    const bool four = corners && !(corners & (corners - 1)); /* four of them before three were taken away */
+    if (inside || !four || (flat & (flat - 1)) || !flat) return -1;
     const int k = flat >> 1; /* 0, 1, 2 of 1, 2, 4 */
     return 2 * k + (all >> k & 1);
 }
 
 static bool find_sides(struct search *s) {
     const struct polymesh *m = s->m;
+    double tolerance[3];
+    const double *x[4];
     for (long i = 0; i < 6L * m->ncells; i++) s->side[i] = -1;
-    for (int f = 0; f < m->nfaces; f++)
+    for (int k = 0; k < 3; k++) tolerance[k] = TOLERANCE * s->width[k];
+    for (int f = 0; f < m->nfaces; f++) {
+        const int *p = m->face_points + m->face_start[f], n = m->face_start[f + 1] - m->face_start[f];
+        for (int i = 0; i < 4; i++) x[i] = m->points + 3L * p[i < n ? i : 0];
         for (int half = 0; half < (f < m->ninternal ? 2 : 1); half++) {
-            int c = half ? m->neighbour[f] : m->owner[f], side = find_side(s, c, f);
+            const int c = half ? m->neighbour[f] : m->owner[f];
             const double *b = s->box + 6L * c;
+            const int side = n == 4 ? find_side(b, tolerance, x) : -1;
             if (side < 0 || s->side[6L * c + side] >= 0)
                 return no(s, "cell %d at (%g, %g, %g) is no box with faces normal to x, y, z", c, 0.5 * (b[0] + b[3]),
                           0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]));
             s->side[6L * c + side] = f;
         }
+    }
     for (long i = 0; i < 6L * m->ncells; i++)
         if (s->side[i] < 0) {
             const double *b = s->box + i / 6 * 6;

@@ -80,7 +80,7 @@ static void find_extremes(const struct function *f, int field, double value[2], 
         range_of(n, lines[0], range);
         for (int end = 0; end < 2; end++) {
             const double w = end ? -range[1] : range[0];
-            if (w > best[end]) continue;
+            if (w > best[end] || (w == best[end] && lowest[b] >= where[end])) continue;
             const int i = lowest_cell(n, lines[0], range[end], numbers, w < best[end] ? HUGE_VAL : where[end]);
             if (i < 0) continue;
             best[end] = end ? -lines[0][i] : lines[0][i]; /* a zero keeps the sign that it has in that cell */
