@@ -222,7 +222,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertIn("unknown.geo", os.listdir(self.new(os.path.join(self.folder, "merging.geo"))[0]))
 
     def test_readme(self):
-        """The line of README.md, as it stands, with a mesh of one's own."""
+        """The line of README.md from newCase to haffPlot, as it stands, with a mesh of one's own."""
         with open(os.path.join(harness.SOURCE, "README.md")) as f:
             line = re.search(r"^    (newCase .*)$", f.read(), re.M)[1]
         folder = os.path.join(self.folder, "readme")
