@@ -15,6 +15,11 @@ void comm_finish(struct comm *c);
 /* Makes a communicator of this rank alone, for work that it does without the others. comm_alone_free frees it, before
  * comm_finish. */
 status comm_alone(struct comm **out);
+/* Makes a communicator in which this process is `rank` of `size` and the others are not there, to measure what the
+ * set-up of one rank takes: no message is sent, and what is gathered, shared or reduced is this rank's alone. Freed
+ * likewise. */
+status comm_pretend(int rank, int size, struct comm **out);
+bool comm_pretends(const struct comm *c);
 void comm_alone_free(struct comm *c);
 
 int comm_rank(const struct comm *c);

@@ -4,6 +4,8 @@
  * centres). */
 #include "mesh/format/polymesh.h"
 
+#include "mesh/format/boxes.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,23 @@ void polymesh_free(struct polymesh *m) {
     free(m->face_points);
     free(m->owner);
     free(m->neighbour);
+    boxes_free(m->boxes);
     free(m);
+}
+
+void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]) {
+    for (int k = 0; k < 3; k++) {
+        low[k] = m->boxes ? m->boxes->low[k] : HUGE_VAL;
+        high[k] = m->boxes ? m->boxes->high[k] : -HUGE_VAL;
+        for (long i = 0; i < m->npoints; i++) {
+            low[k] = fmin(low[k], m->points[3 * i + k]);
+            high[k] = fmax(high[k], m->points[3 * i + k]);
+        }
+    }
+}
+
+const char *polymesh_boundary_file(const struct polymesh *m) {
+    return m->boxes ? "system/blockMeshDict" : "constant/polyMesh/boundary";
 }
 
 int polymesh_find_patch(const struct polymesh *m, const char *name) {
@@ -32,7 +50,33 @@ int polymesh_find_patch(const struct polymesh *m, const char *name) {
     return -1;
 }
 
-unsigned long polymesh_checksum(const struct polymesh *m) {
+status polymesh_complete(struct polymesh *m) {
+    return m->boxes && !m->points ? boxes_complete(m) : OK;
+}
+
+/* Adds up what a mesh of boxes is made from. */
+static unsigned long boxes_checksum(const struct boxes *b) {
+    unsigned long sum = crc32_z(0, NULL, 0);
+    sum = crc32_z(sum, (const void *)b->low, sizeof b->low);
+    sum = crc32_z(sum, (const void *)b->high, sizeof b->high);
+    for (int i = 0; i < b->nboxes; i++) {
+        const struct brick *x = &b->box[i];
+        sum = crc32_z(sum, (const void *)x->low, sizeof x->low);
+        sum = crc32_z(sum, (const void *)x->n, sizeof x->n);
+        for (int k = 0; k < 3; k++) {
+            const int axis[2] = {x->cell.axis[k], x->cell.down[k]};
+            sum = crc32_z(sum, (const void *)axis, sizeof axis);
+        }
+    }
+    for (int i = 0; i < b->nsides; i++) {
+        const struct brick_name name = b->side[i];
+        const int side[3] = {name.box, name.side, b->box[name.box].side[name.side].patch};
+        sum = crc32_z(sum, (const void *)side, sizeof side);
+    }
+    return sum;
+}
+
+static unsigned long arrays_checksum(const struct polymesh *m) {
     struct {
         const void *data;
         size_t bytes;
@@ -43,6 +87,11 @@ unsigned long polymesh_checksum(const struct polymesh *m) {
                 {m->neighbour, (size_t)m->ninternal * sizeof *m->neighbour}};
     unsigned long sum = crc32_z(0, NULL, 0);
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc32_z(sum, part[i].data, part[i].bytes);
+    return sum;
+}
+
+unsigned long polymesh_checksum(const struct polymesh *m) {
+    unsigned long sum = m->boxes ? boxes_checksum(m->boxes) : arrays_checksum(m);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
         sum = crc32_z(sum, (const void *)p->name, strlen(p->name) + 1);
@@ -135,19 +184,47 @@ void polymesh_face_geometry(const struct polymesh *m, double *centre, double *ar
     for (int f = 0; f < m->nfaces; f++) polymesh_one_face(m, f, centre + 3L * f, area + 3L * f);
 }
 
-int polymesh_axes(const struct polymesh *m, int axis[3]) {
-    bool closed[3] = {false};
+int polymesh_patch_cell(const struct polymesh *m, int patch, int i) {
+    int at[3], side;
+    if (!m->boxes) return m->owner[m->patch[patch].start + i];
+    boxes_face_at(m->boxes, patch, i, at, &side);
+    return (int)boxes_cell(m->boxes, at);
+}
+
+void polymesh_patch_face(const struct polymesh *m, int patch, int i, double centre[3], double area[3]) {
+    static const int order[4] = {0, 1, 2, 3};
+    if (m->boxes) {
+        double corner[4][3];
+        int at[3], side;
+        boxes_face_at(m->boxes, patch, i, at, &side);
+        boxes_corners(m->boxes, at, side, corner);
+        outline_geometry(corner[0], order, 4, centre, area);
+        return;
+    }
+    polymesh_one_face(m, m->patch[patch].start + i, centre, area);
+}
+
+/* Finds which axes `empty` patches close. An axis that is closed at all is closed at each cell (polymesh_check), so
+ * that the faces of cell 0 tell. */
+static void closed_axes(const struct polymesh *m, bool closed[3]) {
+    const struct boxes *b = m->boxes;
     for (int p = 0; p < m->npatches; p++) {
-        const int end = strcmp(m->patch[p].type, "empty") ? 0 : m->patch[p].start + m->patch[p].nfaces;
-        for (int f = m->patch[p].start; f < end; f++) {
+        if (strcmp(m->patch[p].type, "empty") != 0) continue;
+        for (int i = b ? b->first[p] : 0; b && i < b->first[p + 1]; i++) closed[b->side[i].side / 2] = true;
+        for (int f = 0; !b && f < m->patch[p].nfaces; f++) {
             double centre[3], a[3];
-            if (m->owner[f] != 0) continue; /* an axis that is closed at all is closed at each cell (polymesh_check) */
-            polymesh_one_face(m, f, centre, a);
+            if (m->owner[m->patch[p].start + f] != 0) continue;
+            polymesh_patch_face(m, p, f, centre, a);
             int k = fabs(a[1]) > fabs(a[0]) ? 1 : 0;
             closed[fabs(a[2]) > fabs(a[k]) ? 2 : k] = true;
         }
     }
+}
+
+int polymesh_axes(const struct polymesh *m, int axis[3]) {
+    bool closed[3] = {false};
     int dim = 0;
+    closed_axes(m, closed);
     for (int x = 0; x < 3; x++)
         if (!closed[x]) axis[dim++] = x;
     return dim;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A polyhedral mesh as OpenFOAM stores it: faces with owner and neighbour, internal faces first in upper-triangular
- * order, then the patches. It is the input of every run, whatever engine then solves on it. */
+ * order, then the patches. It is the input of every run, whatever engine then solves on it. A mesh that is said by
+ * boxes (boxes.h) has counts and patches only, until polymesh_complete makes the rest for what reads it. */
 #ifndef MESH_POLYMESH_H
 #define MESH_POLYMESH_H
 
@@ -14,7 +15,9 @@ struct patch {
     int start;       /* first face */
     int nfaces;
 };
+struct boxes;
 struct polymesh {
+    /* before polymesh_complete npoints is 0, and numbers of faces beyond INT_MAX are INT_MAX */
     int npoints, nfaces, ninternal, ncells, npatches;
     double *points;      /* [npoints][3] m */
     int *face_start;     /* [nfaces + 1] into face_points */
@@ -23,6 +26,7 @@ struct polymesh {
     int *owner;          /* [nfaces] cell */
     int *neighbour;      /* [ninternal] cell, > owner */
     struct patch *patch; /* [npatches] */
+    struct boxes *boxes; /* NULL: the mesh was read from a polyMesh */
 };
 void polymesh_free(struct polymesh *m);
 
@@ -49,6 +53,12 @@ struct polymesh_geometry {           /* all of that, as computed by the function
 /* The caller frees g, also after an error. */
 status polymesh_geometry_make(const struct polymesh *m, struct polymesh_geometry *g);
 void polymesh_geometry_free(struct polymesh_geometry *g);
+/* Makes the arrays of a mesh of boxes, if they are not there yet; local. */
+status polymesh_complete(struct polymesh *m);
+/* The cell at face i of a patch; centre (m) and area vector (m^2) of that face. They need no arrays of a mesh of
+ * boxes. */
+int polymesh_patch_cell(const struct polymesh *m, int patch, int i);
+void polymesh_patch_face(const struct polymesh *m, int patch, int i, double centre[3], double area[3]);
 
 /* Lists the faces of every cell, ascending: start[ncells + 1] into face[]. The caller frees both, also after an
  * error. */
@@ -61,6 +71,11 @@ status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]);
 /* Finds the axes (0 x, 1 y, 2 z) that `empty` patches leave, ascending; returns how many. The mesh must pass
  * polymesh_check. */
 int polymesh_axes(const struct polymesh *m, int axis[3]);
+
+/* Finds the corners of the box around all points, m. */
+void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]);
+/* The file that says the patches, for messages: constant/polyMesh/boundary or system/blockMeshDict. */
+const char *polymesh_boundary_file(const struct polymesh *m);
 
 /* Fails on coordinates so large that volumes would overflow. */
 status polymesh_check_points(const struct polymesh *m);
@@ -76,9 +91,10 @@ status polymesh_narrowest(const struct polymesh *m, const double *area, const do
 /* Checks what a run needs and more: closed cells, positive volumes, none 1e-12 times as narrow as the others, face
  * orientation, `empty` patches that cover every cell exactly twice, cyclic halves that match, no left-over
  * defaultFaces. Each defect is an error with number and
- * place. */
+ * place. A mesh of boxes has none of them. */
 status polymesh_check(const struct polymesh *m);
-/* Does that and leaves the geometry on which it rests in g, which the caller frees, also after an error. */
+/* Does that and leaves the geometry on which it rests in g, which the caller frees, also after an error. A mesh of
+ * boxes must be complete (polymesh_complete). */
 status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometry *g);
 
 int polymesh_find_patch(const struct polymesh *m, const char *name); /* -1: none */

@@ -213,6 +213,7 @@ static status check_all(struct check *k) {
 status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometry *g) {
     struct check k = {.m = m, .g = g};
     *g = (struct polymesh_geometry){0};
+    if (m->boxes) return polymesh_geometry_make(m, g); /* boxes were checked when the mesh was made of them */
     TRY(polymesh_check_points(m));
     TRY(check_leftover(m));
     TRY(polymesh_geometry_make(m, g));
@@ -223,6 +224,7 @@ status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometr
 
 status polymesh_check(const struct polymesh *m) {
     struct polymesh_geometry g;
+    if (m->boxes) return OK;
     status s = polymesh_check_geometry(m, &g);
     polymesh_geometry_free(&g);
     return s;

@@ -8,8 +8,9 @@
 #include "mesh/grid/search.h"
 
 struct grid_private {
-    int *order;       /* root: [ncells_all] polyMesh cells, block by block, rank by rank */
+    int *order;       /* root, polyhedral: [ncells_all] polyMesh cells, block by block, rank by rank */
     int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
+    double middle[3]; /* m, of a lattice: where axes of one cell have their cells */
 
     int *cell;             /* polyhedral: [nown] cells, block by block */
     int *place;            /* [ncells_all] where a cell stands in `cell`, -1: on another rank */
@@ -21,6 +22,9 @@ static status take_forest(struct grid *g, const struct lattice *l) {
     static const int tile_size[4] = {0, 60, 60, 24};
     TRY(forest_make(l, g->mesh, g->comm, tile_size[l->dim], &g->forest));
     const struct forest *f = g->forest;
+    double low[3], high[3];
+    polymesh_bounds(g->mesh, low, high);
+    for (int x = 0; x < 3; x++) g->hidden->middle[x] = 0.5 * (low[x] + high[x]);
     g->dim = f->dim;
     memcpy(g->axis, f->axis, sizeof g->axis);
     g->nblocks_all = f->nblocks_all;
@@ -64,15 +68,15 @@ static status take_polyhedra(struct grid *g, int rings) {
 static status find_order(struct grid *g) {
     int *cells = NULL, *ids = NULL, ncells = 0;
     long total;
-    for (int b = 0; b < g->nblocks; b++) ncells += g->block[b].ncells;
+    for (int b = 0; g->polyhedra && b < g->nblocks; b++) ncells += g->block[b].ncells;
     status s = allocate(&cells, ncells, sizeof *cells, "the cells of the grid");
     if (!s) s = allocate(&ids, g->nblocks, sizeof *ids, "the blocks of the grid");
     s = comm_agree(g->comm, s);
     for (int b = 0, n = 0; !s && b < g->nblocks; n += g->block[b++].ncells) {
-        memcpy(cells + n, g->block[b].cell, (size_t)g->block[b].ncells * sizeof *cells);
         ids[b] = g->block[b].id;
+        if (g->polyhedra) memcpy(cells + n, g->block[b].cell, (size_t)g->block[b].ncells * sizeof *cells);
     }
-    if (!s) s = comm_gather_int(g->comm, cells, ncells, &g->hidden->order, &total);
+    if (!s && g->polyhedra) s = comm_gather_int(g->comm, cells, ncells, &g->hidden->order, &total);
     if (!s) s = comm_gather_int(g->comm, ids, g->nblocks, &g->hidden->block_order, &total);
     free(cells);
     free(ids);
@@ -126,6 +130,22 @@ void grid_free(struct grid *g) {
     free(g);
 }
 
+double grid_volume(const struct grid *g, int cell) {
+    return g->forest ? g->forest->volume : g->volume[cell];
+}
+
+void grid_centre(const struct grid *g, int block, int i, double x[3]) {
+    if (g->polyhedra) {
+        memcpy(x, g->centre + 3L * g->block[block].cell[i], 3 * sizeof *x);
+        return;
+    }
+    const struct forest *f = g->forest;
+    const struct forest_block *b = &f->block[block];
+    const int at[3] = {i % b->n[0], i / b->n[0] % b->n[1], i / b->n[0] / b->n[1]};
+    memcpy(x, g->hidden->middle, 3 * sizeof *x);
+    for (int k = 0; k < f->dim; k++) x[f->axis[k]] = f->origin[k] + f->width[k] * (b->low[k] + at[k] + 0.5);
+}
+
 status grid_gather(const struct grid *g, const double *const *values, double *all) {
     double *mine = NULL, *gathered = NULL;
     long n = 0;
@@ -137,9 +157,11 @@ status grid_gather(const struct grid *g, const double *const *values, double *al
     status s = comm_gather(g->comm, mine, n, &gathered, NULL);
     free(mine);
     TRY(s);
-    for (int i = 0; comm_root(g->comm) && i < g->ncells_all; i++) all[g->hidden->order[i]] = gathered[i];
+    if (comm_root(g->comm) && g->forest) s = forest_place(g->forest, gathered, all);
+    for (int i = 0; comm_root(g->comm) && g->polyhedra && i < g->ncells_all; i++)
+        all[g->hidden->order[i]] = gathered[i];
     free(gathered);
-    return OK;
+    return comm_agree(g->comm, s);
 }
 
 status grid_sum(const struct grid *g, const double *per_block, double *sum) {

@@ -19,7 +19,7 @@ struct grid {
     int ncells_all, nblocks_all;
     int nblocks; /* blocks of this rank */
     struct grid_block *block;
-    const double *volume; /* [ncells_all] m^3, polyMesh order; borrowed */
+    const double *volume; /* [ncells_all] m^3, polyMesh order; borrowed; of polyhedra, as is centre */
     const double *centre; /* [ncells_all][3] m; borrowed */
     const struct polymesh *mesh;
     const struct comm *comm;
@@ -33,6 +33,10 @@ struct grid {
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
                  const struct comm *c, int rings, struct grid **out);
 void grid_free(struct grid *g);
+
+double grid_volume(const struct grid *g, int cell); /* of a cell of the polyMesh, m^3 */
+/* Sets x (m) to the centre of cell i of a block of this rank. */
+void grid_centre(const struct grid *g, int block, int i, double x[3]);
 
 /* Gathers values[block][cell of the block] in the root's all[ncells_all], in polyMesh order; all is NULL on the other
  * ranks. Collective. */

@@ -133,22 +133,11 @@ static status add_polygon(struct maker *m, int cell, int n, const int *corner) {
     return OK;
 }
 
-static void find_box(const struct polymesh *m, double low[3], double high[3]) {
-    for (int k = 0; k < 3; k++) {
-        low[k] = HUGE_VAL;
-        high[k] = -HUGE_VAL;
-        for (long i = 0; i < m->npoints; i++) {
-            low[k] = fmin(low[k], m->points[3 * i + k]);
-            high[k] = fmax(high[k], m->points[3 * i + k]);
-        }
-    }
-}
-
 /* ---- planes ---- */
 
 status slice_distances(const struct polymesh *m, const double point[3], const double normal[3], double **out) {
     double low[3], high[3], size = 0;
-    find_box(m, low, high);
+    polymesh_bounds(m, low, high);
     for (int k = 0; k < 3; k++) size = fmax(size, high[k] - low[k]);
     TRY(allocate(out, m->npoints, sizeof **out, "points"));
     for (long i = 0; i < m->npoints; i++) {
@@ -365,7 +354,7 @@ status slice_level(const struct vicinity_field *f, double level, struct slice *o
     const struct vicinity *v = f->v;
     struct maker m = {.v = v, .out = out, .copies = 1 << (3 - v->dim), .field = f, .level = level};
     status e = OK;
-    find_box(v->mesh, m.low, m.high);
+    polymesh_bounds(v->mesh, m.low, m.high);
     for (int cell = 0; !e && cell < v->mesh->ncells; cell++)
         if (is_cut(&m, cell)) e = vicinity_cut(v, cell, cut_simplex, &m);
     free(m.table);

@@ -29,41 +29,32 @@ static void lay_out(struct forest *f, const struct lattice *l) {
     for (int k = 0; k < 3; k++) f->step[k] = l->uniform[k] ? 0 : f->stride[k];
 }
 
-/* Finds the patch of every boundary face; cyclic faces get -1, since they have cells on both sides. */
-static status find_patches(const struct polymesh *m, int **patch_of) {
-    TRY(allocate(patch_of, m->nfaces - m->ninternal, sizeof **patch_of, "the patches of the faces"));
-    for (int f = 0; f < m->nfaces - m->ninternal; f++) (*patch_of)[f] = -1;
-    for (int p = 0; p < m->npatches; p++)
-        for (int f = 0; f < m->patch[p].nfaces; f++)
-            if (strcmp(m->patch[p].type, "cyclic") != 0) (*patch_of)[m->patch[p].start - m->ninternal + f] = p;
-    return OK;
-}
-
-static long lattice_index(const struct lattice *l, const int i[3]) {
-    return i[0] + l->n[0] * (i[1] + (long)l->n[1] * i[2]);
-}
-
-static int *list_cells(const struct lattice *l, const int low[3], const int n[3], int *next) {
+int *forest_list(const struct lattice *l, const int low[3], const int n[3], int *next) {
     for (int i[3] = {low[0], low[1], low[2]}; i[2] < low[2] + n[2]; i[2]++)
-        for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++)
-            for (i[0] = low[0]; i[0] < low[0] + n[0]; i[0]++) *next++ = l->cell[lattice_index(l, i)];
+        for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++, next += n[0]) lattice_row(l, i, n[0], next);
     return next;
 }
 
 /* Lists the faces along one side of a tile, numbered within their patch; returns the end of the list. */
 static int *list_faces(const struct lattice *l, const struct polymesh *m, const struct tile *t, int side, int *next) {
-    int k = side / 2, low[3], n[3];
+    int low[3], n[3];
     for (int a = 0; a < 3; a++) {
-        low[a] = t->low[a] + (a == k && side % 2 ? t->n[a] - 1 : 0);
-        n[a] = a == k ? 1 : t->n[a];
+        low[a] = t->low[a] + (a == side / 2 && side % 2 ? t->n[a] - 1 : 0);
+        n[a] = a == side / 2 ? 1 : t->n[a];
     }
-    int *end = list_cells(l, low, n, next);
-    for (; next < end; next++) *next = l->face[6 * (long)*next + side] - m->patch[t->side[side].patch].start;
-    return end;
+    long face;
+    for (int i[3] = {low[0], low[1], low[2]}; i[2] < low[2] + n[2]; i[2]++)
+        for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++)
+            for (i[0] = low[0]; i[0] < low[0] + n[0]; i[0]++) {
+                lattice_patch(l, m, i, side, &face);
+                *next++ = (int)face;
+            }
+    return next;
 }
 
 static void describe_sides(struct tile *t, const struct trees_tile *all, const struct trees *trees,
-                           const struct lattice *l, const struct polymesh *m, const int *patch_of, int **face) {
+                           const struct lattice *l, const struct polymesh *m, int **face) {
+    long first;
     for (int side = 0; side < 6; side++) {
         int neighbour = side < 2 * l->dim ? all->neighbour[side] - trees->first : -1;
         t->side[side].neighbour = neighbour >= 0 && neighbour < trees->count ? neighbour : -1;
@@ -71,21 +62,26 @@ static void describe_sides(struct tile *t, const struct trees_tile *all, const s
         if (side >= 2 * l->dim || all->neighbour[side] >= 0) continue;
         int a = side / 2, corner[3] = {t->low[0], t->low[1], t->low[2]};
         if (side % 2) corner[a] += t->n[a] - 1;
-        t->side[side].patch = patch_of[l->face[6 * (long)l->cell[lattice_index(l, corner)] + side] - m->ninternal];
+        t->side[side].patch = lattice_patch(l, m, corner, side, &first);
         t->side[side].face = *face;
         *face = list_faces(l, m, t, side, *face);
     }
 }
 
-static status make_tiles(struct forest *f, const struct lattice *l, const struct polymesh *m, const int *patch_of) {
+/* Counts the faces of patches on the sides of a tile. */
+static long patch_faces(const struct trees_tile *t, int dim) {
+    long faces = 0;
+    for (int side = 0; side < 2 * dim; side++)
+        if (t->neighbour[side] < 0) faces += (long)t->n[0] * t->n[1] * t->n[2] / t->n[side / 2];
+    return faces;
+}
+
+static status make_tiles(struct forest *f, const struct lattice *l, const struct polymesh *m) {
     struct forest_private *h = f->hidden;
     const struct trees_tile *all = h->all + h->trees->first;
     long nfaces = 0;
     f->ntiles = h->trees->count;
-    for (int t = 0; t < f->ntiles; t++) {
-        const int *n = all[t].n;
-        nfaces += 2L * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
-    }
+    for (int t = 0; t < f->ntiles; t++) nfaces += patch_faces(&all[t], l->dim);
     TRY(allocate(&f->tile, f->ntiles, sizeof *f->tile, "the tiles"));
     TRY(allocate(&h->face, nfaces, sizeof *h->face, "the faces of the tiles"));
     int *face = h->face;
@@ -94,7 +90,7 @@ static status make_tiles(struct forest *f, const struct lattice *l, const struct
         tile->id = h->trees->first + t;
         memcpy(tile->low, all[t].low, sizeof tile->low);
         memcpy(tile->n, all[t].n, sizeof tile->n);
-        describe_sides(tile, &all[t], h->trees, l, m, patch_of, &face);
+        describe_sides(tile, &all[t], h->trees, l, m, &face);
     }
     return OK;
 }
@@ -115,12 +111,8 @@ static status make_blocks(struct forest *f, const struct lattice *l) {
         f->block[b] = (struct forest_block){.id = mine[b].id, .tile = mine[b].tile - h->trees->first, .cell = cell};
         memcpy(f->block[b].low, mine[b].low, sizeof mine->low);
         memcpy(f->block[b].n, mine[b].n, sizeof mine->n);
-        cell = list_cells(l, mine[b].low, mine[b].n, cell);
+        cell = forest_list(l, mine[b].low, mine[b].n, cell);
     }
-    if (!comm_root(f->comm)) return OK;
-    TRY(allocate(&h->order, f->ncells_all, sizeof *h->order, "the order of the cells"));
-    int *next = h->order;
-    for (int b = 0; b < h->nblocks; b++) next = list_cells(l, h->block[b].low, h->block[b].n, next);
     return OK;
 }
 
@@ -138,15 +130,15 @@ static void describe_lattice(struct forest *f, const struct lattice *l, const st
     f->ncells_all = m->ncells;
 }
 
-static status build(struct forest *f, const struct lattice *l, const struct polymesh *m, const int *patch_of,
-                    int tile_size) {
+static status build(struct forest *f, const struct lattice *l, const struct polymesh *m, int tile_size) {
     struct forest_private *h = f->hidden;
-    TRY(comm_agree(f->comm, cut_make(h, l, m, patch_of, tile_size)));
+    h->lattice = l;
+    TRY(comm_agree(f->comm, cut_make(h, l, m, tile_size)));
     f->ntiles_all = h->nall;
     f->nblocks_all = h->nblocks;
     lay_out(f, l);
     TRY(trees_make(f->comm, l->dim, h->all, h->nall, &h->trees));
-    status s = make_tiles(f, l, m, patch_of);
+    status s = make_tiles(f, l, m);
     if (!s) s = make_blocks(f, l);
     if (!s) s = fill_make(f);
     return comm_agree(f->comm, s);
@@ -155,18 +147,15 @@ static status build(struct forest *f, const struct lattice *l, const struct poly
 status forest_make(const struct lattice *l, const struct polymesh *m, const struct comm *c, int tile_size,
                    struct forest **out) {
     struct forest *f = NULL;
-    int *patch_of = NULL;
     *out = NULL;
     status s = allocate(&f, 1, sizeof *f, "the forest");
     if (!s) s = allocate(&f->hidden, 1, sizeof *f->hidden, "the forest");
-    if (!s) s = find_patches(m, &patch_of);
     s = comm_agree(c, s);
     if (!s) {
         f->comm = c;
         describe_lattice(f, l, m);
-        s = build(f, l, m, patch_of, tile_size);
+        s = build(f, l, m, tile_size);
     }
-    free(patch_of);
     if (s) {
         forest_free(f);
         return status_up(s, __FILE__, __LINE__);
@@ -184,7 +173,6 @@ void forest_free(struct forest *f) {
         cut_free(h);
         free(h->cell);
         free(h->face);
-        free(h->order);
         free(h);
     }
     free(f->tile);

@@ -60,7 +60,7 @@ struct forest {
 
 /* Cuts lattice l of mesh m into tiles of about tile_size cells a side; cuts also fall on every plane where the boundary
  * or its patch changes. Refuses (ERR_INPUT) a mesh with a passage of fewer than GHOSTS cells between two such planes
- * where a neighbour tile would need them. Collective. */
+ * where a neighbour tile would need them. The lattice must outlive the forest. Collective. */
 status forest_make(const struct lattice *l, const struct polymesh *m, const struct comm *c, int tile_size,
                    struct forest **out);
 void forest_free(struct forest *f);
@@ -81,6 +81,9 @@ void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_derivatives(struct forest *f, double *const *data);
 
+/* Puts values that stand block by block, in the order of the ranks and of their blocks, in the order of the polyMesh:
+ * all[ncells_all]. Local; values[] and all[] are others. */
+status forest_place(const struct forest *f, const double *values, double *all);
 /* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every block's cells to the
  * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that
  * every rank holds; local. */

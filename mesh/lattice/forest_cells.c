@@ -17,14 +17,31 @@ static long cells_of(const struct forest *f) {
     return n;
 }
 
+status forest_place(const struct forest *f, const double *values, double *all) {
+    const struct forest_private *h = f->hidden;
+    int *cell;
+    long most = 1;
+    for (int b = 0; b < h->nblocks; b++) {
+        const int *n = h->block[b].n;
+        const long cells = (long)n[0] * n[1] * n[2];
+        most = cells > most ? cells : most;
+    }
+    TRY(allocate(&cell, most, sizeof *cell, "the cells of a block"));
+    for (int b = 0; b < h->nblocks; b++) {
+        const int *end = forest_list(h->lattice, h->block[b].low, h->block[b].n, cell);
+        for (const int *c = cell; c < end; c++) all[*c] = *values++;
+    }
+    free(cell);
+    return OK;
+}
+
 status forest_gather_values(const struct forest *f, const double *values, double *all) {
     const bool alone = comm_size(f->comm) == 1;
     double *gathered = NULL;
     if (!alone) TRY(comm_gather(f->comm, values, cells_of(f), &gathered, NULL));
-    const double *from = alone ? values : gathered;
-    for (int c = 0; comm_root(f->comm) && c < f->ncells_all; c++) all[f->hidden->order[c]] = from[c];
+    const status s = comm_root(f->comm) ? forest_place(f, alone ? values : gathered, all) : OK;
     free(gathered);
-    return OK;
+    return comm_agree(f->comm, s);
 }
 
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {

@@ -6,11 +6,11 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct cutter {
     const struct lattice *l;
     const struct polymesh *m;
-    const int *patch_of;
     bool *plane[3]; /* [n + 1] must tiles end at this plane? */
 };
 
@@ -18,14 +18,15 @@ static long at(const int n[3], const int i[3]) {
     return i[0] + n[0] * (i[1] + (long)n[1] * i[2]);
 }
 
-static int side_face(const struct cutter *c, const int i[3], int side) {
-    return c->l->face[6 * (long)c->l->cell[at(c->l->n, i)] + side];
+static bool is_cyclic(const struct cutter *c, int patch) {
+    return !strcmp(c->m->patch[patch].type, "cyclic");
 }
 
 /* Returns the patch at a side of the solid cell i, or -1 where another cell follows. */
 static int side_patch(const struct cutter *c, const int i[3], int side) {
-    int face = side_face(c, i, side);
-    return face < c->m->ninternal ? -1 : c->patch_of[face - c->m->ninternal];
+    long face;
+    const int patch = lattice_patch(c->l, c->m, i, side, &face);
+    return patch >= 0 && is_cyclic(c, patch) ? -1 : patch;
 }
 
 static double position(const struct lattice *l, int k, int plane) {
@@ -39,15 +40,16 @@ static char axis_name(const struct lattice *l, int k) {
 /* Checks that a cyclic face leads across the whole lattice to a cell on its other edge. */
 static status check_cyclic(const struct cutter *c, const int i[3], int side) {
     const struct lattice *l = c->l;
-    int face = side_face(c, i, side), k = side / 2;
-    if (face < c->m->ninternal || c->patch_of[face - c->m->ninternal] >= 0) return OK;
+    long face;
+    const int patch = lattice_patch(l, c->m, i, side, &face), k = side / 2;
+    if (patch < 0 || !is_cyclic(c, patch)) return OK;
     int image[3] = {i[0], i[1], i[2]}, edge = side % 2 ? l->n[k] - 1 : 0;
     image[k] = l->n[k] - 1 - edge;
-    if (i[k] == edge && l->periodic[k] && l->cell[at(l->n, image)] >= 0) return OK;
+    if (i[k] == edge && l->periodic[k] && lattice_cell(l, image) >= 0) return OK;
     return fail(ERR_INPUT,
-                "constant/polyMesh: face %d at %c = %g is cyclic, but there is no cell at the opposite edge of the "
-                "mesh; cyclic patches must join two opposite edges of the whole mesh; make this one a wall",
-                face, axis_name(l, k), position(l, k, i[k] + side % 2));
+                "constant/polyMesh: face %ld of patch '%s' at %c = %g is cyclic, but there is no cell at the opposite "
+                "edge of the mesh; cyclic patches must join two opposite edges of the whole mesh; make this one a wall",
+                face, c->m->patch[patch].name, axis_name(l, k), position(l, k, i[k] + side % 2));
 }
 
 /* Marks the planes at which cell i makes tiles end: a side of the cell with a patch, and the plane to a next cell that
@@ -59,11 +61,30 @@ static status mark_planes(struct cutter *c, const int i[3]) {
         if (patch >= 0) c->plane[side / 2][i[side / 2] + side % 2] = true;
         for (int k = 0; k < c->l->dim; k++) {
             int next[3] = {i[0], i[1], i[2]};
-            if (k == side / 2 || ++next[k] == c->l->n[k] || c->l->cell[at(c->l->n, next)] < 0) continue;
+            if (k == side / 2 || ++next[k] == c->l->n[k] || lattice_cell(c->l, next) < 0) continue;
             if (side_patch(c, next, side) != patch) c->plane[k][next[k]] = true;
         }
     }
     return OK;
+}
+
+/* Does the same for the cells of a block of a mesh of boxes, whose sides are each wholly of one patch. */
+static void mark_box(struct cutter *c, const struct brick *b) {
+    const struct boxes *all = c->l->boxes;
+    for (int k = 0; k < c->l->dim; k++) {
+        const int x = c->l->axis[k], end = b->low[x] + b->n[x], next = b->side[2 * x + 1].next;
+        for (int high = 0; high < 2; high++) {
+            const int patch = b->side[2 * x + high].patch;
+            if (patch >= 0 && !is_cyclic(c, patch)) c->plane[k][high ? end : b->low[x]] = true;
+        }
+        for (int other = 0; other < c->l->dim && next >= 0; other++)
+            for (int high = 0; high < 2 && other != k; high++) {
+                const int side = 2 * c->l->axis[other] + high, one = b->side[side].patch,
+                          two = all->box[next].side[side].patch;
+                const bool wall = one >= 0 && !is_cyclic(c, one), wall_there = two >= 0 && !is_cyclic(c, two);
+                if (wall != wall_there || (wall && one != two)) c->plane[k][end] = true;
+            }
+    }
 }
 
 static status find_planes(struct cutter *c) {
@@ -72,10 +93,12 @@ static status find_planes(struct cutter *c) {
         TRY(allocate(&c->plane[k], n[k] + 1L, sizeof *c->plane[k], "the cut planes"));
         c->plane[k][0] = c->plane[k][n[k]] = true;
     }
+    for (int i = 0; c->l->boxes && i < c->l->boxes->nboxes; i++) mark_box(c, &c->l->boxes->box[i]);
+    if (c->l->boxes) return OK;
     for (int i[3] = {0}; i[2] < n[2]; i[2]++)
         for (i[1] = 0; i[1] < n[1]; i[1]++)
             for (i[0] = 0; i[0] < n[0]; i[0]++)
-                if (c->l->cell[at(n, i)] >= 0) TRY(mark_planes(c, i));
+                if (lattice_cell(c->l, i) >= 0) TRY(mark_planes(c, i));
     return OK;
 }
 
@@ -120,7 +143,7 @@ static void number_blocks(struct forest_private *h, const struct cutter *c, stru
             for (p[0] = 0; p[0] < pieces[0]; p[0]++) {
                 int low[3] = {h->start[0][p[0]], h->start[1][p[1]], h->start[2][p[2]]};
                 h->id[at(pieces, p)] = -1;
-                if (c->l->cell[at(h->n, low)] >= 0) seat[h->nblocks++] = (struct seat){morton(p), {p[0], p[1], p[2]}};
+                if (lattice_cell(c->l, low) >= 0) seat[h->nblocks++] = (struct seat){morton(p), {p[0], p[1], p[2]}};
             }
     qsort(seat, (size_t)h->nblocks, sizeof *seat, by_key);
     for (int b = 0; b < h->nblocks; b++) h->id[at(pieces, seat[b].piece)] = b;
@@ -179,18 +202,20 @@ static void describe_all(struct forest_private *h, const struct cutter *c, const
 
 /* Refuses tile t if a neighbour tile takes ghost layers from it and it has fewer than GHOSTS cells there. A tile that
  * is its own periodic image may be thinner: it wraps round as often as it must. */
-static status check_thickness(const struct forest_private *h, const struct lattice *l, int t) {
+static status check_thickness(const struct forest_private *h, const struct cutter *c, int t) {
+    const struct lattice *l = c->l;
     const struct trees_tile *tile = &h->all[t];
     for (int side = 0; side < 2 * l->dim; side++) {
         int k = side / 2, neighbour = tile->neighbour[side];
         if (tile->n[k] >= GHOSTS || neighbour < 0 || neighbour == t) continue;
         char x = axis_name(l, k);
         return fail(ERR_INPUT,
-                    "constant/polyMesh: only %d cell%s along %c between %c = %g and %c = %g, planes where the boundary "
+                    "%s: only %d cell%s along %c between %c = %g and %c = %g, planes where the boundary "
                     "or its patch changes; at least %d are needed; refine the mesh along %c by a factor of %d, or move "
                     "one of these planes",
-                    tile->n[k], tile->n[k] > 1 ? "s" : "", x, x, position(l, k, tile->low[k]), x,
-                    position(l, k, tile->low[k] + tile->n[k]), GHOSTS, x, (GHOSTS + tile->n[k] - 1) / tile->n[k]);
+                    c->m->boxes ? "system/blockMeshDict" : "constant/polyMesh", tile->n[k], tile->n[k] > 1 ? "s" : "",
+                    x, x, position(l, k, tile->low[k]), x, position(l, k, tile->low[k] + tile->n[k]), GHOSTS, x,
+                    (GHOSTS + tile->n[k] - 1) / tile->n[k]);
     }
     return OK;
 }
@@ -208,13 +233,12 @@ static status make_tiles(struct forest_private *h, const struct cutter *c) {
     if (!s) describe_all(h, c, seat, tile_of);
     free(tile_of);
     free(seat);
-    for (int t = 0; !s && t < h->nall; t++) s = check_thickness(h, c->l, t);
+    for (int t = 0; !s && t < h->nall; t++) s = check_thickness(h, c, t);
     return s;
 }
 
-status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, const int *patch_of,
-                int tile_size) {
-    struct cutter c = {.l = l, .m = m, .patch_of = patch_of};
+status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, int tile_size) {
+    struct cutter c = {.l = l, .m = m};
     if (tile_size < GHOSTS)
         return fail(ERR_INPUT, "tile size %d; a tile has at least %d cells a side", tile_size, GHOSTS);
     for (int k = 0; k < 3; k++) h->n[k] = l->n[k];

@@ -34,9 +34,9 @@ struct forest_private {
     int nall;
     struct trees_tile *all; /* [nall] all tiles, by id */
     struct trees *trees;
-    int *cell;  /* the array that block[].cell points into */
-    int *face;  /* the array that tile[].side[].face points into */
-    int *order; /* root: [ncells_all] polyMesh cell, block by block; NULL elsewhere */
+    int *cell;                     /* the array that block[].cell points into */
+    int *face;                     /* the array that tile[].side[].face points into */
+    const struct lattice *lattice; /* borrowed */
 
     struct copies fill, pack; /* copies into ghost layers, tile by tile; copies into messages */
     int *fill_start;          /* [ntiles + 1] where the copies for a tile begin */
@@ -50,10 +50,11 @@ struct forest_private {
 };
 
 /* Cuts the lattice into the tiles of all ranks: sets n, pieces, start, id, nblocks, block, nall, all, the same on every
- * rank and without communication. patch_of[f - ninternal] is the patch of boundary face f, or -1 on a cyclic patch. */
-status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, const int *patch_of,
-                int tile_size);
+ * rank and without communication. */
+status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, int tile_size);
 void cut_free(struct forest_private *h);
+/* Lists the cells at the places of a box of the lattice; returns the end of the list. */
+int *forest_list(const struct lattice *l, const int low[3], const int n[3], int *next);
 
 /* Builds the copy lists and buffers of f->hidden, and sets tile[].remote. */
 status fill_make(struct forest *f);

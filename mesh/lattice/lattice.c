@@ -256,26 +256,6 @@ static bool check_patches(struct search *s) {
 
 /* ---- the lattice ------------------------------------------------------------------------------------------------- */
 
-void lattice_free(struct lattice *l) {
-    if (!l) return;
-    free(l->cell);
-    free(l->face);
-    free(l);
-}
-
-void lattice_centres(const struct lattice *l, double *centre) {
-    const int *c = l->cell;
-    for (int at[3] = {0}; at[2] < l->n[2]; at[2]++)
-        for (at[1] = 0; at[1] < l->n[1]; at[1]++)
-            for (at[0] = 0; at[0] < l->n[0]; at[0]++, c++)
-                for (int k = 0; k < l->dim && *c >= 0; k++)
-                    centre[3L * *c + l->axis[k]] = l->origin[k] + l->width[k] * (at[k] + 0.5);
-}
-
-bool lattice_may_be_uniform(const struct lattice *l, const struct polymesh *m, int k) {
-    return l->periodic[k] && l->n[k] > 1 && m->ncells == (long)l->n[0] * l->n[1] * l->n[2];
-}
-
 static void set_axes(const struct search *s, struct lattice *l) {
     int gone = 0;
     for (int k = 0; k < 3; k++) gone += s->gone[k];

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A lattice is a mesh of equal axis-parallel boxes (holes allowed). It is recognised in the polyMesh, because the fast
- * engine needs one. */
+/* A lattice is a mesh of equal axis-parallel boxes (holes allowed), as the fast engine needs one. It is recognised in a
+ * polyMesh, whose cells and faces then stand in tables, or made of a mesh that is said by boxes (boxes.h), whose
+ * numbers follow from places. */
 #ifndef MESH_LATTICE_H
 #define MESH_LATTICE_H
 
+#include "mesh/format/boxes.h"
 #include "mesh/format/polymesh.h"
 
 struct lattice {
@@ -12,8 +14,9 @@ struct lattice {
     int n[3];         /* cells along computational axis k of the bounding box; 1 for k >= dim */
     double origin[3]; /* lower corner along computational axis k, m */
     double width[3];  /* cell size along computational axis k, m; for k >= dim the thickness of the mesh there */
-    int *cell;        /* [n0*n1*n2], axis 0 fastest: polyMesh cell, or -1 in a hole */
-    int *face;        /* [ncells][6] by polyMesh cell: face at side 2*k + (0 low, 1 high); -1 for k >= dim */
+    const struct boxes *boxes; /* the mesh's, which has no tables until lattice_complete; or NULL */
+    int *cell;                 /* [n0*n1*n2], axis 0 fastest: polyMesh cell, or -1 in a hole */
+    int *face;                 /* [ncells][6] by polyMesh cell: face at side 2*k + (0 low, 1 high); -1 for k >= dim */
     double thickness; /* product of the mesh's extents along the empty axes, m^(3-dim): volume = product(width) */
     bool periodic[3]; /* axis k is wrapped by cyclic patches */
     bool uniform[3];  /* the forest shall hold one layer of cells along axis k, which stands for all. lattice_recognise
@@ -23,10 +26,26 @@ struct lattice {
 /* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell
  * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
+/* Makes the lattice of a mesh of boxes, which must outlive it. */
+status lattice_of_boxes(const struct polymesh *m, struct lattice **out);
+/* Makes the tables of cells and faces, and the arrays of the mesh, where they are not there yet. */
+status lattice_complete(struct lattice *l, struct polymesh *m);
 void lattice_free(struct lattice *l);
 
+/* The cell at a place, or -1: a hole is there. lattice_row lists those of n places from there on along axis 0. */
+long lattice_cell(const struct lattice *l, const int at[3]);
+void lattice_row(const struct lattice *l, const int at[3], int n, int *cell);
+/* The patch at a side (2*k + 0/1, k < dim) of the cell at a place, cyclic ones too, with the face's number in it; -1:
+ * another cell follows. */
+int lattice_patch(const struct lattice *l, const struct polymesh *m, const int at[3], int side, long *face);
+double lattice_volume(const struct lattice *l); /* of a cell, m^3 */
+/* Frees the table of faces, which the forest does without; lattice_patch then needs boxes. */
+void lattice_drop_faces(struct lattice *l);
+/* Sets the solved axes of x (m) to the centre of a cell. Without boxes it looks for the cell in the whole table. */
+void lattice_centre(const struct lattice *l, long cell, double x[3]);
+
 /* Sets the centres [ncells][3] (m) of the cells along the solved axes from their places, so that a layer of cells has
- * one coordinate, to the bit, and expressions in it one value. */
+ * one coordinate, to the bit, and expressions in it one value. For lattices with tables. */
 void lattice_centres(const struct lattice *l, double *centre);
 
 /* Can the lattice be uniform along axis k? It must be a periodic box without holes, and more than one cell long. */

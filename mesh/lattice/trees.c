@@ -5,12 +5,33 @@
 
 #include <stdlib.h>
 
+void trees_deal(const struct trees_tile *all, int nall, int ranks, int *start) {
+    long cells = 0, before = 0;
+    int rank = 0;
+    for (int t = 0; t < nall; t++) cells += (long)all[t].n[0] * all[t].n[1] * all[t].n[2];
+    for (int t = 0; t < nall; t++) {
+        for (; rank < ranks && before >= (long)((double)cells * rank / ranks); rank++) start[rank] = t;
+        before += (long)all[t].n[0] * all[t].n[1] * all[t].n[2];
+    }
+    while (rank <= ranks) start[rank++] = nall;
+}
+
+/* Deals the tiles without p4est, which needs all ranks. */
+static status deal_alone(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall) {
+    const int rank = comm_rank(c);
+    TRY(allocate(&t->start, comm_size(c) + 1L, sizeof *t->start, "the first tiles of the ranks"));
+    trees_deal(all, nall, comm_size(c), t->start);
+    t->first = t->start[rank];
+    t->count = t->start[rank + 1] - t->first;
+    return OK;
+}
+
 status trees_make(const struct comm *c, int dim, const struct trees_tile *all, int nall, struct trees **out) {
     struct trees *t = NULL;
     *out = NULL;
     TRY(comm_agree(c, allocate(&t, 1, sizeof *t, "the trees of the forest")));
-    t->engine = dim < 3 ? &trees_flat : &trees_solid;
-    status s = t->engine->start(t, c, all, nall);
+    if (!comm_pretends(c)) t->engine = dim < 3 ? &trees_flat : &trees_solid;
+    status s = t->engine ? t->engine->start(t, c, all, nall) : deal_alone(t, c, all, nall);
     if (s) {
         trees_free(t);
         return status_up(s, __FILE__, __LINE__);
@@ -21,7 +42,7 @@ status trees_make(const struct comm *c, int dim, const struct trees_tile *all, i
 
 void trees_free(struct trees *t) {
     if (!t) return;
-    t->engine->stop(t);
+    if (t->engine) t->engine->stop(t);
     free(t->start);
     free(t);
 }

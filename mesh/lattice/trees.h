@@ -12,9 +12,9 @@ struct trees_tile {   /* one tile; every rank has the list of all */
 };
 struct trees_engine;
 struct trees {
-    const struct trees_engine *engine;
-    int first, count; /* my tiles: ids first .. first + count - 1 */
-    int *start;       /* [ranks + 1] the first tile of each rank */
+    const struct trees_engine *engine; /* NULL: the ranks are not there (comm_pretend) */
+    int first, count;                  /* my tiles: ids first .. first + count - 1 */
+    int *start;                        /* [ranks + 1] the first tile of each rank */
     struct trees_state *state;
 };
 struct trees_engine { /* p4est in two dimensions (and one), p8est in three */
@@ -23,6 +23,9 @@ struct trees_engine { /* p4est in two dimensions (and one), p8est in three */
 };
 extern const struct trees_engine trees_flat, trees_solid;
 
+/* Deals the tiles to `ranks` as p4est_partition does: a rank begins with the first tile before which at least its share
+ * of all cells lies. start: [ranks + 1] */
+void trees_deal(const struct trees_tile *all, int nall, int ranks, int *start);
 status trees_make(const struct comm *c, int dim, const struct trees_tile *all, int nall, struct trees **out);
 void trees_free(struct trees *t);
 

@@ -4,39 +4,111 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/case/case.h"
 
+#include "solvers/case/blockmesh.h"
 #include "solvers/case/changes.h"
 
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-static status read_mesh(struct setup *s) {
-    char path[TIME_PATH];
-    snprintf(path, sizeof path, "%.4000s/constant/polyMesh", s->dir);
-    if (access(path, F_OK))
-        return fail(ERR_INPUT, "%s: no mesh; make it with  gmshToCase MESH.msh -case %.1000s", path, s->dir);
-    TRY(polymesh_read(path, &s->mesh));
+static void take_cells(struct setup *s, struct polymesh_geometry *g) {
+    s->centre = g->cell_centre;
+    s->volume = g->volume;
+    g->cell_centre = g->volume = NULL;
+}
+
+/* Computes centres and volumes of the cells of a mesh with arrays. */
+static status measure_cells(struct setup *s) {
     const struct polymesh *m = s->mesh;
-    struct polymesh_geometry g;
-    status e = status_note(polymesh_check_geometry(m, &g), "%s", path);
-    if (!e) s->checksum = polymesh_checksum(m);
-    if (!e) e = lattice_recognise(m, &s->lattice, s->why);
-    if (!e) {
-        s->centre = g.cell_centre;
-        s->volume = g.volume;
-        s->face_area = g.face_area;
-        g.cell_centre = g.volume = g.face_area = NULL;
-    }
-    if (!e && s->lattice) lattice_centres(s->lattice, s->centre);
+    struct polymesh_geometry g = {0};
+    const status e = polymesh_geometry_make(m, &g);
+    if (!e) take_cells(s, &g);
     polymesh_geometry_free(&g);
     return e;
 }
 
+static void drop_cells(struct setup *s) {
+    free(s->centre);
+    free(s->volume);
+    s->centre = s->volume = NULL;
+}
+
+/* Checks a mesh with arrays, and finds whether it is a lattice; keeps what the check computed of cells and faces. */
+static status check_cells(struct setup *s) {
+    struct polymesh_geometry g;
+    status e = status_note(polymesh_check_geometry(s->mesh, &g), "%s", s->mesh_path);
+    if (!e) e = lattice_recognise(s->mesh, &s->lattice, s->why);
+    if (!e) take_cells(s, &g);
+    if (!e && !s->lattice) {
+        s->face_area = g.face_area;
+        g.face_area = NULL;
+    }
+    polymesh_geometry_free(&g);
+    return e;
+}
+
+static status read_mesh(struct setup *s) {
+    struct case_mesh read;
+    const status e = case_mesh_read(s->dir, &read);
+    s->mesh = read.mesh;
+    memcpy(s->mesh_path, read.path, sizeof s->mesh_path);
+    TRY(e);
+    if (read.older)
+        TRY(warn(
+            &s->warnings, WARN_OLD_MESH,
+            "%s/system/blockMeshDict: it was changed after constant/polyMesh, which counts: run blockMesh, or remove "
+            "constant/polyMesh and the dictionary itself is read",
+            s->dir));
+    if (s->mesh->boxes) {
+        s->checksum = polymesh_checksum(s->mesh);
+        boxes_centre(s->mesh->boxes, 0, s->first);
+        return lattice_of_boxes(s->mesh, &s->lattice);
+    }
+    TRY(check_cells(s));
+    s->checksum = polymesh_checksum(s->mesh);
+    if (s->lattice) {
+        lattice_centres(s->lattice, s->centre);
+        free(s->volume);
+        s->volume = NULL;
+    }
+    memcpy(s->first, s->centre, sizeof s->first);
+    return OK;
+}
+
+status setup_complete(const struct setup *s) {
+    struct setup *to = (struct setup *)(uintptr_t)s; /* what is added was there in the files */
+    if (s->centre && s->volume) return OK;
+    if (s->mesh->boxes) TRY(lattice_complete(to->lattice, to->mesh));
+    drop_cells(to);
+    TRY(measure_cells(to));
+    if (s->lattice) lattice_centres(s->lattice, to->centre);
+    return OK;
+}
+
+double setup_volume(const struct setup *s, long cell) {
+    return s->lattice ? lattice_volume(s->lattice) : s->volume[cell];
+}
+
+void setup_centre(const struct setup *s, long cell, double x[3]) {
+    if (s->centre) {
+        memcpy(x, s->centre + 3 * cell, 3 * sizeof *x);
+        return;
+    }
+    memcpy(x, s->first, sizeof s->first);
+    lattice_centre(s->lattice, cell, x);
+}
+
 status setup_grid(struct setup *s, bool polyhedral, int rings) {
-    return grid_make(polyhedral ? NULL : s->lattice, s->mesh, s->centre, s->volume, s->comm, rings, &s->grid);
+    const bool forest = s->lattice && !polyhedral;
+    if (!forest) TRY(setup_complete(s));
+    TRY(grid_make(forest ? s->lattice : NULL, s->mesh, s->centre, s->volume, s->comm, rings, &s->grid));
+    if (!forest || s->medium->type->whole) return OK;
+    lattice_drop_faces(s->lattice);
+    drop_cells(s);
+    return OK;
 }
 
 int setup_lines(const struct setup *s, int quantity) {
@@ -58,6 +130,7 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
     s->warnings.accepted = s->control->accepted;
     TRY(read_mesh(s));
+    if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
     TRY(warn_header(&s->warnings, s->control->dict));
@@ -124,8 +197,7 @@ void case_free(struct setup *s) {
     lattice_free(s->lattice);
     polymesh_free(s->mesh);
     control_free(s->control);
-    free(s->centre);
-    free(s->volume);
+    drop_cells(s);
     free(s);
 }
 
@@ -150,7 +222,7 @@ status case_table(const struct setup *s, const char *folder, const char *file, F
 
 double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
-    double mesh = points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
+    double mesh = s->mesh->points ? points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28) : 0;
     double fields = cells * 8 * 12;
     return (mesh + fields) * comm_size(s->comm) + s->medium->type->memory(s->medium);
 }

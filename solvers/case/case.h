@@ -22,8 +22,13 @@ struct setup { /* the same on every rank, but for the grid */
     struct control *control;
     struct warnings warnings;
     struct polymesh *mesh;
-    double *centre, *volume; /* [ncells][3] m, [ncells] m^3: of the cells */
-    double *face_area;       /* [nfaces][3] m^2, as polymesh_face_geometry; NULL once the state is read */
+    char mesh_path[TIME_PATH]; /* of the folder or file that says it */
+    /* [ncells][3] m, [ncells] m^3: of the cells. On lattices they are there after setup_complete, and centres of a
+     * polyMesh until setup_grid, too; setup_volume and setup_centre do without. */
+    double *centre, *volume;
+    double first[3];   /* m: the centre of cell 0, for axes of one cell */
+    double *face_area; /* [nfaces][3] m^2 of a mesh that is no lattice, as polymesh_face_geometry; NULL once the state
+                        * is read */
     unsigned long checksum;
     int dim, axis[3]; /* the solved axes; behind them those along which the medium moves all the same, then the rest */
     int components;   /* of a vector, along axis[]; dim unless the medium sets it in `state` */
@@ -47,6 +52,11 @@ status case_read(const char *dir, const struct medium_type *type, struct reading
 void case_free(struct setup *s);
 /* Returns the number of lines, along axis[], that a quantity's values have in the medium's `block` and `gather`. */
 int setup_lines(const struct setup *s, int quantity);
+/* Makes the arrays of the mesh, of its lattice (but for faces after setup_grid) and of its cells that are not there,
+ * for what reads them; local. */
+status setup_complete(const struct setup *s);
+double setup_volume(const struct setup *s, long cell);            /* of a cell, m^3 */
+void setup_centre(const struct setup *s, long cell, double x[3]); /* of a cell, m */
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);
 /* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */

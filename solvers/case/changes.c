@@ -51,9 +51,9 @@ status changes_check_mesh(const struct setup *s) {
     status_free(e); /* changes_print reports the error; the run does not need the file */
     if (cells == s->mesh->ncells) return OK;
     return fail(ERR_INPUT,
-                "%s/constant/polyMesh: it has %d cells, but time %s was written on a mesh of %ld cells; put that mesh "
+                "%s: it has %d cells, but time %s was written on a mesh of %ld cells; put that mesh "
                 "back, start from a time of the new one, or map the fields to it (OpenFOAM's mapFields)",
-                s->dir, s->mesh->ncells, s->start.name, cells);
+                s->mesh_path, s->mesh->ncells, s->start.name, cells);
 }
 
 /* ---- two printed dictionaries, entry by entry ---- */
@@ -169,7 +169,7 @@ static status tell(FILE *f, const struct setup *s, struct dict *was) {
     struct teller t = {f, s->start.name, date, 0};
     snprintf(now, sizeof now, "%016lx", s->checksum);
     if (*checksum && strcmp(checksum, now) != 0) {
-        say(&t, "constant/polyMesh", "checksum", checksum, now);
+        say(&t, s->mesh->boxes ? "system/blockMeshDict" : "constant/polyMesh", "checksum", checksum, now);
         fprintf(f, "    WARNING: the fields of time %s belong to another mesh; they are taken cell by cell\n",
                 s->start.name);
     }

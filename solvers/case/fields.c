@@ -3,6 +3,7 @@
 #include "solvers/case/fields.h"
 
 #include "libcore/models/boundary.h"
+#include "mesh/format/boxes.h"
 #include "solvers/dict/expr.h"
 #include "solvers/dict/params.h"
 
@@ -163,8 +164,16 @@ static status unfinite(struct dict *d, double value, long cell, const double *x,
     return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", value, in, x[0], x[1], x[2], t);
 }
 
-static status read_expression(struct dict *d, int components, bool cells, long npoints, const double *points, double t,
-                              double *out) {
+void field_centre(const struct field_place *at, long cell, double x[3]) {
+    if (at->centre)
+        memcpy(x, at->centre + 3 * cell, 3 * sizeof *x);
+    else
+        boxes_centre(at->mesh->boxes, cell, x);
+}
+
+/* Evaluates the expressions of a field at points or, where these are NULL, at the cells of a place. */
+static status read_expression(struct dict *d, int components, const struct field_place *cells, long npoints,
+                              const double *points, double t, double *out) {
     const char *const *texts;
     int n;
     TRY(dict_words(d, "expression", &n, &texts));
@@ -180,9 +189,13 @@ static status read_expression(struct dict *d, int components, bool cells, long n
         }
         if (s) return status_note(s, "%s:%d: expression \"%s\"", dict_path(d), dict_line(d, "expression"), texts[c]);
         for (long i = 0; i < npoints; i++) {
-            const double *x = points + 3 * i;
+            double x[3];
+            if (points)
+                memcpy(x, points + 3 * i, sizeof x);
+            else
+                field_centre(cells, i, x);
             double v = expr_value(e, x[0], x[1], x[2], t);
-            if (!isfinite(v) && !s) s = unfinite(d, v, cells ? i : -1, x, t);
+            if (!isfinite(v) && !s) s = unfinite(d, v, points ? -1 : i, x, t);
             out[i * components + c] = v;
         }
         expr_free(e);
@@ -195,7 +208,7 @@ bool field_has_expression(const struct field *f) {
     return dict_has(f->dict, "expression") && !f->plan.changes;
 }
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
-    return read_expression(f->dict, f->kind->components, false, npoints, points, t, out);
+    return read_expression(f->dict, f->kind->components, NULL, npoints, points, t, out);
 }
 
 static status read_cells(struct field *f, const struct field_place *at) {
@@ -203,7 +216,7 @@ static status read_cells(struct field *f, const struct field_place *at) {
     if (dict_has(f->dict, "expression")) {
         (void)dict_has(f->dict, "internalField");
         TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
-        return read_expression(f->dict, m, true, n, at->centre, at->t, f->values);
+        return read_expression(f->dict, m, at, n, NULL, at->t, f->values);
     }
     double uniform[3] = {0, 0, 0};
     if (!f->plan.fills || dict_has(f->dict, "internalField"))
@@ -222,8 +235,10 @@ static bool constraint(const char *type) {
     return false;
 }
 
-static status check_type(struct dict *d, const struct field_kind *kind, const struct patch *p, const char *type) {
-    const char *names[TYPES];
+static status check_type(struct dict *d, const struct field_kind *kind, const struct polymesh *m, int patch,
+                         const char *type) {
+    const struct patch *p = &m->patch[patch];
+    const char *names[TYPES], *file = polymesh_boundary_file(m);
     int n = 0;
     bool known = false;
     names[n++] = "empty";
@@ -238,20 +253,16 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
         return dict_choice(d, "type", names, n, &index);
     }
     if (constraint(p->type) && strcmp(p->type, type))
-        return dict_fail(d, "type",
-                         "patch %s is of type %s in constant/polyMesh/boundary; field %s must have type %s there",
-                         p->name, p->type, kind->name, p->type);
+        return dict_fail(d, "type", "patch %s is of type %s in %s; field %s must have type %s there", p->name, p->type,
+                         file, kind->name, p->type);
     if (constraint(type) && strcmp(p->type, type))
         return dict_fail(d, "type",
-                         "patch %s is of type %s in constant/polyMesh/boundary; change it there to %s, or give "
-                         "field %s another type here",
-                         p->name, p->type, type, kind->name);
+                         "patch %s is of type %s in %s; change it there to %s, or give field %s another type here",
+                         p->name, p->type, file, type, kind->name);
     const struct boundary_type *row = boundary_find(type);
     if (row && row->giving == BY_RATE && !strcmp(p->type, "wall"))
-        return dict_fail(d, "type",
-                         "patch %s is a wall in constant/polyMesh/boundary, and nothing flows through it; "
-                         "make it a `patch` there",
-                         p->name);
+        return dict_fail(d, "type", "patch %s is a wall in %s, and nothing flows through it; make it a `patch` there",
+                         p->name, file);
     return OK;
 }
 
@@ -307,7 +318,7 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
                          struct patch_field *out) {
     TRY(dict_word(d, "type", &out->type));
     out->line = dict_line(d, "type");
-    TRY(check_type(d, kind, &at->mesh->patch[patch], out->type));
+    TRY(check_type(d, kind, at->mesh, patch, out->type));
     const struct boundary_type *type = boundary_find(out->type);
     if (type) TRY(read_type(d, kind, at, patch, type, out));
     return params_read(d, type_param, COUNT(type_param), out);
@@ -331,9 +342,8 @@ static status read_patches(struct field *f, const struct field_place *at) {
     for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name);
     name_idle(all, idle);
     for (int i = 0; i < m->npatches; i++) {
-        TRY(status_note(dict_sub(all, m->patch[i].name, &one),
-                        "%s: no entry for patch '%s' (type %s in constant/polyMesh/boundary)%s", dict_path(f->dict),
-                        m->patch[i].name, m->patch[i].type, idle));
+        TRY(status_note(dict_sub(all, m->patch[i].name, &one), "%s: no entry for patch '%s' (type %s in %s)%s",
+                        dict_path(f->dict), m->patch[i].name, m->patch[i].type, polymesh_boundary_file(m), idle));
         TRY(status_note(read_patch(one, f->kind, at, i, &f->patch[i]), "%s: patch %s", dict_path(f->dict),
                         m->patch[i].name));
     }
@@ -368,6 +378,12 @@ status field_read_with(const char *path, const struct field_kind *kind, const st
 status field_read(const char *path, const struct field_kind *kind, const struct field_place *place,
                   struct field **out) {
     return field_read_with(path, kind, place, NULL, NULL, out);
+}
+
+void field_drop_cells(struct field *f) {
+    free(f->values);
+    f->values = NULL;
+    dict_drop_text(f->dict);
 }
 
 void field_free(struct field *f) {
@@ -428,7 +444,9 @@ status field_fail(const struct field *f, const struct field_place *place, int ce
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    const double *x = place->centre + 3 * cell, *v = f->values + (long)cell * f->kind->components;
+    const double *v = f->values + (long)cell * f->kind->components;
+    double x[3];
+    field_centre(place, cell, x);
     int line = cell_line(f, cell);
     if (f->kind->components == 3)
         return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict), line, cell,

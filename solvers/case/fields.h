@@ -45,7 +45,7 @@ struct field {
 /* The mesh, geometry and time (for expressions) that a field is read for. */
 struct field_place {
     const struct polymesh *mesh;
-    const double *centre; /* [ncells][3] m */
+    const double *centre; /* [ncells][3] m; NULL: those of the mesh's boxes */
     double t;             /* s */
 };
 
@@ -54,6 +54,8 @@ struct field_place {
  * (NULL: all). */
 struct boundary_type;
 void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const struct boundary_type *b));
+
+void field_centre(const struct field_place *at, long cell, double x[3]); /* the centre of a cell, m */
 
 /* Is there a file PATH or PATH.gz? */
 bool field_exists(const char *path);
@@ -67,6 +69,7 @@ typedef status field_reader(void *context, struct dict *d, struct field_plan *pl
 status field_read_with(const char *path, const struct field_kind *kind, const struct field_place *place,
                        field_reader *read, void *context, struct field **out);
 void field_free(struct field *f);
+void field_drop_cells(struct field *f); /* frees the values of the cells, and the text of the file */
 /* Reads only the cells' values, of any field whose class is volScalarField or volVectorField; *components is 1 or 3,
  * *out is [ncells][components]. */
 status field_read_values(const char *path, int ncells, int *components, double **out);

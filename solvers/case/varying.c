@@ -31,12 +31,13 @@ static const char *wall_motion(const struct boundary_type *t) {
 
 /* ---- reading ---- */
 
-static status take_geometry(struct varying *v, const struct polymesh *m, const struct patch *p) {
-    TRY(allocate(&v->centre, 6L * p->nfaces + 1, sizeof *v->centre, "faces of a patch"));
-    v->normal = v->centre + 3L * p->nfaces;
-    for (int i = 0; i < p->nfaces; i++) {
+static status take_geometry(struct varying *v, const struct polymesh *m, int patch) {
+    const int nfaces = m->patch[patch].nfaces;
+    TRY(allocate(&v->centre, 6L * nfaces + 1, sizeof *v->centre, "faces of a patch"));
+    v->normal = v->centre + 3L * nfaces;
+    for (int i = 0; i < nfaces; i++) {
         double A[3];
-        polymesh_one_face(m, p->start + i, v->centre + 3L * i, A);
+        polymesh_patch_face(m, patch, i, v->centre + 3L * i, A);
         const double size = sqrt(A[0] * A[0] + A[1] * A[1] + A[2] * A[2]);
         for (int k = 0; k < 3; k++) v->normal[3L * i + k] = A[k] / size;
         v->area += size;
@@ -136,7 +137,7 @@ status varying_read(struct dict *d, int components, const struct boundary_type *
                           .nfaces = m->patch[patch].nfaces,
                           .wall = type->wall};
     status s = read_entry(v, type);
-    if (!s) s = take_geometry(v, m, &m->patch[patch]);
+    if (!s) s = take_geometry(v, m, patch);
     if (s)
         varying_free(v);
     else

@@ -305,6 +305,25 @@ void dict_mark_used(struct dict *d) {
     }
 }
 
+/* Lets the lists of d and below end where they begin. */
+static void drop_lists(struct dict *d) {
+    for (int i = 0; i < d->count; i++) {
+        d->entry[i].start.position = 0;
+        if (d->entry[i].sub) drop_lists(d->entry[i].sub);
+    }
+}
+
+void dict_drop_text(struct dict *d) {
+    struct document *all = d->document;
+    drop_lists(all->top);
+    for (int i = 0; i < all->sources; i++) {
+        char *less = realloc(all->source[i]->text, 1);
+        if (less) all->source[i]->text = less;
+        all->source[i]->text[0] = 0;
+        all->source[i]->size = 0;
+    }
+}
+
 /* ---- text ---- */
 
 struct text {
@@ -325,13 +344,16 @@ static void add(struct text *t, const char *s) {
     t->size += n;
 }
 
-static void add_value(struct text *t, const struct entry *e) {
+static void add_value(struct text *t, const struct entry *e, bool lines) {
     const char *before = "(";
+    int line = e->line;
     for (int i = 0; i < e->count; i++) {
         const struct value *v = &e->value[i];
+        for (; lines && line < v->line; line++) add(t, "\n");
         if (*before != '(' && *before != '[' && !(v->kind == TOKEN_PUNCTUATION && strchr(")];", *v->text))) add(t, " ");
         if (v->kind == TOKEN_STRING) add(t, "\"");
         add(t, v->text);
+        for (const char *c = v->text; *c; c++) line += *c == '\n';
         if (v->kind == TOKEN_STRING) add(t, "\"");
         before = v->kind == TOKEN_PUNCTUATION ? v->text : "x";
     }
@@ -348,9 +370,16 @@ status entry_fail_hidden(const struct entry *e) {
     return source_fail(&hidden, e->line, "%s", "");
 }
 
+char *entry_lines(const struct entry *e) {
+    struct text t = {0};
+    add_value(&t, e, true);
+    add(&t, ";");
+    return t.text;
+}
+
 void entry_print(const struct entry *e, char *text, size_t room) {
     struct text t = {0};
-    add_value(&t, e);
+    add_value(&t, e, false);
     if (e->sub) add(&t, "{...}");
     if (e->raw) add(&t, " ...");
     snprintf(text, room, "%s", t.text ? t.text : "");
@@ -388,7 +417,7 @@ static void add_dict(struct text *t, const struct dict *d, int depth) {
             continue;
         }
         if (e->count) add(t, " ");
-        add_value(t, e);
+        add_value(t, e, false);
         add(t, e->raw ? " /* not shown */;\n" : ";\n");
     }
 }

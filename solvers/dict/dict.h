@@ -13,6 +13,9 @@ status dict_read(const char *path, struct dict **out); /* the FoamFile header is
 status dict_from_text(const char *name, const char *text, struct dict **out);
 void dict_free(struct dict *d); /* the top level only */
 
+/* Frees the text of the files, which dict_raw of nonuniform lists reads: those cannot be read again. */
+void dict_drop_text(struct dict *d);
+
 bool dict_has(const struct dict *d, const char *key); /* the key then counts as read */
 /* Find a sub-dictionary. A missing key is an error, but dict_sub_optional then gives NULL; any other value is an
  * error. */

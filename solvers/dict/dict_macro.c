@@ -74,7 +74,11 @@ status macro_push(struct reading *r, struct file *f, struct dict *d, struct entr
         return reading_fail(f, t->line, "'$%s' is a dictionary; it cannot be part of a value (missing ';' before it?)",
                             from->key);
     TRY(reading_charge(r, f, t->line, (size_t)from->count));
-    for (int i = 0; i < from->count; i++) TRY(reading_push(r, e, from->value[i]));
+    for (int i = 0; i < from->count; i++) {
+        struct value v = from->value[i];
+        v.line = 0; /* that of the macro counts */
+        TRY(reading_push(r, e, v));
+    }
     if (from->raw) {
         e->raw = true;
         e->start = from->start;

@@ -71,7 +71,7 @@ static status push_punctuation(struct reading *r, const struct file *f, struct e
     } else if (c == '\'') {
         return lexer_fail(&f->l, t, "strings stand in \"double quotes\"");
     }
-    struct value v = {.kind = t->kind, .foreign = f->l.source->foreign};
+    struct value v = {.kind = t->kind, .line = t->line, .foreign = f->l.source->foreign};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
     return reading_push(r, e, v);
 }
@@ -96,7 +96,7 @@ static status push_token(struct reading *r, struct file *f, struct dict *d, stru
     if (t->kind == TOKEN_VERBATIM) return lexer_fail(&f->l, t, "no code is run from a dictionary");
     if (!strcmp(e->key, "type") && t->length > 5 && !memcmp(t->text, "coded", 5))
         return lexer_fail(&f->l, t, "no code is run from a dictionary; choose a type that is built in");
-    struct value v = {.kind = t->kind, .number = t->number, .foreign = f->l.source->foreign};
+    struct value v = {.kind = t->kind, .number = t->number, .line = t->line, .foreign = f->l.source->foreign};
     TRY(document_copy(r->document, t->text, t->length, &v.text));
     TRY(reading_push(r, e, v));
     int bytes = t->kind == TOKEN_WORD ? item_bytes(t, &f->header) : 0;

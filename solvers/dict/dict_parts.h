@@ -12,6 +12,7 @@ struct value { /* a token, macros expanded */
     enum token_kind kind;
     const char *text;
     double number;
+    int line;     /* 0: that of the token before it */
     bool foreign; /* does it come from a file outside of the case? Messages do not show it then */
 };
 struct entry {
@@ -71,6 +72,8 @@ struct entry *dict_find_exact(const struct dict *d, const char *key); /* the key
 struct entry *dict_ask(const struct dict *d, const char *key);
 /* Prints the value as text, cut at `room`. */
 void entry_print(const struct entry *e, char *text, size_t room);
+char *entry_lines(const struct entry *e); /* the whole value with ';' behind it, its tokens on the lines they stood on;
+                                             the caller frees it; NULL: no memory */
 bool entry_is_foreign(const struct entry *e); /* does it, or a value of it, come from a file outside of the case? */
 /* Returns the error of an entry whose text messages do not show. */
 status entry_fail_hidden(const struct entry *e);

@@ -81,12 +81,8 @@ status dict_raw(struct dict *d, const char *key, struct lexer *out) {
         *out = e->start;
         return OK;
     }
-    size_t room = 256;
-    for (int i = 0; i < e->count; i++) room += strlen(e->value[i].text) + 4;
-    char *text = malloc(room);
+    char *text = entry_lines(e);
     if (!text) return fail(ERR_SYSTEM, "no memory for key '%s'", key);
-    entry_print(e, text, room - 2);
-    strcat(text, ";");
     struct source *s = NULL;
     status bad = source_from_text(e->path, text, &s);
     free(text);

@@ -125,7 +125,9 @@ static status extremes_execute(struct function *f, const struct moment *now, con
         int cell[2];
         find_extremes(f, f->field[k], v, cell);
         if (!root || s) continue;
-        const double *a = f->setup->centre + 3L * cell[0], *b = f->setup->centre + 3L * cell[1];
+        double a[3], b[3];
+        setup_centre(f->setup, cell[0], a);
+        setup_centre(f->setup, cell[1], b);
         fprintf(e->file, "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
                 quantity_of(f, f->field[k])->name, v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
         s = function_end_row(f, e->file);

@@ -34,11 +34,12 @@ static status integral_make(struct function *f, struct dict *d) {
 static double sum_block(const struct function *f, int field, int b, int component, int n, const double *v) {
     const struct integral *own = f->own;
     const struct grid_block *block = &f->setup->grid->block[b];
-    const double *volume = f->setup->grid->volume;
-    double *kept = own->kept + 2 * ((3L * field + component) * f->setup->grid->nblocks + b), total = 0;
+    const struct grid *grid = f->setup->grid;
+    double *kept = own->kept + 2 * ((3L * field + component) * grid->nblocks + b), total = 0;
     if (n == 1 && !memcmp(kept, v, sizeof *v)) return kept[1];
     for (int i = 0; i < block->ncells && own->operation == SUM; i++) total += v[n > 1 ? i : 0];
-    for (int i = 0; i < block->ncells && own->operation != SUM; i++) total += volume[block->cell[i]] * v[n > 1 ? i : 0];
+    for (int i = 0; i < block->ncells && own->operation != SUM; i++)
+        total += grid_volume(grid, block->cell[i]) * v[n > 1 ? i : 0];
     if (n > 1) return total;
     kept[0] = *v;
     return kept[1] = total;
@@ -103,7 +104,7 @@ static status integral_open(const struct function *f, struct integral *v) {
     double volume = 0, part = 0;
     TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &v->file));
     for (int i = 0; i < grid->ncells_all; i++) { /* in pieces, which keep the digits of many equal volumes */
-        part += grid->volume[i];
+        part += grid_volume(grid, i);
         if (i % 1000 != 999) continue;
         volume += part;
         part = 0;

@@ -205,13 +205,12 @@ static void end(struct making *m) {
 
 static status take_faces(struct making *m, const struct patch_choice *c) {
     const struct polymesh *mesh = m->f->setup->mesh;
-    double centre[3], area[3];
     for (int p = 0; p < mesh->npatches; p++)
         for (int i = 0; i < mesh->patch[p].nfaces && c->takes[p]; i++) {
-            const int face = mesh->patch[p].start + i;
-            polymesh_one_face(mesh, face, centre, area);
+            double centre[3], area[3];
+            polymesh_patch_face(mesh, p, i, centre, area);
             const double size = sqrt(dot(area, area));
-            struct piece piece = {.slot = slot_for(m, mesh->owner[face]), .area = size};
+            struct piece piece = {.slot = slot_for(m, polymesh_patch_cell(mesh, p, i)), .area = size};
             for (int k = 0; k < 3; k++) piece.normal[k] = area[k] / size;
             TRY(add_piece(m, &piece));
         }
@@ -233,6 +232,7 @@ static status take_cells(struct making *m, const double point[3], const double n
         m->point[k] = point[k];
         m->normal[k] = normal[k] / size;
     }
+    TRY(setup_complete(m->f->setup));
     TRY(slice_distances(mesh, point, m->normal, &m->above));
     TRY(polymesh_cell_faces(mesh, &m->face_start, &m->face_of));
     for (int cell = 0; cell < mesh->ncells; cell++) TRY(cut_cell(m, cell));

@@ -12,14 +12,9 @@
 const char *const spot_schemes[] = {"cell", "cellPoint", NULL};
 
 static void bounding_box(const struct polymesh *m, double low[3], double high[3]) {
+    polymesh_bounds(m, low, high);
     for (int a = 0; a < 3; a++) {
-        low[a] = HUGE_VAL;
-        high[a] = -HUGE_VAL;
-        for (int i = 0; i < m->npoints; i++) {
-            low[a] = fmin(low[a], m->points[3 * (long)i + a]);
-            high[a] = fmax(high[a], m->points[3 * (long)i + a]);
-        }
-        double slack = 1e-9 * (high[a] - low[a]);
+        const double slack = 1e-9 * (high[a] - low[a]);
         low[a] -= slack;
         high[a] += slack;
     }
@@ -86,6 +81,7 @@ static status find_cells(const struct spots *s, const struct setup *setup, doubl
 /* Finds the simplices of the spots and marks the cells that their corners need. */
 static status find_simplices(struct spots_linear *l, const struct spots *s, const struct setup *setup,
                              const double *cell, bool *wanted) {
+    TRY(setup_complete(setup));
     TRY(vicinity_make(setup->mesh, setup->centre, setup->dim, setup->axis, &l->vicinity));
     TRY(allocate(&l->corner, 4L * s->n + 1, sizeof *l->corner, "points"));
     TRY(allocate(&l->value, setup->mesh->ncells, sizeof *l->value, "samples"));

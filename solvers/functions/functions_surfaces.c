@@ -95,6 +95,7 @@ static status read_plane(const struct function *f, struct one *one, struct dict 
     for (int k = 0; k < 3; k++) size = hypot(size, one->normal[k]);
     if (!(size > 0)) return dict_fail(sub, "normal", "a normal has a length");
     for (int k = 0; k < 3; k++) one->normal[k] /= size;
+    TRY(setup_complete(f->setup));
     TRY(slice_distances(mesh, one->point, one->normal, &distance));
     for (int i = 0; i < mesh->npoints; i++) {
         above |= distance[i] >= 0;
@@ -144,6 +145,7 @@ static status prepare(const struct function *f) {
     const struct setup *setup = f->setup;
     struct surfaces *s = f->own;
     if (s->vicinity) return OK;
+    TRY(setup_complete(setup));
     TRY(vicinity_make(setup->mesh, setup->centre, setup->dim, setup->axis, &s->vicinity));
     TRY(allocate(&s->values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));
     TRY(allocate(&s->level_values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));

@@ -61,7 +61,8 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
     long n = s->mesh->ncells;
     bool root = comm_root(s->comm);
     status e = OK;
-    if (root && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
+    if (root) e = setup_complete(s);
+    if (root && !e && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
     if (root && !e && !v->values) e = allocate(&v->values, 3 * n * f->nfields, sizeof(double), "VTK fields");
     TRY(comm_agree(s->comm, e));
     for (int k = 0; k < f->nfields; k++) {

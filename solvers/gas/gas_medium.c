@@ -77,8 +77,12 @@ static void largest_gravity(const struct setup *s, const struct sources *q, doub
  * rest fall through many cells in its first step. */
 static status find_fall(const struct setup *s, const struct sources *q, double *out) {
     const struct polymesh *m = s->mesh;
+    const struct lattice *l = s->lattice;
     double g[3], *through = NULL, most = 0;
     largest_gravity(s, q, g);
+    for (int k = 0; l && k < l->dim; k++) most += fabs(g[l->axis[k]]) / l->width[k];
+    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
+    if (l) return OK;
     TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
     for (int f = 0; f < m->nfaces; f++) {
         const double *A = s->face_area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
@@ -126,6 +130,7 @@ static status check_scheme(struct setup *s, const struct gas_state *g) {
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
+    if (g->models->engine && g->models->engine->polyhedral) TRY(setup_complete(s));
     TRY(find_fall(s, &models->source, &g->fall));
     const struct field_place place = {s->mesh, s->centre, s->start.t};
     TRY(read_initial(s, g, &place));
@@ -144,8 +149,8 @@ static status gas_read_state(struct setup *s) {
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
-    if (s->grid->polyhedra && models->polynomial->degree > 1)
-        return initial_average(g->initial, &place, s->dim, models);
+    if (s->grid->polyhedra && models->polynomial->degree > 1) TRY(initial_average(g->initial, &place, s->dim, models));
+    initial_drop_fields(g->initial);
     return OK;
 }
 
@@ -545,11 +550,9 @@ struct turning { /* context of turn_face */
 static void turn_face(void *turning, const struct gas_face *face) {
     const struct turning *t = turning;
     const struct setup *s = t->setup;
-    struct crossing out = {.patch = face->patch,
-                           .area = face->area,
-                           .centre = {s->centre[0], s->centre[1], s->centre[2]},
-                           .mass = face->mass,
-                           .energy = face->energy + face->work + face->heat};
+    struct crossing out = {
+        .patch = face->patch, .area = face->area, .mass = face->mass, .energy = face->energy + face->work + face->heat};
+    memcpy(out.centre, s->first, sizeof out.centre);
     for (int k = 0; k < s->dim; k++) {
         out.centre[s->axis[k]] = face->centre[k];
         out.normal[s->axis[k]] = face->normal[k];

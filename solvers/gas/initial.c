@@ -317,19 +317,17 @@ static status check_motion(const struct reader *r, const struct field *U, int p,
 /* Fails unless a wall that moves leads along each face of its patch. */
 static status check_tangential(const struct reader *r, const struct field *U, int p) {
     const struct polymesh *m = r->place->mesh;
-    const struct patch *patch = &m->patch[p];
     const struct patch_field *q = &U->patch[p];
     struct patch_rules given = {
         .velocity = {.type = boundary_find(q->type), .params = q->params, .values = q->values}}; /* in axes x, y, z */
-    double centre[3], area[3], u[3];
-    status s = OK;
+    double u[3], centre[3], area[3];
     memcpy(given.velocity.uniform, q->uniform, sizeof q->uniform);
-    for (int i = 0; i < patch->nfaces && !s; i++) {
-        polymesh_one_face(m, patch->start + i, centre, area);
+    for (int i = 0; i < m->patch[p].nfaces; i++) {
         wall_velocity(&given, 3, i, u);
-        s = check_motion(r, U, p, u, centre, area);
+        polymesh_patch_face(m, p, i, centre, area);
+        TRY(check_motion(r, U, p, u, centre, area));
     }
-    return s;
+    return OK;
 }
 
 /* Fails on a patch that gives mass to a gas that was to have implicit acoustics: there open patches hold the pressure.
@@ -362,9 +360,9 @@ static status check_open(const struct reader *r, const struct initial *s, int p,
     if (!strcmp(r->place->mesh->patch[p].type, "wall"))
         return fail(ERR_INPUT,
                     "%s:%d: patch %s: U is '%s', which lets gas through, but the patch is of type wall in "
-                    "constant/polyMesh/boundary: say here  type %s;  or, if it is open, type patch there",
+                    "%s: say here  type %s;  or, if it is open, type patch there",
                     dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name, U->patch[p].type,
-                    r->models->transport ? "noSlip" : "slip");
+                    polymesh_boundary_file(r->place->mesh), r->models->transport ? "noSlip" : "slip");
     for (int i = 0; i < 2; i++) {
         const struct field *f = s->field[scalars[i]];
         const struct boundary_type *type = boundary_find(f->patch[p].type);
@@ -486,13 +484,17 @@ status initial_rest(const char *case_dir, const struct instant *at, const struct
     return e;
 }
 
+void initial_drop_fields(struct initial *s) {
+    for (int i = 0; i < FIELD_COUNT; i++)
+        if (s->field[i]) field_drop_cells(s->field[i]);
+}
+
 void initial_drop_cells(struct initial *s) {
-    double **all[2 + 3 + MAX_VAR + FIELD_COUNT] = {&s->rho, &s->T};
+    double **all[2 + 3 + MAX_VAR] = {&s->rho, &s->T};
     int n = 2;
     for (int k = 0; k < 3; k++) all[n++] = &s->u[k];
     for (int v = 0; v < MAX_VAR; v++) all[n++] = &s->conserved[v];
-    for (int i = 0; i < FIELD_COUNT; i++)
-        if (s->field[i]) all[n++] = &s->field[i]->values;
+    initial_drop_fields(s);
     while (n--) {
         free(*all[n]);
         *all[n] = NULL;

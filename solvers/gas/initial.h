@@ -48,6 +48,8 @@ void initial_free(struct initial *s);
  * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a
  * state that has conserved fields. */
 status initial_average(struct initial *s, const struct field_place *place, int dim, const struct gas_models *models);
+/* Frees the cells' values of the fields, which rho, T, u and conserved were taken from. */
+void initial_drop_fields(struct initial *s);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);
 

@@ -4,6 +4,7 @@
 #include "solvers/gas/layers.h"
 
 #include "libcore/grains/random.h"
+#include "mesh/format/boxes.h"
 #include "solvers/dict/params.h"
 
 #include <math.h>
@@ -172,21 +173,30 @@ static status find_gravity(struct bed *b, int dim, const int axis[3]) {
     return cannot(b->l, "settledLayer", "it needs gravity (constant/g) along one of the axes solved");
 }
 
+/* Sets volume and heights of the cells of a mesh of boxes. */
+static status take_boxes(struct bed *b, const struct boxes *boxes) {
+    const int up = b->up;
+    for (int i = 0; i < b->n; i++) {
+        int at[3];
+        b->volume[i] = boxes->width[0] * boxes->width[1] * boxes->width[2];
+        if (up < 0) continue;
+        boxes_at(boxes, i, at);
+        const double bottom = boxes_plane(boxes, up, at[up]), top = boxes_plane(boxes, up, at[up] + 1);
+        b->reach[i][0] = b->down ? bottom - b->low[up] : b->high[up] - top;
+        b->reach[i][1] = b->down ? top - b->low[up] : b->high[up] - bottom;
+    }
+    return OK;
+}
+
 /* Measures the box, and volume and heights of every cell. */
 static status measure_cells(struct bed *b) {
     const struct polymesh *m = b->place->mesh;
     double *face = NULL, *centre = NULL;
-    for (int a = 0; a < 3; a++) {
-        b->low[a] = HUGE_VAL;
-        b->high[a] = -HUGE_VAL;
-        for (long i = 0; i < m->npoints; i++) {
-            b->low[a] = fmin(b->low[a], m->points[3 * i + a]);
-            b->high[a] = fmax(b->high[a], m->points[3 * i + a]);
-        }
-    }
+    polymesh_bounds(m, b->low, b->high);
     TRY(allocate(&b->factor, b->n, sizeof(double), "a layer"));
     TRY(allocate(&b->volume, b->n, sizeof(double), "a layer"));
     TRY(allocate(&b->reach, b->n, sizeof *b->reach, "a layer"));
+    if (m->boxes) return take_boxes(b, m->boxes);
     TRY(allocate(&face, 6L * m->nfaces + 3L * m->ncells, sizeof(double), "a layer"));
     centre = face + 6L * m->nfaces;
     polymesh_face_geometry(m, face, face + 3L * m->nfaces);
@@ -224,11 +234,11 @@ static status check_box(const struct bed *b, double *out) {
 
 /* Finds which axes are cyclic: the area vector of the first face of a cyclic patch lies along its axis. */
 static void cyclic_axes(const struct polymesh *m, bool cyclic[3]) {
-    double centre[3], s[3];
     for (int a = 0; a < 3; a++) cyclic[a] = false;
     for (int p = 0; p < m->npatches; p++) {
+        double centre[3], s[3];
         if (strcmp(m->patch[p].type, "cyclic") || !m->patch[p].nfaces) continue;
-        polymesh_one_face(m, m->patch[p].start, centre, s);
+        polymesh_patch_face(m, p, 0, centre, s);
         int most = fabs(s[1]) > fabs(s[0]) ? 1 : 0;
         cyclic[fabs(s[2]) > fabs(s[most]) ? 2 : most] = true;
     }
@@ -259,7 +269,9 @@ static status make_waves(struct bed *b) {
     for (int k = 0; k < l->modes; k++) phase[k] = random_uniform(&r);
     bool positive = true;
     for (int i = 0; i < b->n; i++) {
-        double x = (b->place->centre[3L * i + axis] - b->low[axis]) / (b->high[axis] - b->low[axis]), sum = 0;
+        double centre[3], sum = 0;
+        field_centre(b->place, i, centre);
+        const double x = (centre[axis] - b->low[axis]) / (b->high[axis] - b->low[axis]);
         for (int k = 0; k < l->modes; k++) sum += sin(TWO_PI * ((k + 1) * x + phase[k]));
         b->factor[i] = 1 + l->amplitude * sum;
         positive = positive && b->factor[i] > 0;

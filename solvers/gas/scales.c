@@ -22,13 +22,8 @@ struct scales {
 };
 
 static void measure_domain(const struct setup *s, struct scales *q) {
-    const struct polymesh *m = s->mesh;
     double low[3], high[3];
-    for (int x = 0; x < 3; x++) low[x] = HUGE_VAL, high[x] = -HUGE_VAL;
-    for (int i = 0; i < 3 * m->npoints; i++) {
-        low[i % 3] = fmin(low[i % 3], m->points[i]);
-        high[i % 3] = fmax(high[i % 3], m->points[i]);
-    }
+    polymesh_bounds(s->mesh, low, high);
     q->shortest = HUGE_VAL;
     for (int x = 0; x < 3; x++) q->extent[x] = high[x] - low[x];
     q->thickness = q->extent[0] * q->extent[1] * q->extent[2];
@@ -50,7 +45,8 @@ static void measure_mass(const struct setup *s, const struct gas_models *models,
                          struct scales *q) {
     const struct material *m = &models->material;
     for (int c = 0; c < s->mesh->ncells; c++) {
-        const double width = pow(s->volume[c] / q->thickness, 1. / s->dim), mass = i->rho[c] * s->volume[c];
+        const double volume = setup_volume(s, c), mass = i->rho[c] * volume;
+        const double width = pow(volume / q->thickness, 1. / s->dim);
         const double number = i->rho[c] / m->mass * pow(width, m->disks ? 2 : 3);
         const double knudsen = free_path(models, i->rho[c]) / q->shortest;
         q->mass += mass;
@@ -104,7 +100,7 @@ static double mean_flow(const struct setup *s, const struct initial *i, double m
     double square = 0;
     for (int k = 0; k < i->components; k++) {
         double momentum = 0;
-        for (int c = 0; c < s->mesh->ncells; c++) momentum += i->rho[c] * s->volume[c] * i->u[k][c];
+        for (int c = 0; c < s->mesh->ncells; c++) momentum += i->rho[c] * setup_volume(s, c) * i->u[k][c];
         square += momentum * momentum / (mass * mass);
     }
     return square;

@@ -10,22 +10,21 @@
 #define TWO_PI 6.28318530717958647692
 
 status grains_box_check(const struct setup *s) {
-    const char *mesh = "constant/polyMesh";
     if (s->dim == 1)
         return fail(ERR_INPUT,
-                    "%s/%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
+                    "%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
                     "patches be of type empty",
-                    s->dir, mesh);
+                    s->mesh_path);
     if (!s->lattice)
-        return fail(ERR_INPUT, "%s/%s: grains move in a box, a lattice of equal boxes: %s", s->dir, mesh, s->why);
+        return fail(ERR_INPUT, "%s: grains move in a box, a lattice of equal boxes: %s", s->mesh_path, s->why);
     const struct lattice *l = s->lattice;
     const long cells = (long)l->n[0] * l->n[1] * l->n[2];
     for (long i = 0; i < cells; i++)
         if (l->cell[i] < 0)
             return fail(ERR_INPUT,
-                        "%s/%s: the mesh has a hole or a step (it has %d of the %ld cells of its box); grains move in "
+                        "%s: the mesh has a hole or a step (it has %d of the %ld cells of its box); grains move in "
                         "full boxes",
-                        s->dir, mesh, s->mesh->ncells, cells);
+                        s->mesh_path, s->mesh->ncells, cells);
     return OK;
 }
 

@@ -178,7 +178,7 @@ static status place(struct grains_run *x) {
         e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
                         &x->grains);
         e = p->from_cloud ? status_note(e, "%s/%s/lagrangian/grains/positions", s->dir, s->start.folder)
-                          : status_note(e, "%s/constant/polyMesh", s->dir);
+                          : status_note(e, "%s", s->mesh_path);
     }
     free(p->x);
     free(p->u);
@@ -540,6 +540,7 @@ const struct medium_type grains_medium = {
     .written = written,
     .shown = written,
     .event_driven = true,
+    .whole = true,
     .read = medium_read,
     .state = medium_state,
     .start = medium_start,

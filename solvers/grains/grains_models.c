@@ -82,8 +82,8 @@ static status read_walls(struct dict *d, const struct polymesh *mesh, struct gra
         if (!one) continue;
         m->restitution_line[p] = dict_line(walls, patch->name);
         if (!strcmp(patch->type, "cyclic") || !strcmp(patch->type, "empty"))
-            return fail(ERR_INPUT, "%s:%d: walls: patch %s is of type %s in constant/polyMesh/boundary: it is no wall",
-                        dict_path(d), m->restitution_line[p], patch->name, patch->type);
+            return fail(ERR_INPUT, "%s:%d: walls: patch %s is of type %s in %s: it is no wall", dict_path(d),
+                        m->restitution_line[p], patch->name, patch->type, polymesh_boundary_file(mesh));
         TRY(params_read(one, wall_param, COUNT(wall_param), &wall));
         m->restitution[p] = wall.restitution;
     }

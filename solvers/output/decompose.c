@@ -316,7 +316,8 @@ status decompose_make(const struct setup *s, struct decomposition **out) {
     struct decomposition *d = NULL;
     *out = NULL;
     TRY(allocate(&d, 1, sizeof *d, "parts of the mesh"));
-    status e = find_parts(s, &c, d);
+    status e = comm_agree(s->comm, setup_complete(s));
+    if (!e) e = find_parts(s, &c, d);
     if (!e && comm_root(s->comm)) e = make_all(s, &c, d);
     free(c.owner_part);
     free(c.local);

@@ -18,13 +18,13 @@ struct output {
     const struct setup *setup;
     output_saver *save;
     const void *context;         /* of save */
-    double *values;              /* root: [ncells][3] */
+    double *values;              /* root: [ncells][3], while a time is written */
     double last_time;            /* s, of the last time written; NAN: none */
     int precision;               /* digits of time names, widened where needed */
     struct checksums sums;       /* checksums of the time that is being written; root */
     struct decomposition *parts; /* NULL: no processorN folders; root */
-    double *part_values;         /* root: [ncells][3] */
-    double *patch_values;        /* root: [faces of the largest patch][3] */
+    double *part_values;         /* root: [ncells][3], likewise */
+    double *patch_values;        /* root: [faces of the largest patch][3], likewise */
     int nnames, room;
     char (*name)[TIME_NAME]; /* written by this run, oldest first */
 };
@@ -40,19 +40,19 @@ static int start_precision(const struct setup *s) {
     return c->time_precision;
 }
 
+/* Returns the faces of the largest patch that has values in files. */
 static int largest_patch(const struct setup *s, const struct decomposition *d) {
     int n = 0;
     for (int k = -1; k < (d ? d->n : 0); k++) {
         const struct polymesh *m = k < 0 ? s->mesh : d->part[k].mesh;
         for (int p = 0; p < m->npatches; p++)
-            if (m->patch[p].nfaces > n) n = m->patch[p].nfaces;
+            if (m->patch[p].nfaces > n && strcmp(m->patch[p].type, "empty") != 0) n = m->patch[p].nfaces;
     }
     return n;
 }
 
 status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out) {
     struct output *o = NULL;
-    long n = s->mesh->ncells;
     TRY(allocate(&o, 1, sizeof *o, "output"));
     *out = o;
     o->setup = s;
@@ -60,20 +60,30 @@ status output_make(const struct setup *s, output_saver *save, const void *contex
     o->context = context;
     o->last_time = s->start.t;
     o->precision = start_precision(s);
-    if (s->control->write_processors) TRY(decompose_make(s, &o->parts));
+    return s->control->write_processors ? decompose_make(s, &o->parts) : OK;
+}
+
+/* Makes room for fields to write, on the root. */
+static status make_room(struct output *o) {
+    const struct setup *s = o->setup;
+    const long n = s->mesh->ncells;
     if (!comm_root(s->comm)) return OK;
     TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
     TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
-    if (o->parts) TRY(allocate(&o->part_values, 3 * n, sizeof(double), "a field to write"));
-    return OK;
+    return o->parts ? allocate(&o->part_values, 3 * n, sizeof(double), "a field to write") : OK;
+}
+
+static void drop_room(struct output *o) {
+    free(o->part_values);
+    free(o->patch_values);
+    free(o->values);
+    o->part_values = o->patch_values = o->values = NULL;
 }
 
 void output_free(struct output *o) {
     if (!o) return;
     decompose_free(o->parts);
-    free(o->part_values);
-    free(o->patch_values);
-    free(o->values);
+    drop_room(o);
     free(o->name);
     free(o);
 }
@@ -159,9 +169,8 @@ static void print_cells(struct sink *s, const struct field_writer *w, int p, con
     const struct patch *patch = &w->mesh->patch[p];
     int m = c->components;
     for (int i = 0; i < patch->nfaces; i++) {
-        int face = patch->start + i;
-        const double *v =
-            across ? c->all + (long)c->part->across[face] * m : c->values + (long)w->mesh->owner[face] * m;
+        const double *v = across ? c->all + (long)c->part->across[patch->start + i] * m
+                                 : c->values + (long)polymesh_patch_cell(w->mesh, p, i) * m;
         memcpy(c->room + (long)i * m, v, (size_t)m * sizeof *v);
     }
     sink_printf(s, "        %-15s ", "value");
@@ -243,12 +252,14 @@ static status write_fields(struct output *o, const struct field_writer *w) {
     const struct setup *s = o->setup;
     const struct medium *m = s->medium;
     status e = OK;
+    TRY(comm_agree(s->comm, make_room(o)));
     for (const int *q = m->type->written; *q >= 0; q++) {
         if (m->type->present && !m->type->present(m, *q)) continue;
         status gathered = output_gather(s, *q, o->values);
         if (!gathered && !e && comm_root(s->comm)) e = write_one(o, w, *q);
         if (gathered) status_free(e), e = gathered;
     }
+    drop_room(o);
     return comm_agree(s->comm, e);
 }
 

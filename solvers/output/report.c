@@ -32,8 +32,13 @@ static void date_and_host(char date[64], char host[256]) {
 
 static void print_mesh(FILE *f, const struct setup *s) {
     const struct polymesh *m = s->mesh;
-    fprintf(f, "Mesh\n    %d points, %d faces (%d internal), %d cells; checksum %016lx\n", m->npoints, m->nfaces,
-            m->ninternal, m->ncells, s->checksum);
+    if (m->boxes)
+        fprintf(f, "Mesh\n    system/blockMeshDict: %d block%s, %ld faces (%ld internal), %d cells; checksum %016lx\n",
+                m->boxes->nboxes, m->boxes->nboxes == 1 ? "" : "s", m->boxes->nfaces, m->boxes->ninternal, m->ncells,
+                s->checksum);
+    else
+        fprintf(f, "Mesh\n    %d points, %d faces (%d internal), %d cells; checksum %016lx\n", m->npoints, m->nfaces,
+                m->ninternal, m->ncells, s->checksum);
     for (int p = 0; p < m->npatches; p++)
         fprintf(f, "    patch %-16s %-14s %d faces\n", m->patch[p].name, m->patch[p].type, m->patch[p].nfaces);
     const struct lattice *l = s->lattice;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* caseToVTK: the written times of a case as legacy VTK files. */
 #define _XOPEN_SOURCE 700 /* realpath */
+#include "solvers/case/blockmesh.h"
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 #include "solvers/output/clouds.h"
@@ -179,6 +180,13 @@ static status find_root(struct conversion *c) {
     return OK;
 }
 
+static status read_mesh(struct conversion *c) {
+    struct case_mesh read;
+    const status s = case_mesh_read(c->dir, &read);
+    c->mesh = read.mesh;
+    return s ? s : polymesh_complete(c->mesh);
+}
+
 static status convert_all(struct conversion *c) {
     char path[TIME_PATH];
     struct instant *times = NULL;
@@ -187,9 +195,8 @@ static status convert_all(struct conversion *c) {
     status damage = OK; /* the error of the first damaged time; the other times are converted */
     TRY(find_root(c));
     TRY(times_list(c->root, &n, &times));
-    snprintf(path, sizeof path, "%s/constant/polyMesh", c->dir);
     status s = check_times(c, n, times);
-    if (!s) s = polymesh_read(path, &c->mesh);
+    if (!s) s = read_mesh(c);
     if (!s) s = vtk_grid_make(c->mesh, &c->grid);
     for (int i = 0; !s && i < n; i++) {
         if (!asked(c, &times[i])) continue;

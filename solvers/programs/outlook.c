@@ -44,6 +44,7 @@ status outlook_mesh(struct setup *s) {
     const struct polymesh *m = s->mesh;
     struct narrowest n;
     double *face;
+    if (s->lattice) return OK; /* all cells are equal */
     TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
     polymesh_face_geometry(m, face, face + 3L * m->nfaces);
     status e = polymesh_narrowest(m, face + 3L * m->nfaces, s->volume, &n);
@@ -52,8 +53,8 @@ status outlook_mesh(struct setup *s) {
     const double *x = s->centre + 3 * n.cell;
     if (n.ratio > NARROW) return OK;
     return warn(&s->warnings, WARN_NARROW,
-                "%s/constant/polyMesh: cell %ld at (%.6g %.6g %.6g) has V/A = %.3g m, %.3g of the median of all: "
+                "%s: cell %ld at (%.6g %.6g %.6g) has V/A = %.3g m, %.3g of the median of all: "
                 "it alone makes the steps short, and with transport many more stages; make the mesh even there "
                 "(1e-12 is refused)",
-                s->dir, n.cell, x[0], x[1], x[2], n.width, n.ratio);
+                s->mesh_path, n.cell, x[0], x[1], x[2], n.width, n.ratio);
 }

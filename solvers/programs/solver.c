@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The main of a solver, whatever its medium: options, lists, relaunch under mpirun, check or run. */
+#include "solvers/case/blockmesh.h"
 #include "solvers/functions/functions.h"
 #include "solvers/programs/program.h"
 #include "solvers/programs/run.h"
 
 static void go_through(struct keywords *k, const void *type) {
     control_keywords(k);
+    blockmesh_keywords(k);
     functions_keywords(k, type);
     ((const struct medium_type *)type)->keywords(k);
 }

@@ -21,8 +21,7 @@ static status check(const struct builder *a) {
     const struct segregation_models *m = a->m;
     const struct setup *s = a->s;
     if (!s->lattice)
-        return fail(ERR_INPUT,
-                    "%s/constant/polyMesh: with %d solved axes segregation takes a lattice of equal boxes: %s", s->dir,
+        return fail(ERR_INPUT, "%s: with %d solved axes segregation takes a lattice of equal boxes: %s", s->mesh_path,
                     s->dim, s->why);
     if (m->scheme.closure != SEGREGATION_CONSERVATIVE || m->on_walls)
         return dict_fail(m->schemes, m->on_walls ? "wallValues" : "closure",

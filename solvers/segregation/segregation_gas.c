@@ -4,6 +4,7 @@
 #include "solvers/segregation/segregation_gas.h"
 
 #include "mesh/grid/search.h"
+#include "solvers/case/blockmesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,14 +28,13 @@ static status find_time(double wanted, struct gas_time *g) {
 }
 
 static status read_mesh(struct gas_time *g) {
-    char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/constant/polyMesh", g->dir);
-    if (access(path, F_OK))
-        return fail(ERR_INPUT, "%s: %s: case %s has no mesh", dict_path(g->asked), g->entry, g->dir);
-    TRY(polymesh_read(path, &g->mesh));
-    const struct polymesh *m = g->mesh;
-    status e = status_note(polymesh_check_geometry(m, &g->geometry), "%s", path);
-    if (!e) g->dim = polymesh_axes(m, g->axis);
+    struct case_mesh read;
+    const status there = case_mesh_read(g->dir, &read);
+    g->mesh = read.mesh;
+    TRY(status_note(there, "%s: %s: the mesh of case %s", dict_path(g->asked), g->entry, g->dir));
+    TRY(polymesh_complete(g->mesh));
+    const status e = status_note(polymesh_check_geometry(g->mesh, &g->geometry), "%s", read.path);
+    if (!e) g->dim = polymesh_axes(g->mesh, g->axis);
     return e;
 }
 

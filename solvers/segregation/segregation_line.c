@@ -47,22 +47,22 @@ static status place_faces(const struct setup *s, struct segregation_setup *l) {
         const int a = l->place[m->owner[f]], b = l->place[m->neighbour[f]];
         if (abs(a - b) != 1)
             return fail(ERR_INPUT,
-                        "%s/constant/polyMesh: cells %d and %d share a face but do not follow each other along %c: "
+                        "%s: cells %d and %d share a face but do not follow each other along %c: "
                         "the mesh is no line",
-                        s->dir, m->owner[f], m->neighbour[f], "xyz"[l->axis]);
+                        s->mesh_path, m->owner[f], m->neighbour[f], "xyz"[l->axis]);
         l->face[a > b ? a : b] = face_at(m, f, l->axis);
     }
     for (int p = 0; p < m->npatches; p++) {
         if (!strcmp(m->patch[p].type, "empty")) continue;
         if (!strcmp(m->patch[p].type, "cyclic"))
-            return fail(ERR_INPUT, "%s/constant/polyMesh/boundary: patch %s is cyclic; segregation runs between walls",
-                        s->dir, m->patch[p].name);
+            return fail(ERR_INPUT, "%s/%s: patch %s is cyclic; segregation runs between walls", s->dir,
+                        polymesh_boundary_file(m), m->patch[p].name);
         for (int f = m->patch[p].start; f < m->patch[p].start + m->patch[p].nfaces; f++, walls++)
             l->face[l->place[m->owner[f]] == 0 ? 0 : n] = face_at(m, f, l->axis);
     }
     if (m->ninternal == n - 1 && walls == 2) return OK;
-    return fail(ERR_INPUT, "%s/constant/polyMesh: %d cells with %d internal faces and %d walls; a line has %d and 2",
-                s->dir, n, m->ninternal, walls, n - 1);
+    return fail(ERR_INPUT, "%s: %d cells with %d internal faces and %d walls; a line has %d and 2", s->mesh_path, n,
+                m->ninternal, walls, n - 1);
 }
 
 /* Moves the end nodes to the walls: the paper's nodes are equally spaced, the first and the last on the walls, with
@@ -91,9 +91,9 @@ status segregation_setup_make(const struct setup *s, const struct segregation_mo
     *out = (struct segregation_setup){.axis = s->axis[0], .models = m};
     if (s->dim != 1)
         return fail(ERR_INPUT,
-                    "%s/constant/polyMesh: %d axes are solved; granularSegregation takes lines of cells, with "
+                    "%s: %d axes are solved; granularSegregation takes lines of cells, with "
                     "'empty' patches along the other axes",
-                    s->dir, s->dim);
+                    s->mesh_path, s->dim);
     TRY(allocate(&out->cell, n, sizeof(int), "a line"));
     TRY(allocate(&out->place, n, sizeof(int), "a line"));
     TRY(allocate(&out->centre, 3L * n, sizeof(double), "a line"));

@@ -319,6 +319,7 @@ const struct medium_type segregation_medium = {
     .noffered = QUANTITIES,
     .written = written,
     .shown = shown,
+    .whole = true,
     .read = mixture_read,
     .state = mixture_state,
     .start = mixture_start,

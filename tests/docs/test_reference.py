@@ -21,6 +21,7 @@ PROGRAMS = {"granularGas": "gas", "granularMD": "grains", "granularSegregation":
 
 # Reads whose key is no text in the source: the name of a row of a table, or a name that the user gave.
 TABLES = {
+    "solvers/case/blockmesh.c": {"key", "name"},
     "solvers/case/changes.c": {"file[i].name"},
     "solvers/case/checksums.c": {"group_name[g]", "dict_key(group, i)"},
     "solvers/case/control.c": {"application"},  # the name of the program
@@ -296,6 +297,8 @@ class Programs(unittest.TestCase):
             for file, text in changes.items():
                 with open(os.path.join(case, file), "a", encoding="utf-8") as out:
                     out.write(text)
+            if "system/blockMeshDict" in changes:
+                shutil.rmtree(os.path.join(case, "constant", "polyMesh"))
             if program == "gmshToCase":
                 return harness.program(program, self.msh, "-case", case, check=False)
             return harness.program("checkCase", case, check=False)
@@ -332,7 +335,7 @@ class Programs(unittest.TestCase):
                 fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside else f"fields ({FIELD[program]});"
                 type_ = next((text for key, text in AROUND.items() if key in inside), "")
                 entries = f"{type_} {fields} {entries}"
-            if part == "PATCH" and inside.startswith("patches"):
+            if part == "PATCH" and inside in ("patches/PATCH", "boundary/PATCH"):
                 part = "left"  # one of the two that are cyclic
             elif part == "PATCH" and field in DIMENSIONS and not when:
                 part = "front"  # one that is empty

@@ -6,9 +6,8 @@ import re
 
 import numpy as np
 
-from haff.case import foam, sample, tables, units
+from haff.case import blocks, foam, sample, tables, units
 from haff.case.foam import Field, read_field
-from haff.case.mesh import Mesh
 
 
 def is_time(name):
@@ -38,8 +37,8 @@ class Case:
 
     @functools.cached_property
     def mesh(self):
-        """The mesh.Mesh of constant/polyMesh."""
-        return Mesh(os.path.join(self.path, "constant", "polyMesh"))
+        """The mesh.Mesh of constant/polyMesh or, without one, of system/blockMeshDict."""
+        return blocks.mesh_of(self.path)
 
     def lattice(self):
         """The haff.case.lattice.Lattice that the cells are places of (edges along x, y, z, place of each cell), or None."""

@@ -67,7 +67,14 @@ static void blocks_cover_the_mesh_once(void **state) {
         long *seen = calloc((size_t)g->ncells_all + (size_t)g->nblocks_all, sizeof *seen);
         for (int b = 0; b < g->nblocks; b++) {
             seen[g->ncells_all + g->block[b].id]++;
-            for (int i = 0; i < g->block[b].ncells; i++) seen[g->block[b].cell[i]]++;
+            for (int i = 0; i < g->block[b].ncells; i++) {
+                const int cell = g->block[b].cell[i];
+                double centre[3];
+                seen[cell]++;
+                grid_centre(g, b, i, centre);
+                for (int k = 0; k < 3; k++) assert_true(fabs(centre[k] - x.centre[3 * cell + k]) < 1e-12);
+                assert_true(fabs(grid_volume(g, cell) / x.volume[cell] - 1) < 1e-12);
+            }
         }
         comm_sum_long(world, seen, g->ncells_all + g->nblocks_all);
         for (int i = 0; i < g->ncells_all + g->nblocks_all; i++) assert_int_equal(seen[i], 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Each scene is a lattice with holes and patches, described by hand and cut into tiles; every ghost cell of every tile
  * is compared with the lattice cell that belongs there. */
-#include "mesh/lattice/forest.h"
+#include "mesh/lattice/forest_private.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -463,6 +463,34 @@ static void check_refusal(const struct scene *s, int tile_size, const char *cons
     scene_free(&l, &m);
 }
 
+/* trees_deal is p4est's partition, and a rank that is alone has the tiles that it has among the others. */
+static void one_rank_of_many_is_set_up_alone(void **state) {
+    (void)state;
+    for (int i = 0; i < SCENES; i++) {
+        struct fixture x;
+        begin(&x, &scenes[i], 1);
+        const struct trees *trees = x.f->hidden->trees;
+        int *start = malloc((size_t)(comm_size(world) + 1) * sizeof *start);
+        trees_deal(x.f->hidden->all, x.f->hidden->nall, comm_size(world), start);
+        assert_memory_equal(start, trees->start, (size_t)(comm_size(world) + 1) * sizeof *start);
+        struct comm *alone;
+        struct forest *f;
+        assert_null(comm_pretend(comm_rank(world), comm_size(world), &alone));
+        assert_null(forest_make(&x.l, &x.m, alone, x.scene->tile_size, &f));
+        assert_int_equal(f->ntiles, x.f->ntiles);
+        assert_int_equal(f->nblocks, x.f->nblocks);
+        for (int t = 0; t < f->ntiles; t++) {
+            assert_int_equal(f->tile[t].id, x.f->tile[t].id);
+            assert_int_equal(f->tile[t].remote, x.f->tile[t].remote);
+            assert_memory_equal(f->tile[t].low, x.f->tile[t].low, sizeof f->tile[t].low);
+        }
+        forest_free(f);
+        comm_alone_free(alone);
+        free(start);
+        end(&x);
+    }
+}
+
 static void what_cannot_be_cut_is_refused(void **state) {
     (void)state;
     const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0, {false}};
@@ -490,6 +518,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(gather_undoes_scatter),
         cmocka_unit_test(sums_have_the_same_bits_on_any_number_of_ranks),
         cmocka_unit_test(points_are_found_by_one_rank),
+        cmocka_unit_test(one_rank_of_many_is_set_up_alone),
         cmocka_unit_test(what_cannot_be_cut_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
