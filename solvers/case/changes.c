@@ -3,7 +3,7 @@
  * (changes.h). */
 #include "solvers/case/changes.h"
 
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 /* Compares the version that a case was written for with that of the programs (version.h). */
 #include "solvers/case/version.h"
 
+#include "mesh/base/build.h"
 #include "mesh/format/foamfile.h"
-#include "solvers/case/build.h"
 #include "solvers/case/case.h"
 
 #include <stdio.h>

@@ -8,7 +8,7 @@
 #define _GNU_SOURCE /* for posix_spawn_file_actions_addclosefrom_np, environ */
 #include "solvers/functions/functions_private.h"
 
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -93,7 +93,7 @@ static status find_volumes(const struct function *f, struct integral *v) {
     for (long i = 0; i < most; i++) v->kept[i] = NAN;
     TRY(allocate(&per_block, grid->nblocks + 1L, sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++)
-        for (int i = 0; i < grid->block[b].ncells; i++) per_block[b] += grid->volume[grid->block[b].cell[i]];
+        for (int i = 0; i < grid->block[b].ncells; i++) per_block[b] += grid_volume(grid, grid->block[b].cell[i]);
     status s = grid_sum(grid, per_block, &v->volume);
     free(per_block);
     return s;

@@ -5,7 +5,7 @@
 #include "solvers/gas/linear.h"
 
 #include "libcore/gas/diffusion.h"
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 
 #include <dlfcn.h>
 

@@ -2,7 +2,7 @@
 /* Prints the log of a run and writes its provenance (report.h). */
 #include "solvers/output/report.h"
 
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 #include "solvers/case/changes.h"
 
 #include <math.h>

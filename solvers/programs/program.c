@@ -2,7 +2,7 @@
 /* Reads the solvers' command line, starts mpirun for -np, and ends a program (program.h). */
 #include "solvers/programs/program.h"
 
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 #include "solvers/dict/dict.h"
 
 #include <errno.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Version, git hash, compiler and flags of this build come from macros that CMake sets (build.h). */
-#include "solvers/case/build.h"
+#include "mesh/base/build.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Says what these programs were built from, for -version, the log and provenance, and finds the files they come with.
  */
-#ifndef SOLVERS_BUILD_H
-#define SOLVERS_BUILD_H
+#ifndef MESH_BUILD_H
+#define MESH_BUILD_H
 
 #include <stdbool.h>
 #include <stddef.h>
