@@ -77,6 +77,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
     struct faces f = {.n = whole_vectors(n),
                       .dim = g->components,
                       .stride = g->forest->stride[axis],
+                      .p = w->p + offset,
                       .eps = w->eps + offset,
                       .c = w->c + offset,
                       .gruneisen = w->gruneisen + offset,

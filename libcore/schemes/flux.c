@@ -144,38 +144,59 @@ KERNEL static void project_back(int dim, int from, int to, const struct bases *r
     if (dim == 3 && add) back(3, from, to, b, a, true, out);
 }
 
-static void one_basis(const struct faces *f, const struct reconstruct *r, bool always, double least) {
-    struct winds w;
+/* Takes entropy and shears of PHM at the faces of shocks. */
+static void calm_shocks(int from, int to, const struct faces *f, const struct bases *b, const struct winds *w,
+                        const double *shock, double (*a)[BATCH]) {
+    double calm[MAX_VAR][BATCH];
+    reconstruct_find("PHM")->split(from, to, f, b, w, calm);
+    for (int v = 1; v <= f->dim; v++)
+        for (int i = from; i < to; i++) a[v][i] = shock[i] > 0 ? calm[v][i] : a[v][i];
+}
+
+/* shock: of struct rules; NULL: there is none. */
+static void one_basis(const struct faces *f, const struct reconstruct *r, const struct winds *w, const double *shock) {
     struct bases b;
     double a[MAX_VAR][BATCH];
-    long d = f->stride;
-    find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, &w);
-    common_bases(f, &w, &b);
+    common_bases(f, w, &b);
     for (int from = 0, to; from < f->n; from = to) {
         bool splits;
-        to = run_end(f->n, &w, from, &splits);
+        to = run_end(f->n, w, from, &splits);
         if (splits)
-            r->split(from, to, f, &b, &w, a);
+            r->split(from, to, f, &b, w, a);
         else
-            r->upwind(from, to, f, &b, &w, 0, a);
+            r->upwind(from, to, f, &b, w, 0, a);
+        if (splits && shock && r->reach > 0) calm_shocks(from, to, f, &b, w, shock, a);
     }
     project_back(f->dim, 0, f->n, &b, a, false, f->out);
 }
 
+static void winds_of_cells(const struct faces *f, bool always, double least, struct winds *w) {
+    const long d = f->stride;
+    find_winds(f->n, f->velocity[0], f->c, f->velocity[0] + d, f->c + d, always, least, w);
+}
+
 static void common(const struct faces *f, const struct eos *eos, const struct material *m,
                    const struct reconstruct *r) {
-    (void)eos, (void)m;
-    one_basis(f, r, false, 0);
+    struct winds w;
+    struct rules rules;
+    winds_of_cells(f, false, 0, &w);
+    rules_find(f, &w, &rules);
+    one_basis(f, r, &w, rules.shocks ? rules.shock : NULL);
+    if (rules.contacts) rules_contacts(f, eos, m, r, &rules);
 }
 static void local_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
                                  const struct reconstruct *r) {
     (void)eos, (void)m;
-    one_basis(f, r, true, 0);
+    struct winds w;
+    winds_of_cells(f, true, 0, &w);
+    one_basis(f, r, &w, NULL);
 }
 static void global_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
                                   const struct reconstruct *r) {
     (void)eos, (void)m;
-    one_basis(f, r, true, f->fastest);
+    struct winds w;
+    winds_of_cells(f, true, f->fastest, &w);
+    one_basis(f, r, &w, NULL);
 }
 
 /* Replaces a reconstructed state that is not admissible by the cell's state. */
@@ -193,8 +214,7 @@ KERNEL static void admit(int n, int dim, double limit, const double *restrict rh
     }
 }
 
-static void reconstruct_line(const struct faces *f, const double *q, int side, const struct reconstruct *r,
-                             double *out) {
+void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out) {
     const double *line[5];
     for (int m = 0; m < 5; m++) line[m] = q + (side > 0 ? m - 2 : 3 - m) * f->stride;
     r->face(f->n, line, out);
@@ -205,10 +225,10 @@ void flux_sided_states(const struct faces *f, const struct eos *eos, const struc
     int n = f->n, dim = f->dim;
     long cell = side > 0 ? 0 : f->stride;
     const double *u[MAX_DIM] = {0};
-    reconstruct_line(f, f->state[0], side, r, s->rho);
-    reconstruct_line(f, f->eps, side, r, s->eps);
+    flux_reconstruct(f, f->state[0], side, r, s->rho);
+    flux_reconstruct(f, f->eps, side, r, s->eps);
     for (int k = 0; k < dim; k++) {
-        reconstruct_line(f, f->velocity[k], side, r, s->u[k]);
+        flux_reconstruct(f, f->velocity[k], side, r, s->u[k]);
         u[k] = f->velocity[k] + cell;
     }
     admit(n, dim, density_limit(eos, m), f->state[0] + cell, u, f->eps + cell, s);
@@ -397,6 +417,14 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     tame(f->dim, f->n, &t, &mean, &e, f->out);
 }
 
+#define PARAM_STRUCT struct common_rules
+static const struct param common_param[] = {
+    SWITCH("shocks", shocks, true, "strong shocks are damped in all fields, so that they leave less noise behind"),
+    SWITCH("expansions", expansions, true, "steep expansions are damped less, so that they heat dense gas less"),
+    SWITCH("contacts", contacts, true, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
+};
+#undef PARAM_STRUCT
+
 /* FORCE and MUSTA (docs/physics.md 6.7) are in flux_force.c. */
 #define PARAM_STRUCT struct musta
 static const struct param musta_param[] = {
@@ -432,7 +460,7 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 }
 
 const struct flux flux_table[] = {
-    {MODEL("common", "characteristic upwind on one eigenbasis a face"), .through = common},
+    {MODEL_WITH("common", "characteristic upwind on one eigenbasis a face", common_param), .through = common},
     {MODEL("Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas"),
      .through = marquina},
     {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"),

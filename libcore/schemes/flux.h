@@ -16,6 +16,7 @@ struct faces {
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
     const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */
     const double *velocity[MAX_DIM];
+    const double *p; /* pressure of the cells; NULL: no face follows a rule of its own (flux_private.h) */
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the
      * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. on [n]: 1,

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Finds the faces that follow a rule of their own (flux_private.h), and computes the flux of contacts. */
+#include "libcore/schemes/flux_private.h"
+
+#define STEEP  1.5  /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
+#define STRONG 15.  /* ratio of the pressures of a strong shock */
+#define DENSER 1.3  /* ratio of the Grueneisen coefficients from which on cells are a contact */
+#define LOOSE  0.25 /* share by which the Hugoniot relation may fail within a shock */
+
+ALWAYS_INLINE bool exceeds(double ratio, double a, double b) {
+    return larger(a, b) > ratio * smaller(a, b);
+}
+ALWAYS_INLINE double most_of(const double *restrict q, long s) {
+    return larger(larger(q[-s], q[2 * s]), larger(q[0], q[s]));
+}
+ALWAYS_INLINE double least_of(const double *restrict q, long s) {
+    return smaller(smaller(q[-s], q[2 * s]), smaller(q[0], q[s]));
+}
+
+struct found { /* bits that are set where a face of the batch .. */
+    uint64_t strong, expands, contact;
+};
+
+/* The pressures pl, pr of expansions are those of the cells; under gravity they are those that both cells have on the
+ * face. `speed` are the winds: a wave that comes from one side is negative. */
+KERNEL static struct found look(int n, long s, const double *restrict p, const double *restrict pl,
+                                const double *restrict pr, const double *restrict u, const double *restrict g,
+                                const struct winds *restrict w, struct rules *restrict r) {
+    uint64_t strong = 0, expands = 0, contact = 0;
+    for (int i = 0; i < n; i++) {
+        const double *q = p + i;
+        const bool both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
+        const bool apart = both & (u[i + s] > u[i]) & exceeds(STEEP, pl[i], pr[i]);
+        const bool jump =
+            exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
+        const bool denser =
+            (most_of(g + i, s) > DENSER * least_of(g + i, s)) & (most_of(q, s) < STEEP * least_of(q, s));
+        r->expansion[i] = apart ? 1 : 0;
+        r->contact[i] = denser ? 1 : 0;
+        r->shock[i] = 0;
+        strong |= bits_of(jump & both ? 1. : 0.);
+        expands |= bits_of(r->expansion[i]);
+        contact |= bits_of(r->contact[i]);
+    }
+    return (struct found){strong, expands, contact};
+}
+
+/* Is there a strong shock between the ends a and b of four cells, the face in whose middle lies right of cell `mid`?
+ * Its jumps fulfil du^2 = dp (1/rho_low - 1/rho_high), roughly so while it lies within a few cells. */
+ALWAYS_INLINE bool is_shock(const int dim, const double *restrict rho, const double *restrict p,
+                            const double *restrict u0, const double *restrict u1, const double *restrict u2, long a,
+                            long b, long mid, long s) {
+    const double du = u0[a] - u0[b], d1 = dim > 1 ? u1[a] - u1[b] : 0, d2 = dim > 2 ? u2[a] - u2[b] : 0;
+    const double dp = p[b] - p[a], drho = rho[b] - rho[a], jump = dp * drho;
+    const double square = (du * du + (d1 * d1 + d2 * d2)) * (rho[a] * rho[b]);
+    return (du > 0) & (jump > 0) & exceeds(STRONG, p[a], p[b]) & (square > (1 - LOOSE) * jump) &
+           (square < (1 + LOOSE) * jump) & (u0[mid] > u0[mid + s]);
+}
+
+ALWAYS_INLINE uint64_t shocks_dim(const int dim, const struct faces *f, const struct winds *restrict w,
+                                  struct rules *restrict r) {
+    const double *rho = f->state[0], *p = f->p, *u0 = f->velocity[0];
+    const double *u1 = dim > 1 ? f->velocity[1] : u0, *u2 = dim > 2 ? f->velocity[2] : u0;
+    const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
+    const long s = f->stride;
+    uint64_t any = 0;
+    for (int i = 0; i < f->n; i++) {
+        const bool both = (minus[i] != UPWIND_LEFT) & (plus[i] != UPWIND_RIGHT);
+        const bool shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
+                           is_shock(dim, rho, p, u0, u1, u2, i - s, i + 2 * s, i, s) |
+                           is_shock(dim, rho, p, u0, u1, u2, i, i + 3 * s, i + s, s);
+        r->shock[i] = shock & both ? 1 : 0;
+        r->expansion[i] = r->shock[i] > 0 ? 0 : r->expansion[i];
+        any |= bits_of(r->shock[i]);
+    }
+    return any;
+}
+
+KERNEL static bool find_shocks(const struct faces *f, const struct winds *restrict w, struct rules *restrict r) {
+    if (f->dim == 1) return shocks_dim(1, f, w, r) != 0;
+    if (f->dim == 2) return shocks_dim(2, f, w, r) != 0;
+    return shocks_dim(3, f, w, r) != 0;
+}
+
+/* Returns the share of the larger speed that damps an expansion: 0.5 in dilute gas, less where the isentrope is steep
+ * (d ln T = g d ln rho). g: of the cell where it is larger. */
+ALWAYS_INLINE double damping(double g) {
+    return fma(0.14, smaller(1, 1 / g), 0.36);
+}
+
+/* Gives shocks and expansions their winds. */
+KERNEL static void bend(int n, const double *restrict gl, const double *restrict gr, const double *restrict ul,
+                        const double *restrict cl, const double *restrict ur, const double *restrict cr,
+                        const struct rules *restrict r, struct winds *restrict w) {
+    for (int k = 0; k < FAMILIES; k++) {
+        const double sign = k - 1;
+        double *restrict speed = w->speed[k];
+        for (int i = 0; i < n; i++) {
+            const double most = larger(fabs(ul[i]) + cl[i], fabs(ur[i]) + cr[i]);
+            const double own = larger(fabs(fma(sign, cl[i], ul[i])), fabs(fma(sign, cr[i], ur[i])));
+            const double mild = k != ENTROPY && r->expansion[i] > 0 ? damping(larger(gl[i], gr[i])) * own : speed[i];
+            speed[i] = r->shock[i] > 0 ? most : mild;
+        }
+    }
+}
+
+/* Computes the pressures that both cells have on the face: those of the cells without the part that carries weight. */
+KERNEL static void on_face(int n, const double *restrict p, const double *restrict base, const double *restrict rest,
+                           double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = rest[i] + (p[i] - base[i]);
+}
+
+void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
+    double left[BATCH], right[BATCH];
+    struct common_rules on = {false, false, false};
+    const long s = f->stride;
+    r->shocks = r->contacts = false;
+    if (f->params) memcpy(&on, f->params, sizeof on);
+    if (!f->p || !(on.shocks | on.expansions | on.contacts)) return;
+    if (f->rise) {
+        on_face(f->n, f->p, f->base[0], f->rest, left);
+        on_face(f->n, f->p + s, f->base[1], f->rest, right);
+    }
+    const struct found any =
+        look(f->n, s, f->p, f->rise ? left : f->p, f->rise ? right : f->p + s, f->velocity[0], f->gruneisen, w, r);
+    if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
+    r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
+    r->contacts = on.contacts && any.contact;
+    if (r->shocks || (on.expansions && any.expands))
+        bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
+}
+
+/* The pressures of the six cells of each stencil without those of gas at rest. */
+static void take_rest(const struct faces *f, double p[6][BATCH]) {
+    for (int i = 0; i < f->n; i++) {
+        const struct rest rest = rest_at(f->rise != NULL, f, i, f->stride);
+        for (int m = 0; m < 6; m++) p[m][i] = f->p[i + (m - 2) * f->stride] - rest.P[m];
+    }
+}
+
+struct side { /* states rho, u, p on one side of the faces, with E */
+    double rho[BATCH], u[MAX_DIM][BATCH], p[BATCH], c[BATCH], E[BATCH];
+};
+
+/* Closes the states q, which take the place of a cell's where they are not admissible: c, and E from
+ * eps = p/(rho gruneisen). unit: c^2 and gruneisen at eps = 1, to which c^2 is proportional. */
+KERNEL static void close_side(int n, int dim, const double *restrict unit, const double *restrict g,
+                              struct side *restrict q) {
+    for (int i = 0; i < n; i++) {
+        const double t = dim > 2   ? q->u[1][i] * q->u[1][i] + q->u[2][i] * q->u[2][i]
+                         : dim > 1 ? q->u[1][i] * q->u[1][i]
+                                   : 0;
+        const double eps = q->p[i] / (q->rho[i] * g[i]);
+        q->c[i] = sqrt(unit[i] * eps);
+        q->E[i] = q->rho[i] * (eps + 0.5 * (q->u[0][i] * q->u[0][i] + t));
+    }
+}
+
+/* Reconstructs rho, u and p to the faces from one side (+1: left, -1: right). */
+static void side_of(const struct faces *f, const struct eos *eos, const struct material *m, int side,
+                    const struct reconstruct *r, double taken[6][BATCH], struct side *q) {
+    const int n = f->n;
+    const long d = f->stride, cell = side > 0 ? 0 : d;
+    const double limit = density_limit(eos, m), *line[5];
+    double one[BATCH], p[BATCH], unit[BATCH], g[BATCH];
+    flux_reconstruct(f, f->state[0], side, r, q->rho);
+    for (int k = 0; k < f->dim; k++) flux_reconstruct(f, f->velocity[k], side, r, q->u[k]);
+    for (int k = 0; k < 5; k++) line[k] = taken[side > 0 ? k : 5 - k];
+    r->face(n, line, q->p);
+    for (int i = 0; i < n; i++) {
+        one[i] = 1;
+        q->p[i] += f->rise ? f->rest[i] : 0;
+        if (q->rho[i] > 0 && q->rho[i] < limit && q->p[i] > 0) continue;
+        q->rho[i] = f->state[0][i + cell];
+        q->p[i] = f->p[i + cell];
+        for (int k = 0; k < f->dim; k++) q->u[k][i] = f->velocity[k][i + cell];
+    }
+    eos->state(m, n, q->rho, one, p, unit, g);
+    close_side(n, f->dim, unit, g, q);
+}
+
+struct fan { /* the speeds of its waves, and its pressure */
+    double left, middle, right, p;
+};
+/* Toro, Spruce & Speares (1994), with the speeds of Davis (1988). p is the mean of what both sides give, so that mirror
+ * images keep their bits. */
+ALWAYS_INLINE struct fan fan_of(const struct side *restrict l, const struct side *restrict r, int i) {
+    const double ul = l->u[0][i], ur = r->u[0][i];
+    struct fan w = {.left = smaller(ul - l->c[i], ur - r->c[i]), .right = larger(ul + l->c[i], ur + r->c[i])};
+    const double ml = l->rho[i] * (w.left - ul), mr = r->rho[i] * (w.right - ur);
+    w.middle = ((r->p[i] - l->p[i]) + (ml * ul - mr * ur)) / (ml - mr);
+    w.p = 0.5 * ((l->p[i] + ml * (w.middle - ul)) + (r->p[i] + mr * (w.middle - ur)));
+    return w;
+}
+
+/* The flux HLLC through one face, less the pressure of gas at rest. Each variable is carried by the speed of the
+ * contact, so that no face moves mass where that speed is 0. */
+ALWAYS_INLINE void through_contact(int dim, const struct side q[2], int i, double rest, double *const out[MAX_VAR]) {
+    const struct fan w = fan_of(&q[0], &q[1], i);
+    const bool whole = w.left >= 0 || w.right <= 0, right = whole ? w.left < 0 : w.middle < 0;
+    const struct side *s = &q[right];
+    const double u = s->u[0][i], outer = right ? w.right : w.left, inverse = 1 / (outer - w.middle);
+    const double speed = whole ? u : w.middle, p = whole ? s->p[i] : w.p;
+    const double rho = whole ? s->rho[i] : s->rho[i] * (outer - u) * inverse;
+    const double E = whole ? s->E[i] : ((outer - u) * s->E[i] + (p * speed - s->p[i] * u)) * inverse;
+    out[0][i] = rho * speed;
+    out[1][i] = rho * speed * speed + (p - rest);
+    for (int k = 1; k < dim; k++) out[k + 1][i] = rho * speed * s->u[k][i];
+    out[dim + 1][i] = (E + p) * speed;
+}
+
+void rules_contacts(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r,
+                    const struct rules *rules) {
+    double taken[6][BATCH];
+    struct side q[2];
+    take_rest(f, taken);
+    side_of(f, eos, m, 1, r, taken, &q[0]);
+    side_of(f, eos, m, -1, r, taken, &q[1]);
+    for (int i = 0; i < f->n; i++)
+        if (rules->contact[i] > 0 && !(rules->shock[i] > 0))
+            through_contact(f->dim, q, i, f->rise ? f->rest[i] : 0, f->out);
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cells in a row, as the fluxes see them: for tests of fluxes. */
+#ifndef TESTS_LIBCORE_SCHEMES_STRIP_H
+#define TESTS_LIBCORE_SCHEMES_STRIP_H
+
+#include "libcore/schemes/flux.h"
+#include "tests/defaults.h"
+
+enum { CELLS = 12 };
+
+static const struct material granular = {
+    .diameter = 0.1, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65};
+
+struct strip { /* cells in a row, as the fluxes see them */
+    int dim;
+    double U[MAX_VAR][CELLS], F[MAX_VAR][CELLS], u[MAX_DIM][CELLS], eps[CELLS], p[CELLS], c[CELLS], g[CELLS];
+    double out[MAX_VAR][CELLS];
+    double fastest;
+};
+
+static inline void close_strip(struct strip *s) { /* from rho, u, eps */
+    eos_find("GoldshteinShapiro")->state(&granular, CELLS, s->U[0], s->eps, s->p, s->c, s->g);
+    s->fastest = 0;
+    for (int i = 0; i < CELLS; i++) {
+        double kinetic = 0, rho = s->U[0][i], un = s->u[0][i];
+        s->c[i] = sqrt(s->c[i]);
+        for (int k = 0; k < s->dim; k++) {
+            kinetic += 0.5 * s->u[k][i] * s->u[k][i];
+            s->U[k + 1][i] = rho * s->u[k][i];
+        }
+        s->U[s->dim + 1][i] = rho * (s->eps[i] + kinetic);
+        for (int v = 0; v < s->dim + 2; v++) s->F[v][i] = s->U[v][i] * un;
+        s->F[1][i] += s->p[i];
+        s->F[s->dim + 1][i] += s->p[i] * un;
+        s->fastest = larger(s->fastest, fabs(un) + s->c[i]);
+    }
+}
+
+static inline void flux_with(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n,
+                             const struct own_params *params) {
+    double pace[CELLS];
+    for (int i = 0; i < CELLS; i++) pace[i] = 0.7 / s->fastest; /* a Courant number of 0.7 */
+    struct faces f = {.n = n,
+                      .dim = s->dim,
+                      .stride = 1,
+                      .p = s->p + first,
+                      .eps = s->eps + first,
+                      .c = s->c + first,
+                      .gruneisen = s->g + first,
+                      .fastest = s->fastest,
+                      .pace = pace,
+                      .params = params};
+    for (int v = 0; v < s->dim + 2; v++) {
+        f.state[v] = s->U[v] + first;
+        f.flux[v] = s->F[v] + first;
+        f.out[v] = s->out[v];
+    }
+    for (int k = 0; k < s->dim; k++) f.velocity[k] = s->u[k] + first;
+    flux->through(&f, eos_find("GoldshteinShapiro"), &granular, r);
+}
+
+static inline void flux_of(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n) {
+    const struct own_params params = own_defaults(&flux->model);
+    flux_with(s, flux, r, first, n, &params);
+}
+
+#endif

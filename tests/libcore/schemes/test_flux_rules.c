@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The rules of single faces of the flux `common`: which faces they take, which flux those get, and that all other faces
+ * keep theirs. */
+#include "tests/libcore/oracle.h"
+
+#include "tests/libcore/schemes/strip.h"
+
+enum { FACE = 5 }; /* the jump of the strips below lies between the cells FACE and FACE + 1 */
+
+struct gas_state {
+    double nu, u, p;
+};
+
+static double density_of(double nu) {
+    return nu / packing_per_density(&granular);
+}
+
+/* Returns eps of a state: p is proportional to it. */
+static double energy_of(struct gas_state q) {
+    const double rho = density_of(q.nu), one = 1;
+    double p, c2, g;
+    eos_find("GoldshteinShapiro")->state(&granular, 1, &rho, &one, &p, &c2, &g);
+    return q.p / p;
+}
+
+static struct strip jump(int dim, struct gas_state left, struct gas_state right, double across) {
+    struct strip s = {.dim = dim};
+    for (int i = 0; i < CELLS; i++) {
+        const struct gas_state q = i <= FACE ? left : right;
+        s.U[0][i] = density_of(q.nu);
+        s.eps[i] = energy_of(q);
+        s.u[0][i] = q.u;
+        for (int k = 1; k < dim; k++) s.u[k][i] = k * across;
+    }
+    close_strip(&s);
+    return s;
+}
+
+/* The flux of one face, with the rules of the given names (`all`, `none`, or one of them). */
+static void flux_by(struct strip *s, const char *rule, const char *reconstruct, int face) {
+    const struct flux *common = flux_find("common");
+    struct own_params params = {{0}};
+    if (!strcmp(rule, "all"))
+        params = own_defaults(&common->model);
+    else if (strcmp(rule, "none") != 0)
+        model_put(&common->model, &params, rule, 1);
+    flux_with(s, common, reconstruct_find(reconstruct), face, 1, &params);
+}
+
+static bool differ(struct strip *s, const char *a, const char *b, const char *reconstruct, int face) {
+    struct strip other = *s;
+    bool same = true;
+    flux_by(s, a, reconstruct, face);
+    flux_by(&other, b, reconstruct, face);
+    for (int v = 0; v < s->dim + 2; v++) same &= s->out[v][0] == other.out[v][0];
+    return !same;
+}
+
+/* A contact of dense and dilute gas has the flux of the gas that crosses the face, in every dimension. Without the rule
+ * the momentum is wrong by a part of the pressure. */
+static void contacts_are_carried(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++)
+        for (int right = 0; right < 2; right++) {
+            const double u = right ? -0.7 : 0.7;
+            struct strip s = jump(dim, (struct gas_state){0.6, u, 1e4}, (struct gas_state){0.0006, u, 1e4}, 0.3);
+            flux_by(&s, "contacts", "firstOrder", FACE);
+            for (int v = 0; v < dim + 2; v++)
+                assert_near(s.out[v][0], s.F[v][FACE + right], 1e-9 * fabs(s.F[v][FACE + right]));
+            flux_by(&s, "none", "firstOrder", FACE);
+            assert_true(fabs(s.out[1][0] / s.F[1][FACE + right] - 1) > 0.05);
+        }
+}
+
+/* Gas at rest with a jump of g stays at rest. */
+static void contacts_at_rest_stay(void **state) {
+    (void)state;
+    struct strip s = jump(2, (struct gas_state){0.6, 0, 3}, (struct gas_state){0.01, 0, 3}, 0);
+    flux_by(&s, "contacts", "WPENO5", FACE);
+    assert_true(fabs(s.out[0][0]) < 1e-13 && fabs(s.out[3][0]) < 1e-13);
+    assert_near(s.out[1][0], 3, 1e-14);
+}
+
+/* Returns the gas behind a shock that runs to the right into `ahead`, which has `ratio` times its pressure. */
+static struct gas_state behind(struct gas_state ahead, double ratio) {
+    const double rho0 = density_of(ahead.nu), e0 = energy_of(ahead), p = ratio * ahead.p;
+    double low = ahead.nu, high = 0.64;
+    for (int i = 0; i < 200; i++) { /* Hugoniot: e - e0 = (p + p0)/2 (1/rho0 - 1/rho), bisected in nu */
+        const double nu = 0.5 * (low + high), work = 0.5 * (p + ahead.p) * (1 / rho0 - 1 / density_of(nu));
+        const bool thin = energy_of((struct gas_state){nu, 0, p}) - e0 > work;
+        low = thin ? nu : low;
+        high = thin ? high : nu;
+    }
+    return (struct gas_state){low, ahead.u + sqrt((p - ahead.p) * (1 / rho0 - 1 / density_of(low))), p};
+}
+
+/* Where all fields are split with one speed and nothing is reconstructed, the flux is Rusanov's: so it is at strong
+ * shocks and the faces beside, and only there. */
+static void shocks_are_damped(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++) {
+        const struct gas_state ahead = {0.1, -1, 1}, hot = behind(ahead, 200), weak = behind(ahead, 10);
+        struct strip s = jump(dim, hot, ahead, 0.4), r;
+        r = s;
+        flux_by(&s, "shocks", "firstOrder", FACE);
+        flux_of(&r, flux_find("Rusanov"), reconstruct_find("firstOrder"), FACE, 1);
+        for (int v = 0; v < dim + 2; v++) assert_near(s.out[v][0], r.out[v][0], 1e-11 * fabs(r.out[v][0]) + 1e-12);
+        assert_true(differ(&s, "shocks", "none", "WPENO5", FACE));
+        s = jump(dim, weak, ahead, 0.4);
+        assert_false(differ(&s, "shocks", "none", "WPENO5", FACE));
+        struct gas_state slow = hot;
+        slow.u = -0.9; /* no shock: the pressures burst */
+        s = jump(dim, slow, ahead, 0.4);
+        assert_false(differ(&s, "shocks", "none", "WPENO5", FACE));
+    }
+}
+
+/* In a steep expansion the flux of first order is the mean of both sides less half of the split fields' jumps: the
+ * acoustic ones with (0.36 + 0.14 min(1, 1/g)) max |u -+ c|. */
+static void expansions_are_damped_less(void **state) {
+    (void)state;
+    struct strip s = jump(1, (struct gas_state){0.4, -0.2, 100}, (struct gas_state){0.2, 0.3, 10}, 0);
+    const double *u = s.u[0], *c = s.c, share = 0.36 + 0.14 * smaller(1, 1 / s.g[FACE]);
+    struct basis b = {.u = {0.5 * (u[FACE] + u[FACE + 1])}};
+    double left[MAX_VAR][MAX_VAR], right[MAX_VAR][MAX_VAR], c2 = 0, g = 0, h = 0;
+    for (int i = FACE; i <= FACE + 1; i++) {
+        c2 += 0.5 * c[i] * c[i];
+        g += 0.5 * s.g[i];
+        h += 0.5 * (s.eps[i] + s.p[i] / s.U[0][i]);
+    }
+    b.c = sqrt(c2);
+    b.h = h + 0.5 * b.u[0] * b.u[0];
+    b.b1 = g / c2;
+    flux_eigenvectors(1, &b, left, right);
+    flux_by(&s, "expansions", "firstOrder", FACE);
+    for (int v = 0; v < 3; v++) {
+        double wanted = 0.5 * (s.F[v][FACE] + s.F[v][FACE + 1]);
+        for (int k = 0; k < 3; k++) {
+            const double most = larger(fabs(u[FACE] + (k - 1) * c[FACE]), fabs(u[FACE + 1] + (k - 1) * c[FACE + 1]));
+            double w = 0;
+            for (int j = 0; j < 3; j++) w += left[k][j] * (s.U[j][FACE + 1] - s.U[j][FACE]);
+            wanted -= 0.5 * (k == 1 ? 1 : share) * most * w * right[v][k];
+        }
+        assert_near(s.out[v][0], wanted, 1e-11 * (fabs(s.F[v][FACE]) + fabs(s.F[v][FACE + 1])));
+    }
+    assert_true(differ(&s, "expansions", "none", "WPENO5", FACE));
+    s = jump(1, (struct gas_state){0.4, -0.2, 14}, (struct gas_state){0.35, 0.3, 10}, 0);
+    assert_false(differ(&s, "expansions", "none", "WPENO5", FACE)); /* it is mild */
+    s = jump(1, (struct gas_state){0.4, 0.3, 100}, (struct gas_state){0.2, -0.2, 10}, 0);
+    assert_false(differ(&s, "expansions", "none", "WPENO5", FACE)); /* gas closes in */
+    s = jump(1, (struct gas_state){0.4, 50, 100}, (struct gas_state){0.2, 50.5, 10}, 0);
+    assert_false(differ(&s, "expansions", "none", "WPENO5", FACE)); /* all waves run one way */
+}
+
+/* Faces that no jump is near keep their bits, and so do all faces without the rules. */
+static void other_faces_keep_their_bits(void **state) {
+    (void)state;
+    int took = 0;
+    for (int r = 0; r < reconstruct_count; r++)
+        for (int round = 0; round < 40; round++) {
+            struct strip s = {.dim = 2};
+            for (int i = 0; i < CELLS; i++) {
+                const double x = sin(1.3 * i + round), y = cos(0.7 * i * round);
+                s.U[0][i] = 300 + 20 * x;
+                s.eps[i] = 2 + 0.1 * y;
+                s.u[0][i] = 3 * y + round % 7 - 3;
+                s.u[1][i] = x;
+            }
+            close_strip(&s);
+            for (int face = 2; face < CELLS - 3; face++)
+                assert_false(differ(&s, "all", "none", reconstruct_table[r].model.name, face));
+            s.U[0][FACE + 1] = 1;
+            close_strip(&s);
+            for (int face = 2; face < CELLS - 3; face++)
+                took += differ(&s, "all", "none", reconstruct_table[r].model.name, face);
+        }
+    assert_true(took > 100);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(contacts_are_carried),        cmocka_unit_test(contacts_at_rest_stay),
+        cmocka_unit_test(shocks_are_damped),           cmocka_unit_test(expansions_are_damped_less),
+        cmocka_unit_test(other_faces_keep_their_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
