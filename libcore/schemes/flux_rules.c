@@ -17,12 +17,26 @@ ALWAYS_INLINE double least_of(const double *restrict q, long s) {
     return smaller(smaller(q[-s], q[2 * s]), smaller(q[0], q[s]));
 }
 
+/* Are the pressures of the six cells, and the g of the middle four, of all faces so near each other that no face
+ * follows a rule? */
+KERNEL static bool is_calm(int n, long s, const double *restrict p, const double *restrict g) {
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        const double *q = p + i;
+        const double most = larger(most_of(q, s), larger(q[-2 * s], q[3 * s]));
+        const double least = smaller(least_of(q, s), smaller(q[-2 * s], q[3 * s]));
+        const bool rough = (most > STEEP * least) | (most_of(g + i, s) > DENSER * least_of(g + i, s));
+        any |= bits_of(rough ? 1. : 0.);
+    }
+    return any == 0;
+}
+
 struct found { /* bits that are set where a face of the batch .. */
     uint64_t strong, expands, contact;
 };
 
-/* The pressures pl, pr of expansions are those of the cells; under gravity they are those that both cells have on the
- * face. `speed` are the winds: a wave that comes from one side is negative. */
+/* The pressures pl, pr of expansions are those that both cells have on the face, under gravity without the part that
+ * carries weight: gas at rest does not expand, however steep its pressure is. */
 KERNEL static struct found look(int n, long s, const double *restrict p, const double *restrict pl,
                                 const double *restrict pr, const double *restrict u, const double *restrict g,
                                 const struct winds *restrict w, struct rules *restrict r) {
@@ -30,7 +44,7 @@ KERNEL static struct found look(int n, long s, const double *restrict p, const d
     for (int i = 0; i < n; i++) {
         const double *q = p + i;
         const bool both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const bool apart = both & (u[i + s] > u[i]) & exceeds(STEEP, pl[i], pr[i]);
+        const bool apart = both & (u[i + s] > u[i]) & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
         const bool jump =
             exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
         const bool denser =
@@ -116,7 +130,7 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     const long s = f->stride;
     r->shocks = r->contacts = false;
     if (f->params) memcpy(&on, f->params, sizeof on);
-    if (!f->p || !(on.shocks | on.expansions | on.contacts)) return;
+    if (!f->p || !(on.shocks | on.expansions | on.contacts) || is_calm(f->n, s, f->p, f->gruneisen)) return;
     if (f->rise) {
         on_face(f->n, f->p, f->base[0], f->rest, left);
         on_face(f->n, f->p + s, f->base[1], f->rest, right);
