@@ -24,7 +24,7 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  * Three kinds of faces of the flux `common` follow a rule of their own; all others keep their flux to the bit. The
  * fluxes stay consistent and single, so everything is conserved. No rule but the last acts where all waves run one way.
  * Numbers and reasons: postprocessing/reports/denseShocks.md.
- * - Strong shocks (the pressure rises 50 times over four cells that nearly fulfil the Hugoniot relation; and the faces
+ * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
  *   beside): all fields are split with max(|u| + c), entropy and shears reconstructed by PHM. Upwinded, entropy is not
  *   damped inside of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
  * - Steep expansions (gas flies apart, and the pressure of one cell is 1.5 times that of the other): the fields u - c

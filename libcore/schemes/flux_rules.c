@@ -3,7 +3,7 @@
 #include "libcore/schemes/flux_private.h"
 
 #define STEEP  1.5  /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
-#define STRONG 50.  /* ratio of the pressures of a strong shock */
+#define STRONG 30.  /* ratio of the pressures of a strong shock */
 #define DENSER 1.3  /* ratio of the Grueneisen coefficients from which on cells are a contact */
 #define LOOSE  0.25 /* share by which the Hugoniot relation may fail within a shock */
 

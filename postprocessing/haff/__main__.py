@@ -29,6 +29,7 @@ COMMANDS = {
     "faradayFigures": ("studies.faradayFigures", "gas and grains on a shaken plate side by side"),
     "clustering": ("studies.clustering", "gas and grains that cool in the same box"),
     "workPrecision": ("studies.workPrecision", "run time against error of every scheme, and of rhoCentralFoam"),
+    "denseShocks": ("studies.denseShocks", "dense gas and strong shocks against exact solutions, with and without rules of faces"),
     "compare": ("runs.compareCase", "two results beside each other: gas and grains, two grids, two codes"),
     "crossCheck": ("studies.crossCheck", "an elastic case beside rhoCentralFoam"),
     "marquinaStability": ("studies.marquinaStability", "stability of Marquina's flux on uniform gas"),

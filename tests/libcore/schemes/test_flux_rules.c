@@ -99,7 +99,7 @@ static struct gas_state behind(struct gas_state ahead, double ratio) {
 static void shocks_are_damped(void **state) {
     (void)state;
     for (int dim = 1; dim <= 3; dim++) {
-        const struct gas_state ahead = {0.1, -1, 1}, hot = behind(ahead, 200), weak = behind(ahead, 40);
+        const struct gas_state ahead = {0.1, -1, 1}, hot = behind(ahead, 200), weak = behind(ahead, 25);
         struct strip s = jump(dim, hot, ahead, 0.4), r;
         r = s;
         flux_by(&s, "shocks", "firstOrder", FACE);

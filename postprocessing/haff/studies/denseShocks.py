@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dense gas and strong shocks against exact Riemann solutions: what the rules of single faces of the flux `common` change.
+
+    haff denseShocks [-out FILE.md] [-quick] [-problem NAME]    tables on stdout, or in the file
+
+Every problem is run by granularGas with its defaults (common, WPENO5, SSPRK43, maxCo 1) twice: with the rules
+(`on`), and without (`commonCoeffs { shocks off; expansions off; contacts off; }`).
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import haff
+from haff import command
+from haff.exact.eos import GoldshteinShapiro, PerfectGas
+from haff.exact.riemann import Riemann
+from haff.paths import program
+from haff.runs import boxes
+
+RULES = ("shocks", "expansions", "contacts")
+OFF = "commonCoeffs { shocks off; expansions off; contacts off; }\n"
+DEFAULTS = {"flux": "common", "reconstruct": "WPENO5", "stepper": "SSPRK43", "courant": 1.0, "binary": True}
+
+
+def run(cells, size, rho, u, p, end, rules=True, **options):
+    """Density, velocity [cells][3] and pressure at the end, and how many faces were limited."""
+    number = int(np.prod(cells))
+    with tempfile.TemporaryDirectory() as case:
+        boxes.box_case(case, cells, size, rho, u, p, end, **{**DEFAULTS, **options})
+        if not rules:
+            with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
+                f.write(OFF)
+        log = subprocess.run([program("granularGas"), "-case", case], capture_output=True, text=True, check=True).stdout
+        last = haff.Case(case).times[-1]
+        fields = [haff.read_field(os.path.join(case, last, name), number) for name in ("rho", "U", "p")]
+    limited = re.findall(r"\(in all (\d+), ", log)
+    return *fields, int(limited[-1]) if limited else 0
+
+
+class Tube:
+    """A Riemann problem on a line of length 1; left, right: volume fraction (density of a perfect gas), u, p."""
+
+    def __init__(self, name, left, right, x0, end=None, ways=None, eos=None, **options):
+        """The end is given, or the ways that the outermost waves have to the left and to the right at most."""
+        self.name, self.eos, self.x0, self.options = name, eos or GoldshteinShapiro(1.0), x0, options
+        density = getattr(self.eos, "rho", lambda rho: rho)
+        self.left, self.right = (density(left[0]), *left[1:]), (density(right[0]), *right[1:])
+        self.exact = Riemann(self.eos, self.left, self.right)
+        edges = [w.speed if w.shock else w.head for w in (self.exact.left, self.exact.right)]
+        if not end:
+            end = min(ways[0] / max(-edges[0], 1e-30), ways[1] / max(edges[1], 1e-30))
+        self.end, self.known = float("%.6g" % end), {}
+
+    def averages(self, n):
+        if n not in self.known:
+            self.known[n] = self.exact.averages(np.linspace(0, 1, n + 1), self.x0, self.end)
+        return self.known[n]
+
+    def fields(self, n, rules=True, **options):
+        left = (np.arange(n) + 0.5) / n < self.x0
+        rho, u, p = (np.where(left, a, b) for a, b in zip(self.left, self.right))
+        rho, u, p, limited = run((n, 1, 1), (1.0, 0.1, 0.1), rho, np.outer(u, (1, 0, 0)), p, self.end, rules,
+                                 e=getattr(self.eos, "e", 1.0), **{**self.options, **options})
+        return rho, u[:, 0], p, limited
+
+    def errors(self, n, fields):
+        """The mean errors of rho, u and p over their ranges."""
+        return [np.abs(a - b).mean() / np.ptp(b) if np.ptp(b) else np.abs(a - b).mean() for a, b in zip(fields, self.averages(n))]
+
+    def ahead(self, n, p):
+        """Cells by which the right shock stands too far ahead, and max p beyond the contact over p* - 1."""
+        middle, x = (self.exact.p + self.right[2]) / 2, (np.arange(n) + 0.5) / n
+        i = np.nonzero(p > middle)[0].max()
+        place = x[i] + (p[i] - middle) / (p[i] - p[i + 1]) / n
+        return ((place - self.x0 - self.exact.right.speed * self.end) * n,
+                p[x > self.x0 + self.exact.u * self.end].max() / self.exact.p - 1)
+
+    def noise(self, n, rho):
+        """Mean and largest |d rho| over the jump on the plateau between two shocks that part from x0 with equal speeds."""
+        far = np.abs((np.arange(n) + 0.5) / n - self.x0) / (self.exact.right.speed * self.end)
+        off = np.abs(rho[(far > 0.1) & (far < 0.85)] - self.exact.left.rho) / (self.exact.left.rho - self.left[0])
+        return off.mean(), off.max()
+
+
+def sound(nu, p, eos=GoldshteinShapiro(1.0)):
+    return float(eos.c(eos.rho(nu), eos.T(eos.rho(nu), p)))
+
+
+def warm(nu):
+    """p of T = 1."""
+    eos = GoldshteinShapiro(1.0)
+    return float(eos.p(eos.rho(nu), 1.0))
+
+
+def drifting_burst(drift=0.81):
+    """Dense gas that expands behind dilute gas, which recedes: a stiff rarefaction and a weak shock."""
+    return Tube("A", (0.4005, drift, 399.0), (0.0032, drift + 0.5613, 1.0), 0.4, 0.2585)
+
+
+def burst(left, right, ratio, eos=None, **options):
+    return Tube(f"{left} \\| {right}, p {ratio:g}", (left, 0.0, ratio), (right, 0.0, 1.0), 0.45, ways=(0.4, 0.5), eos=eos, **options)
+
+
+BURSTS = ((0.4005, 0.00324, 399.0), (0.55, 0.003, 3138.0), (0.3, 0.01, 1992.0), (0.45, 0.02, 158.0), (0.2, 0.002, 11161.0))
+
+
+def head_on(nu=0.1, mach=15.8, e=1.0):
+    eos = GoldshteinShapiro(e)
+    p = float(eos.p(eos.rho(nu), 1.0))
+    u = mach * sound(nu, p, eos)
+    return Tube("B", (nu, u, p), (nu, -u, p), 0.5, ways=(0.4, 0.4), eos=eos)
+
+
+def contact(end):
+    return Tube("J", (0.6, 0.7, 1e4), (0.0006, 0.7, 1e4), 0.4, end)
+
+
+def others():
+    mach = lambda nu, m: m * sound(nu, warm(nu))
+    yield Tube("I: Mach 14 \\| -5, nu 0.3 \\| 0.5", (0.3, mach(0.3, 14), warm(0.3)), (0.5, mach(0.5, -5), warm(0.5)), 0.5, ways=(0.32, 0.32))
+    yield Tube("E: nu 0.01, p 1e5", (0.01, 0.0, 1e5), (0.01, 0.0, 1.0), 0.45, ways=(0.4, 0.5))
+    yield Tube("dense tube 0.45 \\| 0.2", (0.45, 0.0, warm(0.45) / warm(0.2)), (0.2, 0.0, 1.0), 0.45, ways=(0.4, 0.5))
+    yield Tube("parting at Mach 0.7, nu 0.1", (0.1, -0.7 * sound(0.1, 1), 1.0), (0.1, 0.7 * sound(0.1, 1), 1.0), 0.5, ways=(0.4, 0.4))
+    yield Tube("parting at Mach 0.5, nu 0.4", (0.4, -0.5 * sound(0.4, 1), 1.0), (0.4, 0.5 * sound(0.4, 1), 1.0), 0.5, ways=(0.4, 0.4))
+    yield Tube("Mach 5 flow, p 2", (0.1, 5 * sound(0.1, 2), 2.0), (0.02, 5 * sound(0.1, 2), 1.0), 0.2, 0.5 / (6 * sound(0.1, 2)))
+    yield Tube("Sod", (1.0, 0.0, 1.0), (0.125, 0.0, 0.1), 0.5, 0.2, eos=PerfectGas(1.4), **{"gamma": 1.4})
+
+
+def randoms(number=40, seed=24):
+    """Riemann problems of nu 1e-3 to 0.6, T 1e-2 to 1e2 and Mach numbers up to 2, without vacuum."""
+    eos, random = GoldshteinShapiro(1.0), np.random.default_rng(seed)
+    while number:
+        nu = np.exp(random.uniform(np.log(1e-3), np.log(0.6), 2))
+        T = np.exp(random.uniform(np.log(1e-2), np.log(1e2), 2))
+        u = random.uniform(-2, 2, 2) * eos.c(eos.rho(nu), T)
+        p = eos.p(eos.rho(nu), T)
+        try:
+            tube = Tube(f"random {number}", (nu[0], u[0], p[0]), (nu[1], u[1], p[1]), 0.5, ways=(0.4, 0.4))
+        except ValueError:
+            continue
+        if tube.exact.p > 1e-6 * max(p):
+            number -= 1
+            yield tube
+
+
+def per_mille(errors):
+    return " ".join(f"{1e3 * e:.2f}" for e in errors)
+
+
+def both(show):
+    """What `show` says of the run without and with the rules."""
+    return " | ".join(show(rules) for rules in (False, True))
+
+
+def burst_row(tube, n):
+    def show(rules):
+        *fields, limited = tube.fields(n, rules)
+        cells, high = tube.ahead(n, fields[2])
+        return f"{cells:.2f} / {100 * high:.1f} % / {per_mille(tube.errors(n, fields)[:2])}" + (f", {limited} limited" if limited else "")
+
+    return f"| {tube.name} | {n} | {both(show)} |"
+
+
+def bursts(grids):
+    yield "| burst | cells | off: shock ahead in cells / p behind it too high / L1 of rho, u in 1e-3 | on |\n|---|---|---|---|"
+    tube = drifting_burst()
+    for n in grids:
+        yield burst_row(tube, n)
+    for drift in (0.0, 0.4, 1.2):
+        tube = Tube(f"A at {drift}", (0.4005, drift, 399.0), (0.0032, drift + 0.5613, 1.0), 0.52 - 0.15 * drift, 0.2)
+        yield burst_row(tube, 400)
+    for problem in BURSTS:
+        yield burst_row(burst(*problem), 400)
+    for e in (0.9,):  # no sink: the equation of state alone
+        yield burst_row(burst(*BURSTS[1], eos=GoldshteinShapiro(e)), 400)
+
+
+def contacts(grids):
+    yield "| contact J, cells | off: largest error of p / false u at t = 0.001, 0.002, 0.004 | on |\n|---|---|---|"
+    for n in grids:
+        def show(rules):
+            all_of = [contact(t).fields(n, rules) for t in (0.001, 0.002, 0.004)]
+            return ", ".join(f"{100 * np.abs(p / 1e4 - 1).max():.1f} % / {np.abs(u - 0.7).max():.2f}" for _, u, p, _ in all_of)
+
+        yield f"| {n} | {both(show)} |"
+
+
+def noises(grids):
+    yield "| head on B, cells | off: noise, mean / largest / L1 of rho in 1e-3 | on |\n|---|---|---|"
+    tube = head_on()
+    for n in grids:
+        def show(rules):
+            *fields, _ = tube.fields(n, rules)
+            return "%.1e / %.1e" % tube.noise(n, fields[0]) + f" / {1e3 * tube.errors(n, fields)[0]:.2f}"
+
+        yield f"| {n} | {both(show)} |"
+
+
+def singles(n):
+    yield f"| {n} cells | off: L1 of rho, u, p in 1e-3 (density in the centre over exact) | on |\n|---|---|---|"
+    for tube in others():
+        if "gamma" in tube.options:
+            tube.options["eos"] = "perfectGas"
+
+        def show(rules):
+            *fields, _ = tube.fields(n, rules)
+            return per_mille(tube.errors(n, fields)) + f" ({fields[0][n // 2] / tube.averages(n)[0][n // 2]:.3f})"
+
+        yield f"| {tube.name} | {both(show)} |"
+
+
+def ratios(number, n=200):
+    found, limited = [], np.zeros(2, int)
+    for tube in randoms(number):
+        errors = []
+        for k, rules in enumerate((False, True)):
+            *fields, count = tube.fields(n, rules)
+            limited[k] += count
+            errors.append(tube.errors(n, fields))
+        found.append(np.array(errors[1]) / errors[0])
+    show = lambda v: " ".join(f"{x:.2f}" for x in v)
+    yield (f"{number} random problems, {n} cells, L1 of rho, u, p with the rules over that without: geometric mean "
+           f"{show(np.exp(np.log(found).mean(axis=0)))}; worst {show(np.max(found, axis=0))}; best {show(np.min(found, axis=0))}; "
+           f"faces limited {limited[0]} without, {limited[1]} with.")
+
+
+def tables(quick):
+    grids = (100, 200) if quick else (100, 200, 400, 800, 1600)
+    yield "bursts", bursts(grids)
+    yield "contacts", contacts(grids[:4])
+    yield "noise", noises(grids if quick else grids[1:])
+    yield "others", singles(100 if quick else 400)
+    yield "random", ratios(4 if quick else 40)
+
+
+def main():
+    parser = command.parser(__doc__)
+    parser.add_argument("-out", metavar="FILE.md", help="writes the tables there")
+    parser.add_argument("-quick", action="store_true", help="coarse grids, four random problems")
+    parser.add_argument("-problem", help="one table: bursts, contacts, noise, others, random")
+    options = parser.parse_args()
+    out = open(options.out, "w") if options.out else sys.stdout
+    for name, rows in tables(options.quick):
+        if options.problem in (None, name):
+            print(f"\n## {name}\n", file=out)
+            for row in rows:
+                print(row, file=out, flush=True)
+
+
+if __name__ == "__main__":
+    main()
