@@ -30,8 +30,8 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  * - Steep expansions (gas flies apart, and the pressure of one cell is 1.5 times that of the other): the fields u - c
  *   and u + c are split with 0.5 of their larger speed, with less in dense gas. While the expansion of dense gas lies
  * within a few cells, full damping heats the gas, which then pushes the shock ahead of it.
- * - Contacts of dense gas (g = p_eps/rho changes by 1.3 over four cells, p by less than 1.5; never in a perfect gas):
- *   HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
+ * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
+ * gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
 struct common_rules { /* parameters of the flux `common` */
     bool shocks, expansions, contacts;
 };

@@ -4,7 +4,7 @@
 
 #define STEEP  1.5  /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
 #define STRONG 30.  /* ratio of the pressures of a strong shock */
-#define DENSER 1.3  /* ratio of the Grueneisen coefficients from which on cells are a contact */
+#define DENSER 2.   /* ratio of the Grueneisen coefficients from which on cells are a contact */
 #define LOOSE  0.25 /* share by which the Hugoniot relation may fail within a shock */
 
 ALWAYS_INLINE bool exceeds(double ratio, double a, double b) {
