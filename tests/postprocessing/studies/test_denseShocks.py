@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bursts, contacts and strong shocks through granularGas with the rules of faces reach what the report promises, and without
+them they do not."""
+import unittest
+
+import numpy as np
+
+from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
+
+from haff.studies import denseShocks
+
+
+class DenseShocks(unittest.TestCase):
+    def test_burst(self):
+        """The shock of the drifting burst stands right to 1.5 cells; p behind it is at most 12 and 9 % too high."""
+        tube = denseShocks.drifting_burst()
+        for n, most in ((100, 0.12), (200, 0.09)):
+            for rules in (True, False):
+                *fields, _ = tube.fields(n, rules)
+                cells, high = tube.ahead(n, fields[2])
+                with self.subTest(cells=n, rules=rules):
+                    self.assertEqual(abs(cells) < 1.5 and high < most, rules, f"{cells} cells, {high}")
+
+    def test_contact(self):
+        """A moving contact of dense and dilute gas keeps p to 3 % and u to 0.6."""
+        for n in (100, 200):
+            for rules in (True, False):
+                _, u, p, _ = denseShocks.contact(0.001).fields(n, rules)
+                good = np.abs(p / 1e4 - 1).max() < 0.03 and np.abs(u - 0.7).max() < 0.6
+                self.assertEqual(good, rules)
+
+    def test_noise(self):
+        """Behind two strong shocks the density is even to 8e-4 of the jump, 3e-3 at most."""
+        tube = denseShocks.head_on()
+        for n in (100, 200):
+            for rules in (True, False):
+                mean, most = tube.noise(n, tube.fields(n, rules)[0])
+                self.assertEqual(mean < 8e-4 and most < 3e-3, rules, f"{n} cells: {mean}, {most}")
+
+    def test_perfect_gas(self):
+        """Sod's tube, which has no strong shock and no dense contact, gets no worse."""
+        tube = next(t for t in denseShocks.others() if t.name == "Sod")
+        on, off = (tube.errors(100, tube.fields(100, rules)[:3]) for rules in (True, False))
+        self.assertLess(np.max(np.array(on) / off), 1.01)
+
+    def test_measure(self):
+        """The exact averages have no error, and the shock stands where it is."""
+        tube = denseShocks.drifting_burst()
+        exact = tube.averages(400)
+        self.assertEqual(tube.errors(400, exact), [0, 0, 0])
+        cells, high = tube.ahead(400, exact[2])
+        self.assertLess(abs(cells), 0.6)
+        self.assertLess(abs(high), 1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main()
