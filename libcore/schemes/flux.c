@@ -419,9 +419,9 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
 
 #define PARAM_STRUCT struct common_rules
 static const struct param common_param[] = {
-    SWITCH("shocks", shocks, true, "strong shocks are damped in all fields, so that they leave less noise behind"),
-    SWITCH("expansions", expansions, true, "steep expansions are damped less, so that they heat dense gas less"),
-    SWITCH("contacts", contacts, true, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
+    SWITCH("shocks", shocks, false, "strong shocks are damped in all fields, so that they leave less noise behind"),
+    SWITCH("expansions", expansions, false, "steep expansions are damped less, so that they heat dense gas less"),
+    SWITCH("contacts", contacts, false, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
 };
 #undef PARAM_STRUCT
 

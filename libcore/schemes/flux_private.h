@@ -19,19 +19,19 @@ void flux_sided_states(const struct faces *f, const struct eos *eos, const struc
 /* Reconstructs a line q of cells to the faces from one side (+1: left, -1: right). */
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out);
 
-/* ---- rules of single faces (flux_rules.c) ----
+/* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----
  *
- * Three kinds of faces of the flux `common` follow a rule of their own; all others keep their flux to the bit. The
- * fluxes stay consistent and single, so everything is conserved. No rule but the last acts where all waves run one way.
- * Numbers and reasons: postprocessing/reports/denseShocks.md.
+ * Where a case asks for them (commonCoeffs), three kinds of faces of the flux `common` follow a rule of their own; all
+ * others keep their flux to the bit. The fluxes stay consistent and single, so everything is conserved. No rule but the
+ * last acts where all waves run one way. Numbers and reasons: postprocessing/reports/denseShocks.md.
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
  *   beside): all fields are split with max(|u| + c), entropy and shears reconstructed by PHM. Upwinded, entropy is not
  *   damped inside of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
  * - Steep expansions (gas flies apart, and the pressure of one cell is 1.5 times that of the other): the fields u - c
  *   and u + c are split with 0.5 of their larger speed, with less in dense gas. While the expansion of dense gas lies
- * within a few cells, full damping heats the gas, which then pushes the shock ahead of it.
+ *   within a few cells, full damping heats the gas, which then pushes the shock ahead of it.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
- * gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
+ *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
 struct common_rules { /* parameters of the flux `common` */
     bool shocks, expansions, contacts;
 };

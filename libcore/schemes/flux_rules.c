@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the faces that follow a rule of their own (flux_private.h), and computes the flux of contacts. */
+/* Finds the faces that follow a rule of their own (flux_private.h; docs/physics.md 6.12), and computes the flux of
+ * contacts. */
 #include "libcore/schemes/flux_private.h"
 
 #define STEEP  1.5  /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */

@@ -40,10 +40,10 @@ static struct strip jump(int dim, struct gas_state left, struct gas_state right,
 static void flux_by(struct strip *s, const char *rule, const char *reconstruct, int face) {
     const struct flux *common = flux_find("common");
     struct own_params params = {{0}};
-    if (!strcmp(rule, "all"))
-        params = own_defaults(&common->model);
-    else if (strcmp(rule, "none") != 0)
-        model_put(&common->model, &params, rule, 1);
+    for (int i = 0; i < common->model.nparam; i++) {
+        const char *name = common->model.param[i].name;
+        model_put(&common->model, &params, name, !strcmp(rule, "all") || !strcmp(rule, name));
+    }
     flux_with(s, common, reconstruct_find(reconstruct), face, 1, &params);
 }
 
