@@ -113,7 +113,7 @@ class Setup(unittest.TestCase):
         """Alltest builds what is out of date and hands its options to ctest, whose exit code it has."""
         shutil.copy(os.path.join(SOURCE, "Alltest"), self.top)
         with open(os.path.join(self.top, ".ci", "setup")) as f:
-            wanted = re.search(r"run_packages=.*?\n\n", f.read(), re.S).group()
+            wanted = re.search(r"build_packages=.*?\n\n", f.read(), re.S).group()
         fake = os.path.join(self.top, "build", "bin")
         for name in {entry.split(":")[0] for entry in re.findall(r"[\w-]+:[\w-]+", wanted)} - {"gmsh"}:
             script(os.path.join(fake, name), f'echo "{name} $*" >>"{self.calls}"\n')

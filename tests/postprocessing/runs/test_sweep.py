@@ -145,7 +145,7 @@ class Stopped(harness.Folder, unittest.TestCase):
 
     def test_twenty_runs(self):
         self.case, self.out, self.script = (os.path.join(self.folder, n) for n in ("tube", "out", "measure.py"))
-        tube(self.case, cells=60)
+        tube(self.case, cells=180)  # a long run takes long enough to be met on its way
         with open(self.script, "w") as f:
             f.write("def measure(case):\n    return {'T': case.field('T').mean()}\n")
         first = self.begin()
