@@ -8,7 +8,8 @@
 #define DENSER 2.   /* ratio of the Grueneisen coefficients from which on cells are a contact */
 #define LOOSE  0.25 /* share by which the Hugoniot relation may fail within a shock */
 
-ALWAYS_INLINE bool exceeds(double ratio, double a, double b) {
+/* Conditions are numbers 0 or 1, which & and | join without a branch. */
+ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
     return larger(a, b) > ratio * smaller(a, b);
 }
 ALWAYS_INLINE double most_of(const double *restrict q, long s) {
@@ -44,16 +45,17 @@ KERNEL static struct found look(int n, long s, const double *restrict p, const d
     uint64_t strong = 0, expands = 0, contact = 0;
     for (int i = 0; i < n; i++) {
         const double *q = p + i;
-        const bool both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const bool apart = both & (u[i + s] > u[i]) & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
-        const bool jump =
+        const int both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
+        const int apart = both & (u[i + s] > u[i]) & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
+        const int jump =
             exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
-        const bool denser =
-            (most_of(g + i, s) > DENSER * least_of(g + i, s)) & (most_of(q, s) < STEEP * least_of(q, s));
+        const int varies = most_of(g + i, s) > DENSER * least_of(g + i, s),
+                  level = most_of(q, s) < STEEP * least_of(q, s);
+        const int denser = varies & level;
         r->expansion[i] = apart ? 1 : 0;
         r->contact[i] = denser ? 1 : 0;
         r->shock[i] = 0;
-        strong |= bits_of(jump & both ? 1. : 0.);
+        strong |= bits_of((jump & both) ? 1. : 0.);
         expands |= bits_of(r->expansion[i]);
         contact |= bits_of(r->contact[i]);
     }
@@ -62,9 +64,9 @@ KERNEL static struct found look(int n, long s, const double *restrict p, const d
 
 /* Is there a strong shock between the ends a and b of four cells, the face in whose middle lies right of cell `mid`?
  * Its jumps fulfil du^2 = dp (1/rho_low - 1/rho_high), roughly so while it lies within a few cells. */
-ALWAYS_INLINE bool is_shock(const int dim, const double *restrict rho, const double *restrict p,
-                            const double *restrict u0, const double *restrict u1, const double *restrict u2, long a,
-                            long b, long mid, long s) {
+ALWAYS_INLINE int is_shock(const int dim, const double *restrict rho, const double *restrict p,
+                           const double *restrict u0, const double *restrict u1, const double *restrict u2, long a,
+                           long b, long mid, long s) {
     const double du = u0[a] - u0[b], d1 = dim > 1 ? u1[a] - u1[b] : 0, d2 = dim > 2 ? u2[a] - u2[b] : 0;
     const double dp = p[b] - p[a], drho = rho[b] - rho[a], jump = dp * drho;
     const double square = (du * du + (d1 * d1 + d2 * d2)) * (rho[a] * rho[b]);
@@ -80,11 +82,11 @@ ALWAYS_INLINE uint64_t shocks_dim(const int dim, const struct faces *f, const st
     const long s = f->stride;
     uint64_t any = 0;
     for (int i = 0; i < f->n; i++) {
-        const bool both = (minus[i] != UPWIND_LEFT) & (plus[i] != UPWIND_RIGHT);
-        const bool shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
-                           is_shock(dim, rho, p, u0, u1, u2, i - s, i + 2 * s, i, s) |
-                           is_shock(dim, rho, p, u0, u1, u2, i, i + 3 * s, i + s, s);
-        r->shock[i] = shock & both ? 1 : 0;
+        const int both = (minus[i] != UPWIND_LEFT) & (plus[i] != UPWIND_RIGHT);
+        const int shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
+                          is_shock(dim, rho, p, u0, u1, u2, i - s, i + 2 * s, i, s) |
+                          is_shock(dim, rho, p, u0, u1, u2, i, i + 3 * s, i + s, s);
+        r->shock[i] = (shock & both) ? 1 : 0;
         r->expansion[i] = r->shock[i] > 0 ? 0 : r->expansion[i];
         any |= bits_of(r->shock[i]);
     }
