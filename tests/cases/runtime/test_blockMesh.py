@@ -2,7 +2,6 @@
 """Meshes from system/blockMeshDict without a polyMesh: OpenFOAM's blockMesh numbers cells and faces as the programs do, runs have
 the bits that they have on blockMesh's polyMesh, and what is no union of equal boxes is refused by name."""
 import os
-import re
 import shutil
 import subprocess
 import unittest
