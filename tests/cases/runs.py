@@ -60,6 +60,33 @@ def make(path, n, end, hole=False, tables=False, types=None, viscous=False, **op
     return path
 
 
+SQUARE = """DefineConstant[ N = 16 ]; h = 1/N; Point(1) = {0, 0, 0, h}; Point(2) = {1, 0, 0, h}; Point(3) = {1, 1, 0, h}; Point(4) = {0, 1, 0, h};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+Physical Curve("around") = {1:4}; Physical Surface("gas") = {1};
+"""
+CUBE = """DefineConstant[ N = 16 ]; SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 1, 1, 1}; Mesh.MeshSizeMax = 1/N; Mesh.MeshSizeMin = 1/N;
+Physical Surface("around") = {1:6}; Physical Volume("gas") = {1};
+"""
+
+
+def unit_box(path, mesh, dim, cells, fields):
+    """A case of perfect gas, to be looked at as it begins, in a unit square or cube; fields: centres -> {rho, p, U}; mesh: lattice,
+    polyhedral (the same cells) or simplices (triangles, tetrahedra)."""
+    n, size = (cells, cells, cells if dim == 3 else 1), (1.0, 1.0, 1.0 if dim == 3 else 0.1)
+    first = fields(boxes.centres(n, size))
+    harness.box_case(path, n, size, first["rho"], first["U"], first["p"], 1e-9, e=1.0, cooling="none", eos="perfectGas")
+    if mesh == "simplices":
+        with open(path + "/mesh.geo", "w") as f:
+            f.write(SQUARE if dim == 2 else CUBE)
+        shutil.rmtree(path + "/constant/polyMesh")
+        harness.mesh(path, cells)
+        rules = '"(front|back)" empty\naround zeroGradient' if dim == 2 else "around zeroGradient"
+        for name, values in fields(harness.haff.Case(path).centres).items():
+            boxes.write_field(path, name, values, rules)
+    add(path, "system/fvSchemes", f"meshEngine {'lattice' if mesh == 'lattice' else 'polyhedral'};\n")
+    return path
+
+
 def add(case, file, text):
     with open(os.path.join(case, file), "a") as f:
         f.write(text)

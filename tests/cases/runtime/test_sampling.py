@@ -8,9 +8,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
-from tests.cases.harness import boxes
 from tests.cases.runtime.test_forces import ask
-from tests.cases.runtime.test_surfaceFieldValue import CUBE, SQUARE
 
 try:
     import vtk
@@ -63,22 +61,9 @@ class Sampling(harness.Folder, unittest.TestCase):
     def laid(self, mesh, dim, cells, fields=flow):
         """A case with the flow in the cells of a unit square or cube."""
         case = os.path.join(self.folder, f"{self.id().split('.')[-1]}{mesh}{dim}{cells}")
-        n, size = (cells, cells, cells if dim == 3 else 1), (1.0, 1.0, 1.0 if dim == 3 else 0.1)
-        rho, u, p = fields(boxes.centres(n, size), dim)
-        harness.box_case(case, n, size, rho, u, p, 1e-9, e=1.0, cooling="none", eos="perfectGas")
-        if mesh == "simplices":
-            if not shutil.which("gmsh"):
-                self.skipTest("no gmsh")
-            with open(case + "/mesh.geo", "w") as f:
-                f.write(SQUARE if dim == 2 else CUBE)
-            shutil.rmtree(case + "/constant/polyMesh")
-            harness.mesh(case, cells)
-            at = harness.haff.Case(case).centres
-            rules = '"(front|back)" empty\naround zeroGradient' if dim == 2 else "around zeroGradient"
-            for name, values in zip(("rho", "U", "p"), fields(at, dim)):
-                boxes.write_field(case, name, values, rules)
-        runs.add(case, "system/fvSchemes", f"meshEngine {'lattice' if mesh == 'lattice' else 'polyhedral'};\n")
-        return case
+        if mesh == "simplices" and not shutil.which("gmsh"):
+            self.skipTest("no gmsh")
+        return runs.unit_box(case, mesh, dim, cells, lambda at: dict(zip(("rho", "U", "p"), fields(at, dim))))
 
     def start(self, case, ranks=1):
         harness.program("granularGas", "-case", case, ranks=ranks)

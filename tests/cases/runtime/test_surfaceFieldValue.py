@@ -7,17 +7,9 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
-from tests.cases.harness import boxes
 from tests.cases.runtime.test_forces import BUDGET, ask, columns
 from tests.cases.transport.channels import friction, spheres
 
-SQUARE = """DefineConstant[ N = 16 ]; h = 1/N; Point(1) = {0, 0, 0, h}; Point(2) = {1, 0, 0, h}; Point(3) = {1, 1, 0, h}; Point(4) = {0, 1, 0, h};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-Physical Curve("around") = {1:4}; Physical Surface("gas") = {1};
-"""
-CUBE = """DefineConstant[ N = 16 ]; SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 1, 1, 1}; Mesh.MeshSizeMax = 1/N; Mesh.MeshSizeMin = 1/N;
-Physical Surface("around") = {1:6}; Physical Volume("gas") = {1};
-"""
 PLANE = "sampledSurfaceDict { type plane; basePoint (%.17g %.17g %.17g); normalVector (%.17g %.17g %.17g); }"
 ENTRY = "%s { type surfaceFieldValue; regionType %s; operation %s; fields (%s); %s }\n"
 BASE = np.array([0.52, 0.4, 0.31])
@@ -46,20 +38,7 @@ class SurfaceFieldValue(harness.Folder, unittest.TestCase):
     def laid(self, mesh, dim, cells):
         """A case with the smooth flow in the cells of a unit square or cube."""
         case = os.path.join(self.folder, f"{mesh}{dim}{cells}")
-        n, size = (cells, cells, cells if dim == 3 else 1), (1.0, 1.0, 1.0 if dim == 3 else 0.1)
-        at = boxes.centres(n, size)
-        harness.box_case(case, n, size, *(flow(at, dim)[i] for i in (0, 2, 1)), 1e-9, e=1.0, cooling="none", eos="perfectGas")
-        if mesh == "simplices":
-            with open(case + "/mesh.geo", "w") as f:
-                f.write(SQUARE if dim == 2 else CUBE)
-            shutil.rmtree(case + "/constant/polyMesh")
-            harness.mesh(case, cells)
-            at = harness.haff.Case(case).centres
-            rules = '"(front|back)" empty\naround zeroGradient' if dim == 2 else "around zeroGradient"
-            for name, values in zip(("rho", "p", "U"), flow(at, dim)):
-                boxes.write_field(case, name, values, rules)
-        runs.add(case, "system/fvSchemes", f"meshEngine {'lattice' if mesh == 'lattice' else 'polyhedral'};\n")
-        return case
+        return runs.unit_box(case, mesh, dim, cells, lambda at: dict(zip(("rho", "p", "U"), flow(at, dim))))
 
     def cut(self, mesh, dim, cells, normal):
         """Errors of the flows through a plane and of the mean pressure there, at the start."""
