@@ -3,10 +3,12 @@
  * contacts. */
 #include "libcore/schemes/flux_private.h"
 
-#define STEEP  1.5  /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
-#define STRONG 30.  /* ratio of the pressures of a strong shock */
-#define DENSER 2.   /* ratio of the Grueneisen coefficients from which on cells are a contact */
-#define LOOSE  0.25 /* share by which the Hugoniot relation may fail within a shock */
+#define STEEP   1.5 /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
+#define STRONG  30. /* ratio of the pressures of a strong shock */
+#define DENSER  2.  /* ratio of the Grueneisen coefficients from which on cells are a contact */
+#define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
+#define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
+#define PACKED  16.  /* Grueneisen coefficient above which expansions are damped more and more */
 
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
 ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
@@ -40,13 +42,14 @@ struct found { /* bits that are set where a face of the batch .. */
 /* The pressures pl, pr of expansions are those that both cells have on the face, under gravity without the part that
  * carries weight: gas at rest does not expand, however steep its pressure is. */
 KERNEL static struct found look(int n, long s, const double *restrict p, const double *restrict pl,
-                                const double *restrict pr, const double *restrict u, const double *restrict g,
-                                const struct winds *restrict w, struct rules *restrict r) {
+                                const double *restrict pr, const double *restrict u, const double *restrict c,
+                                const double *restrict g, const struct winds *restrict w, struct rules *restrict r) {
     uint64_t strong = 0, expands = 0, contact = 0;
     for (int i = 0; i < n; i++) {
         const double *q = p + i;
         const int both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const int apart = both & (u[i + s] > u[i]) & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
+        const int parts = (u[i + s] > u[i]) & (u[i + s] - u[i] < PARTING * (c[i] + c[i + s]));
+        const int apart = both & parts & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
         const int jump =
             exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
         const int varies = most_of(g + i, s) > DENSER * least_of(g + i, s),
@@ -100,9 +103,11 @@ KERNEL static bool find_shocks(const struct faces *f, const struct winds *restri
 }
 
 /* Returns the share of the larger speed that damps an expansion: 0.5 in dilute gas, less where the isentrope is steep
- * (d ln T = g d ln rho). g: of the cell where it is larger. */
+ * (d ln T = g d ln rho), and nearly 1 near packing, where less would ask for limited faces. g: of the cell where it is
+ * larger. */
 ALWAYS_INLINE double damping(double g) {
-    return fma(0.14, smaller(1, 1 / g), 0.36);
+    const double share = fma(0.14, smaller(1, 1 / g), 0.36);
+    return 1 - (1 - share) * smaller(1, PACKED / g);
 }
 
 /* Gives shocks and expansions their winds. */
@@ -138,8 +143,8 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
         on_face(f->n, f->p, f->base[0], f->rest, left);
         on_face(f->n, f->p + s, f->base[1], f->rest, right);
     }
-    const struct found any =
-        look(f->n, s, f->p, f->rise ? left : f->p, f->rise ? right : f->p + s, f->velocity[0], f->gruneisen, w, r);
+    const struct found any = look(f->n, s, f->p, f->rise ? left : f->p, f->rise ? right : f->p + s, f->velocity[0],
+                                  f->c, f->gruneisen, w, r);
     if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
     r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
     r->contacts = on.contacts && any.contact;
