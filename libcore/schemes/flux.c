@@ -144,13 +144,22 @@ KERNEL static void project_back(int dim, int from, int to, const struct bases *r
     if (dim == 3 && add) back(3, from, to, b, a, true, out);
 }
 
-/* Takes entropy and shears of PHM at the faces of shocks. */
+/* Splits the entropy of the faces of shocks with max(|u| + c), by PHM (if the user's reconstruction is not of first
+ * order): the amplitude a[ENTROPY] of the other fields' run. */
 static void calm_shocks(int from, int to, const struct faces *f, const struct bases *b, const struct winds *w,
-                        const double *shock, double (*a)[BATCH]) {
+                        const double *shock, const struct reconstruct *r, double (*a)[BATCH]) {
+    struct winds fast = *w;
     double calm[MAX_VAR][BATCH];
-    reconstruct_find("PHM")->split(from, to, f, b, w, calm);
-    for (int v = 1; v <= f->dim; v++)
-        for (int i = from; i < to; i++) a[v][i] = shock[i] > 0 ? calm[v][i] : a[v][i];
+    bool any = false;
+    for (int i = from; i < to; i++) {
+        const double *u = f->velocity[0] + i, *c = f->c + i;
+        const double most = larger(fabs(u[0]) + c[0], fabs(u[f->stride]) + c[f->stride]);
+        any |= shock[i] > 0;
+        fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
+    }
+    if (!any) return;
+    (r->reach > 0 ? reconstruct_find("PHM") : r)->split(from, to, f, b, &fast, calm);
+    for (int i = from; i < to; i++) a[ENTROPY][i] = shock[i] > 0 ? calm[ENTROPY][i] : a[ENTROPY][i];
 }
 
 /* shock: of struct rules; NULL: there is none. */
@@ -165,7 +174,7 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
             r->split(from, to, f, &b, w, a);
         else
             r->upwind(from, to, f, &b, w, 0, a);
-        if (splits && shock && r->reach > 0) calm_shocks(from, to, f, &b, w, shock, a);
+        if (shock) calm_shocks(from, to, f, &b, w, shock, r, a);
     }
     project_back(f->dim, 0, f->n, &b, a, false, f->out);
 }
@@ -419,7 +428,7 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
 
 #define PARAM_STRUCT struct common_rules
 static const struct param common_param[] = {
-    SWITCH("shocks", shocks, false, "strong shocks are damped in all fields, so that they leave less noise behind"),
+    SWITCH("shocks", shocks, false, "strong shocks are damped in entropy, too, so that they leave less noise behind"),
     SWITCH("expansions", expansions, false, "steep expansions are damped less, so that they heat dense gas less"),
     SWITCH("contacts", contacts, false, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
 };

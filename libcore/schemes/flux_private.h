@@ -25,11 +25,13 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  * others keep their flux to the bit. The fluxes stay consistent and single, so everything is conserved. No rule but the
  * last acts where all waves run one way. Numbers and reasons: postprocessing/reports/denseShocks.md.
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
- *   beside): all fields are split with max(|u| + c), entropy and shears reconstructed by PHM. Upwinded, entropy is not
- *   damped inside of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
- * - Steep expansions (gas flies apart, and the pressure of one cell is 1.5 times that of the other): the fields u - c
- *   and u + c are split with 0.5 of their larger speed, with less in dense gas. While the expansion of dense gas lies
- *   within a few cells, full damping heats the gas, which then pushes the shock ahead of it.
+ *   beside): the entropy is split with max(|u| + c), and reconstructed by PHM. Upwinded, entropy is not damped inside
+ *   of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
+ * - Steep expansions (gas parts, slower than half of the sum of both speeds of sound, and the pressure of one cell is
+ *   1.5 times that of the other): the fields u - c and u + c are split with 0.5 of their larger speed, with less in
+ *   dense gas, and with more near packing. While the expansion of dense gas lies within a few cells, full damping heats
+ *   the gas, which then pushes the shock ahead of it. Faster, gas makes a void, and less damping would have to be
+ *   limited.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
  *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
 struct common_rules { /* parameters of the flux `common` */
@@ -42,7 +44,7 @@ struct rules { /* 1 where a face follows a rule, else 0 */
     bool shocks, contacts; /* does any face? The arrays are set if so. */
 };
 
-/* Finds the faces that follow a rule and gives those of shocks and expansions other winds. */
+/* Finds the faces that follow a rule and gives those of expansions other winds. */
 void rules_find(const struct faces *f, struct winds *w, struct rules *r);
 /* Computes the fluxes f->out of contacts. */
 void rules_contacts(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r,

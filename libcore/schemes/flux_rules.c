@@ -110,18 +110,15 @@ ALWAYS_INLINE double damping(double g) {
     return 1 - (1 - share) * smaller(1, PACKED / g);
 }
 
-/* Gives shocks and expansions their winds. */
+/* Gives expansions their winds. */
 KERNEL static void bend(int n, const double *restrict gl, const double *restrict gr, const double *restrict ul,
                         const double *restrict cl, const double *restrict ur, const double *restrict cr,
                         const struct rules *restrict r, struct winds *restrict w) {
-    for (int k = 0; k < FAMILIES; k++) {
-        const double sign = k - 1;
-        double *restrict speed = w->speed[k];
+    for (int side = -1; side <= 1; side += 2) {
+        double *restrict speed = w->speed[side < 0 ? MINUS : PLUS];
         for (int i = 0; i < n; i++) {
-            const double most = larger(fabs(ul[i]) + cl[i], fabs(ur[i]) + cr[i]);
-            const double own = larger(fabs(fma(sign, cl[i], ul[i])), fabs(fma(sign, cr[i], ur[i])));
-            const double mild = k != ENTROPY && r->expansion[i] > 0 ? damping(larger(gl[i], gr[i])) * own : speed[i];
-            speed[i] = r->shock[i] > 0 ? most : mild;
+            const double own = larger(fabs(fma(side, cl[i], ul[i])), fabs(fma(side, cr[i], ur[i])));
+            speed[i] = r->expansion[i] > 0 ? damping(larger(gl[i], gr[i])) * own : speed[i];
         }
     }
 }
@@ -148,7 +145,7 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
     r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
     r->contacts = on.contacts && any.contact;
-    if (r->shocks || (on.expansions && any.expands))
+    if (on.expansions && any.expands)
         bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
 }
 

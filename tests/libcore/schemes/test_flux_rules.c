@@ -94,22 +94,55 @@ static struct gas_state behind(struct gas_state ahead, double ratio) {
     return (struct gas_state){low, ahead.u + sqrt((p - ahead.p) * (1 / rho0 - 1 / density_of(low))), p};
 }
 
-/* Where all fields are split with one speed and nothing is reconstructed, the flux is Rusanov's: so it is at strong
- * shocks and the faces beside, and only there. */
+struct fields_of_face { /* eigenvectors of the means of the two cells, and the jumps of state and flux */
+    double left[MAX_VAR][MAX_VAR], right[MAX_VAR][MAX_VAR], dU[MAX_VAR], dF[MAX_VAR];
+};
+static struct fields_of_face fields_of(int dim, const struct strip *s) {
+    struct fields_of_face q = {.dU = {0}};
+    struct basis b = {.u = {0}};
+    double c2 = 0, g = 0;
+    for (int i = FACE; i <= FACE + 1; i++) {
+        c2 += 0.5 * s->c[i] * s->c[i];
+        g += 0.5 * s->g[i];
+        b.h += 0.5 * (s->eps[i] + s->p[i] / s->U[0][i]);
+        for (int k = 0; k < dim; k++) b.u[k] += 0.5 * s->u[k][i];
+    }
+    b.c = sqrt(c2);
+    for (int k = 0; k < dim; k++) b.h += 0.5 * b.u[k] * b.u[k];
+    b.b1 = g / c2;
+    flux_eigenvectors(dim, &b, q.left, q.right);
+    for (int v = 0; v < dim + 2; v++) {
+        q.dU[v] = s->U[v][FACE + 1] - s->U[v][FACE];
+        q.dF[v] = s->F[v][FACE + 1] - s->F[v][FACE];
+    }
+    return q;
+}
+
+static double dot(int n, const double *a, const double *b) {
+    double sum = 0;
+    for (int v = 0; v < n; v++) sum += a[v] * b[v];
+    return sum;
+}
+
+/* At strong shocks and the faces beside, and only there, the entropy is split with max(|u| + c) where it is upwinded
+ * from the left else: at first order its part changes by (l.dF - max(|u| + c) l.dU)/2. */
 static void shocks_are_damped(void **state) {
     (void)state;
     for (int dim = 1; dim <= 3; dim++) {
-        const struct gas_state ahead = {0.1, -1, 1}, hot = behind(ahead, 200), weak = behind(ahead, 25);
-        struct strip s = jump(dim, hot, ahead, 0.4), r;
-        r = s;
+        const struct gas_state ahead = {0.1, 0.05, 1}, hot = behind(ahead, 200), weak = behind(ahead, 25);
+        struct strip s = jump(dim, hot, ahead, 0.4), own = s;
+        const struct fields_of_face q = fields_of(dim, &s);
+        const double fast = larger(hot.u + s.c[FACE], ahead.u + s.c[FACE + 1]);
+        const double more = 0.5 * (dot(dim + 2, q.left[1], q.dF) - fast * dot(dim + 2, q.left[1], q.dU));
         flux_by(&s, "shocks", "firstOrder", FACE);
-        flux_of(&r, flux_find("Rusanov"), reconstruct_find("firstOrder"), FACE, 1);
-        for (int v = 0; v < dim + 2; v++) assert_near(s.out[v][0], r.out[v][0], 1e-11 * fabs(r.out[v][0]) + 1e-12);
+        flux_by(&own, "none", "firstOrder", FACE);
+        for (int v = 0; v < dim + 2; v++)
+            assert_near(s.out[v][0], own.out[v][0] + more * q.right[v][1], 1e-11 * fabs(s.F[v][FACE]) + 1e-12);
         assert_true(differ(&s, "shocks", "none", "WPENO5", FACE));
         s = jump(dim, weak, ahead, 0.4);
         assert_false(differ(&s, "shocks", "none", "WPENO5", FACE));
         struct gas_state slow = hot;
-        slow.u = -0.9; /* no shock: the pressures burst */
+        slow.u = 0.15; /* no shock: the pressures burst */
         s = jump(dim, slow, ahead, 0.4);
         assert_false(differ(&s, "shocks", "none", "WPENO5", FACE));
     }
@@ -121,25 +154,13 @@ static void expansion_is_damped(double nu) {
     struct strip s = jump(1, (struct gas_state){nu, -0.2, 100}, (struct gas_state){0.2, 0.3, 10}, 0);
     const double *u = s.u[0], *c = s.c, most_g = s.g[FACE];
     const double share = 1 - (0.64 - 0.14 * smaller(1, 1 / most_g)) * smaller(1, 16 / most_g);
-    struct basis b = {.u = {0.5 * (u[FACE] + u[FACE + 1])}};
-    double left[MAX_VAR][MAX_VAR], right[MAX_VAR][MAX_VAR], c2 = 0, g = 0, h = 0;
-    for (int i = FACE; i <= FACE + 1; i++) {
-        c2 += 0.5 * c[i] * c[i];
-        g += 0.5 * s.g[i];
-        h += 0.5 * (s.eps[i] + s.p[i] / s.U[0][i]);
-    }
-    b.c = sqrt(c2);
-    b.h = h + 0.5 * b.u[0] * b.u[0];
-    b.b1 = g / c2;
-    flux_eigenvectors(1, &b, left, right);
+    const struct fields_of_face q = fields_of(1, &s);
     flux_by(&s, "expansions", "firstOrder", FACE);
     for (int v = 0; v < 3; v++) {
         double wanted = 0.5 * (s.F[v][FACE] + s.F[v][FACE + 1]);
         for (int k = 0; k < 3; k++) {
             const double most = larger(fabs(u[FACE] + (k - 1) * c[FACE]), fabs(u[FACE + 1] + (k - 1) * c[FACE + 1]));
-            double w = 0;
-            for (int j = 0; j < 3; j++) w += left[k][j] * (s.U[j][FACE + 1] - s.U[j][FACE]);
-            wanted -= 0.5 * (k == 1 ? 1 : share) * most * w * right[v][k];
+            wanted -= 0.5 * (k == 1 ? 1 : share) * most * dot(3, q.left[k], q.dU) * q.right[v][k];
         }
         assert_near(s.out[v][0], wanted, 1e-11 * (fabs(s.F[v][FACE]) + fabs(s.F[v][FACE + 1])));
     }
