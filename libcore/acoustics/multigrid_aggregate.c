@@ -14,11 +14,18 @@ struct groups {
     int stamp;
 };
 
-/* A row whose excess is four times its links is solved by smoothing alone, as one without links is. */
+/* Two groups are paired if errors within the pair are smoothed at this rate at least (strongest). Measured; equal links
+ * in a line have the rate 1/2, in a plane 1/4, in space 1/6. */
+static const double LEAST_RATE = 0.13;
+/* Rows whose excess is so much of their links have no part in coarser levels: smoothing alone solves for them, as for
+ * rows without links. A cell in space with six equal links w has the rate w/D = 1/(6 (1 + ALONE)) = LEAST_RATE then:
+ * rows of more excess would pair with none, and stay on all levels. */
+static const double ALONE = 0.28;
+
 static bool smooth_alone(const struct level *l, int i) {
     double sum = 0;
     for (int k = l->first[3 * i]; k < l->first[3 * i + 3]; k++) sum += l->weight[k];
-    return !(l->excess[i] < 4 * sum);
+    return !(l->excess[i] < ALONE * sum);
 }
 
 /* Finds the neighbours of group g in its block; returns their number. */
@@ -44,7 +51,7 @@ static int neighbours(struct groups *s, int g) {
  * Good is a high rate w/min(D_g, D_h) at which errors within the pair are smoothed: w is the link between g and h, D
  * the sum of one's links to others and of its excess. */
 static int strongest(const struct groups *s, int g, int n, int pass) {
-    double best = 0.13; /* measured; equal links in a line have the rate 1/2, in a plane 1/4 */
+    double best = LEAST_RATE;
     int found = -1;
     for (int f = 0; f < n; f++) {
         const int h = s->found[f];

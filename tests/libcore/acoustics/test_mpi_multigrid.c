@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The multigrid: solutions, their bits on any ranks, iterations on growing grids, what is special. */
+#include "libcore/acoustics/multigrid_private.h"
 #include "tests/libcore/acoustics/multigrid_grid.h"
 
 #include "tests/checks.h" /* last: cmocka.h defines fail() */
@@ -152,6 +153,29 @@ static void iterations_are_flat(void **state) {
     multigrid_free(m);
 }
 
+/* Whatever share of its links a row's sum is, each level has at most two thirds of the rows of the one before. */
+static void every_level_is_much_smaller(void **state) {
+    static const double shifts[] = {1e-6, 0.03, 0.1, 0.2, 0.25, 0.3, 0.5, 1, 2, 3.9, 10};
+    (void)state;
+    struct multigrid *m = make(world);
+    for (int k = 0; k < 44; k++) {
+        const bool solid = k % 2;
+        struct mg_case o = {
+            .dim = 2 + solid, .n = {100, 80, 1}, .block = {60, 60, 1}, .holes = k / 2 % 2 * 0.2}; /* 8000 cells */
+        if (solid) o.n[0] = o.n[1] = o.n[2] = o.block[0] = o.block[1] = o.block[2] = 20;
+        o.contrast = 20;
+        o.shift = shifts[k / 4];
+        struct mg_grid g;
+        solve(m, world, &o, 1e-3, &g);
+        for (int l = 1; l < m->levels; l++) {
+            const int finer = l == m->spread ? 8000 : m->level[l - 1].rows; /* of all ranks */
+            assert_true(3 * m->level[l].rows <= 2 * finer);
+        }
+        mg_close(&g);
+    }
+    multigrid_free(m);
+}
+
 /* Rows without links have x = b/d; nothing has none; without rows there is nothing to do. */
 static void rows_alone(void **state) {
     (void)state;
@@ -186,11 +210,9 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(remainders_fall_as_told),
-        cmocka_unit_test(ranks_do_not_show),
-        cmocka_unit_test(aggregates_may_stay),
-        cmocka_unit_test(iterations_are_flat),
-        cmocka_unit_test(rows_alone),
+        cmocka_unit_test(remainders_fall_as_told),     cmocka_unit_test(ranks_do_not_show),
+        cmocka_unit_test(aggregates_may_stay),         cmocka_unit_test(iterations_are_flat),
+        cmocka_unit_test(every_level_is_much_smaller), cmocka_unit_test(rows_alone),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
