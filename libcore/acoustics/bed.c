@@ -4,10 +4,6 @@
 
 #include <stdlib.h>
 
-void bed_fill(const struct bed *b, int n, double *const *line) {
-    if (b->fill) b->fill(b->context, n, line);
-}
-
 status bed_make(struct bed *b) {
     TRY(allocate(&b->lines, 1, sizeof *b->lines, "the bed"));
     return multigrid_make(b->comm, &b->multigrid);
@@ -33,6 +29,7 @@ void bed_free(struct bed *b) {
     if (b->lines) free_lines(b);
     free(b->lines);
     multigrid_free(b->multigrid);
+    bed_halo_free(b->halo);
 }
 
 /* Deals the lines of cells, each of n numbers, from one memory; returns how many there are. */

@@ -65,6 +65,7 @@ struct bed_shapes {
 
 struct bed_lines; /* the work memory */
 struct multigrid;
+struct bed_halo;
 struct bed {
     /* Set once, before bed_make: */
     const struct eos *eos;
@@ -74,10 +75,6 @@ struct bed {
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     const struct bed_shapes *shapes;
     double limit; /* kg/m^3: densities stay below it */
-    /* Copies n <= components + 2 lines of this rank's cells to the ghosts of the same lines; collective. NULL: there is
-     * one rank. */
-    void (*fill)(void *context, int n, double *const *line);
-    void *context;
 
     /* The cells of this rank, block by block (tile by tile), then ghosts: cells of other ranks. Set by the caller after
      * bed_size whenever the set changes. */
@@ -104,14 +101,20 @@ struct bed {
 
     struct bed_lines *lines;
     struct multigrid *multigrid;
-    bool linked, laid; /* are the links listed, and laid out by the multigrid, for the present set? */
-    long room[4];      /* blocks, cells with ghosts, faces, entries of face_of_cell that the memory has room for */
+    struct bed_halo *halo; /* the messages between the ranks; NULL: there is one */
+    bool linked, laid;     /* are the links listed, and laid out by the multigrid, for the present set? */
+    long room[4];          /* blocks, cells with ghosts, faces, entries of face_of_cell that the memory has room for */
 };
 
 status bed_make(struct bed *b);
 void bed_free(struct bed *b);
 /* Makes room for a set of so many blocks, cells, ghosts and faces of this rank, whose cells have so many sides. */
 status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int sides);
+/* After the set has changed, by the caller: gives this rank's `cells` cells the numbers *first, *first + 1, .. over all
+ * ranks; then, when cells, ghosts and faces are listed, learns the numbers [ghosts] of the ghosts, each of which lies
+ * across a face of a cell. Collective both. */
+status bed_number(struct bed *b, int cells, long *first);
+status bed_link(struct bed *b, const double *number);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);

@@ -77,8 +77,10 @@ ALWAYS_INLINE double bed_drift(const struct bed *b, double *const *u, double dt,
     return -0.5 * dt * sum;
 }
 
-/* Calls the caller's fill, if there are other ranks. */
+/* Copies n <= components + 2 lines of this rank's cells to the ghosts of the same lines; collective. Nothing is done on
+ * one rank, where halo is NULL. */
 void bed_fill(const struct bed *b, int n, double *const *line);
+void bed_halo_free(struct bed_halo *h);
 /* Finds p, U and root of the step; *done as bed_step. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that

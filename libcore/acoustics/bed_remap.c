@@ -158,7 +158,7 @@ bool bed_remap(struct bed *b, double dt) {
     bool fine = true;
     bed_slopes(b, b->lines->after, 0, n, dt);
     for (int i = 0; i < b->cells; i++) fine &= settle_cell(b, dt, i);
-    for (int k = 0; k < b->dim && b->fill; k++) bed_fill(b, n, b->lines->slope[k]);
+    for (int k = 0; k < b->dim && b->halo; k++) bed_fill(b, n, b->lines->slope[k]);
     carry(b, dt);
     return lift_beside_rest(b) && fine;
 }

@@ -10,7 +10,7 @@ static void find_tilts(struct bed *b) {
     const struct bed_lines *x = b->lines;
     double *velocity[MAX_VAR] = {NULL, x->u[0], x->u[1], x->u[2]};
     bed_slopes(b, velocity, 1, b->dim + 1, 0);
-    if (!b->fill) return;
+    if (!b->halo) return;
     for (int k = 0; k < b->dim; k++)
         bed_fill(b, b->shapes->boxes ? 1 : b->dim, &x->slope[k][b->shapes->boxes ? k + 1 : 1]);
 }

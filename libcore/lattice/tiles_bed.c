@@ -266,20 +266,7 @@ static status make_seats(struct gas *g, long n) {
     return allocate(&b->seat, b->room, sizeof *b->seat, "the bed");
 }
 
-/* The number of this rank's first cell over all ranks, from 1 on. */
-static double first_number(const struct gas *g, int cells) {
-    const int ranks = comm_size(g->comm);
-    double first = 1;
-    if (ranks == 1) return first;
-    for (int r = 0; r < ranks; r++) {
-        double count = r == comm_rank(g->comm) ? cells : 0;
-        comm_max(g->comm, &count, 1);
-        if (r < comm_rank(g->comm)) first += count;
-    }
-    return first;
-}
-
-/* Numbers the cells in line 0 of W, ghosts too. */
+/* Numbers the cells in line 0 of W from 1 on, ghosts too. */
 static void number_cells(struct gas *g, double first) {
     const struct forest *f = g->forest;
     struct bed *bed = &g->dense->bed;
@@ -380,8 +367,6 @@ static void weave(struct weaving *w) {
         }
 }
 
-static void fill_ghosts(void *gas, int n, double *const *line);
-
 static status make_fluxes(struct gas *g) {
     const long doubles = (long)g->dim * g->nvar * g->forest->size + SLACK;
     for (int t = 0; t < g->forest->ntiles; t++)
@@ -429,9 +414,12 @@ static bool is_listed(struct gas *g) {
 
 status tiles_bed_list(struct gas *g) {
     struct bed *bed = &g->dense->bed;
+    const struct seat *seat;
+    long first;
     if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, list_here(g)));
-    struct weaving w = {.g = g, .first = first_number(g, bed->cells), .count = true};
+    TRY(bed_number(bed, bed->cells, &first));
+    struct weaving w = {.g = g, .first = (double)first + 1, .count = true};
     number_cells(g, w.first);
     seat_cells(g, g->tiles->bed->seat);
     weave(&w);
@@ -441,24 +429,12 @@ status tiles_bed_list(struct gas *g) {
     for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
     w.count = false;
     weave(&w);
-    bed->fill = comm_size(g->comm) > 1 ? fill_ghosts : NULL;
-    bed->context = g;
-    return OK;
+    seat = g->tiles->bed->seat + bed->cells;
+    for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = g->W.block[seat[i].tile][seat[i].at] - 1;
+    return bed_link(bed, bed->U[0]);
 }
 
 /* ---- to and from the tiles ---- */
-
-static void fill_ghosts(void *gas, int n, double *const *line) {
-    struct gas *g = gas;
-    const struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat;
-    const long size = g->forest->size;
-    for (int i = 0; i < bed->cells; i++)
-        for (int v = 0; v < n; v++) g->W.block[seat[i].tile][v * size + seat[i].at] = line[v][i];
-    forest_fill_layers(g->forest, 1, n, g->W.block);
-    for (int i = bed->cells; i < bed->cells + bed->ghosts; i++)
-        for (int v = 0; v < n; v++) line[v][i] = g->W.block[seat[i].tile][v * size + seat[i].at];
-}
 
 /* An open patch whose ghosts have the cell's own state lets it out freely. */
 static bool same_state(const struct gas *g, const double *U, long a, long b) {

@@ -199,10 +199,16 @@ static void seat_cells(struct gas *g) {
             if (part[m->block_cell[j]] > 0) b->seat[n++] = m->block_cell[j];
     }
     bed->first[m->nblocks] = n;
-    for (int i = m->nown; i < m->nnear; i++)
-        if (part[i] > 0) b->seat[n++] = i;
     for (int i = 0; i < m->ncells; i++) b->index[i] = -1;
     for (int i = 0; i < n; i++) b->index[b->seat[i]] = i;
+    for (int i = 0; i < bed->cells; i++)
+        for (int j = m->face_start[b->seat[i]]; j < m->face_start[b->seat[i] + 1]; j++) {
+            const int other = cells_across(m, j);
+            if (other < m->nown || other >= m->nnear || !(part[other] > 0) || b->index[other] >= 0) continue;
+            b->index[other] = n;
+            b->seat[n++] = other;
+        }
+    bed->ghosts = n - bed->cells;
     for (int i = 0; i < n; i++) bed->body[i] = b->seat[i];
 }
 
@@ -245,28 +251,26 @@ static void list_faces(struct gas *g) {
 
 /* ---- to and from the cells ---- */
 
-static void fill_ghosts(void *gas, int n, double *const *line) {
-    struct gas *g = gas;
-    const struct bed *bed = &g->dense->bed;
+/* Tells the bed the numbers of its ghosts over all ranks, which come in line 0 of W. */
+static status link_ghosts(struct gas *g) {
+    struct bed *bed = &g->dense->bed;
     const int *seat = g->cells->bed->seat;
     double *W[MAX_VAR];
+    long first;
+    TRY(bed_number(bed, bed->cells, &first));
     cells_lines(g, &g->W, W);
-    for (int v = 0; v < n; v++)
-        for (int i = 0; i < bed->cells; i++) W[v][seat[i]] = line[v][i];
-    fill_lines(g, n, W);
-    for (int v = 0; v < n; v++)
-        for (int i = bed->cells; i < bed->cells + bed->ghosts; i++) line[v][i] = W[v][seat[i]];
+    for (int i = 0; i < bed->cells; i++) W[0][seat[i]] = (double)(first + i);
+    fill_lines(g, 1, W);
+    for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = W[0][seat[bed->cells + i]];
+    return bed_link(bed, bed->U[0]);
 }
 
 status cells_bed_list(struct gas *g) {
-    struct bed *bed = &g->dense->bed;
     if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, make_room(g)));
     seat_cells(g);
     list_faces(g);
-    bed->fill = comm_size(g->comm) > 1 ? fill_ghosts : NULL;
-    bed->context = g;
-    return OK;
+    return link_ghosts(g);
 }
 
 /* An open patch whose mirror has the cell's own state lets it out freely. */

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The messages of a bed: what its faces towards cells of other ranks need, and nothing else. A rank that has no such
+ * face sends no message. */
+#include "libcore/acoustics/bed_private.h"
+
+#include <stdlib.h>
+
+struct parcel {    /* one number on its way */
+    int rank;      /* the other one */
+    int of, local; /* the cell, as the rank that owns it counts its cells; its place here */
+};
+
+struct bed_halo {
+    int *count, *first; /* [ranks], [ranks + 1] cells of each rank; numbers of their first ones over all ranks */
+    int parcels;        /* that go out; as many come in */
+    struct parcel *out, *in;
+    int links, *start; /* [links + 1] first parcels of each link, alike in `out` and `in` */
+    struct comm_link *link;
+    double *numbers; /* [2 * parcels * lines] of all links */
+    struct comm_exchange *exchange;
+};
+
+static int by_rank(const void *a, const void *b) {
+    const struct parcel *x = a, *y = b;
+    if (x->rank != y->rank) return x->rank < y->rank ? -1 : 1;
+    if (x->of != y->of) return x->of < y->of ? -1 : 1;
+    return (x->local > y->local) - (x->local < y->local);
+}
+
+static void forget(struct bed_halo *h) {
+    comm_exchange_free(h->exchange);
+    free(h->out);
+    free(h->start);
+    free(h->link);
+    free(h->numbers);
+    h->exchange = NULL;
+    h->out = NULL;
+    h->start = NULL;
+    h->link = NULL;
+    h->numbers = NULL;
+    h->parcels = h->links = 0;
+}
+
+void bed_halo_free(struct bed_halo *h) {
+    if (!h) return;
+    forget(h);
+    free(h->count);
+    free(h);
+}
+
+status bed_number(struct bed *b, int cells, long *first) {
+    const int ranks = comm_size(b->comm);
+    struct bed_halo *h = b->halo;
+    *first = 0;
+    if (ranks == 1) return OK;
+    if (!h) {
+        status s = allocate(&h, 1, sizeof *h, "the bed");
+        if (!s) s = allocate(&h->count, 2L * ranks + 1, sizeof(int), "the bed");
+        b->halo = h;
+        TRY(comm_agree(b->comm, s));
+        h->first = h->count + ranks;
+    }
+    TRY(comm_share_count(b->comm, cells, h->count, h->first));
+    *first = h->first[comm_rank(b->comm)];
+    return OK;
+}
+
+static int owner_of(const struct bed_halo *h, int ranks, int number) {
+    int low = 0, high = ranks;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        *(h->first[middle] <= number ? &low : &high) = middle;
+    }
+    return low;
+}
+
+/* Lists a parcel each way for each face between a cell and a ghost. Links are mutual: what a rank sends to another by
+ * the numbers of its own cells is what that one expects by the numbers of its ghosts. */
+static void list_parcels(const struct bed *b, const double *number) {
+    struct bed_halo *h = b->halo;
+    const int ranks = comm_size(b->comm);
+    h->parcels = 0;
+    for (int f = 0; f < b->faces; f++) {
+        const bool left = b->left[f] >= b->cells;
+        const int ghost = left ? b->left[f] : b->right[f], cell = left ? b->right[f] : b->left[f];
+        if (ghost < b->cells) continue;
+        const int name = (int)number[ghost - b->cells], owner = owner_of(h, ranks, name);
+        h->out[h->parcels] = (struct parcel){owner, cell, cell};
+        h->in[h->parcels++] = (struct parcel){owner, name - h->first[owner], ghost};
+    }
+    qsort(h->out, (size_t)h->parcels, sizeof *h->out, by_rank);
+    qsort(h->in, (size_t)h->parcels, sizeof *h->in, by_rank);
+}
+
+static int count_faces(const struct bed *b) {
+    int n = 0;
+    for (int f = 0; f < b->faces; f++) n += b->left[f] >= b->cells || b->right[f] >= b->cells;
+    return n;
+}
+
+static status link_here(struct bed *b, const double *number) {
+    struct bed_halo *h = b->halo;
+    const int n = count_faces(b), lines = b->components + 2;
+    forget(h);
+    TRY(allocate(&h->out, 2L * n, sizeof *h->out, "the bed"));
+    TRY(allocate(&h->start, n + 1L, sizeof *h->start, "the bed"));
+    TRY(allocate(&h->link, n, sizeof *h->link, "the bed"));
+    TRY(allocate(&h->numbers, 2L * n * lines, sizeof(double), "the bed"));
+    h->in = h->out + n;
+    list_parcels(b, number);
+    for (int i = 0; i < n; i++)
+        if (i == 0 || h->in[i].rank != h->in[i - 1].rank) h->start[h->links++] = i;
+    h->start[h->links] = n;
+    for (int l = 0; l < h->links; l++) {
+        double *mine = h->numbers + (long)lines * h->start[l];
+        h->link[l] =
+            (struct comm_link){h->in[h->start[l]].rank, h->start[l + 1] - h->start[l], mine, mine + (long)lines * n};
+    }
+    return comm_exchange_make(b->comm, h->links, h->link, &h->exchange);
+}
+
+status bed_link(struct bed *b, const double *number) {
+    return comm_size(b->comm) > 1 ? comm_agree(b->comm, link_here(b, number)) : OK;
+}
+
+void bed_fill(const struct bed *b, int n, double *const *line) {
+    const struct bed_halo *h = b->halo;
+    if (!h) return;
+    for (int l = 0; l < h->links; l++) {
+        double *to = h->link[l].out;
+        for (int v = 0; v < n; v++)
+            for (int i = h->start[l]; i < h->start[l + 1]; i++) *to++ = line[v][h->out[i].local];
+    }
+    comm_exchange_start(h->exchange, n);
+    comm_exchange_finish(h->exchange);
+    for (int l = 0; l < h->links; l++) {
+        const double *from = h->link[l].in;
+        for (int v = 0; v < n; v++)
+            for (int i = h->start[l]; i < h->start[l + 1]; i++) line[v][h->in[i].local] = *from++;
+    }
+}
