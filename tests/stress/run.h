@@ -24,6 +24,7 @@ struct outcome {
     enum verdict verdict;
     char why[400]; /* of COLLAPSED, STATED and FAILED */
     int steps, cells;
+    int beds; /* steps that were planned with implicit acoustics; some may have been made without */
     struct gas_counts counts;
     double end;     /* s: where the run was to end */
     double reached; /* share of that */

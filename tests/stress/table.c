@@ -15,8 +15,13 @@ static struct oracle_row *find_row(struct table *t, const char *scheme, int fami
     return r;
 }
 
-static void add(struct oracle_row *r, const struct scheme *s, const struct outcome *o) {
+static void add(struct oracle_row *r, const struct problem *p, const struct scheme *s, const struct outcome *o) {
     r->runs++;
+    if (p->acoustics) {
+        r->asked[p->acoustics->automatic]++;
+        r->made[p->acoustics->automatic] += o->counts.beds > 0;
+        r->counts.beds += o->counts.beds;
+    }
     r->verdicts[o->verdict]++;
     r->steps += o->steps;
     r->cell_stages += (long)o->steps * o->cells * stepper_find(s->stepper)->stages;
@@ -40,14 +45,15 @@ void table_add(struct table *t, const struct problem *p, const struct scheme *s,
     bool lattice = strcmp(family_table[p->family].name, "triangles") && !p->polyhedral;
     snprintf(name, sizeof name, "%s/%s/%s/%g", s->flux, lattice ? s->reconstruct : s->polynomial, s->stepper,
              s->courant);
-    add(find_row(t, name, p->family), s, o);
+    add(find_row(t, name, p->family), p, s, o);
 }
 
 void table_print(FILE *f, const struct table *t) {
     fprintf(f,
             "scheme,problem,runs,finished,capped,collapsed,stated,failed,steps,cell_stages,limited_cells,limited_faces,"
             "floored,rejected,halves,repeated,plain,"
-            "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound\n");
+            "least_dt,mass,momentum,energy,mass_bound,momentum_bound,energy_bound,source_bound,"
+            "implicit,implicit_made,automatic,automatic_made,beds\n");
     for (int i = 0; i < t->rows; i++) {
         const struct oracle_row *r = &t->row[i];
         fprintf(f, "%s,%s,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.3g", r->scheme,
@@ -57,7 +63,8 @@ void table_print(FILE *f, const struct table *t) {
                 r->counts.repeated, r->counts.plain, r->least);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->relative[q]);
         for (int q = 0; q < CONSERVED; q++) fprintf(f, ",%.2g", r->drift[q]);
-        fprintf(f, ",%.2g\n", r->source);
+        fprintf(f, ",%.2g,%ld,%ld,%ld,%ld,%ld\n", r->source, r->asked[0], r->made[0], r->asked[1], r->made[1],
+                r->counts.beds);
     }
 }
 

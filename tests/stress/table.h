@@ -12,6 +12,7 @@ struct oracle_row {
     int family;
     long runs, verdicts[VERDICTS], steps, cell_stages;
     struct gas_counts counts;
+    long asked[2], made[2]; /* problems with `implicit`, with `automatic`; those of each that made implicit steps */
     double least, relative[CONSERVED], drift[CONSERVED], source;
 };
 struct table {
