@@ -82,7 +82,7 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
         most->flow = larger(most->flow, row->flow[i]);
         most->thin = larger(most->thin, part < BED_FROZEN ? row->thin[i] : 0);
         most->solid = larger(most->solid, part < BED_FROZEN && !near_void ? row->thin[i] : 0);
-        dense |= part >= BED_DENSE;
+        dense |= part >= BED_DENSE && (near_void || g->dense->cooling == 0);
         if (part >= BED_DENSE && !near_void)
             most->inertia = larger(most->inertia, row->flow[i] * grain / sqrt(row->p[i]));
     }
@@ -105,12 +105,14 @@ static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     return p->governor / (rate * larger(1, mild / loss));
 }
 
-/* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. */
+/* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. The
+ * second time only near vacuum has become dense, and the other cells' rate of cooling is known. */
 static void find_limits(struct gas *g, double maxCo, double plain, double fall, bool thick, double limit[CAUSES]) {
     struct dense *d = g->dense;
     struct bed_rates rates;
     g->engine->bed.parts(g, plain, d->thin, &rates);
-    double most[] = {thick ? rates.solid : rates.thin, rates.flow, rates.cooling, rates.inertia};
+    d->cooling = larger(d->cooling, rates.cooling);
+    double most[] = {thick ? rates.solid : rates.thin, rates.flow, d->cooling, rates.inertia};
     comm_max(g->comm, most, 4);
     d->inertia = most[3];
     limit[BY_THIN] = THIN * maxCo / most[0];
@@ -136,7 +138,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     const double usual = g->models.acoustics->automatic ? smaller(larger(maxCo, 1) / speed->rate, fall) : plain;
     double count = (double)g->engine->bed.find(g, d->above), step[CAUSES];
     comm_max(g->comm, &count, 1);
-    d->longest = 0;
+    d->longest = d->cooling = 0;
     if (count == 0 || FALL * fall < gain * usual) return 0;
     find_limits(g, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {

@@ -23,6 +23,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double **part;        /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
     bool alone;           /* is every cell one of the bed? */
     double inertia;       /* of the dense cells in the last plan */
+    double cooling;       /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
     bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
     double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
     double longest;       /* s: the step that was planned; 0: the next step is explicit */

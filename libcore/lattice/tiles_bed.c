@@ -314,21 +314,22 @@ struct weaving { /* faces and ghosts being listed */
     bool count; /* are they counted only? */
 };
 
-/* The bed's index of the neighbour of cell i: a cell, a ghost that is made, or -1. */
+/* The bed's index of the neighbour of cell i: a cell, a ghost that is made, or -1; beyond patches numbers are 0. */
 static int neighbour_of(struct weaving *w, int i, int axis, bool above) {
     const struct bed *bed = &w->g->dense->bed;
     const struct seat s = w->g->tiles->bed->seat[i];
     const long at = s.at + (above ? 1 : -1) * w->g->forest->stride[axis];
     const double number = w->g->W.block[s.tile][at];
-    if (patch_beyond(w->g, s, axis, above) >= 0 || number == 0) return -1;
+    if (number == 0) return -1;
     if (number >= w->first && number < w->first + bed->cells) return (int)(number - w->first);
     if (!w->count) w->g->tiles->bed->seat[bed->cells + w->ghosts] = (struct seat){s.tile, at};
     return bed->cells + w->ghosts++;
 }
 
 static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int neighbour) {
+    if (neighbour >= 0) return BED_INNER;
     const int patch = patch_beyond(g, s, axis, above);
-    if (patch < 0) return neighbour < 0 ? BED_KEPT : BED_INNER;
+    if (patch < 0) return BED_KEPT;
     return patch_is_wall(&g->rules[patch]) ? BED_WALL : BED_HELD;
 }
 
