@@ -15,6 +15,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
     [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
+    [WARN_IDLE] = "idleRanks",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -24,6 +25,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_SCHEME] = "the scheme that is given is for the other kind of mesh",
     [WARN_NARROW] = "a cell is far narrower than the others",
     [WARN_OLD_MESH] = "constant/polyMesh is older than system/blockMeshDict, which then does not count",
+    [WARN_IDLE] = "there are more ranks than parts of the mesh to deal to them",
     [WARN_GRAIN_SIZE] = "grains are wider than cells, or than the domain",
     [WARN_FEW_GRAINS] = "cells hold less than a grain",
     [WARN_RAREFIED] = "the mean free path is no small part of the domain",

@@ -15,6 +15,7 @@ enum warning {
     WARN_SCHEME,
     WARN_NARROW,
     WARN_OLD_MESH,
+    WARN_IDLE,
     WARN_GRAIN_SIZE,
     WARN_FEW_GRAINS,
     WARN_RAREFIED,

@@ -58,3 +58,18 @@ status outlook_mesh(struct setup *s) {
                 "(1e-12 is refused)",
                 s->mesh_path, n.cell, x[0], x[1], x[2], n.width, n.ratio);
 }
+
+status outlook_ranks(struct setup *s) {
+    const struct forest *f = s->grid->forest;
+    const int ranks = comm_size(s->comm), parts = f ? f->ntiles_all : s->grid->nblocks_all;
+    const char *what = f ? "tile" : "block", *plural = parts == 1 ? "" : "s";
+    if (ranks <= parts || s->medium->type->whole) return OK; /* a medium that is computed as a whole is on every rank */
+    return warn(&s->warnings, WARN_IDLE,
+                "%s: the mesh of %d cells is dealt to the ranks in %d %s%s of %s: %d of %d ranks have nothing to do; "
+                "give  -np %d  at most",
+                s->mesh_path, s->mesh->ncells, parts, what, plural,
+                !f           ? "some 500 cells"
+                : f->dim < 3 ? "at most 60 cells a side"
+                             : "at most 24 cells a side",
+                ranks - parts, ranks, parts);
+}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Warnings about runs that would take very long: some cells are far narrower than the others, or the number of steps to
- * endTime is huge. */
+/* Warnings about runs that would take very long: some cells are far narrower than the others, the number of steps to
+ * endTime is huge, or ranks have nothing to do. */
 #ifndef SOLVERS_OUTLOOK_H
 #define SOLVERS_OUTLOOK_H
 
@@ -18,5 +18,8 @@ void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *
 
 /* Warns of a cell whose V/A is so small beside that of the others that it alone makes the steps short. */
 status outlook_mesh(struct setup *s);
+
+/* Warns of more ranks than the mesh has parts that can be dealt to them. Collective. */
+status outlook_ranks(struct setup *s);
 
 #endif

@@ -12,7 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAMES = 9 }; /* options of a solver, but -keywords */
+enum { NAMES = 9 };                            /* options of a solver, but -keywords */
+enum { MOST_STARTED = 8, MOST_LAUNCHED = 64 }; /* ranks for a processor: by -np, and by mpirun, which tests overload */
 
 status option_unknown(const char *word, const char *const *names, int n) {
     const char *near = nearest_name(word, names, n);
@@ -61,15 +62,27 @@ status lookup_print(const struct lookup *l, keywords_walk *walk, const void *of)
     return OK;
 }
 
-/* Refuses more ranks than this machine has processors for: beyond a few for each they only wait for each other. */
-static status check_ranks(long n) {
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN), most = 8 * (processors > 0 ? processors : 1);
+/* Refuses more than `each` ranks for a processor of this machine: beyond a few they only wait for each other. */
+static status check_ranks(long n, long each) {
+    const long found = sysconf(_SC_NPROCESSORS_ONLN), processors = found > 0 ? found : 1, most = each * processors;
     if (n <= most) return OK;
     return fail(
         ERR_INPUT,
         "-np %ld: this machine has %ld processor%s, so that more than %ld ranks would only wait for each other: "
         "say  -np %ld;  on several machines start  mpirun -hostfile FILE granularGas ..",
         n, processors, processors == 1 ? "" : "s", most, processors);
+}
+
+/* Returns the number that one of two variables of the environment has, or -1. Open MPI sets the first, MPICH the
+ * second. */
+static long launched(const char *openmpi, const char *mpich) {
+    const char *text = getenv(openmpi) ? getenv(openmpi) : getenv(mpich);
+    return text ? atol(text) : -1;
+}
+
+status options_launched(bool *first) {
+    *first = launched("OMPI_COMM_WORLD_RANK", "PMI_RANK") <= 0;
+    return check_ranks(launched("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"), MOST_LAUNCHED);
 }
 
 status options_read(int argc, char **argv, struct options *out) {
@@ -96,7 +109,7 @@ status options_read(int argc, char **argv, struct options *out) {
         long n = k == 1 ? strtol(value, &end, 10) : 1;
         if (k == 1 && (*end || end == value || n < 1 || n > 1000000))
             return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
-        if (k == 1) TRY(check_ranks(n));
+        if (k == 1) TRY(check_ranks(n, MOST_STARTED));
         if (k == 1) out->ranks = (int)n;
     }
     const bool asks = out->help || out->list_models || out->list_boundaries || out->version || out->keywords.asked;

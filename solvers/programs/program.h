@@ -34,6 +34,9 @@ status case_folder(const char *dir);
 status options_read(int argc, char **argv, struct options *out);
 /* Replaces this process by mpirun -np N of the same program and options, for -np N; returns only if that failed. */
 status options_relaunch(int argc, char **argv, const struct options *o);
+/* Fails if mpirun has started far more ranks on this machine than it has processors, before MPI makes them wait for
+ * each other; *first: is this process the one that says so? */
+status options_launched(bool *first);
 /* Prints an error once (on the root), frees it, ends MPI; returns the exit code. c may be NULL: MPI was not started. */
 int program_end(struct comm *c, status s, bool debug);
 

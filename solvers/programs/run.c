@@ -115,6 +115,7 @@ static status print_check(struct setup *s) {
     if (comm_root(s->comm)) print_keys(s, &pace);
     outlook_steps(&outlook, s, &pace, s->start.t);
     TRY(outlook_mesh(s));
+    TRY(outlook_ranks(s));
     if (!print_warnings(s, "The case can be run, with ") && comm_root(s->comm)) printf("The case is sound.\n");
     return OK;
 }
@@ -144,6 +145,7 @@ static status start(struct run *r) {
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
     r->written_time = s->start.t;
+    TRY(outlook_ranks(s));
     if (comm_root(s->comm)) {
         report_header(stdout, s, true);
         changes_print(stdout, s);

@@ -30,6 +30,13 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
         return 0;
     }
     if (o.ranks > 1) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
+    bool first;
+    s = options_launched(&first);
+    if (s && !first) {
+        status_free(s);
+        return ERR_INPUT;
+    }
+    if (s) return program_end(NULL, s, o.debug);
     s = comm_start(&argc, &argv, &c);
     if (!s) s = (o.dry_run ? run_check : run_case)(o.dir, type, o.strict, c);
     return program_end(c, s, o.debug);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What checkCase and the log of a run foretell: narrow cells, and steps without number."""
+"""What checkCase and the log of a run foretell: narrow cells, steps without number, and ranks without work."""
 import os
 import re
 import subprocess
@@ -58,6 +58,39 @@ class Outlook(harness.Folder, unittest.TestCase):
 
     NOTE = r"    note: (\S+) steps from t = (\S+) to endTime (\S+) at deltaT = (\S+) s(, \S+ times as many as the first step foretold)?\n" \
            r"      deltaT is limited by: Courant, cell at \(\S+ \S+ \S+\) with alpha = \S+, T = \S+, c = \S+\n      (.*)\n"
+
+    def test_idle_ranks(self):
+        """More ranks than tiles, or than blocks of polyhedra, are warned of with both numbers, by a run and by its check; -strict refuses them."""
+        for engine, part in (("lattice", "tile of at most 60 cells a side"), ("polyhedral", "block of some 500 cells")):
+            case = self.make(engine, 0.01)
+            runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
+            runs.add(case, "system/controlDict", "acceptWarnings (unusedScheme);\n")
+            self.assertNotIn("idleRanks", harness.program("granularGas", "-case", case, "-dry-run").stdout)
+            for words, code in ((["-dry-run"], 0), ([], 0), (["-strict", "-dry-run"], 1)):
+                done = harness.program("granularGas", "-case", case, *words, ranks=3, check=False)
+                self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+                self.assertRegex(done.stdout + done.stderr, f"constant/polyMesh: the mesh of 10 cells is dealt to the ranks in 1 {part}: "
+                                 "2 of 3 ranks have nothing to do; give  -np 1  at most")
+                self.assertEqual((done.stdout + done.stderr).count("2 of 3 ranks"), 1)
+
+    def test_far_too_many_ranks(self):
+        """mpirun refuses a thousand ranks for each processor before it starts them; so does every rank that another mpirun has started,
+        but one of them alone says so. Ranks on other machines are not counted."""
+        many = str(1000 * os.cpu_count())
+        case = self.make("many", 0.01)
+        gas = os.path.join(harness.BIN, "granularGas")
+        started = lambda *words: subprocess.run([os.path.join(harness.BIN, "mpirun"), *words, gas, "-case", case], capture_output=True, text=True)
+        for words in (("-np", many), ("--bind-to", "none", "-n", many)):
+            done = started(*words)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertRegex(done.stderr, f"^error: mpirun -np {many}: more than 64 ranks for each of the \\d+ processors .* say  -np {os.cpu_count()};")
+        self.assertNotIn("more than 64", started("-np", many, "-hostfile", os.path.join(self.folder, "none")).stderr)
+        for rank, said in ((0, f"error: -np {many}: this machine has "), (5, "")):
+            alone = {**os.environ, "OMPI_COMM_WORLD_LOCAL_SIZE": many, "OMPI_COMM_WORLD_RANK": str(rank)}
+            done = subprocess.run([gas, "-case", case], capture_output=True, text=True, env=alone)
+            self.assertEqual(done.returncode, 1)
+            self.assertTrue(done.stderr.startswith(said) and bool(done.stderr) == bool(said), done.stderr)
+        self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
 
     def test_the_first_step(self):
         """A first step that foretells more than a million is spoken of by checkCase and in the log, in the same words."""
