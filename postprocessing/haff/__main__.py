@@ -30,6 +30,7 @@ COMMANDS = {
     "clustering": ("studies.clustering", "gas and grains that cool in the same box"),
     "workPrecision": ("studies.workPrecision", "run time against error of every scheme, and of rhoCentralFoam"),
     "denseShocks": ("studies.denseShocks", "dense gas and strong shocks against exact solutions, with and without rules of faces"),
+    "scaling": ("studies.scaling", "a case on more ranks than are at hand, from the messages that it sends"),
     "compare": ("runs.compareCase", "two results beside each other: gas and grains, two grids, two codes"),
     "crossCheck": ("studies.crossCheck", "an elastic case beside rhoCentralFoam"),
     "marquinaStability": ("studies.marquinaStability", "stability of Marquina's flux on uniform gas"),

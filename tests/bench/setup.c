@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The set-up of one rank out of many on a mesh of boxes, without the others: bench_setup n0 n1 n2 ranks rank. Prints
- * its time, its share of the cells, and what it takes of memory. n2 = 1: two dimensions. */
+/* The set-up of one rank out of many on a lattice, without the others: on a mesh of boxes by bench_setup n0 n1 n2 ranks
+ * rank (n2 = 1: two dimensions), on the lattice of a case by bench_setup -case DIR ranks rank. Prints time, memory, the
+ * rank's share of the cells, its neighbours and the cells that it sends to them. -all in place of the rank: a table of
+ * all ranks. */
 #include "mesh/format/boxes.h"
-#include "mesh/lattice/forest.h"
+#include "mesh/lattice/forest_private.h"
+#include "solvers/case/blockmesh.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -43,37 +47,82 @@ static status make_mesh(const int n[3], struct polymesh **out) {
     return boxes_mesh(boxes, block, 2, patch, out);
 }
 
-static status run(const int n[3], int ranks, int rank) {
-    struct polymesh *m;
-    struct lattice *l;
+/* Sets up one rank on lattice l of mesh m, and prints its share: a row of a table, or a sentence. `start` and `before`
+ * are the time and the memory before the mesh was there. */
+static status set_up(const struct lattice *l, const struct polymesh *m, int ranks, int rank, bool row, double start,
+                     double before) {
     struct comm *c;
     struct forest *f;
-    const double start = seconds(), before = megabytes();
-    TRY(make_mesh(n, &m));
-    TRY(lattice_of_boxes(m, &l));
     TRY(comm_pretend(rank, ranks, &c));
     TRY(forest_make(l, m, c, l->dim == 3 ? 24 : 60, &f));
-    long mine = 0;
+    long mine = 0, sent = 0;
     for (int t = 0; t < f->ntiles; t++) mine += (long)f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2];
-    printf("%d cells in %d tiles: rank %d of %d has %ld cells in %d tiles; %.2f s, %.1f MB more memory than before\n",
-           m->ncells, f->ntiles_all, rank, ranks, mine, f->ntiles, seconds() - start, megabytes() - before);
+    const int links = f->hidden->nlinks;
+    for (int i = 0; i < links; i++) sent += f->hidden->link[i].n; /* of one layer */
+    if (row)
+        printf("%d,%ld,%d,%d,%ld\n", rank, mine, f->ntiles, links, sent);
+    else
+        printf("%d cells in %d tiles: rank %d of %d has %ld cells in %d tiles, and sends %ld cells a layer to %d "
+               "others; %.2f s, %.1f MB more memory than before\n",
+               m->ncells, f->ntiles_all, rank, ranks, mine, f->ntiles, sent, links, seconds() - start,
+               megabytes() - before);
     forest_free(f);
     comm_alone_free(c);
+    return OK;
+}
+
+static status set_up_all(const struct lattice *l, const struct polymesh *m, int ranks) {
+    printf("rank,cells,tiles,neighbours,sent\n");
+    for (int r = 0; r < ranks; r++) TRY(set_up(l, m, ranks, r, true, 0, 0));
+    return OK;
+}
+
+/* Reads the mesh of a case, which must be a lattice. */
+static status read_mesh(const char *dir, struct polymesh **m, struct lattice **l) {
+    struct case_mesh read;
+    char why[256];
+    const status e = case_mesh_read(dir, &read);
+    *m = read.mesh;
+    TRY(e);
+    if (read.mesh->boxes) return lattice_of_boxes(read.mesh, l);
+    TRY(status_note(polymesh_check(read.mesh), "%s", read.path));
+    TRY(lattice_recognise(read.mesh, l, why));
+    return *l ? OK
+              : fail(ERR_INPUT, "%s is no lattice (%s): only lattices are set up without the others", read.path, why);
+}
+
+static status run(const char *dir, const int n[3], int ranks, const char *which) {
+    struct polymesh *m;
+    struct lattice *l;
+    const double start = seconds(), before = megabytes();
+    if (dir) {
+        TRY(read_mesh(dir, &m, &l));
+    } else {
+        TRY(make_mesh(n, &m));
+        TRY(lattice_of_boxes(m, &l));
+    }
+    if (!strcmp(which, "-all"))
+        TRY(set_up_all(l, m, ranks));
+    else
+        TRY(set_up(l, m, ranks, atoi(which), false, start, before));
     lattice_free(l);
     polymesh_free(m);
     return OK;
 }
 
 int main(int argc, char **argv) {
-    int number[5];
+    int n[3] = {0};
     struct comm *world;
-    if (argc != 6) {
-        fprintf(stderr, "usage: bench_setup n0 n1 n2 ranks rank\n");
+    const bool of_case = argc == 5 && !strcmp(argv[1], "-case");
+    const int ranks = argc > 3 ? atoi(argv[argc - 2]) : 0, rank = argc > 3 ? atoi(argv[argc - 1]) : 0;
+    if ((!of_case && argc != 6) || ranks < 1 || rank < 0 || rank >= ranks) {
+        fprintf(stderr, "usage: bench_setup n0 n1 n2 RANKS RANK; bench_setup -case DIR RANKS RANK; -all for RANK\n");
         return 1;
     }
-    for (int i = 0; i < 5; i++) number[i] = atoi(argv[1 + i]);
+    for (int k = 0; k < 3 && !of_case; k++) n[k] = atoi(argv[1 + k]);
+    const char *dir = of_case ? argv[2] : NULL, *which = argv[argc - 1];
     status s = comm_start(&argc, &argv, &world);
-    if (!s) s = run(number, number[3], number[4]);
+    if (!s) s = run(dir, n, ranks, which);
     const int code = status_print(s, true);
     comm_finish(world);
     return code;
