@@ -102,6 +102,19 @@ static status find_planes(struct cutter *c) {
     return OK;
 }
 
+/* Returns the most cells that a tile shall have along axis k. 3, 5 or 7 tiles cannot be dealt evenly to two ranks; then
+ * those of an even lattice are cut in two along the last axis, which leaves their rows as long as they are. */
+static int most_along(const struct lattice *l, int k, int tile_size) {
+    int tiles = 1, pieces = 1;
+    for (int a = 0; a < l->dim; a++) {
+        pieces = l->uniform[a] ? 1 : (l->n[a] + tile_size - 1) / tile_size; /* in the end of the last axis */
+        tiles *= pieces;
+    }
+    const bool uneven = tiles % 2 == 1 && tiles >= 3 && tiles <= 7, last = k > 0 && k == l->dim - 1;
+    const bool thick = !l->uniform[k] && l->n[k] / (2 * pieces) >= 4 * GHOSTS;
+    return l->even && uneven && last && thick ? (l->n[k] + 2 * pieces - 1) / (2 * pieces) : tile_size;
+}
+
 /* Cuts axis k between its planes into pieces of nearly equal length: of at most tile_size cells, but no shorter than
  * GHOSTS where the planes allow it. */
 static status cut_axis(struct forest_private *h, const bool *plane, int k, int tile_size) {
@@ -243,7 +256,7 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
         return fail(ERR_INPUT, "tile size %d; a tile has at least %d cells a side", tile_size, GHOSTS);
     for (int k = 0; k < 3; k++) h->n[k] = l->n[k];
     status s = find_planes(&c);
-    for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, tile_size);
+    for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, most_along(l, k, tile_size));
     if (!s) s = make_tiles(h, &c);
     for (int k = 0; k < 3; k++) free(c.plane[k]);
     return s;

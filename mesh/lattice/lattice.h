@@ -21,6 +21,8 @@ struct lattice {
     bool periodic[3]; /* axis k is wrapped by cyclic patches */
     bool uniform[3];  /* the forest shall hold one layer of cells along axis k, which stands for all. lattice_recognise
                          sets none; who sets it knows that all values are the same along k, and keeps them so */
+    bool even;        /* shall two ranks have as many cells even if there are few tiles? Set by who knows that a step
+                         sends messages for so many stages that ranks do not catch up with each other */
 };
 
 /* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell

@@ -147,6 +147,7 @@ static status gas_read_state(struct setup *s) {
     /* the sums of implicit diffusion go over all unknowns, so that there the bits would depend on their number */
     const bool implicit = models->transport && !models->diffusion->plan;
     if (s->lattice && g->models->skip_axes && !implicit) uniform_find(s->mesh, g->initial, s->lattice);
+    if (s->lattice) s->lattice->even = models->transport && !implicit;
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
     TRY(check_scheme(s, g));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)

@@ -2,7 +2,7 @@
 /* The set-up of one rank out of many on a lattice, without the others: on a mesh of boxes by bench_setup n0 n1 n2 ranks
  * rank (n2 = 1: two dimensions), on the lattice of a case by bench_setup -case DIR ranks rank. Prints time, memory, the
  * rank's share of the cells, its neighbours and the cells that it sends to them. -all in place of the rank: a table of
- * all ranks. */
+ * all ranks. `even` behind that: tiles as for a gas with transport (lattice.h). */
 #include "mesh/format/boxes.h"
 #include "mesh/lattice/forest_private.h"
 #include "solvers/case/blockmesh.h"
@@ -91,7 +91,7 @@ static status read_mesh(const char *dir, struct polymesh **m, struct lattice **l
               : fail(ERR_INPUT, "%s is no lattice (%s): only lattices are set up without the others", read.path, why);
 }
 
-static status run(const char *dir, const int n[3], int ranks, const char *which) {
+static status run(const char *dir, const int n[3], int ranks, const char *which, bool even) {
     struct polymesh *m;
     struct lattice *l;
     const double start = seconds(), before = megabytes();
@@ -101,6 +101,7 @@ static status run(const char *dir, const int n[3], int ranks, const char *which)
         TRY(make_mesh(n, &m));
         TRY(lattice_of_boxes(m, &l));
     }
+    l->even = even;
     if (!strcmp(which, "-all"))
         TRY(set_up_all(l, m, ranks));
     else
@@ -113,16 +114,19 @@ static status run(const char *dir, const int n[3], int ranks, const char *which)
 int main(int argc, char **argv) {
     int n[3] = {0};
     struct comm *world;
-    const bool of_case = argc == 5 && !strcmp(argv[1], "-case");
-    const int ranks = argc > 3 ? atoi(argv[argc - 2]) : 0, rank = argc > 3 ? atoi(argv[argc - 1]) : 0;
-    if ((!of_case && argc != 6) || ranks < 1 || rank < 0 || rank >= ranks) {
-        fprintf(stderr, "usage: bench_setup n0 n1 n2 RANKS RANK; bench_setup -case DIR RANKS RANK; -all for RANK\n");
+    const bool even = argc > 1 && !strcmp(argv[argc - 1], "even");
+    const int words = argc - even;
+    const bool of_case = words == 5 && !strcmp(argv[1], "-case");
+    const int ranks = words > 3 ? atoi(argv[words - 2]) : 0, rank = words > 3 ? atoi(argv[words - 1]) : 0;
+    if ((!of_case && words != 6) || ranks < 1 || rank < 0 || rank >= ranks) {
+        fprintf(stderr, "usage: bench_setup n0 n1 n2 RANKS RANK [even]; bench_setup -case DIR RANKS RANK [even]; "
+                        "-all for RANK\n");
         return 1;
     }
     for (int k = 0; k < 3 && !of_case; k++) n[k] = atoi(argv[1 + k]);
-    const char *dir = of_case ? argv[2] : NULL, *which = argv[argc - 1];
+    const char *dir = of_case ? argv[2] : NULL, *which = argv[words - 1];
     status s = comm_start(&argc, &argv, &world);
-    if (!s) s = run(dir, n, ranks, which);
+    if (!s) s = run(dir, n, ranks, which, even);
     const int code = status_print(s, true);
     comm_finish(world);
     return code;

@@ -75,11 +75,13 @@ class Counted:
 
 @dataclass
 class Share:
-    """Of the largest rank out of N: cells, neighbours, cells of one layer that it sends; total: neighbours and sent of all ranks."""
-    cells: float
-    neighbours: float
-    sent: float
-    total: tuple = (0, 0)
+    """Of the largest rank out of N: cells, neighbours, cells of one layer that it sends; in all: tiles, neighbours, sent."""
+    cells: int
+    neighbours: int
+    sent: int
+    tiles: int
+    all_neighbours: int
+    all_sent: int
 
 
 def read_table(path, number):
@@ -131,32 +133,32 @@ def with_mesh(case, folder):
     return folder
 
 
-def shares(case, ranks):
-    """The Share of the largest of N ranks on the lattice of a case, by their set-up without each other."""
-    done = subprocess.run([program("bench_setup"), "-case", case, str(ranks), "-all"], capture_output=True, text=True)
+def shares(case, ranks, even=False):
+    """The Share of the largest of N ranks on the lattice of a case, by their set-up without each other. even: tiles as with transport."""
+    done = subprocess.run([program("bench_setup"), "-case", case, str(ranks), "-all", *["even"] * even], capture_output=True, text=True)
     if done.returncode:
         raise Refused(error_text(done.stderr))
     rows = [{k: int(v) for k, v in row.items()} for row in csv.DictReader(done.stdout.splitlines())]
     column = lambda name: [row[name] for row in rows]
-    return Share(max(column("cells")), max(column("neighbours")), max(column("sent")), (sum(column("neighbours")), sum(column("sent"))))
+    return Share(max(column("cells")), max(column("neighbours")), max(column("sent")), sum(column("tiles")), sum(column("neighbours")), sum(column("sent")))
 
 
 class Lattice:
     """Messages on any number of ranks: exchanges with every neighbour, and bytes for every cell of a layer, as in a run that was counted."""
 
-    def __init__(self, case, counted, number):
-        self.case, self.from_ranks, share = case, number, shares(case, number)
-        if not share.total[0]:
+    def __init__(self, case, counted, number, even=False):
+        self.case, self.from_ranks, self.even, share = case, number, even, shares(case, number, even)
+        if not share.all_neighbours:
             raise Refused(f"on {number} ranks no rank has a neighbour: the lattice has too few tiles")
-        self.exchanges = counted.sum("messages") / share.total[0]
-        self.width = counted.sum("sent") / share.total[1]
+        self.exchanges = counted.sum("messages") / share.all_neighbours
+        self.width = counted.sum("sent") / share.all_sent
         self.reductions = counted.most("reductions")
 
     def rank(self, ranks, case=None):
         """Cells and a Rank that has most of everything."""
         if ranks == 1:
-            return shares(case or self.case, 1).cells, Rank()
-        share = shares(case or self.case, ranks)
+            return shares(case or self.case, 1, self.even).cells, Rank()
+        share = shares(case or self.case, ranks, self.even)
         return share.cells, Rank(self.exchanges * share.neighbours, self.width * share.sent, self.reductions)
 
 
@@ -280,7 +282,8 @@ def model_of(case, counted, log):
     if not several:
         raise Refused("messages are counted on two ranks or more: give them in -ranks")
     if re.search(r"^    lattice, ", log, re.M) and "are computed\n" not in log:
-        return Lattice(case, counted[several[-1]], several[-1]), dim, cells
+        even = shares(case, 1).tiles != parts
+        return Lattice(case, counted[several[-1]], several[-1], even), dim, cells
     return Other(cells, dim, parts, counted), dim, cells
 
 

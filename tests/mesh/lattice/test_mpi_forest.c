@@ -21,7 +21,7 @@ struct scene {
     int hole_low[3], hole_high[3]; /* cells low <= i < high are missing */
     int switch_plane;              /* low side of axis 1: another patch from here on along axis 0; 0: none */
     int tiles;                     /* expected */
-    bool uniform[3];
+    bool uniform[3], even;
 };
 enum { EDGE = 0, WALL = 6, OTHER, CYCLIC, PATCHES }; /* EDGE + side: an edge of the domain; WALL: of the hole */
 
@@ -29,25 +29,32 @@ static struct comm *world;
 static const double absent = -12345;
 
 static const struct scene scenes[] = {
-    {"1D", 1, {37, 1, 1}, 8, {false}, {0}, {0}, 0, 5, {false}},
-    {"1D periodic", 1, {37, 1, 1}, 8, {true}, {0}, {0}, 0, 5, {false}},
-    {"1D one tile, its own image", 1, {20, 1, 1}, 32, {true}, {0}, {0}, 0, 1, {false}},
-    {"1D tiles that would be thin", 1, {5, 1, 1}, 4, {false}, {0}, {0}, 0, 1, {false}},
-    {"2D box", 2, {23, 17, 1}, 7, {false}, {0}, {0}, 0, 12, {false}},
-    {"2D fewer tiles than ranks", 2, {9, 6, 1}, 7, {false, true}, {0}, {0}, 0, 2, {false}},
-    {"2D patch change", 2, {30, 20, 1}, 10, {false}, {0}, {0}, 5, 8, {false}},
-    {"2D step", 2, {40, 16, 1}, 8, {false}, {12, 0, 0}, {40, 5, 1}, 0, 14, {false}},
-    {"2D block inside, periodic", 2, {40, 22, 1}, 8, {true, true}, {12, 5, 0}, {20, 13, 1}, 0, 23, {false}},
-    {"2D one cell high, its own image", 2, {30, 1, 1}, 8, {false, true}, {0}, {0}, 0, 4, {false}},
-    {"2D thin between patches", 2, {30, 2, 1}, 8, {true, false}, {0}, {0}, 0, 4, {false}},
-    {"3D box", 3, {9, 11, 7}, 4, {false}, {0}, {0}, 0, 18, {false}},
-    {"3D periodic", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 18, {false}},
-    {"3D step, thin own image", 3, {16, 12, 2}, 6, {false, false, true}, {8, 0, 0}, {16, 6, 2}, 0, 6, {false}},
-    {"2D uniform along x", 2, {37, 22, 1}, 8, {true, false}, {0}, {0}, 0, 3, {true, false}},
-    {"2D uniform along z, both periodic", 2, {22, 17, 1}, 8, {true, true}, {0}, {0}, 0, 3, {false, true}},
-    {"3D uniform along x and z", 3, {9, 11, 8}, 4, {true, false, true}, {0}, {0}, 0, 3, {true, false, true}},
-    {"3D uniform along y", 3, {9, 11, 8}, 4, {false, true, false}, {0}, {0}, 0, 6, {false, true, false}},
-    {"3D uniform", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 1, {true, true, true}},
+    {"1D", 1, {37, 1, 1}, 8, {false}, {0}, {0}, 0, 5, {false}, false},
+    {"1D periodic", 1, {37, 1, 1}, 8, {true}, {0}, {0}, 0, 5, {false}, false},
+    {"1D one tile, its own image", 1, {20, 1, 1}, 32, {true}, {0}, {0}, 0, 1, {false}, false},
+    {"1D tiles that would be thin", 1, {5, 1, 1}, 4, {false}, {0}, {0}, 0, 1, {false}, false},
+    {"2D box", 2, {23, 17, 1}, 7, {false}, {0}, {0}, 0, 12, {false}, false},
+    {"2D fewer tiles than ranks", 2, {9, 6, 1}, 7, {false, true}, {0}, {0}, 0, 2, {false}, false},
+    {"2D patch change", 2, {30, 20, 1}, 10, {false}, {0}, {0}, 5, 8, {false}, false},
+    {"2D step", 2, {40, 16, 1}, 8, {false}, {12, 0, 0}, {40, 5, 1}, 0, 14, {false}, false},
+    {"2D block inside, periodic", 2, {40, 22, 1}, 8, {true, true}, {12, 5, 0}, {20, 13, 1}, 0, 23, {false}, false},
+    {"2D one cell high, its own image", 2, {30, 1, 1}, 8, {false, true}, {0}, {0}, 0, 4, {false}, false},
+    {"2D thin between patches", 2, {30, 2, 1}, 8, {true, false}, {0}, {0}, 0, 4, {false}, false},
+    {"3D box", 3, {9, 11, 7}, 4, {false}, {0}, {0}, 0, 18, {false}, false},
+    {"3D periodic", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 18, {false}, false},
+    {"3D step, thin own image", 3, {16, 12, 2}, 6, {false, false, true}, {8, 0, 0}, {16, 6, 2}, 0, 6, {false}, false},
+    {"2D uniform along x", 2, {37, 22, 1}, 8, {true, false}, {0}, {0}, 0, 3, {true, false}, false},
+    {"2D uniform along z, both periodic", 2, {22, 17, 1}, 8, {true, true}, {0}, {0}, 0, 3, {false, true}, false},
+    {"3D uniform along x and z", 3, {9, 11, 8}, 4, {true, false, true}, {0}, {0}, 0, 3, {true, false, true}, false},
+    {"3D uniform along y", 3, {9, 11, 8}, 4, {false, true, false}, {0}, {0}, 0, 6, {false, true, false}, false},
+    {"3D uniform", 3, {9, 12, 8}, 4, {true, true, true}, {0}, {0}, 0, 1, {true, true, true}, false},
+    {"2D even, else three", 2, {50, 24, 1}, 24, {true}, {0}, {0}, 0, 6, {false}, true},
+    {"2D even, else five along z", 2, {24, 150, 1}, 30, {false}, {0}, {0}, 0, 10, {false}, true},
+    {"2D even, too thin for it", 2, {50, 20, 1}, 24, {false}, {0}, {0}, 0, 3, {false}, true},
+    {"2D even, one tile", 2, {20, 24, 1}, 24, {false}, {0}, {0}, 0, 1, {false}, true},
+    {"2D even, uniform along x", 2, {50, 75, 1}, 25, {true}, {0}, {0}, 0, 6, {true}, true},
+    {"1D even", 1, {37, 1, 1}, 16, {false}, {0}, {0}, 0, 3, {false}, true},
+    {"3D even, else three", 3, {60, 6, 24}, 24, {false}, {0}, {0}, 0, 6, {false}, true},
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
@@ -101,7 +108,7 @@ static void number_faces(const struct scene *s, struct lattice *l, struct polyme
 
 static void scene_make(const struct scene *s, struct lattice *l, struct polymesh *m) {
     static char wall[] = "wall", cyclic[] = "cyclic";
-    *l = (struct lattice){.dim = s->dim, .axis = {0, 1, 2}, .thickness = 1};
+    *l = (struct lattice){.dim = s->dim, .axis = {0, 1, 2}, .thickness = 1, .even = s->even};
     if (s->dim == 2) l->axis[1] = 2, l->axis[2] = 1; /* x and z */
     *m = (struct polymesh){.npatches = PATCHES};
     for (int k = 0; k < 3; k++) {
@@ -493,14 +500,14 @@ static void one_rank_of_many_is_set_up_alone(void **state) {
 
 static void what_cannot_be_cut_is_refused(void **state) {
     (void)state;
-    const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0, {false}};
+    const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0, {false}, false};
     const char *const thin[] = {"2 cells along z", "z = -2 and z = -1.6", "at least 3", "factor of 2", NULL};
     check_refusal(&step, 8, thin);
-    const struct scene change = {"thin patch", 2, {30, 16, 1}, 8, {false}, {0}, {0}, 1, 0, {false}};
+    const struct scene change = {"thin patch", 2, {30, 16, 1}, 8, {false}, {0}, {0}, 1, 0, {false}, false};
     const char *const one[] = {"1 cell along x", "x = -1 and x = -0.9", "factor of 3", NULL};
     check_refusal(&change, 8, one);
     const struct scene half = {
-        "hole at one periodic edge", 2, {30, 16, 1}, 8, {true}, {25, 8, 0}, {30, 16, 1}, 0, 0, {false}};
+        "hole at one periodic edge", 2, {30, 16, 1}, 8, {true}, {25, 8, 0}, {30, 16, 1}, 0, 0, {false}, false};
     const char *const image[] = {"cyclic", "x = -1", "opposite", NULL};
     check_refusal(&half, 8, image);
     const char *const size[] = {"tile size 2", "at least 3", NULL};
