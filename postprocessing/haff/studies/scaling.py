@@ -172,7 +172,7 @@ class Other:
     def rank(self, ranks):
         known = max(n for n in self.counted if n <= ranks)
         c, shrunk = self.counted[known], (known / ranks) ** ((self.dim - 1) / self.dim)
-        cells = max(self.cells / ranks, self.cells / self.parts) * (UNEVEN if ranks > 1 else 1)
+        cells = self.cells * max(UNEVEN ** (ranks > 1) / ranks, math.ceil(self.parts / ranks) / self.parts)
         return cells, Rank(c.most("messages"), c.most("sent") * shrunk, c.most("reductions"))
 
 
@@ -292,7 +292,7 @@ def report(case, o):
         case = with_mesh(case, os.path.join(folder, "case"))
         counted, log = {}, ""
         for n in sorted({1, *o.ranks}):
-            counted[n], log = count(case, n, o.steps, o.after, o.repeats)
+            counted[n], log = count(case, n, o.steps, o.after, o.repeats if n <= (os.cpu_count() or 1) else 1)
         model, dim, cells = model_of(case, counted, log)
         per_cell, here, net = counted[1].most("seconds") / cells, measure_here(), (o.latency, o.bandwidth)
         if per_cell <= 0:
@@ -338,7 +338,7 @@ def main():
     parser.add_argument("-project", type=whole(1), default=[2, 16, 64, 256, 1024], metavar="N,..", help="for which times are told (2,16,64,256,1024)")
     parser.add_argument("-steps", type=whole(1), default=[20], metavar="S", help="that are counted (20)")
     parser.add_argument("-after", type=whole(1), default=[5], metavar="S", help="steps before them (5)")
-    parser.add_argument("-repeats", type=whole(1), default=[1], metavar="R", help="of which times are medians (1)")
+    parser.add_argument("-repeats", type=whole(1), default=[1], metavar="R", help="of which times on one rank for each core are medians (1)")
     parser.add_argument("-cells", type=whole(1), metavar="C", help="of each rank, where all have as many (those of the case)")
     parser.add_argument("-latency", type=positive, default=2e-6, metavar="s", help="of a message (2e-6)")
     parser.add_argument("-bandwidth", type=positive, default=1e10, metavar="B/s", help="of a rank (1e10)")

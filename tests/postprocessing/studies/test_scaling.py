@@ -121,14 +121,15 @@ class Model(unittest.TestCase):
         self.assertAlmostEqual(b, 8e7, delta=1)
 
     def test_other_meshes(self):
-        """Beyond 4 ranks messages stay; bytes go with the surface: in two dimensions half of them at 16. No part is smaller than a block."""
+        """Beyond 4 ranks messages stay; bytes go with the surface: in two dimensions half of them at 16. A rank has whole blocks, one at least, or
+        3 % more than the mean."""
         rank = scaling.Rank(messages=6, sent=1000, reductions=2)
         model = scaling.Other(10000, 2, 20, {1: scaling.Counted([scaling.Rank()], 1.0), 4: scaling.Counted([rank] * 4, 1.0)})
         self.assertEqual(model.rank(1), (10000, scaling.Rank()))
         cells, found = model.rank(16)
         self.assertEqual((found.messages, found.sent, found.reductions), (6, 500, 2))
-        self.assertAlmostEqual(cells, 1.03 * 10000 / 16)
-        self.assertAlmostEqual(model.rank(64)[0], 1.03 * 500)
+        self.assertEqual((cells, model.rank(64)[0]), (1000, 500))
+        self.assertAlmostEqual(model.rank(2)[0], 1.03 * 5000)
 
     def test_boxes(self):
         self.assertEqual([scaling.split(n, 2) for n in (1, 2, 12, 1024)], [[1, 1], [2, 1], [4, 3], [32, 32]])
