@@ -5,13 +5,32 @@
 
 #include <stdlib.h>
 
+enum { PARTS = 16 }; /* of the largest tile, in which tiles are weighed */
+
+static long cells_of(const struct trees_tile *t) {
+    return (long)t->n[0] * t->n[1] * t->n[2];
+}
+
+long trees_largest(const struct trees_tile *all, int nall) {
+    long largest = 1;
+    for (int t = 0; t < nall; t++)
+        if (cells_of(&all[t]) > largest) largest = cells_of(&all[t]);
+    return largest;
+}
+
+int trees_weight(const struct trees_tile *tile, long largest) {
+    const int weight = (int)((PARTS * cells_of(tile) + largest / 2) / largest);
+    return weight > 1 ? weight : 1;
+}
+
 void trees_deal(const struct trees_tile *all, int nall, int ranks, int *start) {
-    long cells = 0, before = 0;
+    const long largest = trees_largest(all, nall);
+    long whole = 0, before = 0;
     int rank = 0;
-    for (int t = 0; t < nall; t++) cells += (long)all[t].n[0] * all[t].n[1] * all[t].n[2];
+    for (int t = 0; t < nall; t++) whole += trees_weight(&all[t], largest);
     for (int t = 0; t < nall; t++) {
-        for (; rank < ranks && before >= (long)((double)cells * rank / ranks); rank++) start[rank] = t;
-        before += (long)all[t].n[0] * all[t].n[1] * all[t].n[2];
+        for (; rank < ranks && before >= (long)((double)whole * rank / ranks); rank++) start[rank] = t;
+        before += trees_weight(&all[t], largest);
     }
     while (rank <= ranks) start[rank++] = nall;
 }

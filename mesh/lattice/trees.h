@@ -23,8 +23,13 @@ struct trees_engine { /* p4est in two dimensions (and one), p8est in three */
 };
 extern const struct trees_engine trees_flat, trees_solid;
 
+/* Returns the cells of the largest tile, and the weight of a tile beside it: its cells in sixteenths of that, rounded.
+ * Tiles that differ by a row of cells so weigh as much; by their cells, six tiles of which the first has one row less
+ * would be dealt as 4 and 2, since the first three lack a few cells of half of all. */
+long trees_largest(const struct trees_tile *all, int nall);
+int trees_weight(const struct trees_tile *tile, long largest);
 /* Deals the tiles to `ranks` as p4est_partition does: a rank begins with the first tile before which at least its share
- * of all cells lies. start: [ranks + 1] */
+ * of all weight lies. start: [ranks + 1] */
 void trees_deal(const struct trees_tile *all, int nall, int ranks, int *start);
 status trees_make(const struct comm *c, int dim, const struct trees_tile *all, int nall, struct trees **out);
 void trees_free(struct trees *t);

@@ -19,6 +19,10 @@ struct trees_state {
     p4est_connectivity_t *connectivity;
     p4est_t *forest;
 };
+struct load { /* what `weight` needs */
+    const struct trees_tile *all;
+    long largest;
+};
 
 static void make_vertices(p4est_connectivity_t *k, const struct trees_tile *tile, int t) {
     for (int corner = 0; corner < P4EST_CHILDREN; corner++) {
@@ -48,19 +52,20 @@ static p4est_connectivity_t *make_connectivity(const struct trees_tile *all, int
 }
 
 static int weight(p4est_t *forest, p4est_topidx_t tree, p4est_quadrant_t *quadrant) {
-    const struct trees_tile *all = forest->user_pointer;
+    const struct load *load = forest->user_pointer;
     (void)quadrant;
-    return all[tree].n[0] * all[tree].n[1] * all[tree].n[2];
+    return trees_weight(&load->all[tree], load->largest);
 }
 
 static status start(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall) {
     TRY(comm_agree(c, allocate(&t->state, 1, sizeof *t->state, "the p4est objects")));
     struct trees_state *s = t->state;
+    struct load load = {all, trees_largest(all, nall)};
     sc_set_log_defaults(NULL, NULL, SC_LP_ERROR);
     s->connectivity = make_connectivity(all, nall);
     if (!p4est_connectivity_is_valid(s->connectivity))
         return fail(ERR_SYSTEM, "p4est finds the neighbours of the tiles inconsistent: please report this mesh");
-    s->forest = p4est_new_ext(*(sc_MPI_Comm *)comm_handle(c), s->connectivity, 0, 0, 1, 0, NULL, (void *)all);
+    s->forest = p4est_new_ext(*(sc_MPI_Comm *)comm_handle(c), s->connectivity, 0, 0, 1, 0, NULL, &load);
     p4est_partition(s->forest, 0, weight);
     s->forest->user_pointer = NULL;
     t->count = s->forest->local_num_quadrants;

@@ -498,6 +498,24 @@ static void one_rank_of_many_is_set_up_alone(void **state) {
     }
 }
 
+/* Six tiles that differ by a row are dealt as 3 and 3, and one of half the size weighs half. */
+static void tiles_that_differ_by_a_row_weigh_the_same(void **state) {
+    (void)state;
+    const int length[6] = {42, 43, 42, 43, 43, 43};
+    struct trees_tile all[6] = {{{0}, {0}, {0}}};
+    int start[4];
+    for (int t = 0; t < 6; t++) memcpy(all[t].n, (const int[3]){length[t], 48, 1}, sizeof all[t].n);
+    trees_deal(all, 6, 2, start);
+    assert_memory_equal(start, ((const int[3]){0, 3, 6}), 3 * sizeof *start);
+    trees_deal(all, 6, 3, start);
+    assert_memory_equal(start, ((const int[4]){0, 2, 4, 6}), 4 * sizeof *start);
+    all[0].n[1] = all[1].n[1] = 24;
+    trees_deal(all, 6, 2, start);
+    assert_int_equal(start[1], 4);
+    all[0].n[0] = all[0].n[1] = 1;
+    assert_int_equal(trees_weight(&all[0], trees_largest(all, 6)), 1);
+}
+
 static void what_cannot_be_cut_is_refused(void **state) {
     (void)state;
     const struct scene step = {"thin step", 2, {30, 16, 1}, 8, {false}, {10, 0, 0}, {30, 2, 1}, 0, 0, {false}, false};
@@ -526,6 +544,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(sums_have_the_same_bits_on_any_number_of_ranks),
         cmocka_unit_test(points_are_found_by_one_rank),
         cmocka_unit_test(one_rank_of_many_is_set_up_alone),
+        cmocka_unit_test(tiles_that_differ_by_a_row_weigh_the_same),
         cmocka_unit_test(what_cannot_be_cut_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
