@@ -38,7 +38,7 @@ class Counted(harness.Folder, unittest.TestCase):
         self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
 
     def test_reductions(self):
-        """Every rank takes part in as many reductions, and more of them with transport, whose stages ask whether to stop."""
+        """Every rank takes part in as many reductions, two a step at least, and its memory is told."""
         plain = scaling.count(lattice(os.path.join(self.folder, "plain"), (70, 8, 1)), 2, 4, 2)[0]
         self.assertEqual({r.reductions for r in plain.ranks}, {plain.most("reductions")})
         self.assertGreaterEqual(plain.most("reductions"), 2)
