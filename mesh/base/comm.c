@@ -5,10 +5,11 @@
 
 #include <limits.h>
 #include <mpi.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TEXT = 2048, BROADCAST_PIECE = 1 << 30 };
+enum { TEXT = 2048, PIECE = 1 << 26 }; /* bytes of a message */
 
 struct comm {
     MPI_Comm world;
@@ -101,32 +102,39 @@ void comm_sum_long(const struct comm *c, long *value, int n) {
     reduce(c, value, n, MPI_LONG, MPI_SUM);
 }
 
-/* MPI's counts and displacements are ints: every rank refuses an array that is longer in all than an int can say. */
-static status gather(const struct comm *c, const void *mine, long n, void *all, long *total, MPI_Datatype type,
-                     long bytes) {
-    long sum = n;
+void comm_to_root(const struct comm *c, int from, void *data, long bytes) {
+    char *next = data;
+    while (bytes > 0) {
+        const int piece = bytes < PIECE ? (int)bytes : PIECE;
+        if (c->rank == 0)
+            MPI_Recv(next, piece, MPI_BYTE, from, 1, c->world, MPI_STATUS_IGNORE);
+        else
+            MPI_Send(next, piece, MPI_BYTE, 0, 1, c->world);
+        next += piece;
+        bytes -= piece;
+    }
+}
+
+/* MPI's counts and displacements are ints, so that the ranks send one after the other, in pieces. */
+static status gather(const struct comm *c, const void *mine, long n, void *all, long *total, long bytes) {
+    long sum = n, *count = NULL;
     comm_sum_long(c, &sum, 1);
-    if (sum > INT_MAX) return fail(ERR_SYSTEM, "%ld values on one rank; at most %d can be gathered", sum, INT_MAX);
-    void *array = NULL;
-    int *count = NULL;
+    char *array = NULL;
     status s = OK;
     if (c->rank == 0) s = allocate(&array, sum, bytes, "an array gathered from all ranks");
-    if (c->rank == 0 && !s) s = allocate(&count, 2L * c->size, sizeof *count, "the counts of all ranks");
+    if (c->rank == 0 && !s) s = allocate(&count, c->size, sizeof *count, "the counts of all ranks");
     s = comm_agree(c, s);
     if (s) {
         free(array);
         free(count);
         return s;
     }
-    int my_count = (int)n;
-    int *start = count ? count + c->size : NULL;
-    if (!c->talks) {
-        if (array && n) memcpy(array, mine, (size_t)n * (size_t)bytes);
-    } else {
-        MPI_Gather(&my_count, 1, MPI_INT, count, 1, MPI_INT, 0, c->world);
-        for (int r = 1; count && r < c->size; r++) start[r] = start[r - 1] + count[r - 1];
-        MPI_Gatherv(mine, my_count, type, array, count, start, type, 0, c->world);
-    }
+    if (array && n) memcpy(array, mine, (size_t)n * (size_t)bytes);
+    if (c->talks) MPI_Gather(&n, 1, MPI_LONG, count, 1, MPI_LONG, 0, c->world);
+    char *next = array ? array + n * bytes : NULL;
+    for (int r = 1; c->talks && count && r < c->size; next += count[r++] * bytes)
+        comm_to_root(c, r, next, count[r] * bytes);
+    if (c->talks && c->rank > 0) comm_to_root(c, c->rank, (void *)(uintptr_t)mine, n * bytes);
     free(count);
     memcpy(all, &array, sizeof array);
     if (total) *total = c->rank == 0 ? sum : 0;
@@ -135,12 +143,12 @@ static status gather(const struct comm *c, const void *mine, long n, void *all, 
 
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total) {
     *all = NULL;
-    return gather(c, mine, n, all, total, MPI_DOUBLE, sizeof **all);
+    return gather(c, mine, n, all, total, sizeof **all);
 }
 
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total) {
     *all = NULL;
-    return gather(c, mine, n, all, total, MPI_INT, sizeof **all);
+    return gather(c, mine, n, all, total, sizeof **all);
 }
 
 status comm_share_count(const struct comm *c, long n, int *count, int *first) {
@@ -176,11 +184,42 @@ void comm_share_int(const struct comm *c, const int *mine, const int *count, con
 void comm_broadcast(const struct comm *c, void *data, long bytes) {
     char *next = data;
     while (c->talks && bytes > 0) {
-        int piece = bytes < BROADCAST_PIECE ? (int)bytes : BROADCAST_PIECE;
+        int piece = bytes < PIECE ? (int)bytes : PIECE;
         MPI_Bcast(next, piece, MPI_BYTE, 0, c->world);
         next += piece;
         bytes -= piece;
     }
+}
+
+void comm_trade_counts(const struct comm *c, const int *count_out, int *count_in) {
+    if (c->talks)
+        MPI_Alltoall(count_out, 1, MPI_INT, count_in, 1, MPI_INT, c->world);
+    else
+        for (int r = 0; r < c->size; r++) count_in[r] = r == c->rank ? count_out[r] : 0;
+}
+
+static void trade(const struct comm *c, const void *out, const int *count_out, void *in, const int *count_in,
+                  MPI_Datatype type, size_t bytes) {
+    if (!c->talks) {
+        size_t before = 0;
+        for (int r = 0; r < c->rank; r++) before += (size_t)count_out[r];
+        memcpy(in, (const char *)out + before * bytes, (size_t)count_out[c->rank] * bytes);
+        return;
+    }
+    int first_out[c->size], first_in[c->size];
+    for (int r = 0, o = 0, i = 0; r < c->size; o += count_out[r], i += count_in[r++]) {
+        first_out[r] = o;
+        first_in[r] = i;
+    }
+    MPI_Alltoallv(out, count_out, first_out, type, in, count_in, first_in, type, c->world);
+}
+
+void comm_trade(const struct comm *c, const double *out, const int *count_out, double *in, const int *count_in) {
+    trade(c, out, count_out, in, count_in, MPI_DOUBLE, sizeof *in);
+}
+
+void comm_trade_int(const struct comm *c, const int *out, const int *count_out, int *in, const int *count_in) {
+    trade(c, out, count_out, in, count_in, MPI_INT, sizeof *in);
 }
 
 struct comm_exchange {

@@ -33,8 +33,7 @@ void comm_max(const struct comm *c, double *value, int n);
 void comm_sum_long(const struct comm *c, long *value, int n);
 
 /* Gathers every rank's mine[n] on the root, in the order of the ranks: *all holds *total values there (the caller frees
- * it) and is NULL on the other ranks. Fails on every rank if there are more values than an int can count.
- * comm_gather_int does the same for ints. */
+ * it) and is NULL on the other ranks. comm_gather_int does the same for ints. */
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total);
 status comm_gather_int(const struct comm *c, const int *mine, long n, int **all, long *total);
 /* Every rank gets all ranks' numbers, in the order of the ranks. comm_share_count tells how many each rank has, in
@@ -44,6 +43,14 @@ status comm_share_count(const struct comm *c, long n, int *count, int *first);
 void comm_share(const struct comm *c, const double *mine, const int *count, const int *first, double *all);
 void comm_share_int(const struct comm *c, const int *mine, const int *count, const int *first, int *all);
 void comm_broadcast(const struct comm *c, void *data, long bytes); /* copies the root's data to all ranks */
+/* Sends doubles to every rank: count_out[r] of `out` to rank r, those of rank 0 first. *in, with room for the
+ * sum of count_in, gets what the ranks send here, in their order. comm_trade_counts tells count_in beforehand.
+ * comm_trade_int does the same for ints. The sums are at most INT_MAX. */
+void comm_trade_counts(const struct comm *c, const int *count_out, int *count_in);
+void comm_trade(const struct comm *c, const double *out, const int *count_out, double *in, const int *count_in);
+void comm_trade_int(const struct comm *c, const int *out, const int *count_out, int *in, const int *count_in);
+/* Sends bytes from one rank to the root, which is another; called by these two alone. */
+void comm_to_root(const struct comm *c, int from, void *data, long bytes);
 
 /* Messages of the same lengths between the same ranks, again and again. Links are mutual: a rank linked to another is
  * linked back. comm_exchange_start sends `times` * n doubles of every link's `out`, which must not change until

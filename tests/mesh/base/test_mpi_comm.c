@@ -56,6 +56,43 @@ static void gathers(void **state) {
     free(all_int);
 }
 
+/* More bytes than one message takes. */
+static void gathers_many(void **state) {
+    (void)state;
+    const long n = comm_rank(world) == comm_size(world) - 1 ? (1L << 24) + 3 : 2;
+    int *mine, *all;
+    long total;
+    assert_null(allocate(&mine, n, sizeof *mine, "values"));
+    for (long i = 0; i < n; i++) mine[i] = (int)(n - i);
+    assert_null(comm_gather_int(world, mine, n, &all, &total));
+    for (long i = 0; all && i < (1L << 24) + 3; i++) assert_int_equal(all[total - 1 - i], i + 1);
+    for (long i = 0; all && i < 2L * (comm_size(world) - 1); i++) assert_int_equal(all[i], 2 - i % 2);
+    free(mine);
+    free(all);
+}
+
+/* Rank a sends b + 1 numbers to rank b. */
+static void trades(void **state) {
+    (void)state;
+    int rank = comm_rank(world), size = comm_size(world), count[16], count_in[16], out_int[136], in_int[256], n = 0;
+    double out[136], in[256];
+    assert_true(size <= 16);
+    for (int b = 0; b < size; b++) {
+        count[b] = b + 1;
+        for (int i = 0; i <= b; i++, n++) out[n] = out_int[n] = 1000 * rank + 10 * b + i;
+    }
+    comm_trade_counts(world, count, count_in);
+    comm_trade(world, out, count, in, count_in);
+    comm_trade_int(world, out_int, count, in_int, count_in);
+    for (int a = 0, k = 0; a < size; a++) {
+        assert_int_equal(count_in[a], rank + 1);
+        for (int i = 0; i <= rank; i++, k++) {
+            assert_true(in[k] == 1000 * a + 10 * rank + i);
+            assert_int_equal(in_int[k], 1000 * a + 10 * rank + i);
+        }
+    }
+}
+
 /* Rank r shares r values, which tell whose they are, with all ranks. */
 static void shares(void **state) {
     (void)state;
@@ -114,6 +151,8 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reductions),
         cmocka_unit_test(gathers),
+        cmocka_unit_test(gathers_many),
+        cmocka_unit_test(trades),
         cmocka_unit_test(shares),
         cmocka_unit_test(broadcasts),
         cmocka_unit_test(all_ranks_learn_of_a_failure),

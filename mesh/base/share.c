@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Moves values between slices and lists of cells (share.h), in rounds of so many cells a rank that messages stay
+ * small. */
+#include "mesh/base/share.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROUND = 1 << 15, ALL_ROUND = 1 << 25 }; /* cells of a round: of a rank, of all ranks */
+
+static long first_of(const struct share *s, int rank) {
+    const long size = comm_size(s->comm), each = s->n / size, rest = s->n % size;
+    return each * rank + (rank < rest ? rank : rest);
+}
+
+struct share share_make(const struct comm *c, long n) {
+    struct share s = {.comm = c, .n = n};
+    s.first = first_of(&s, comm_rank(c));
+    s.end = first_of(&s, comm_rank(c) + 1);
+    return s;
+}
+
+/* Returns the rank whose slice has a cell: the first `rest` slices have one cell more than the others. */
+static int rank_of(const struct share *s, long cell) {
+    const long size = comm_size(s->comm), each = s->n / size, rest = s->n % size;
+    const long longer = rest * (each + 1);
+    return (int)(cell < longer ? cell / (each + 1) : rest + (cell - longer) / each);
+}
+
+struct errand { /* what is to be moved */
+    const struct share *share;
+    bool store;           /* from the list into the slices? */
+    size_t values;        /* of a cell */
+    double *slice, *list; /* [cells][values]; the one that is moved from is only read */
+};
+struct round { /* the cells that a rank lists in one round, and those of its slice that the others list */
+    int n, nothers;
+    int *count, *count_others, *value_count, *value_count_others; /* [ranks] */
+    int *order;                                                   /* [n] the listed cells, by rank */
+    int *cell, *others;                                           /* their numbers: [n] by rank; [nothers] */
+    double *room, *room_others;                                   /* the values of each of these */
+};
+
+static void round_free(struct round *r) {
+    void *all[] = {r->count, r->order, r->cell, r->others, r->room, r->room_others};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+}
+
+/* Sorts the listed cells by the ranks that have them. */
+static status sort_cells(const struct errand *x, int n, const int *cell, struct round *r) {
+    const int size = comm_size(x->share->comm);
+    int *next;
+    r->n = n;
+    TRY(allocate(&r->count, 5L * size, sizeof *r->count, "cells sent between ranks"));
+    TRY(allocate(&r->order, n, sizeof *r->order, "cells sent between ranks"));
+    TRY(allocate(&r->cell, n, sizeof *r->cell, "cells sent between ranks"));
+    TRY(allocate(&r->room, n * (long)x->values, sizeof *r->room, "cells sent between ranks"));
+    r->count_others = r->count + size;
+    r->value_count = r->count + 2L * size;
+    r->value_count_others = r->count + 3L * size;
+    next = r->count + 4L * size;
+    for (int i = 0; i < n; i++) r->count[rank_of(x->share, cell[i])]++;
+    for (int k = 1; k < size; k++) next[k] = next[k - 1] + r->count[k - 1];
+    for (int i = 0; i < n; i++) r->order[next[rank_of(x->share, cell[i])]++] = i;
+    for (int i = 0; i < n; i++) r->cell[i] = cell[r->order[i]];
+    return OK;
+}
+
+/* Tells the ranks which cells of their slices are listed. */
+static status tell_cells(const struct errand *x, struct round *r) {
+    const struct comm *c = x->share->comm;
+    comm_trade_counts(c, r->count, r->count_others);
+    for (int k = 0; k < comm_size(c); k++) {
+        r->nothers += r->count_others[k];
+        r->value_count[k] = r->count[k] * (int)x->values;
+        r->value_count_others[k] = r->count_others[k] * (int)x->values;
+    }
+    status e = allocate(&r->others, r->nothers, sizeof *r->others, "cells sent between ranks");
+    if (!e) e = allocate(&r->room_others, r->nothers * (long)x->values, sizeof(double), "cells sent between ranks");
+    TRY(comm_agree(c, e));
+    comm_trade_int(c, r->cell, r->count, r->others, r->count_others);
+    return OK;
+}
+
+/* Copies the values of a cell to `other` or, if not `there`, back. */
+static void copy(const struct errand *x, bool there, double *values, double *other) {
+    memcpy(there ? other : values, there ? values : other, x->values * sizeof(double));
+}
+
+/* Moves the values of the cells listed in one round, the first of which is number `at` of the list. */
+static void move_round(const struct errand *x, long at, struct round *r) {
+    const struct comm *c = x->share->comm;
+    const size_t m = x->values;
+    for (int way = 0; way < 2; way++) { /* first out of the list or the slice, then into the other one */
+        const bool out_of = way == 0;
+        for (int i = 0; x->store == out_of && i < r->n; i++)
+            copy(x, out_of, x->list + (size_t)(at + r->order[i]) * m, r->room + (size_t)i * m);
+        for (int i = 0; x->store != out_of && i < r->nothers; i++)
+            copy(x, out_of, x->slice + (size_t)(r->others[i] - x->share->first) * m, r->room_others + (size_t)i * m);
+        if (out_of && x->store)
+            comm_trade(c, r->room, r->value_count, r->room_others, r->value_count_others);
+        else if (out_of)
+            comm_trade(c, r->room_others, r->value_count_others, r->room, r->value_count);
+    }
+}
+
+static status move(const struct errand *x, long n, const int *cell) {
+    const struct comm *c = x->share->comm;
+    const int size = comm_size(c);
+    const long most = size > ALL_ROUND / ROUND ? ALL_ROUND / size : ROUND;
+    double longest = (double)n;
+    for (long i = 0; size == 1 && i < n; i++)
+        copy(x, x->store, x->list + (size_t)i * x->values, x->slice + (size_t)cell[i] * x->values);
+    if (size == 1) return OK;
+    comm_max(c, &longest, 1);
+    for (long at = 0; (double)at < longest; at += most) {
+        const long left = n - at, now = left < 0 ? 0 : left < most ? left : most;
+        struct round r = {0};
+        status e = comm_agree(c, sort_cells(x, (int)now, cell + (now ? at : 0), &r));
+        if (!e) e = tell_cells(x, &r);
+        if (!e) move_round(x, at, &r);
+        round_free(&r);
+        TRY(e);
+    }
+    return OK;
+}
+
+/* Lets an errand name what is only read beside what is written. */
+static double *plain(const double *values) {
+    return (double *)(uintptr_t)values;
+}
+
+status share_fetch(const struct share *s, int components, const double *slice, long n, const int *cell, double *out) {
+    const struct errand x = {s, false, (size_t)components, plain(slice), out};
+    return move(&x, n, cell);
+}
+
+status share_store(const struct share *s, int components, long n, const int *cell, const double *values,
+                   double *slice) {
+    const struct errand x = {s, true, (size_t)components, slice, plain(values)};
+    return move(&x, n, cell);
+}
