@@ -52,7 +52,10 @@ struct state_hooks {
     /* The state from and to arrays in polyMesh order, as gas_set_conserved and gas_get_variables. */
     void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
     status (*get_conserved)(const struct gas *g, int first, int n, double *const *out);
-    void (*set_limited)(struct gas *g, const double *values); /* the field GAS_LIMITED, as set_conserved */
+    /* As gas_set_own_conserved, and gas_block_variables; set_limited sets the field GAS_LIMITED in the same order. */
+    void (*set_own)(struct gas *g, const double *const U[MAX_VAR]);
+    void (*block_variables)(const struct gas *g, int block, int first, int n, double *const *out);
+    void (*set_limited)(struct gas *g, const double *values);
     /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
     status (*rest)(struct gas *g, const bool *rests);
     /* Calls visit(context, row) for the rows of s, in the same order on every call. */

@@ -73,11 +73,21 @@ int gas_variables(const struct gas *g) {
     return g->nvar;
 }
 
-void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    g->engine->state.set_conserved(g, U);
+/* Forgets what was known of the state before. */
+static void forget_state(struct gas *g) {
     g->speed_known = false;
     g->guarded = 0;
     g->slow = -1;
+}
+
+void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+    g->engine->state.set_conserved(g, U);
+    forget_state(g);
+}
+
+void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+    g->engine->state.set_own(g, U);
+    forget_state(g);
 }
 
 void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited) {
@@ -88,8 +98,9 @@ void gas_resume(struct gas *g, const struct gas_counts *counts, const double *li
     if (limited) g->engine->state.set_limited(g, limited);
 }
 
-status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
-    long n = g->ncells_all;
+/* Sets the state of n cells by `set`, which takes conserved variables. */
+static status set_state(struct gas *g, long n, const double *rho, const double *const u[3], const double *T,
+                        void (*set)(struct gas *g, const double *const U[MAX_VAR])) {
     double *all, *U[MAX_VAR];
     TRY(allocate(&all, g->nvar * n, sizeof(double), "the initial state"));
     for (int v = 0; v < g->nvar; v++) U[v] = all + v * n;
@@ -102,9 +113,17 @@ status gas_set(struct gas *g, const double *rho, const double *const u[3], const
         U[0][i] = rho[i];
         U[g->components + 1][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
     }
-    gas_set_conserved(g, (const double *const *)U);
+    set(g, (const double *const *)U);
     free(all);
     return OK;
+}
+
+status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
+    return set_state(g, g->ncells_all, rho, u, T, gas_set_conserved);
+}
+
+status gas_set_own(struct gas *g, long cells, const double *rho, const double *const u[3], const double *T) {
+    return set_state(g, cells, rho, u, T, gas_set_own_conserved);
 }
 
 status gas_rest(struct gas *g, const bool *rests) {
@@ -117,6 +136,10 @@ status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
 
 status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
     return g->engine->state.get_conserved(g, first, n, out);
+}
+
+void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
+    g->engine->state.block_variables(g, block, first, n, out);
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {

@@ -93,6 +93,12 @@ void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]);
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]);
 /* As that, of n variables from the first one on: out[n]. */
 status gas_get_variables(const struct gas *g, int first, int n, double *const *out);
+/* As gas_set and gas_set_conserved, from arrays of the cells of this rank alone, `cells` of them: one block after the
+ * other, each in the order of gas_block_field. */
+status gas_set_own(struct gas *g, long cells, const double *rho, const double *const u[3], const double *T);
+void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]);
+/* Writes n conserved variables, from the first one on, of the cells of one of this rank's blocks: out[n][cells]. */
+void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out);
 
 /* Makes it known that the state now set, with its velocity taken as 0, is at rest under gravity in the cells with
  * rests[ncells_all]: on polyhedra it, and states near it, are then balanced to round-off
@@ -148,8 +154,8 @@ void gas_heed(struct gas *g, bool (*asked)(void));
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);
-/* Goes on with the counts of an earlier run (all but halves and stages), and with its field GAS_LIMITED in polyMesh
- * order (NULL: there is none), which every rank holds. */
+/* Goes on with the counts of an earlier run (all but halves and stages), and with its field GAS_LIMITED in the
+ * cells of this rank, as gas_set_own has them (NULL: there is none). */
 void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited);
 /* Returns the share of the cell updates since gas_make that were computed, not left out as uniform. Collective. */
 double gas_computed_share(const struct gas *g);

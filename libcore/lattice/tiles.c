@@ -128,8 +128,19 @@ static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
     activity_reset(g, &g->U);
 }
 
+static void tiles_set_own(struct gas *g, const double *const U[MAX_VAR]) {
+    for (int v = 0; v < g->nvar; v++) forest_spread(g->forest, U[v], v, g->U.block);
+    activity_reset(g, &g->U);
+}
+
+static void tiles_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
+    const int tile = g->forest->block[block].tile;
+    activity_store_all(g, tile, &g->U);
+    for (int i = 0; i < n; i++) forest_block_values(g->forest, block, g->U.block[tile], first + i, out[i]);
+}
+
 static void tiles_set_limited(struct gas *g, const double *values) {
-    forest_scatter(g->forest, values, 0, g->tiles->limited);
+    forest_spread(g->forest, values, 0, g->tiles->limited);
 }
 
 static status tiles_get_conserved(const struct gas *g, int first, int n, double *const *out) {
@@ -394,6 +405,8 @@ const struct engine engine_lattice = {
               .free = tiles_free,
               .set_conserved = tiles_set_conserved,
               .get_conserved = tiles_get_conserved,
+              .set_own = tiles_set_own,
+              .block_variables = tiles_block_variables,
               .set_limited = tiles_set_limited,
               .rows = tiles_rows,
               .keep_as = tiles_keep_as,

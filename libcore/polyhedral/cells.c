@@ -128,9 +128,26 @@ static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
         for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
 }
 
+static void cells_set_own(struct gas *g, const double *const U[MAX_VAR]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < m->nown; i++) line[v][m->block_cell[i]] = U[v][i];
+}
+
+static void cells_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const int start = m->block_start[block], end = m->block_start[block + 1];
+    double *line[MAX_VAR];
+    cells_lines(g, &g->U, line);
+    for (int v = 0; v < n; v++)
+        for (int i = start; i < end; i++) out[v][i - start] = line[first + v][m->block_cell[i]];
+}
+
 static void cells_set_limited(struct gas *g, const double *values) {
     const struct polyhedra *m = g->cells->polyhedra;
-    for (int i = 0; i < m->nown; i++) g->cells->limited[i] = values[m->cell[i]];
+    for (int i = 0; i < m->nown; i++) g->cells->limited[m->block_cell[i]] = values[i];
 }
 
 /* Gathers a value per cell of this rank into the root's array of all cells, in polyMesh order. */
@@ -324,6 +341,8 @@ const struct engine engine_polyhedral = {
               .set_conserved = cells_set_conserved,
               .rest = cells_rest,
               .get_conserved = cells_get_conserved,
+              .set_own = cells_set_own,
+              .block_variables = cells_block_variables,
               .set_limited = cells_set_limited,
               .rows = cells_rows,
               .place = cells_place,

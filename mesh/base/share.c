@@ -141,3 +141,26 @@ status share_store(const struct share *s, int components, long n, const int *cel
     const struct errand x = {s, true, (size_t)components, slice, plain(values)};
     return move(&x, n, cell);
 }
+
+void share_collect(const struct share *s, int components, const double *slice, double *all) {
+    const long bytes = components * (long)sizeof(double);
+    const int rank = comm_rank(s->comm);
+    if (rank > 0) {
+        comm_to_root(s->comm, rank, plain(slice), (s->end - s->first) * bytes);
+        return;
+    }
+    memcpy(all, slice, (size_t)(s->end * bytes));
+    for (int r = 1; r < comm_size(s->comm); r++)
+        comm_to_root(s->comm, r, all + first_of(s, r) * components, (first_of(s, r + 1) - first_of(s, r)) * bytes);
+}
+
+status share_gather(const struct share *s, int components, long n, const int *cell, const double *values, double *all) {
+    double *slice = NULL;
+    if (comm_size(s->comm) == 1) return share_store(s, components, n, cell, values, all);
+    status e = allocate(&slice, (s->end - s->first) * components, sizeof *slice, "a slice of a field");
+    e = comm_agree(s->comm, e);
+    if (!e) e = share_store(s, components, n, cell, values, slice);
+    if (!e) share_collect(s, components, slice, all);
+    free(slice);
+    return e;
+}

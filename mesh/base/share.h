@@ -20,5 +20,10 @@ status share_fetch(const struct share *s, int components, const double *slice, l
 /* Puts values[n][components] of the cells listed into the ranks' slices. Collective: each cell is listed by one rank at
  * most. */
 status share_store(const struct share *s, int components, long n, const int *cell, const double *values, double *slice);
+/* Gathers what share_store would put into the slices in the root's all[n][components], which is NULL on the other
+ * ranks. Collective. */
+status share_gather(const struct share *s, int components, long n, const int *cell, const double *values, double *all);
+/* The same of slices. */
+void share_collect(const struct share *s, int components, const double *slice, double *all);
 
 #endif

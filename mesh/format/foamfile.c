@@ -6,6 +6,7 @@
 #include "mesh/format/files.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <locale.h>
 #include <math.h>
 #include <stdarg.h>
@@ -20,9 +21,19 @@
 
 void source_free(struct source *s) {
     if (!s) return;
+    if (s->file >= 0) close(s->file);
     free(s->path);
     free(s->text);
     free(s);
+}
+
+void source_drop_text(struct source *s) {
+    char *less = realloc(s->text, 1);
+    if (less) s->text = less;
+    s->text[0] = 0;
+    s->size = s->gap_bytes = 0;
+    if (s->file >= 0) close(s->file);
+    s->file = -1;
 }
 
 status source_fail(const struct source *s, int line, const char *format, ...) {
@@ -43,6 +54,76 @@ status source_fail(const struct source *s, int line, const char *format, ...) {
 /* A file that unzips to more than UNZIPPED bytes may not grow by more than RATIO: sound data seldom do, a gzip bomb
  * does. */
 static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
+
+enum { HEAD = 1 << 16, LONG_LIST = 4096 }; /* bytes: of the file's start that is looked at; of a list left out */
+
+/* Finds a long binary list in the head of a file: returns where its entries begin, and their length; 0: there is
+ * none. */
+static size_t find_gap(const struct source *head, size_t *bytes) {
+    struct lexer l = lexer_start(head);
+    struct foam_header h;
+    struct token t = {.kind = TOKEN_WORD};
+    status s = foam_header_read(&l, &h);
+    bool found = false;
+    *bytes = 0;
+    while (!s && h.binary && t.kind != TOKEN_END && !found) {
+        s = lexer_next(&l, &t);
+        found = !s && token_is(&t, "nonuniform");
+    }
+    if (!s && found) s = lexer_next(&l, &t);
+    const int item = s || !found ? 0 : token_is(&t, "List<scalar>") ? 1 : token_is(&t, "List<vector>") ? 3 : 0;
+    if (!s && item) s = lexer_next(&l, &t);
+    if (!s && item && t.kind == TOKEN_NUMBER && t.number > 0 && t.number <= INT_MAX && t.number == floor(t.number))
+        *bytes = (size_t)t.number * (size_t)(item * h.scalar_bytes);
+    if (!s && *bytes) s = lexer_expect(&l, '(');
+    if (s || *bytes < LONG_LIST) *bytes = 0;
+    status_free(s);
+    return *bytes ? l.position : 0;
+}
+
+/* Reads n bytes of a file, from `at` on. Returns whether they are there. */
+static bool read_at(int file, char *to, size_t n, size_t at) {
+    while (n) {
+        const ssize_t got = pread(file, to, n < 1 << 30 ? n : 1 << 30, (off_t)at);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return false;
+        to += got;
+        at += (size_t)got;
+        n -= (size_t)got;
+    }
+    return true;
+}
+
+/* Reads a file but for the entries of a long list, if it has one in its head. Sets nothing otherwise: the file is then
+ * read whole, which also finds what is wrong with it. */
+static status read_around(struct source *s) {
+    struct source head = {.file = -1};
+    int file;
+    TRY(file_open_read(s->path, &file, &s->size));
+    const size_t size = s->size, n = size < HEAD ? size : HEAD;
+    char end = 0;
+    s->size = 0;
+    status e = allocate(&head.text, (long)n + 1, 1, "the head of a file");
+    if (!e && read_at(file, head.text, n, 0) && memcmp(head.text, "\x1f\x8b", 2) != 0) {
+        head.size = n;
+        s->gap = find_gap(&head, &s->gap_bytes);
+    }
+    const size_t gap_end = s->gap + s->gap_bytes;
+    if (!s->gap_bytes || gap_end >= size || !read_at(file, &end, 1, gap_end) || end != ')')
+        s->gap_bytes = 0;
+    else
+        e = allocate(&s->text, (long)(size - s->gap_bytes + 1), 1, s->path);
+    if (!e && s->gap_bytes) {
+        memcpy(s->text, head.text, s->gap);
+        s->size = size - s->gap_bytes;
+        s->file = file;
+        if (!read_at(file, s->text + s->gap, size - gap_end, gap_end))
+            e = fail(ERR_INPUT, "%s: cannot be read", s->path);
+    }
+    if (s->file < 0) close(file);
+    free(head.text);
+    return e;
+}
 
 /* Reads the whole file; gzread passes a file that is not gzipped through unchanged. */
 static status read_all(struct source *s) {
@@ -92,6 +173,7 @@ static status read_all(struct source *s) {
 static status source_make(const char *path, const char *ending, struct source **out) {
     struct source *s = calloc(1, sizeof *s);
     size_t length = strlen(path) + strlen(ending) + 1;
+    if (s) s->file = -1;
     if (s) s->path = malloc(length);
     if (!s || !s->path) {
         free(s);
@@ -116,7 +198,8 @@ status source_open(const char *path, struct source **out) {
         }
     }
     s->foreign = file_is_foreign(s->path, path_case(s->path));
-    status e = read_all(s);
+    status e = read_around(s);
+    if (!e && !s->gap_bytes) e = read_all(s);
     if (e) {
         source_free(s);
         return e;

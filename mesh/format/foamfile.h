@@ -13,7 +13,12 @@ struct source { /* a file in memory, already unzipped; text[size] is 0 */
     char *path; /* as given, or with .gz added */
     char *text;
     size_t size;
-    bool foreign; /* does the file lie outside of the case (files.h)? Messages then show none of its text */
+    /* Of a file that is not zipped the text lacks the entries of the first long binary list (`nonuniform List<..>`): a
+     * rank that needs some of them reads these alone (foam_list_read_part). */
+    int file;         /* the open file; -1: nothing is left out */
+    size_t gap;       /* position in text where they would stand, and in the file where they do */
+    size_t gap_bytes; /* their length; 0: nothing is left out */
+    bool foreign;     /* does the file lie outside of the case (files.h)? Messages then show none of its text */
 };
 /* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file, and on what is
  * no regular file. */
@@ -23,6 +28,7 @@ status source_fail(const struct source *s, int line, const char *format, ...) __
 /* Makes a source from a string in memory (copied); `name` stands for the path in messages. */
 status source_from_text(const char *name, const char *text, struct source **out);
 void source_free(struct source *s);
+void source_drop_text(struct source *s); /* frees the text; the source is then an empty file */
 
 enum token_kind { TOKEN_END, TOKEN_WORD, TOKEN_STRING, TOKEN_NUMBER, TOKEN_PUNCTUATION, TOKEN_VERBATIM };
 struct token {
@@ -67,6 +73,10 @@ status foam_header_read(struct lexer *l, struct foam_header *h);
  * file bounds all other lists. */
 status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
                               double **out);
+/* Reads a part of such a list: entries first .. end - 1, as far as there are any. *n is the number of all entries; all
+ * of an ascii list are read and checked, but of a binary one those of the part. */
+status foam_list_read_part(struct lexer *l, const struct foam_header *h, int components, long most, long first,
+                           long end, long *n, double **out);
 status foam_list_read_labels(struct lexer *l, const struct foam_header *h, long most, long *n, int **out);
 /* Reads a faceList `N ( 4(0 1 2 3) ... )` or a binary faceCompactList: start [n+1], points [start[n]]. */
 status foam_list_read_faces(struct lexer *l, const struct foam_header *h, long *n, int **start, int **points);

@@ -2,11 +2,13 @@
 /* Reads lists in OpenFOAM's grammar, ascii and binary: numbers, vectors, labels, faces (foamfile.h). */
 #include "mesh/format/foamfile.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { EQUAL = 8 }; /* most entries of `N { v }` in lists of corners and offsets: sound faces have no equal ones */
 
@@ -83,16 +85,19 @@ static status open_list(struct lexer *l, const struct foam_header *h, long most,
     return OK;
 }
 
-/* Passes over the raw bytes of a binary list and its ')'; *raw points to the bytes. */
+/* Passes over the raw bytes of a binary list and its ')'; *raw points to the bytes, or is NULL: the text lacks them. */
 static status raw_bytes(struct lexer *l, const struct opening *o, int bytes, const char **raw) {
-    size_t left = l->source->size - l->position, need = (size_t)o->count * (size_t)bytes;
-    if (need >= left || l->source->text[l->position + need] != ')')
-        return source_fail(l->source, o->line,
+    const struct source *s = l->source;
+    const size_t need = (size_t)o->count * (size_t)bytes;
+    const bool apart = s->gap_bytes && l->position == s->gap, same = apart && need == s->gap_bytes;
+    const size_t left = s->size - l->position, skip = same ? 0 : need;
+    if ((apart && !same) || skip >= left || s->text[l->position + skip] != ')')
+        return source_fail(s, o->line,
                            "the binary list of %ld entries of %d bytes does not end with ')': the count or the 'arch' "
                            "of the header is wrong, or the file was cut",
                            o->count, bytes);
-    *raw = l->source->text + l->position;
-    l->position += need + 1;
+    *raw = same ? NULL : s->text + l->position;
+    l->position += skip + 1;
     l->last_line = l->line;
     return OK;
 }
@@ -242,67 +247,132 @@ static status read_entry(struct lexer *l, int components, double *v) {
     return lexer_expect(l, ')');
 }
 
-static status ascii_doubles(struct lexer *l, const struct opening *o, int components, struct growing *g) {
-    TRY(make_room(l, o, components, g));
-    for (long n = 0;; n++) {
-        bool closed;
-        n += plain_doubles(l, entries_left(o, n), components, g);
-        TRY(closes(l, o, &closed));
-        if (closed) return o->count >= 0 && n != o->count ? wrong_count(l, o, n) : OK;
-        if (n == o->count) return too_many(l, o);
-        TRY(grow(g, components));
-        TRY(read_entry(l, components, (double *)g->data + g->count));
-        g->count += components;
-    }
-}
+enum { PIECE = 1 << 14 }; /* entries that are read at a time */
 
-static status uniform_doubles(struct lexer *l, const struct opening *o, int components, struct growing *g) {
-    double v[16];
-    TRY(read_entry(l, components, v));
-    TRY(lexer_expect(l, '}'));
-    TRY(grow(g, o->count * components));
-    for (long i = 0; i < o->count * components; i++) ((double *)g->data)[i] = v[i % components];
-    g->count = o->count * components;
+/* The entries of a list that are kept: first .. end - 1. */
+struct part {
+    int components;
+    long first, end, at; /* at: the number of the next entry */
+    struct growing kept;
+};
+
+/* Passes n entries, and keeps those of the part. */
+static status keep(struct part *p, const double *v, long n) {
+    const long from = p->first > p->at ? p->first - p->at : 0, to = p->end < p->at + n ? p->end - p->at : n;
+    p->at += n;
+    if (from >= to) return OK;
+    TRY(grow(&p->kept, (to - from) * p->components));
+    memcpy((double *)p->kept.data + p->kept.count, v + from * p->components,
+           (size_t)((to - from) * p->components) * sizeof *v);
+    p->kept.count += (to - from) * p->components;
     return OK;
 }
 
-static status binary_doubles(struct lexer *l, const struct foam_header *h, const struct opening *o, int components,
-                             struct growing *g) {
-    const char *raw = NULL;
-    long n = o->count * components;
-    TRY(raw_bytes(l, o, h->scalar_bytes * components, &raw));
-    TRY(grow(g, n));
-    double *v = g->data;
-    if (h->scalar_bytes == 8) memcpy(v, raw, (size_t)n * 8);
-    for (long i = 0; i < n; i++) {
-        float f;
-        if (h->scalar_bytes == 4) memcpy(&f, raw + 4 * i, 4), v[i] = f;
+/* Makes room for the part of a list, as far as the file can fill it. */
+static status room_for(const struct lexer *l, const struct opening *o, struct part *p) {
+    const long end = p->end < o->count ? p->end : o->count;
+    const struct opening wanted = {.count = end - p->first};
+    return make_room(l, &wanted, p->components, &p->kept);
+}
+
+static status ascii_doubles(struct lexer *l, const struct opening *o, struct part *p, struct growing *piece) {
+    TRY(room_for(l, o, p));
+    TRY(grow(piece, (long)PIECE * p->components));
+    for (;;) {
+        bool closed;
+        piece->count = 0;
+        const long read = plain_doubles(l, entries_left(o, p->at), p->components, piece);
+        TRY(keep(p, piece->data, read));
+        TRY(closes(l, o, &closed));
+        if (closed) return o->count >= 0 && p->at != o->count ? wrong_count(l, o, p->at) : OK;
+        if (p->at == o->count) return too_many(l, o);
+        if (read == PIECE) continue;
+        TRY(read_entry(l, p->components, piece->data));
+        TRY(keep(p, piece->data, 1));
+    }
+}
+
+static status uniform_doubles(struct lexer *l, const struct opening *o, struct part *p) {
+    double v[16];
+    TRY(read_entry(l, p->components, v));
+    TRY(lexer_expect(l, '}'));
+    for (long i = 0; i < o->count; i++) TRY(keep(p, v, 1));
+    return OK;
+}
+
+/* Reads n entries of a binary list, from entry `from` on, out of the text or, where it lacks them, of the file. */
+static status binary_entries(const struct source *s, const char *raw, size_t bytes, long from, long n, char *to) {
+    size_t at = (size_t)from * bytes, left = (size_t)n * bytes;
+    if (raw) memcpy(to, raw + at, left);
+    while (!raw && left) {
+        const ssize_t got = pread(s->file, to, left < 1 << 30 ? left : 1 << 30, (off_t)(s->gap + at));
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0)
+            return fail(ERR_INPUT, "%s: cannot be read to its end: %s", s->path, got ? strerror(errno) : "cut");
+        to += got;
+        at += (size_t)got;
+        left -= (size_t)got;
+    }
+    return OK;
+}
+
+static status check_finite(const struct lexer *l, const struct opening *o, const struct part *p, const double *v,
+                           long n) {
+    for (long i = 0; i < n * p->components; i++)
         if (!isfinite(v[i]))
             return source_fail(l->source, o->line, "entry %ld of the binary list is %g; numbers must be finite",
-                               i / components, v[i]);
+                               p->at + i / p->components, v[i]);
+    return OK;
+}
+
+static status binary_doubles(struct lexer *l, const struct foam_header *h, const struct opening *o, struct part *p,
+                             struct growing *piece) {
+    const char *raw = NULL;
+    const size_t bytes = (size_t)(h->scalar_bytes * p->components);
+    const long end = p->end < o->count ? p->end : o->count;
+    TRY(raw_bytes(l, o, (int)bytes, &raw));
+    TRY(grow(piece, (long)PIECE * p->components));
+    if (p->first < end) TRY(grow(&p->kept, (end - p->first) * p->components));
+    for (p->at = p->first < end ? p->first : o->count; p->at < end;) {
+        const long n = end - p->at < PIECE ? end - p->at : PIECE;
+        double *v = piece->data;
+        TRY(binary_entries(l->source, raw, bytes, p->at, n, piece->data));
+        for (long i = n * p->components - 1; h->scalar_bytes == 4 && i >= 0; i--) { /* backwards: doubles are longer */
+            float f;
+            memcpy(&f, (const char *)piece->data + 4 * i, 4);
+            v[i] = f;
+        }
+        TRY(check_finite(l, o, p, v, n));
+        TRY(keep(p, v, n));
     }
-    g->count = n;
+    p->at = o->count;
+    return OK;
+}
+
+status foam_list_read_part(struct lexer *l, const struct foam_header *h, int components, long most, long first,
+                           long end, long *n, double **out) {
+    struct part p = {.components = components, .first = first, .end = end, .kept.size = sizeof(double)};
+    struct growing piece = {.size = sizeof(double)};
+    struct opening o;
+    *out = NULL;
+    if (components < 1 || components > 16) return fail(ERR_SYSTEM, "a list has 1 to 16 components, not %d", components);
+    TRY(open_list(l, h, most, &o));
+    status e = OK;
+    if (o.uniform)
+        e = uniform_doubles(l, &o, &p);
+    else if (o.binary)
+        e = binary_doubles(l, h, &o, &p, &piece);
+    else if (!o.empty)
+        e = ascii_doubles(l, &o, &p, &piece);
+    free(piece.data);
+    TRY(take(&p.kept, e, out));
+    *n = p.at;
     return OK;
 }
 
 status foam_list_read_doubles(struct lexer *l, const struct foam_header *h, int components, long most, long *n,
                               double **out) {
-    struct growing g = {.size = sizeof(double)};
-    struct opening o;
-    *out = NULL;
-    *n = 0;
-    if (components < 1 || components > 16) return fail(ERR_SYSTEM, "a list has 1 to 16 components, not %d", components);
-    TRY(open_list(l, h, most, &o));
-    status e = OK;
-    if (o.uniform)
-        e = uniform_doubles(l, &o, components, &g);
-    else if (o.binary)
-        e = binary_doubles(l, h, &o, components, &g);
-    else if (!o.empty)
-        e = ascii_doubles(l, &o, components, &g);
-    TRY(take(&g, e, out));
-    *n = g.count / components;
-    return OK;
+    return foam_list_read_part(l, h, components, most, 0, LONG_MAX, n, out);
 }
 
 /* ---- labels and faces ---- */

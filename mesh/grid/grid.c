@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/base/share.h"
 #include "mesh/grid/search.h"
 
 struct grid_private {
-    int *order;       /* root, polyhedral: [ncells_all] polyMesh cells, block by block, rank by rank */
     int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
     double middle[3]; /* m, of a lattice: where axes of one cell have their cells */
 
@@ -64,21 +64,12 @@ static status take_polyhedra(struct grid *g, int rings) {
     return comm_agree(g->comm, list_blocks(g));
 }
 
-/* Tells the root in which order cells and blocks arrive when it gathers: fills `order` and `block_order`. */
+/* Tells the root in which order blocks arrive when it gathers. */
 static status find_order(struct grid *g) {
-    int *cells = NULL, *ids = NULL, ncells = 0;
-    long total;
-    for (int b = 0; g->polyhedra && b < g->nblocks; b++) ncells += g->block[b].ncells;
-    status s = allocate(&cells, ncells, sizeof *cells, "the cells of the grid");
-    if (!s) s = allocate(&ids, g->nblocks, sizeof *ids, "the blocks of the grid");
-    s = comm_agree(g->comm, s);
-    for (int b = 0, n = 0; !s && b < g->nblocks; n += g->block[b++].ncells) {
-        ids[b] = g->block[b].id;
-        if (g->polyhedra) memcpy(cells + n, g->block[b].cell, (size_t)g->block[b].ncells * sizeof *cells);
-    }
-    if (!s && g->polyhedra) s = comm_gather_int(g->comm, cells, ncells, &g->hidden->order, &total);
-    if (!s) s = comm_gather_int(g->comm, ids, g->nblocks, &g->hidden->block_order, &total);
-    free(cells);
+    int *ids = NULL;
+    status s = comm_agree(g->comm, allocate(&ids, g->nblocks, sizeof *ids, "the blocks of the grid"));
+    for (int b = 0; !s && b < g->nblocks; b++) ids[b] = g->block[b].id;
+    if (!s) s = comm_gather_int(g->comm, ids, g->nblocks, &g->hidden->block_order, NULL);
     free(ids);
     return s;
 }
@@ -117,7 +108,6 @@ status grid_make(const struct lattice *l, const struct polymesh *m, const double
 void grid_free(struct grid *g) {
     if (!g) return;
     if (g->hidden) {
-        free(g->hidden->order);
         free(g->hidden->block_order);
         free(g->hidden->cell);
         free(g->hidden->place);
@@ -146,22 +136,24 @@ void grid_centre(const struct grid *g, int block, int i, double x[3]) {
     for (int k = 0; k < f->dim; k++) x[f->axis[k]] = f->origin[k] + f->width[k] * (b->low[k] + at[k] + 0.5);
 }
 
+const int *grid_cells(const struct grid *g, long *n) {
+    *n = 0;
+    for (int b = 0; b < g->nblocks; b++) *n += g->block[b].ncells;
+    return g->nblocks ? g->block[0].cell : NULL;
+}
+
 status grid_gather(const struct grid *g, const double *const *values, double *all) {
-    double *mine = NULL, *gathered = NULL;
-    long n = 0;
-    for (int b = 0; b < g->nblocks; b++) n += g->block[b].ncells;
+    const struct share s = share_make(g->comm, g->ncells_all);
+    double *mine = NULL;
+    long n;
+    const int *cell = grid_cells(g, &n);
     TRY(comm_agree(g->comm, allocate(&mine, n, sizeof *mine, "the cells of this rank")));
-    n = 0;
-    for (int b = 0; b < g->nblocks; n += g->block[b++].ncells)
-        memcpy(mine + n, values[b], (size_t)g->block[b].ncells * sizeof *mine);
-    status s = comm_gather(g->comm, mine, n, &gathered, NULL);
+    double *next = mine;
+    for (int b = 0; b < g->nblocks; next += g->block[b++].ncells)
+        memcpy(next, values[b], (size_t)g->block[b].ncells * sizeof *mine);
+    const status e = share_gather(&s, 1, n, cell, mine, all);
     free(mine);
-    TRY(s);
-    if (comm_root(g->comm) && g->forest) s = forest_place(g->forest, gathered, all);
-    for (int i = 0; comm_root(g->comm) && g->polyhedra && i < g->ncells_all; i++)
-        all[g->hidden->order[i]] = gathered[i];
-    free(gathered);
-    return comm_agree(g->comm, s);
+    return e;
 }
 
 status grid_sum(const struct grid *g, const double *per_block, double *sum) {

@@ -11,7 +11,8 @@
 struct grid_block { /* a block of a forest, or of polyhedral cells */
     int id;         /* number among the blocks of all ranks, 0 .. nblocks_all - 1 */
     int ncells;
-    const int *cell; /* [ncells] polyMesh cells, in the order in which the gas gives values of a block */
+    const int *cell; /* [ncells] polyMesh cells, in the order in which the gas gives values of a block; the list of the
+                        next block follows */
 };
 struct grid {
     int dim;     /* number of solved axes */
@@ -37,6 +38,9 @@ void grid_free(struct grid *g);
 double grid_volume(const struct grid *g, int cell); /* of a cell of the polyMesh, m^3 */
 /* Sets x (m) to the centre of cell i of a block of this rank. */
 void grid_centre(const struct grid *g, int block, int i, double x[3]);
+
+/* Returns the cells of all blocks of this rank, one block after the other, and how many they are. */
+const int *grid_cells(const struct grid *g, long *n);
 
 /* Gathers values[block][cell of the block] in the root's all[ncells_all], in polyMesh order; all is NULL on the other
  * ranks. Collective. */

@@ -29,7 +29,8 @@ static void lay_out(struct forest *f, const struct lattice *l) {
     for (int k = 0; k < 3; k++) f->step[k] = l->uniform[k] ? 0 : f->stride[k];
 }
 
-int *forest_list(const struct lattice *l, const int low[3], const int n[3], int *next) {
+/* Lists the cells at the places of a box of the lattice; returns the end of the list. */
+static int *list_cells(const struct lattice *l, const int low[3], const int n[3], int *next) {
     for (int i[3] = {low[0], low[1], low[2]}; i[2] < low[2] + n[2]; i[2]++)
         for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++, next += n[0]) lattice_row(l, i, n[0], next);
     return next;
@@ -111,7 +112,7 @@ static status make_blocks(struct forest *f, const struct lattice *l) {
         f->block[b] = (struct forest_block){.id = mine[b].id, .tile = mine[b].tile - h->trees->first, .cell = cell};
         memcpy(f->block[b].low, mine[b].low, sizeof mine->low);
         memcpy(f->block[b].n, mine[b].n, sizeof mine->n);
-        cell = forest_list(l, mine[b].low, mine[b].n, cell);
+        cell = list_cells(l, mine[b].low, mine[b].n, cell);
     }
     return OK;
 }
@@ -132,7 +133,6 @@ static void describe_lattice(struct forest *f, const struct lattice *l, const st
 
 static status build(struct forest *f, const struct lattice *l, const struct polymesh *m, int tile_size) {
     struct forest_private *h = f->hidden;
-    h->lattice = l;
     TRY(comm_agree(f->comm, cut_make(h, l, m, tile_size)));
     f->ntiles_all = h->nall;
     f->nblocks_all = h->nblocks;

@@ -33,7 +33,7 @@ struct forest_block {
     int tile;        /* index in tile[] of the tile that holds its values */
     int low[3];      /* lattice position of its first cell */
     int n[3];        /* cells along each computational axis; 1 for k >= dim */
-    const int *cell; /* [n0*n1*n2], axis 0 fastest: polyMesh cell */
+    const int *cell; /* [n0*n1*n2], axis 0 fastest: polyMesh cell; the list of the next block follows */
 };
 struct forest {
     int dim;
@@ -81,9 +81,6 @@ void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_derivatives(struct forest *f, double *const *data);
 
-/* Puts values that stand block by block, in the order of the ranks and of their blocks, in the order of the polyMesh:
- * all[ncells_all]. Local; values[] and all[] are others. */
-status forest_place(const struct forest *f, const double *values, double *all);
 /* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every block's cells to the
  * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that
  * every rank holds; local. */
@@ -91,6 +88,10 @@ status forest_gather(const struct forest *f, const double *const *data, int vari
 /* As forest_gather, from the values of this rank's blocks, one block after the other in the order of their cells. */
 status forest_gather_values(const struct forest *f, const double *values, double *all);
 void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data);
+/* As forest_scatter, from the values of this rank's cells, one block after the other. */
+void forest_spread(const struct forest *f, const double *values, int variable, double *const *data);
+/* Copies a variable of the tile of a block, whose memory is given, to values[cells of the block]. */
+void forest_block_values(const struct forest *f, int block, const double *tile, int variable, double *values);
 
 /* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of
  * ranks. Collective. */

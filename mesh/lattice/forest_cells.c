@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "mesh/base/share.h"
 #include "mesh/lattice/forest_private.h"
 
 /* Returns where a row of a block's cells starts in a variable of its tile. */
@@ -17,31 +18,17 @@ static long cells_of(const struct forest *f) {
     return n;
 }
 
-status forest_place(const struct forest *f, const double *values, double *all) {
-    const struct forest_private *h = f->hidden;
-    int *cell;
-    long most = 1;
-    for (int b = 0; b < h->nblocks; b++) {
-        const int *n = h->block[b].n;
-        const long cells = (long)n[0] * n[1] * n[2];
-        most = cells > most ? cells : most;
-    }
-    TRY(allocate(&cell, most, sizeof *cell, "the cells of a block"));
-    for (int b = 0; b < h->nblocks; b++) {
-        const int *end = forest_list(h->lattice, h->block[b].low, h->block[b].n, cell);
-        for (const int *c = cell; c < end; c++) all[*c] = *values++;
-    }
-    free(cell);
-    return OK;
+status forest_gather_values(const struct forest *f, const double *values, double *all) {
+    const struct share s = share_make(f->comm, f->ncells_all);
+    return share_gather(&s, 1, cells_of(f), f->hidden->cell, values, all);
 }
 
-status forest_gather_values(const struct forest *f, const double *values, double *all) {
-    const bool alone = comm_size(f->comm) == 1;
-    double *gathered = NULL;
-    if (!alone) TRY(comm_gather(f->comm, values, cells_of(f), &gathered, NULL));
-    const status s = comm_root(f->comm) ? forest_place(f, alone ? values : gathered, all) : OK;
-    free(gathered);
-    return comm_agree(f->comm, s);
+void forest_block_values(const struct forest *f, int block, const double *tile, int variable, double *values) {
+    const int *n = f->block[block].n;
+    const double *from = tile + variable * f->size;
+    for (int k = 0; k < n[2]; k++)
+        for (int j = 0; j < n[1]; j++)
+            for (int i = 0; i < n[0]; i++) *values++ = from[row_offset(f, j, k) + i * f->step[0]];
 }
 
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {
@@ -49,25 +36,33 @@ status forest_gather(const struct forest *f, const double *const *data, int vari
     TRY(comm_agree(f->comm, allocate(&mine, cells_of(f), sizeof *mine, "the cells of this rank")));
     next = mine;
     for (int b = 0; b < f->nblocks; b++) {
-        const int *n = f->block[b].n;
-        const double *values_of = data[f->block[b].tile] + variable * f->size;
-        for (int k = 0; k < n[2]; k++)
-            for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++) *next++ = values_of[row_offset(f, j, k) + i * f->step[0]];
+        forest_block_values(f, b, data[f->block[b].tile], variable, next);
+        next += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
     }
     status s = forest_gather_values(f, mine, all);
     free(mine);
     return s;
 }
 
-void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data) {
+/* Copies to the tiles from an array of this rank's cells, block by block, or from one of all cells by their numbers. */
+static void put_values(const struct forest *f, const double *from, bool own, int variable, double *const *data) {
+    long next = 0;
     for (int b = 0; b < f->nblocks; b++) {
         const int *n = f->block[b].n, *cell = f->block[b].cell;
         double *values = data[f->block[b].tile] + variable * f->size;
         for (int k = 0; k < n[2]; k++)
             for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++) values[row_offset(f, j, k) + i * f->step[0]] = all[*cell++];
+                for (int i = 0; i < n[0]; i++, cell++, next++)
+                    values[row_offset(f, j, k) + i * f->step[0]] = from[own ? next : *cell];
     }
+}
+
+void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data) {
+    put_values(f, all, false, variable, data);
+}
+
+void forest_spread(const struct forest *f, const double *values, int variable, double *const *data) {
+    put_values(f, values, true, variable, data);
 }
 
 status forest_sum(const struct forest *f, const double *per_block, double *sum) {

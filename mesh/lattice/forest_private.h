@@ -36,7 +36,6 @@ struct forest_private {
     struct trees *trees;
     int *cell;                     /* the array that block[].cell points into */
     int *face;                     /* the array that tile[].side[].face points into */
-    const struct lattice *lattice; /* borrowed */
 
     struct copies fill, pack; /* copies into ghost layers, tile by tile; copies into messages */
     int *fill_start;          /* [ntiles + 1] where the copies for a tile begin */
@@ -53,8 +52,6 @@ struct forest_private {
  * rank and without communication. */
 status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, int tile_size);
 void cut_free(struct forest_private *h);
-/* Lists the cells at the places of a box of the lattice; returns the end of the list. */
-int *forest_list(const struct lattice *l, const int low[3], const int n[3], int *next);
 
 /* Builds the copy lists and buffers of f->hidden, and sets tile[].remote. */
 status fill_make(struct forest *f);

@@ -43,6 +43,8 @@ int lattice_patch(const struct lattice *l, const struct polymesh *m, const int a
 double lattice_volume(const struct lattice *l); /* of a cell, m^3 */
 /* Frees the table of faces, which the forest does without; lattice_patch then needs boxes. */
 void lattice_drop_faces(struct lattice *l);
+/* The place of a cell of a mesh of boxes. */
+void lattice_at(const struct lattice *l, long cell, int at[3]);
 /* Sets the solved axes of x (m) to the centre of a cell. Without boxes it looks for the cell in the whole table. */
 void lattice_centre(const struct lattice *l, long cell, double x[3]);
 

@@ -89,12 +89,16 @@ void lattice_drop_faces(struct lattice *l) {
     l->face = NULL;
 }
 
+void lattice_at(const struct lattice *l, long cell, int at[3]) {
+    int place[3];
+    boxes_at(l->boxes, cell, place);
+    for (int k = 0; k < 3; k++) at[k] = place[l->axis[k]];
+}
+
 void lattice_centre(const struct lattice *l, long cell, double x[3]) {
     int at[3] = {0};
     if (l->boxes) {
-        int place[3];
-        boxes_at(l->boxes, cell, place);
-        for (int k = 0; k < 3; k++) at[k] = place[l->axis[k]];
+        lattice_at(l, cell, at);
     } else {
         long i = 0;
         while (l->cell[i] != cell) i++;

@@ -121,8 +121,12 @@ static status check_dimensions(struct dict *d, const struct field_kind *kind) {
     return OK;
 }
 
-/* Reads `uniform v` or `nonuniform List<...> n (...)`; *values is NULL for the first. */
-static status read_value(struct dict *d, const char *key, int components, long count, double uniform[3],
+struct range { /* of the entries of a list that has `count` of them */
+    long first, end, count;
+};
+
+/* Reads `uniform v` or `nonuniform List<...> n (...)`; *values is NULL for the first, else those of the range. */
+static status read_value(struct dict *d, const char *key, int components, struct range r, double uniform[3],
                          double **values) {
     struct lexer l;
     struct token t;
@@ -148,11 +152,11 @@ static status read_value(struct dict *d, const char *key, int components, long c
     if (!token_is(&t, components == 3 ? "List<vector>" : "List<scalar>"))
         return lexer_fail(&l, &t, "this field takes List<%s>", components == 3 ? "vector" : "scalar");
     long n = 0;
-    TRY(foam_list_read_doubles(&l, dict_header(d), components, count, &n, values));
-    if (n != count) {
+    TRY(foam_list_read_part(&l, dict_header(d), components, r.count, r.first, r.end, &n, values));
+    if (n != r.count) {
         free(*values);
         *values = NULL;
-        return dict_fail(d, key, "it holds %ld values; the mesh wants %ld", n, count);
+        return dict_fail(d, key, "it holds %ld values; the mesh wants %ld", n, r.count);
     }
     return OK;
 }
@@ -162,6 +166,16 @@ static status unfinite(struct dict *d, double value, long cell, const double *x,
     char in[40] = "";
     if (cell >= 0) snprintf(in, sizeof in, " in cell %ld", cell);
     return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", value, in, x[0], x[1], x[2], t);
+}
+
+long field_first(const struct field_place *at) {
+    return at->share ? at->share->first : 0;
+}
+long field_ncells(const struct field_place *at) {
+    return at->share ? at->share->end - at->share->first : at->mesh->ncells;
+}
+status field_agree(const struct field_place *at, status mine) {
+    return at->share ? comm_agree(at->share->comm, mine) : mine;
 }
 
 void field_centre(const struct field_place *at, long cell, double x[3]) {
@@ -193,9 +207,9 @@ static status read_expression(struct dict *d, int components, const struct field
             if (points)
                 memcpy(x, points + 3 * i, sizeof x);
             else
-                field_centre(cells, i, x);
+                field_centre(cells, field_first(cells) + i, x);
             double v = expr_value(e, x[0], x[1], x[2], t);
-            if (!isfinite(v) && !s) s = unfinite(d, v, points ? -1 : i, x, t);
+            if (!isfinite(v) && !s) s = unfinite(d, v, points ? -1 : field_first(cells) + i, x, t);
             out[i * components + c] = v;
         }
         expr_free(e);
@@ -212,18 +226,20 @@ status field_evaluate(const struct field *f, long npoints, const double *points,
 }
 
 static status read_cells(struct field *f, const struct field_place *at) {
-    int m = f->kind->components, n = at->mesh->ncells;
+    const int m = f->kind->components;
+    const long n = field_ncells(at), first = field_first(at);
     if (dict_has(f->dict, "expression")) {
         (void)dict_has(f->dict, "internalField");
-        TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
+        TRY(allocate(&f->values, n * m, sizeof(double), f->kind->name));
         return read_expression(f->dict, m, at, n, NULL, at->t, f->values);
     }
     double uniform[3] = {0, 0, 0};
     if (!f->plan.fills || dict_has(f->dict, "internalField"))
-        TRY(read_value(f->dict, "internalField", m, n, uniform, &f->values));
+        TRY(read_value(f->dict, "internalField", m, (struct range){first, first + n, at->mesh->ncells}, uniform,
+                       &f->values));
     if (f->values) return OK;
-    TRY(allocate(&f->values, (long)n * m, sizeof(double), f->kind->name));
-    for (long i = 0; i < (long)n * m; i++) f->values[i] = uniform[i % m];
+    TRY(allocate(&f->values, n * m, sizeof(double), f->kind->name));
+    for (long i = 0; i < n * m; i++) f->values[i] = uniform[i % m];
     return OK;
 }
 
@@ -292,8 +308,9 @@ static status read_given(struct dict *d, const struct field_kind *kind, long nfa
     for (int i = 0; i < m->nparam; i++)
         if (strcmp(rule, m->param[i].name) != 0)
             TRY(read_parameter(d, &m->param[i], out->params.room + m->param[i].offset / sizeof(double)));
-    return value && type->giving == BY_LIST ? read_value(d, value, kind->components, nfaces, out->uniform, &out->values)
-                                            : OK;
+    return value && type->giving == BY_LIST
+               ? read_value(d, value, kind->components, (struct range){0, nfaces, nfaces}, out->uniform, &out->values)
+               : OK;
 }
 
 /* Reads the parameters and values that a type needs. What follows a rule is known at the time of the place. */
@@ -399,6 +416,11 @@ void field_free(struct field *f) {
 }
 
 status field_read_values(const char *path, int ncells, int *components, double **out) {
+    return field_read_slice(path, ncells, NULL, components, out);
+}
+
+status field_read_slice(const char *path, int ncells, const struct share *share, int *components, double **out) {
+    const struct range r = share ? (struct range){share->first, share->end, ncells} : (struct range){0, ncells, ncells};
     struct dict *d = NULL;
     *out = NULL;
     TRY(dict_read(path, &d));
@@ -407,20 +429,20 @@ status field_read_values(const char *path, int ncells, int *components, double *
     *components = !strcmp(class, "volVectorField") ? 3 : 1;
     status s = *components == 1 && strcmp(class, "volScalarField")
                    ? fail(ERR_INPUT, "%s: class '%s'; this reads volScalarField and volVectorField", path, class)
-                   : read_value(d, "internalField", *components, ncells, uniform, out);
+                   : read_value(d, "internalField", *components, r, uniform, out);
     dict_free(d);
     if (s || *out) return s;
-    TRY(allocate(out, (long)ncells * *components, sizeof(double), path));
-    for (long i = 0; i < (long)ncells * *components; i++) (*out)[i] = uniform[i % *components];
+    TRY(allocate(out, (r.end - r.first) * *components, sizeof(double), path));
+    for (long i = 0; i < (r.end - r.first) * *components; i++) (*out)[i] = uniform[i % *components];
     return OK;
 }
 
 /* Returns the line of a cell's value; of a binary list, an expression or a uniform value the line of the entry. */
-static int cell_line(const struct field *f, int cell) {
+static int cell_line(const struct field *f, long cell) {
     const bool evaluated = f->plan.fills || dict_has(f->dict, "expression");
     const char *key = f->plan.fills ? f->plan.fills : evaluated ? "expression" : "internalField";
     int line = dict_line(f->dict, key);
-    long wanted = (long)cell * f->kind->components;
+    long wanted = cell * f->kind->components;
     struct lexer l;
     struct token t = {.kind = TOKEN_WORD};
     bool inside = false;
@@ -438,20 +460,21 @@ static int cell_line(const struct field *f, int cell) {
     return line;
 }
 
-status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...) {
+status field_fail(const struct field *f, const struct field_place *place, long i, const char *format, ...) {
     char text[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    const double *v = f->values + (long)cell * f->kind->components;
+    const double *v = f->values + i * f->kind->components;
+    const long cell = field_first(place) + i;
     double x[3];
     field_centre(place, cell, x);
     int line = cell_line(f, cell);
     if (f->kind->components == 3)
-        return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict), line, cell,
+        return fail(ERR_INPUT, "%s:%d: cell %ld at (%g %g %g): %s is (%g %g %g); %s", dict_path(f->dict), line, cell,
                     x[0], x[1], x[2], f->kind->name, v[0], v[1], v[2], text);
-    return fail(ERR_INPUT, "%s:%d: cell %d at (%g %g %g): %s is %g; %s", dict_path(f->dict), line, cell, x[0], x[1],
+    return fail(ERR_INPUT, "%s:%d: cell %ld at (%g %g %g): %s is %g; %s", dict_path(f->dict), line, cell, x[0], x[1],
                 x[2], f->kind->name, *v, text);
 }
 
@@ -476,7 +499,7 @@ status field_check_range(struct field *f, const struct field_place *place, doubl
     f->range = (struct varying_range){.low = low, .high = high};
     snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
              low, high, cure);
-    for (int i = 0; i < place->mesh->ncells; i++)
+    for (long i = 0; i < field_ncells(place); i++)
         if (!(f->values[i] > low && f->values[i] < high))
             return field_fail(f, place, i, "it must %s", f->range.allowed);
     for (int p = 0; p < place->mesh->npatches; p++) TRY(check_patch(f, place, p));

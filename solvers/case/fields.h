@@ -4,6 +4,7 @@
 #define SOLVERS_FIELDS_H
 
 #include "libcore/models/param.h"
+#include "mesh/base/share.h"
 #include "mesh/format/polymesh.h"
 #include "solvers/case/varying.h"
 #include "solvers/dict/keywords.h"
@@ -36,18 +37,24 @@ struct field {
     const struct field_kind *kind;
     struct dict *dict;
     struct field_plan plan;
-    double *values; /* [ncells][components] */
+    double *values; /* [cells that are read][components] */
     int npatches;
     struct patch_field *patch;  /* [npatches] */
     struct varying_range range; /* of scalars on patches: any, or from field_check_range */
 };
 
-/* The mesh, geometry and time (for expressions) that a field is read for. */
+/* The mesh, geometry and time (for expressions) that a field is read for, and the cells whose values are read. */
 struct field_place {
     const struct polymesh *mesh;
-    const double *centre; /* [ncells][3] m; NULL: those of the mesh's boxes */
-    double t;             /* s */
+    const double *centre;      /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes */
+    double t;                  /* s */
+    const struct share *share; /* the cells of this rank's slice; NULL: every rank reads all cells */
 };
+long field_first(const struct field_place *at);  /* the first of the cells that are read */
+long field_ncells(const struct field_place *at); /* how many follow one another from there on */
+/* Returns the error of one rank on all ranks that read slices (comm_agree): what reads them calls it before the next
+ * message is sent. */
+status field_agree(const struct field_place *at, status mine);
 
 #define FIELD_FILES "0.orig/alpha, 0.orig/rho, 0.orig/U, 0.orig/T, 0.orig/p"
 /* Goes through the keywords of a field's file, or of several alike, with the boundary conditions that are offered
@@ -71,8 +78,9 @@ status field_read_with(const char *path, const struct field_kind *kind, const st
 void field_free(struct field *f);
 void field_drop_cells(struct field *f); /* frees the values of the cells, and the text of the file */
 /* Reads only the cells' values, of any field whose class is volScalarField or volVectorField; *components is 1 or 3,
- * *out is [ncells][components]. */
+ * *out is [ncells][components]. field_read_slice reads those of a slice (NULL: of all). */
 status field_read_values(const char *path, int ncells, int *components, double **out);
+status field_read_slice(const char *path, int ncells, const struct share *share, int *components, double **out);
 
 /* Is the field given by an expression alone, so that it can be evaluated anywhere? */
 bool field_has_expression(const struct field *f);
@@ -88,8 +96,8 @@ status field_renew(struct field *f, int patch, double t, enum status_kind kind);
 /* Fails on a patch whose values change in time, for programs that take them once. */
 status field_steady(const struct field *f, const struct polymesh *m);
 
-/* Returns the error "FILE:LINE: cell 7 at (x y z): T is -1; <format...>". */
-status field_fail(const struct field *f, const struct field_place *place, int cell, const char *format, ...)
+/* Returns the error "FILE:LINE: cell 7 at (x y z): T is -1; <format...>" of number i of the cells that are read. */
+status field_fail(const struct field *f, const struct field_place *place, long i, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 /* Writes a field with a boundaryField entry for each patch. values: [ncells][components]; print(patch) writes what

@@ -316,12 +316,7 @@ static void drop_lists(struct dict *d) {
 void dict_drop_text(struct dict *d) {
     struct document *all = d->document;
     drop_lists(all->top);
-    for (int i = 0; i < all->sources; i++) {
-        char *less = realloc(all->source[i]->text, 1);
-        if (less) all->source[i]->text = less;
-        all->source[i]->text[0] = 0;
-        all->source[i]->size = 0;
-    }
+    for (int i = 0; i < all->sources; i++) source_drop_text(all->source[i]);
 }
 
 /* ---- text ---- */

@@ -136,7 +136,9 @@ static status gas_read_state(struct setup *s) {
     const struct gas_models *models = &g->models->gas;
     if (g->models->engine && g->models->engine->polyhedral) TRY(setup_complete(s));
     TRY(find_fall(s, &models->source, &g->fall));
-    const struct field_place place = {s->mesh, s->centre, s->start.t};
+    const struct share slices = share_make(s->comm, s->mesh->ncells);
+    const bool sliced = s->lattice && !(g->models->engine && g->models->engine->polyhedral);
+    const struct field_place place = {s->mesh, s->centre, s->start.t, sliced ? &slices : NULL};
     TRY(read_initial(s, g, &place));
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
@@ -146,7 +148,7 @@ static status gas_read_state(struct setup *s) {
                          s->why);
     /* the sums of implicit diffusion go over all unknowns, so that there the bits would depend on their number */
     const bool implicit = models->transport && !models->diffusion->plan;
-    if (s->lattice && g->models->skip_axes && !implicit) uniform_find(s->mesh, g->initial, s->lattice);
+    if (s->lattice && g->models->skip_axes && !implicit) TRY(uniform_find(s->mesh, g->initial, s->lattice));
     if (s->lattice) s->lattice->even = models->transport && !implicit;
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
     TRY(check_scheme(s, g));
@@ -172,10 +174,7 @@ static status gas_start(struct medium *m) {
     gas_heed(g->gas, m->asked);
     if (i->varies) gas_vary(g->gas, initial_renew, g->initial);
     TRY(rest_lay(s, models, g->gas, &g->unknown));
-    if (i->conserved[0])
-        gas_set_conserved(g->gas, (const double *const *)i->conserved);
-    else
-        TRY(gas_set(g->gas, i->rho, (const double *const *)i->u, i->T));
+    TRY(comm_agree(s->comm, initial_set(g->initial, s->grid, g->gas)));
     TRY(comm_agree(s->comm, limiter_resume(&g->limiter, s, g->gas)));
     g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));

@@ -22,6 +22,7 @@ struct reader { /* what the functions below share */
     int dim, components, axis[3];
     const struct gas_models *models;
     struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
+    bool layered;      /* have the files layers? */
 };
 
 static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
@@ -33,17 +34,19 @@ static bool there(const struct reader *r, const char *name) {
     return field_exists(path);
 }
 
-static status read_fields(const struct reader *r, struct initial *s) {
+static status read_fields(struct reader *r, struct initial *s) {
     struct layers *layers[FIELD_COUNT] = {NULL};
     status e = OK;
     for (int i = 0; i < FIELD_COUNT && !e; i++) {
         char path[TIME_PATH];
         path_of(r, field_kinds[i].name, path);
         if (field_exists(path)) e = layers_read_field(path, (enum field_id)i, r->place, &layers[i], &s->field[i]);
+        e = field_agree(r->place, e);
+        r->layered |= layers[i] != NULL;
     }
     const enum field_id density = s->field[FIELD_RHO] ? FIELD_RHO : FIELD_ALPHA;
     if (!e && r->calm) r->calm->rests = layers_calm(layers[density], &r->calm->background);
-    if (!e)
+    if (!e && !r->place->share) /* else the fields are read again */
         e = layers_apply(layers[density], s->field[density], r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
     for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
     return e;
@@ -51,7 +54,7 @@ static status read_fields(const struct reader *r, struct initial *s) {
 
 /* Reads the fields. A case gives one of rho and alpha, and one of T and p; a folder that this program wrote has all of
  * them, and is known by its uniform/time. */
-static status read_files(const struct reader *r, struct initial *s) {
+static status read_files(struct reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
     for (int i = 0; i < 2; i++) {
@@ -87,14 +90,15 @@ static status check_values(const struct reader *r, const struct initial *s) {
     for (int i = 0; i < FIELD_COUNT; i++)
         /* written with few digits alpha may be rounded to its limit: gas_check checks a state that is continued */
         if (s->field[i] && i != FIELD_U && !(continued(r) && i == FIELD_ALPHA))
-            TRY(field_check_range(s->field[i], r->place, 0, limit[i], BELOW_PACKING));
+            TRY(field_agree(r->place, field_check_range(s->field[i], r->place, 0, limit[i], BELOW_PACKING)));
     return OK;
 }
 
-/* Does U lead along axis x, in a cell or on a patch? */
-static bool leads_along(const struct field *U, const struct polymesh *m, int x) {
-    for (int i = 0; i < m->ncells; i++)
-        if (U->values[3 * (long)i + x] != 0) return true;
+/* Does U lead along axis x, in a cell that is read or on a patch? */
+static bool leads_along(const struct field *U, const struct field_place *place, int x) {
+    const struct polymesh *m = place->mesh;
+    for (long i = 0; i < field_ncells(place); i++)
+        if (U->values[3 * i + x] != 0) return true;
     for (int p = 0; p < m->npatches; p++) {
         const struct patch_field *q = &U->patch[p];
         const struct boundary_type *type = boundary_find(q->type);
@@ -113,40 +117,42 @@ static bool leads_along(const struct field *U, const struct polymesh *m, int x) 
 
 /* Finds the axes that the mesh lacks along which gas moves. */
 static void find_components(struct reader *r, const struct field *U, const bool moved[3]) {
+    double leads[3] = {0, 0, 0};
+    bool solved[3] = {false, false, false};
     r->components = r->dim;
-    for (int x = 0; x < 3; x++) {
-        bool solved = false;
-        for (int k = 0; k < r->dim; k++) solved |= r->axis[k] == x;
-        if (!solved && (moved[x] || leads_along(U, r->place->mesh, x))) r->axis[r->components++] = x;
-    }
+    for (int k = 0; k < r->dim; k++) solved[r->axis[k]] = true;
+    for (int x = 0; x < 3; x++) leads[x] = !solved[x] && (moved[x] || leads_along(U, r->place, x));
+    if (r->place->share) comm_max(r->place->share->comm, leads, 3);
+    for (int x = 0; x < 3; x++)
+        if (leads[x] > 0) r->axis[r->components++] = x;
 }
 
 static status take_velocity(const struct reader *r, struct initial *s) {
     const struct field *U = s->field[FIELD_U];
-    int n = r->place->mesh->ncells;
+    const long n = s->ncells;
     s->components = r->components;
     memcpy(s->axis, r->axis, sizeof s->axis);
     for (int k = 0; k < r->components; k++) {
         TRY(allocate(&s->u[k], n, sizeof(double), "velocity"));
-        for (int i = 0; i < n; i++) s->u[k][i] = U->values[3 * (long)i + r->axis[k]];
+        for (long i = 0; i < n; i++) s->u[k][i] = U->values[3 * i + r->axis[k]];
     }
     return OK;
 }
 
 static status take_state(const struct reader *r, struct initial *s) {
-    int n = r->place->mesh->ncells;
-    double per = packing_per_density(&r->models->material);
+    const long n = s->ncells;
+    const double per = packing_per_density(&r->models->material);
     TRY(allocate(&s->rho, n, sizeof(double), "density"));
     TRY(allocate(&s->T, n, sizeof(double), "temperature"));
     if (s->field[FIELD_RHO])
         memcpy(s->rho, s->field[FIELD_RHO]->values, (size_t)n * sizeof(double));
     else
-        for (int i = 0; i < n; i++) s->rho[i] = s->field[FIELD_ALPHA]->values[i] / per;
+        for (long i = 0; i < n; i++) s->rho[i] = s->field[FIELD_ALPHA]->values[i] / per;
     if (s->field[FIELD_T]) {
         memcpy(s->T, s->field[FIELD_T]->values, (size_t)n * sizeof(double));
     } else {
-        pressure_per_temperature(r->models->eos, &r->models->material, n, s->rho, s->T);
-        for (int i = 0; i < n; i++) s->T[i] = s->field[FIELD_P]->values[i] / s->T[i];
+        pressure_per_temperature(r->models->eos, &r->models->material, (int)n, s->rho, s->T);
+        for (long i = 0; i < n; i++) s->T[i] = s->field[FIELD_P]->values[i] / s->T[i];
     }
     return take_velocity(r, s);
 }
@@ -155,10 +161,10 @@ static status take_state(const struct reader *r, struct initial *s) {
 static status check_agreement(const struct reader *r, const struct initial *s) {
     const double *const *q = (const double *const *)s->conserved;
     double tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
-    int n = r->place->mesh->ncells;
-    for (int i = 0; i < n; i++)
+    for (long i = 0; i < s->ncells; i++)
         for (int k = 0; k < r->components; k++) fastest = fmax(fastest, fabs(q[1 + k][i] / q[0][i]));
-    for (int i = 0; i < n; i++) {
+    if (s->sliced) comm_max(s->share.comm, &fastest, 1);
+    for (long i = 0; i < s->ncells; i++) {
         double kinetic = 0;
         for (int k = 0; k < r->components; k++) {
             double u = q[1 + k][i] / q[0][i];
@@ -180,7 +186,7 @@ static status read_raw(const struct reader *r, const char *name, int components,
     char path[TIME_PATH];
     int found;
     path_of(r, name, path);
-    TRY(field_read_values(path, r->place->mesh->ncells, &found, out));
+    TRY(field_agree(r->place, field_read_slice(path, r->place->mesh->ncells, r->place->share, &found, out)));
     if (found == components) return OK;
     free(*out);
     *out = NULL;
@@ -192,18 +198,18 @@ static status take_conserved(const struct reader *r, struct initial *s) {
         return fail(ERR_INPUT, "%s/%s: %s is there without %s; remove it to start from U and T", r->case_dir,
                     r->at->folder, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
     if (!continued(r)) return OK;
-    int n = r->place->mesh->ncells;
     double *momentum = NULL;
     TRY(read_raw(r, "rhoE", 1, &s->conserved[1 + r->components]));
     TRY(read_raw(r, "rhoU", 3, &momentum));
     status e = OK;
     for (int k = 0; !e && k < 1 + r->components; k++) {
-        e = allocate(&s->conserved[k], n, sizeof(double), "conserved variables");
-        for (int i = 0; !e && i < n; i++) s->conserved[k][i] = k ? momentum[3 * (long)i + r->axis[k - 1]] : s->rho[i];
+        e = allocate(&s->conserved[k], s->ncells, sizeof(double), "conserved variables");
+        for (long i = 0; !e && i < s->ncells; i++)
+            s->conserved[k][i] = k ? momentum[3 * i + r->axis[k - 1]] : s->rho[i];
     }
     free(momentum);
-    TRY(e);
-    return check_agreement(r, s);
+    TRY(field_agree(r->place, e));
+    return field_agree(r->place, check_agreement(r, s));
 }
 
 /* Returns the parameters of a type as a rule has them, with vectors along the components of u. */
@@ -426,10 +432,14 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
 }
 
 static status read_all(struct reader *r, const bool moved[3], struct initial *s) {
+    if (r->place->share) s->share = *r->place->share;
+    s->sliced = r->place->share != NULL;
+    s->ncells = field_ncells(r->place);
     TRY(read_files(r, s));
+    if (r->layered && s->sliced) return OK;
     find_components(r, s->field[FIELD_U], moved);
     TRY(check_values(r, s));
-    TRY(take_state(r, s));
+    TRY(field_agree(r->place, take_state(r, s)));
     TRY(take_conserved(r, s));
     TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
     TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
@@ -443,22 +453,24 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out) {
-    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL};
+    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL, false};
+    struct field_place whole = *place;
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
     s->npatches = place->mesh->npatches;
-    status e = read_all(&r, moved, s);
-    if (e) {
-        initial_free(s);
-        return e;
-    }
+    const status e = read_all(&r, moved, s);
+    if (e || (r.layered && s->sliced)) initial_free(s);
+    if (e) return e;
+    whole.share = NULL;
+    if (r.layered && place->share) return initial_read(case_dir, at, &whole, dim, axis, moved, models, out);
     *out = s;
     return OK;
 }
 
-static status read_rest(const struct reader *r, struct initial *s) {
+static status read_rest(struct reader *r, struct initial *s) {
     const int n = r->place->mesh->ncells;
+    s->ncells = n;
     TRY(read_files(r, s));
     if (!r->calm->rests) return OK;
     TRY(check_values(r, s));
@@ -472,7 +484,7 @@ static status read_rest(const struct reader *r, struct initial *s) {
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out) {
     struct calm calm = {0};
-    const struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
+    struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm, false};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "state at rest"));
@@ -482,6 +494,40 @@ status initial_rest(const char *case_dir, const struct instant *at, const struct
     else
         initial_free(s);
     return e;
+}
+
+/* Replaces the slices of n arrays by the values in the cells of this rank. */
+static status fetch_own(const struct initial *s, const struct grid *grid, int n, double **const array[]) {
+    long ncells;
+    const int *cell = grid_cells(grid, &ncells);
+    for (int i = 0; i < n; i++) {
+        double *own = NULL;
+        status e = comm_agree(s->share.comm, allocate(&own, ncells, sizeof *own, "the state of this rank"));
+        if (!e) e = share_fetch(&s->share, 1, *array[i], ncells, cell, own);
+        free(*array[i]);
+        *array[i] = own;
+        TRY(e);
+    }
+    return OK;
+}
+
+status initial_set(struct initial *s, const struct grid *grid, struct gas *g) {
+    double **array[MAX_VAR];
+    const int n = s->components + 2;
+    const bool exact = s->conserved[0] != NULL;
+    long ncells;
+    for (int v = 0; v < n; v++)
+        array[v] = exact ? &s->conserved[v] : v == 0 ? &s->rho : v + 1 == n ? &s->T : &s->u[v - 1];
+    if (s->sliced) TRY(fetch_own(s, grid, n, array));
+    (void)grid_cells(grid, &ncells);
+    if (exact && s->sliced)
+        gas_set_own_conserved(g, (const double *const *)s->conserved);
+    else if (exact)
+        gas_set_conserved(g, (const double *const *)s->conserved);
+    else
+        return s->sliced ? gas_set_own(g, ncells, s->rho, (const double *const *)s->u, s->T)
+                         : gas_set(g, s->rho, (const double *const *)s->u, s->T);
+    return OK;
 }
 
 void initial_drop_fields(struct initial *s) {

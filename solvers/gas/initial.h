@@ -10,7 +10,12 @@
 /* The end of the message about a density that a gas cannot start from. */
 #define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
 
-struct initial {                      /* the same on every rank */
+struct initial { /* the same on every rank, but for the values of cells */
+    /* On lattices without a layer (layers.h) each rank has the cells of its slice, else all. `ncells` is how many it
+     * has. */
+    bool sliced;
+    struct share share;
+    long ncells;
     struct field *field[FIELD_COUNT]; /* NULL: there is no such file */
     enum field_id (*from)[3];         /* [npatches] the fields that give a patch's rules: rho or alpha, U, T or p */
     int components, axis[3];    /* of the velocity: the axes of the mesh, then those it lacks but gas moves along */
@@ -34,7 +39,8 @@ double initial_knot(const struct initial *s, double t);
 status initial_renew(void *initial, double t);
 /* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
  * them to at->digits. dim, axis: of the mesh; along other axes u has a component if U is not 0 along them, in a cell or
- * on a patch, or if they are `moved` (physical axes: models_move). */
+ * on a patch, or if they are `moved` (physical axes: models_move). Collective if place->share is given, the slices that
+ * are then read unless there are layers. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out);
 /* Reads the state of a folder that no run has written as it would be at rest: its hydrostatic settledLayer without
@@ -48,6 +54,9 @@ void initial_free(struct initial *s);
  * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a
  * state that has conserved fields. */
 status initial_average(struct initial *s, const struct field_place *place, int dim, const struct gas_models *models);
+/* Gives the gas the state: on each rank its own cells, the values of which come from the ranks' slices and are freed.
+ * Collective. */
+status initial_set(struct initial *s, const struct grid *grid, struct gas *g);
 /* Frees the cells' values of the fields, which rho, T, u and conserved were taken from. */
 void initial_drop_fields(struct initial *s);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */

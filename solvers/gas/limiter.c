@@ -80,6 +80,20 @@ static status read_counts(struct dict *d, struct gas_counts *n) {
     return dict_check_used(d);
 }
 
+/* Reads the field of this rank's cells; it must be one of scalars. */
+static status read_limited(const char *path, const struct setup *s, int *components, double **out) {
+    const struct share share = share_make(s->comm, s->mesh->ncells);
+    double *slice = NULL;
+    long n;
+    const int *cell = grid_cells(s->grid, &n);
+    status e = field_read_slice(path, s->mesh->ncells, &share, components, &slice);
+    if (!e) e = allocate(out, n, sizeof **out, "the field limited");
+    e = comm_agree(s->comm, e);
+    if (!e && *components == 1) e = share_fetch(&share, 1, slice, n, cell, *out);
+    free(slice);
+    return e;
+}
+
 status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas *g) {
     char path[2 * TIME_PATH];
     struct dict *d = NULL;
@@ -93,7 +107,7 @@ status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas
     dict_free(d);
     TRY(e);
     snprintf(path, sizeof path, "%s/%s/limited", s->dir, s->start.folder);
-    if (field_exists(path)) TRY(field_read_values(path, s->mesh->ncells, &components, &limited));
+    if (field_exists(path)) TRY(read_limited(path, s, &components, &limited));
     if (components == 1) gas_resume(g, &counts, limited);
     l->counts = gas_counts(g);
     free(limited);

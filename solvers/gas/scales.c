@@ -3,12 +3,14 @@
 #include "solvers/gas/scales.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
 static const double SHARE = 0.1;            /* of the mass, that may sit in cells that are no hydrodynamics */
 static const double RAREFIED = 0.1;         /* Knudsen number */
 static const double HOT = 100, COLD = 1e-9; /* T over the square of another speed */
+static const double ROUND_OFF = 1 + 1e-12;  /* by which sums may differ on other numbers of ranks */
 static const double STILL = 1e-6;           /* the same of the mean flow over T: less is what waves leave over */
 
 struct scales {
@@ -18,7 +20,8 @@ struct scales {
     double mass, T;              /* kg, or kg/m of disks: of all cells; m^2/s^2: its mean */
     double small, few, rarefied; /* the parts of the mass in cells that are such */
     double width, number,
-        knudsen; /* means of the mass: m; grains in a cube of the cell's width; path over `shortest` */
+        knudsen;        /* means of the mass: m; grains in a cube of the cell's width; path over `shortest` */
+    double momentum[3]; /* kg m/s, along the components of u */
 };
 
 static void measure_domain(const struct setup *s, struct scales *q) {
@@ -41,10 +44,25 @@ double free_path(const struct gas_models *models, double rho) {
     return m->diameter * (m->disks ? PI / 8 : 1. / 6) / (sqrt(2) * contact);
 }
 
-static void measure_mass(const struct setup *s, const struct gas_models *models, const struct initial *i,
-                         struct scales *q) {
+/* Adds up what the ranks have of n sums, where each has a slice of the cells. */
+static status add_ranks(const struct initial *i, int n, double *const sum[]) {
+    double mine[16], *all = NULL;
+    for (int k = 0; k < n; k++) mine[k] = *sum[k];
+    if (!i->sliced || comm_size(i->share.comm) == 1) return OK;
+    TRY(comm_gather(i->share.comm, mine, n, &all, NULL));
+    for (int k = 0; all && k < n; k++) mine[k] = 0;
+    for (int r = 0; all && r < comm_size(i->share.comm); r++)
+        for (int k = 0; k < n; k++) mine[k] += all[r * n + k];
+    free(all);
+    comm_broadcast(i->share.comm, mine, n * (long)sizeof *mine);
+    for (int k = 0; k < n; k++) *sum[k] = mine[k];
+    return OK;
+}
+
+static status measure_mass(const struct setup *s, const struct gas_models *models, const struct initial *i,
+                           struct scales *q) {
     const struct material *m = &models->material;
-    for (int c = 0; c < s->mesh->ncells; c++) {
+    for (long c = 0; c < i->ncells; c++) {
         const double volume = setup_volume(s, c), mass = i->rho[c] * volume;
         const double width = pow(volume / q->thickness, 1. / s->dim);
         const double number = i->rho[c] / m->mass * pow(width, m->disks ? 2 : 3);
@@ -57,9 +75,13 @@ static void measure_mass(const struct setup *s, const struct gas_models *models,
         q->small += width < (1 - 1e-9) * m->diameter ? mass : 0;
         q->few += number < 1 ? mass : 0;
         q->rarefied += knudsen > RAREFIED ? mass : 0;
+        for (int k = 0; k < i->components; k++) q->momentum[k] += i->rho[c] * volume * i->u[k][c];
     }
-    double *const means[] = {&q->T, &q->width, &q->number, &q->knudsen, &q->small, &q->few, &q->rarefied};
-    for (int k = 0; k < 7; k++) *means[k] /= q->mass;
+    double *const sums[] = {&q->T,        &q->width,       &q->number,      &q->knudsen,     &q->small, &q->few,
+                            &q->rarefied, &q->momentum[0], &q->momentum[1], &q->momentum[2], &q->mass};
+    TRY(add_ranks(i, 11, sums));
+    for (int k = 0; k < 7; k++) *sums[k] /= q->mass;
+    return OK;
 }
 
 static status check_grains(struct setup *s, const struct dict *d, const struct gas_models *models,
@@ -68,18 +90,18 @@ static status check_grains(struct setup *s, const struct dict *d, const struct g
     if (size > q->shortest)
         return warn(&s->warnings, WARN_GRAIN_SIZE, "%s:%d: a grain of diameter %g m is wider than the domain, %.3g m",
                     dict_path(d), dict_line(d, "grain"), size, q->shortest);
-    const bool small = q->small > SHARE; /* then cells have few grains, too */
+    const bool small = q->small > SHARE * ROUND_OFF; /* then cells have few grains, too */
     if (small)
         TRY(warn(&s->warnings, WARN_GRAIN_SIZE,
                  "%s:%d: grains of diameter %g m are wider than the cells in which %.3g %% of the mass sits (%.3g m "
                  "in the mean): a flow that varies within a grain is no flow of grains",
                  dict_path(d), dict_line(d, "grain"), size, 100 * q->small, q->width));
-    if (q->few > SHARE && !small)
+    if (q->few > SHARE * ROUND_OFF && !small)
         TRY(warn(&s->warnings, WARN_FEW_GRAINS,
                  "%s:%d: %.3g %% of the mass sits in cells with less than one grain (%.3g in the mean, in a cube "
                  "of the cell's width): fields are means of many runs there, not of one",
                  dict_path(d), dict_line(d, "grain"), 100 * q->few, q->number));
-    if (q->rarefied > SHARE)
+    if (q->rarefied > SHARE * ROUND_OFF)
         TRY(warn(&s->warnings, WARN_RAREFIED,
                  "%s:%d: %.3g %% of the mass sits where the mean free path is above a tenth of the domain's least "
                  "extent, %.3g m (Knudsen number %.3g in the mean): grains hit the walls rather than each other "
@@ -96,13 +118,9 @@ static void include(double square, double *low, double *high) {
 }
 
 /* Returns the square of the speed of the whole mass. */
-static double mean_flow(const struct setup *s, const struct initial *i, double mass) {
+static double mean_flow(const struct scales *q) {
     double square = 0;
-    for (int k = 0; k < i->components; k++) {
-        double momentum = 0;
-        for (int c = 0; c < s->mesh->ncells; c++) momentum += i->rho[c] * setup_volume(s, c) * i->u[k][c];
-        square += momentum * momentum / (mass * mass);
-    }
+    for (int k = 0; k < 3; k++) square += q->momentum[k] * q->momentum[k] / (q->mass * q->mass);
     return square;
 }
 
@@ -123,8 +141,8 @@ static void other_speeds(const struct setup *s, const struct gas_models *models,
     const struct sources *g = &models->source;
     *low = HUGE_VAL;
     *high = 0;
-    const double flow = mean_flow(s, i, q->mass);
-    if (flow > STILL * q->T) include(flow, low, high);
+    const double flow = mean_flow(q);
+    if (flow > STILL * q->T * ROUND_OFF) include(flow, low, high);
     for (int k = 0; k < s->dim; k++) {
         include(fabs(g->gravity[k]) * q->extent[s->axis[k]], low, high);
         if (g->frequency > 0) include(pow(g->gravity[k] * g->amplitude / (2 * PI * g->frequency), 2), low, high);
@@ -136,7 +154,7 @@ static status check_temperature(struct setup *s, const struct gas_models *models
                                 const struct scales *q) {
     double low, high;
     other_speeds(s, models, i, q, &low, &high);
-    if (!(high > 0) || (q->T <= HOT * high && q->T >= COLD * low)) return OK;
+    if (!(high > 0) || (q->T <= HOT * high * ROUND_OFF && q->T * ROUND_OFF >= COLD * low)) return OK;
     const struct field *f = i->field[FIELD_T] ? i->field[FIELD_T] : i->field[FIELD_P];
     return warn(&s->warnings, WARN_TEMPERATURE,
                 "%s:%d: T is %.3g m^2/s^2 in the mean, so that grains fly about at %.3g m/s, but every other speed "
@@ -151,7 +169,7 @@ status scales_check(struct setup *s, const struct gas_models *models, const stru
     for (int k = 0; k < s->nfiles; k++)
         if (!strcmp(s->file[k].name, "granularProperties")) properties = s->file[k].dict;
     measure_domain(s, &q);
-    measure_mass(s, models, i, &q);
+    TRY(measure_mass(s, models, i, &q));
     TRY(check_temperature(s, models, i, &q));
     return models->eos->bounded && models->material.diameter > 0 ? check_grains(s, properties, models, &q) : OK;
 }

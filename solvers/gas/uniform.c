@@ -2,6 +2,7 @@
 /* Finds the axes along which a run is uniform (uniform.h). */
 #include "solvers/gas/uniform.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Lists the arrays from which the gas takes its state; returns their number. */
@@ -40,22 +41,114 @@ static bool same_sides(const struct polymesh *m, const struct initial *s, const 
     return true;
 }
 
-static bool is_uniform(const struct polymesh *m, const struct initial *s, const struct lattice *l, int axis) {
-    const double *state[MAX_VAR];
-    const int nstate = list_state(s, state);
-    for (int at[3] = {0}; at[2] < l->n[2]; at[2]++)
-        for (at[1] = 0; at[1] < l->n[1]; at[1]++)
-            for (at[0] = 0; at[0] < l->n[0]; at[0]++) {
-                int before[3] = {at[0], at[1], at[2]};
-                if (before[axis]-- == 0) continue;
-                const long a = lattice_cell(l, at), b = lattice_cell(l, before);
-                for (int v = 0; v < nstate; v++)
-                    if (memcmp(&state[v][a], &state[v][b], sizeof(double))) return false;
-                if (!same_sides(m, s, l, axis, at, before)) return false;
-            }
-    return true;
+/* Pairs of neighbours along an axis, of which the one before stands in the slice of another rank. */
+struct pairs {
+    int n, room;
+    int *cell, *before;
+};
+
+struct search { /* along one axis; what the functions below share */
+    const struct polymesh *mesh;
+    const struct initial *start;
+    const struct lattice *lattice;
+    int axis;
+    bool same; /* as far as the search has come */
+    struct pairs apart;
+};
+
+static status add_pair(struct pairs *p, long cell, long before) {
+    if (p->n == p->room) {
+        p->room = 2 * p->room + 1024;
+        int *cells = realloc(p->cell, (size_t)p->room * sizeof *cells);
+        if (cells) p->cell = cells;
+        int *others = cells ? realloc(p->before, (size_t)p->room * sizeof *others) : NULL;
+        if (!others) return fail(ERR_SYSTEM, "out of memory: %d cells of other ranks", p->room);
+        p->before = others;
+    }
+    p->cell[p->n] = (int)cell;
+    p->before[p->n++] = (int)before;
+    return OK;
 }
 
-void uniform_find(const struct polymesh *m, const struct initial *s, struct lattice *l) {
-    for (int k = 0; k < l->dim; k++) l->uniform[k] = lattice_may_be_uniform(l, m, k) && is_uniform(m, s, l, k);
+/* Compares a cell of this rank's slice with the one before it. */
+static status compare(struct search *x, long cell, const int at[3]) {
+    const struct initial *s = x->start;
+    const long first = s->sliced ? s->share.first : 0;
+    int before[3] = {at[0], at[1], at[2]};
+    const double *state[MAX_VAR];
+    const int nstate = list_state(s, state);
+    if (before[x->axis]-- == 0) return OK;
+    const long other = lattice_cell(x->lattice, before);
+    x->same = same_sides(x->mesh, s, x->lattice, x->axis, at, before);
+    if (other < first || other >= first + s->ncells) return add_pair(&x->apart, cell, other);
+    for (int v = 0; v < nstate; v++)
+        x->same = x->same && !memcmp(&state[v][cell - first], &state[v][other - first], sizeof(double));
+    return OK;
+}
+
+/* Goes through the cells of this rank's slice until two differ. The places of a mesh of boxes follow from numbers. */
+static status compare_all(struct search *x) {
+    const struct initial *s = x->start;
+    const struct lattice *l = x->lattice;
+    const long first = s->sliced ? s->share.first : 0, end = first + s->ncells;
+    int at[3];
+    for (long cell = first; l->boxes && cell < end && x->same; cell++) {
+        lattice_at(l, cell, at);
+        TRY(compare(x, cell, at));
+    }
+    if (l->boxes) return OK;
+    for (at[2] = 0; at[2] < l->n[2]; at[2]++)
+        for (at[1] = 0; at[1] < l->n[1]; at[1]++)
+            for (at[0] = 0; at[0] < l->n[0] && x->same; at[0]++) {
+                const long cell = lattice_cell(l, at);
+                if (cell >= first && cell < end) TRY(compare(x, cell, at));
+            }
+    return OK;
+}
+
+/* Compares the cells whose neighbours stand in other slices. */
+static status compare_apart(struct search *x) {
+    const struct share *share = &x->start->share;
+    const struct pairs *p = &x->apart;
+    const double *state[MAX_VAR];
+    const int nstate = list_state(x->start, state);
+    double *there = NULL;
+    TRY(comm_agree(share->comm, allocate(&there, p->n, sizeof *there, "cells of other ranks")));
+    status e = OK;
+    for (int v = 0; v < nstate && !e; v++) {
+        e = share_fetch(share, 1, state[v], p->n, p->before, there);
+        for (int i = 0; i < p->n && !e && x->same; i++)
+            x->same = !memcmp(&state[v][p->cell[i] - share->first], &there[i], sizeof *there);
+    }
+    free(there);
+    return e;
+}
+
+/* Is it the same on all ranks? */
+static bool all_same(const struct initial *s, bool same) {
+    double least = same;
+    if (s->sliced) comm_min(s->share.comm, &least, 1);
+    return least > 0;
+}
+
+static status is_uniform(struct search *x) {
+    const struct initial *s = x->start;
+    status e = compare_all(x);
+    if (s->sliced) e = comm_agree(s->share.comm, e);
+    x->same = !e && all_same(s, x->same);
+    if (x->same && s->sliced) e = compare_apart(x);
+    x->same = !e && all_same(s, x->same);
+    free(x->apart.cell);
+    free(x->apart.before);
+    return e;
+}
+
+status uniform_find(const struct polymesh *m, const struct initial *s, struct lattice *l) {
+    for (int k = 0; k < l->dim; k++) {
+        struct search x = {.mesh = m, .start = s, .lattice = l, .axis = k, .same = true};
+        if (!lattice_may_be_uniform(l, m, k)) continue;
+        TRY(is_uniform(&x));
+        l->uniform[k] = x.same;
+    }
+    return OK;
 }

@@ -7,7 +7,7 @@
 
 /* Sets l->uniform for each axis along which the state to start from and the rules of the patches are the same, bit by
  * bit. Such a run stays so: no model looks at a place, the order of additions belongs to the cell, and what a run reads
- * again while it runs, controlDict, holds neither states nor rules. */
-void uniform_find(const struct polymesh *m, const struct initial *s, struct lattice *l);
+ * again while it runs, controlDict, holds neither states nor rules. Collective. */
+status uniform_find(const struct polymesh *m, const struct initial *s, struct lattice *l);
 
 #endif
