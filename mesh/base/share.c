@@ -14,11 +14,12 @@ static long first_of(const struct share *s, int rank) {
     return each * rank + (rank < rest ? rank : rest);
 }
 
+struct share share_at_rank(const struct share *s, int rank) {
+    return (struct share){s->comm, s->n, first_of(s, rank), first_of(s, rank + 1)};
+}
+
 struct share share_make(const struct comm *c, long n) {
-    struct share s = {.comm = c, .n = n};
-    s.first = first_of(&s, comm_rank(c));
-    s.end = first_of(&s, comm_rank(c) + 1);
-    return s;
+    return share_at_rank(&(struct share){.comm = c, .n = n}, comm_rank(c));
 }
 
 /* Returns the rank whose slice has a cell: the first `rest` slices have one cell more than the others. */

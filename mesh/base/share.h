@@ -13,6 +13,7 @@ struct share {
     long first, end; /* the slice of this rank: first .. end - 1 */
 };
 struct share share_make(const struct comm *c, long n);
+struct share share_at_rank(const struct share *s, int rank); /* as another rank has it */
 
 /* Sets out[n][components] to the values of the cells whose numbers are listed, from the ranks' slices. Collective:
  * every rank lists those it wants, or none. */

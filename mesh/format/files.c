@@ -154,13 +154,13 @@ int file_create_stream(const char *path, FILE **out) {
     return why;
 }
 
-int file_touch(const char *path, int *out) {
+static int open_old(const char *path, int flags, int *out) {
     const char *name;
     struct stat info;
     int at = walk_to(path, &name), why = 0;
     *out = -1;
     if (at < 0) return errno;
-    int file = openat(at, name, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666);
+    int file = openat(at, name, flags | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666);
     if (file < 0 || fstat(file, &info))
         why = errno;
     else if (!S_ISREG(info.st_mode))
@@ -171,6 +171,14 @@ int file_touch(const char *path, int *out) {
     if (!why) *out = file;
     if (why && file >= 0) close(file);
     return why;
+}
+
+int file_touch(const char *path, int *out) {
+    return open_old(path, O_RDWR | O_CREAT, out);
+}
+
+int file_open_again(const char *path, int *out) {
+    return open_old(path, O_WRONLY, out);
 }
 
 int file_rename(const char *from, const char *to) {

@@ -28,6 +28,7 @@ bool file_is_foreign(const char *path, int length);
 int file_create(const char *path, int *out); /* opens a new, empty file for writing; one that was there is removed */
 int file_create_stream(const char *path, FILE **out);
 int file_touch(const char *path, int *out); /* opens a file for reading and writing, and makes it if it is missing */
+int file_open_again(const char *path, int *out); /* opens a file that file_create made, on another rank */
 int file_rename(const char *from, const char *to);
 int file_remove(const char *path);
 int folder_make(const char *path);       /* makes a folder and its parents; an existing folder is fine */

@@ -4,7 +4,7 @@
 #ifndef MESH_FOAMFILE_H
 #define MESH_FOAMFILE_H
 
-#include "mesh/base/status.h"
+#include "mesh/base/share.h"
 #include <stddef.h>
 
 /* ---- reading ---------------------------------------------------------------------------------------------------- */
@@ -118,6 +118,11 @@ void foam_header_write(struct sink *s, const struct foam_format *f, const char *
                        const char *object, const char *note);
 /* Write one list without header or keyword, in the form that the readers above and OpenFOAM's own accept. */
 void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v);
+/* Writes a list of doubles whose entries are spread over the ranks in slices. s, which sink_open gave the root for
+ * `path`, is NULL on the others. A binary list that is not zipped is written by all ranks at once, any other one by the
+ * root, which gets it in pieces. Collective. */
+status foam_list_write_shared(struct sink *s, const char *path, const struct foam_format *f, int components,
+                              const struct share *share, const double *slice);
 void foam_list_write_labels(struct sink *s, const struct foam_format *f, long n, const int *v);
 void foam_list_write_faces(struct sink *s, const struct foam_format *f, long n, const int *start, const int *points);
 

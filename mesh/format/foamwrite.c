@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,13 +199,12 @@ static void write_raw(struct sink *s, long n, const void *data, size_t bytes) {
     sink_printf(s, ")\n");
 }
 
-void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v) {
-    if (write_empty(s, f, n)) return;
+/* Writes entries of a list, between its brackets. */
+static void write_entries(struct sink *s, const struct foam_format *f, int components, long n, const double *v) {
     if (f->binary) {
-        write_raw(s, n, v, (size_t)n * (size_t)components * sizeof *v);
+        sink_write(s, v, (size_t)n * (size_t)components * sizeof *v);
         return;
     }
-    sink_printf(s, "%ld\n(\n", n);
     for (long i = 0; i < n; i++, v += components) {
         if (components == 1) {
             sink_printf(s, "%.*g\n", f->precision, *v);
@@ -213,7 +213,109 @@ void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int co
         for (int c = 0; c < components; c++) sink_printf(s, "%c%.*g", c ? ' ' : '(', f->precision, v[c]);
         sink_printf(s, ")\n");
     }
+}
+
+static void open_bracket(struct sink *s, const struct foam_format *f, long n) {
+    sink_printf(s, f->binary ? "%ld\n(" : "%ld\n(\n", n);
+}
+
+void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v) {
+    if (write_empty(s, f, n)) return;
+    open_bracket(s, f, n);
+    write_entries(s, f, components, n, v);
     sink_printf(s, ")\n");
+}
+
+/* ---- lists in slices ---- */
+
+enum { PIECE = 1 << 15 }; /* entries that the root gets at a time */
+
+/* The root writes the slices of all ranks, one after the other. */
+static status write_pieces(struct sink *s, const struct foam_format *f, int components, const struct share *share,
+                           const double *slice) {
+    const long bytes = components * (long)sizeof *slice;
+    const int mine = comm_rank(share->comm);
+    double *piece = NULL;
+    status e = s ? allocate(&piece, (long)PIECE * components, sizeof *piece, "a piece of a field") : OK;
+    TRY(comm_agree(share->comm, e));
+    if (s) write_entries(s, f, components, share->end, slice);
+    for (int r = s ? 1 : mine; r < (s ? comm_size(share->comm) : mine + 1); r++) {
+        const struct share theirs = share_at_rank(share, r);
+        for (long at = theirs.first; at < theirs.end; at += PIECE) {
+            const long n = theirs.end - at < PIECE ? theirs.end - at : PIECE;
+            comm_to_root(share->comm, r, s ? piece : (double *)(uintptr_t)slice + (at - share->first) * components,
+                         n * bytes);
+            if (s) write_entries(s, f, components, n, piece);
+        }
+    }
+    free(piece);
+    return OK;
+}
+
+/* Writes bytes into the file of another rank's sink, and brings them to the disk: the root, which does so at the end,
+ * may be on another machine. */
+static status write_at(const char *path, const char *data, size_t bytes, size_t at) {
+    int file, why = file_open_again(path, &file);
+    if (why) return file_error(path, "cannot write", why);
+    while (bytes && !why) {
+        const ssize_t done = pwrite(file, data, bytes < 1 << 30 ? bytes : 1 << 30, (off_t)at);
+        if (done > 0) {
+            data += done;
+            at += (size_t)done;
+            bytes -= (size_t)done;
+        } else if (done == 0 || errno != EINTR) {
+            why = done ? errno : EIO;
+        }
+    }
+    if (fsync(file) && !why) why = errno;
+    if (close(file) && !why) why = errno;
+    return why ? file_error(path, "cannot write", why) : OK;
+}
+
+/* Passes over what the other ranks wrote, whose sums are given. */
+static void pass_over(struct sink *s, int ranks, const double *sums, size_t bytes) {
+    flush(s);
+    for (int r = 1; r < ranks; r++)
+        s->sum.crc = crc32_combine(s->sum.crc, (unsigned long)sums[2 * r], (z_off_t)sums[2 * r + 1]);
+    s->sum.bytes += bytes;
+    if (!s->error && lseek(s->file, (off_t)bytes, SEEK_CUR) < 0) s->error = errno;
+}
+
+/* Each rank writes its slice into the root's temporary file. */
+static status write_slices(struct sink *s, const char *path, int components, const struct share *share,
+                           const double *slice) {
+    const size_t item = (size_t)components * sizeof *slice, bytes = (size_t)(share->end - share->first) * item;
+    char *temporary = joined(path, ".tmp");
+    double *sums = NULL, mine[2] = {0, 0};
+    size_t at = 0;
+    if (s) {
+        flush(s);
+        at = s->sum.bytes; /* nothing else was written than what is summed */
+        sink_write(s, slice, bytes);
+    }
+    status e = temporary ? OK : fail(ERR_SYSTEM, "no memory to write %s", path);
+    e = comm_agree(share->comm, e);
+    if (!e) comm_broadcast(share->comm, &at, sizeof at);
+    if (!e && !s) e = write_at(temporary, (const char *)slice, bytes, at + (size_t)share->first * item);
+    if (!e && !s) mine[0] = (double)crc32_z(0, (const unsigned char *)slice, bytes);
+    mine[1] = (double)bytes;
+    free(temporary);
+    TRY(comm_agree(share->comm, e));
+    TRY(comm_gather(share->comm, mine, 2, &sums, NULL));
+    if (s) pass_over(s, comm_size(share->comm), sums, (size_t)(share->n - share->end) * item);
+    free(sums);
+    return OK;
+}
+
+status foam_list_write_shared(struct sink *s, const char *path, const struct foam_format *f, int components,
+                              const struct share *share, const double *slice) {
+    const bool together = f->binary && !f->compress && comm_size(share->comm) > 1;
+    if (s && write_empty(s, f, share->n)) return OK;
+    if (!share->n) return OK;
+    if (s) open_bracket(s, f, share->n);
+    TRY(together ? write_slices(s, path, components, share, slice) : write_pieces(s, f, components, share, slice));
+    if (s) sink_printf(s, ")\n");
+    return OK;
 }
 
 void foam_list_write_labels(struct sink *s, const struct foam_format *f, long n, const int *v) {

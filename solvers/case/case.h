@@ -50,7 +50,7 @@ struct reading {
 status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                  struct setup **out);
 void case_free(struct setup *s);
-/* Returns the number of lines, along axis[], that a quantity's values have in the medium's `block` and `gather`. */
+/* Returns the number of lines, along axis[], that a quantity's values have in the medium's `block`. */
 int setup_lines(const struct setup *s, int quantity);
 /* Makes the arrays of the mesh, of its lattice (but for faces after setup_grid) and of its cells that are not there,
  * for what reads them; local. */

@@ -524,12 +524,17 @@ const char *field_item(int components) {
     return components == 6 ? "symmTensor" : components == 3 ? "vector" : "scalar";
 }
 
-status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
-                   const double *values, patch_printer *print, const void *context, struct file_sum *sum) {
+static void path_of(const struct field_writer *w, const char *name, char path[PATH]) {
+    snprintf(path, PATH, "%s/%s", w->folder, name);
+}
+
+/* Opens the file of a field, and writes what stands before the list of the cells' values. */
+static status open_field(const struct field_writer *w, const char *name, int components, const signed char *dimensions,
+                         struct sink **out) {
     char path[PATH];
     struct sink *s;
     const signed char *k = dimensions;
-    snprintf(path, sizeof path, "%s/%s", w->folder, name);
+    path_of(w, name, path);
     TRY(sink_open(path, w->format->compress, &s));
     foam_header_write(s, w->format,
                       components == 6   ? "volSymmTensorField"
@@ -538,13 +543,45 @@ status field_write(const struct field_writer *w, const char *name, int component
                       w->location, name, NULL);
     sink_printf(s, "dimensions      [%d %d %d %d %d %d %d];\n\n", k[0], k[1], k[2], k[3], k[4], k[5], k[6]);
     sink_printf(s, "internalField   nonuniform List<%s>\n", field_item(components));
+    *out = s;
+    return OK;
+}
+
+static void print_entry(struct sink *s, const struct field_writer *w, int p, patch_printer *print,
+                        const void *context) {
+    sink_printf(s, "    %s\n    {\n", w->mesh->patch[p].name);
+    print(s, w, p, context);
+    sink_printf(s, "    }\n");
+}
+
+static const char before_patches[] = ";\n\nboundaryField\n{\n", behind_patches[] = "}\n";
+
+status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
+                   const double *values, patch_printer *print, const void *context, struct file_sum *sum) {
+    struct sink *s;
+    TRY(open_field(w, name, components, dimensions, &s));
     foam_list_write_doubles(s, w->format, components, w->mesh->ncells, values);
-    sink_printf(s, ";\n\nboundaryField\n{\n");
-    for (int p = 0; p < w->mesh->npatches; p++) {
-        sink_printf(s, "    %s\n    {\n", w->mesh->patch[p].name);
-        print(s, w, p, context);
-        sink_printf(s, "    }\n");
-    }
-    sink_printf(s, "}\n");
+    sink_write(s, before_patches, sizeof before_patches - 1);
+    for (int p = 0; p < w->mesh->npatches; p++) print_entry(s, w, p, print, context);
+    sink_write(s, behind_patches, sizeof behind_patches - 1);
     return sink_close_sum(s, sum);
+}
+
+status field_write_shared(const struct field_writer *w, const char *name, int components,
+                          const signed char dimensions[7], const struct share *share, const double *slice,
+                          patch_preparer *prepare, patch_printer *print, void *context, struct file_sum *sum) {
+    char path[PATH];
+    struct sink *s = NULL;
+    path_of(w, name, path);
+    TRY(comm_agree(share->comm, comm_root(share->comm) ? open_field(w, name, components, dimensions, &s) : OK));
+    status e = foam_list_write_shared(s, path, w->format, components, share, slice);
+    if (s) sink_write(s, before_patches, sizeof before_patches - 1);
+    for (int p = 0; p < w->mesh->npatches && !e; p++) {
+        e = prepare(w, p, context);
+        if (s && !e) print_entry(s, w, p, print, context);
+    }
+    if (s) sink_write(s, behind_patches, sizeof behind_patches - 1);
+    const status closed = s ? sink_close_sum(s, sum) : OK;
+    if (e && closed) status_free(closed);
+    return comm_agree(share->comm, e ? e : closed);
 }

@@ -112,5 +112,11 @@ const char *field_item(int components);
 typedef void patch_printer(struct sink *s, const struct field_writer *w, int patch, const void *context);
 status field_write(const struct field_writer *w, const char *name, int components, const signed char dimensions[7],
                    const double *values, patch_printer *print, const void *context, struct file_sum *sum);
+/* The same where the values of the cells are spread over the ranks in slices. `prepare`, which every rank calls, makes
+ * ready on the root what `print` needs of a patch. Collective. */
+typedef status patch_preparer(const struct field_writer *w, int patch, void *context);
+status field_write_shared(const struct field_writer *w, const char *name, int components,
+                          const signed char dimensions[7], const struct share *share, const double *slice,
+                          patch_preparer *prepare, patch_printer *print, void *context, struct file_sum *sum);
 
 #endif

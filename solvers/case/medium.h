@@ -95,9 +95,10 @@ struct medium_type {
     const char *(*lacks)(const struct medium *m, int quantity);
     status (*derive)(struct medium *m, int quantity);
     /* Values along computational axes: of a block of this rank, of a quantity that function objects know or of rhoE,
-     * where all three lines of `out` are needed; gathered to the root in polyMesh order. */
+     * where all three lines of `out` are needed. exact gives them of any quantity, as a restart needs them. NULL: as
+     * `block`. */
     void (*block)(const struct medium *m, int block, int quantity, double *const out[3]);
-    status (*gather)(const struct medium *m, int quantity, double *const out[3]);
+    void (*exact)(const struct medium *m, int block, int quantity, double *const out[3]);
     /* Is a quantity known to have the same bits in all cells of a block? Then value[line] gets them. NULL: it never
      * is. */
     bool (*uniform)(const struct medium *m, int block, int quantity, double value[3]);

@@ -5,12 +5,7 @@
 
 #include "solvers/output/output.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-struct objects {
-    double *values; /* on the root: [ncells][3]; made by the first writing */
-};
 
 static const struct param objects_param[] = {
     NOTED("objects", "list of words: as fields", "required, or fields", "fields that it writes into the time folders",
@@ -39,8 +34,7 @@ static status check_others(const struct function *f, struct dict *d, const char 
 
 static status objects_make(struct function *f, struct dict *d) {
     const char *key = dict_has(d, "objects") ? "objects" : "fields";
-    TRY(allocate(&f->own, 1, sizeof(struct objects), "fields to write"));
-    TRY(params_read(d, f->type->param, f->type->nparam, f->own));
+    TRY(params_read(d, f->type->param, f->type->nparam, NULL));
     if (!f->trigger.with_fields)
         return dict_fail(d, "writeControl", "its fields stand in the time folders of the others: leave it out");
     if (dict_has(d, "objects") && dict_has(d, "fields"))
@@ -58,36 +52,15 @@ static status objects_execute(struct function *f, const struct moment *now, cons
     return OK; /* all is done when the fields are saved */
 }
 
-static status write_field(const struct function *f, const struct field_writer *w, int field, struct checksums *sums) {
-    const struct objects *o = f->own;
-    const struct quantity *q = quantity_of(f, field);
-    struct file_sum sum;
-    TRY(output_values(f->setup, w, q, o->values, &sum));
-    return checksums_add(sums, q->name, sum);
-}
-
-/* Each rank takes part in each gather, even if the root cannot write. */
 static status objects_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
-    struct objects *o = f->own;
     const struct setup *s = f->setup;
-    const bool root = comm_root(s->comm);
-    status e = OK;
-    if (root && !o->values) e = allocate(&o->values, 3L * s->mesh->ncells, sizeof(double), "a field to write");
-    TRY(comm_agree(s->comm, e));
     for (int k = 0; k < f->nfields; k++) {
+        struct file_sum sum;
         if (is_written(f, f->field[k])) continue;
-        const status gathered = output_gather(s, f->field[k], o->values);
-        if (root && !e && !gathered) e = write_field(f, w, f->field[k], sums);
-        if (gathered && e) status_free(gathered);
-        if (gathered && !e) e = gathered;
+        TRY(output_quantity(s, w, f->field[k], &sum));
+        TRY(comm_agree(s->comm, comm_root(s->comm) ? checksums_add(sums, quantity_of(f, f->field[k])->name, sum) : OK));
     }
-    return comm_agree(s->comm, e);
-}
-
-static void objects_free(void *own) {
-    struct objects *o = own;
-    free(o->values);
-    free(o);
+    return OK;
 }
 
 const struct function_type function_objects = {
@@ -96,7 +69,6 @@ const struct function_type function_objects = {
     FUNCTION_PARAMS(objects_param),
     .make = objects_make,
     .execute = objects_execute,
-    .free = objects_free,
     .no_fields = true,
     .with_fields = true,
     .save = objects_save,

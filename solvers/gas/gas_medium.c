@@ -495,8 +495,8 @@ static bool gas_uniform(const struct medium *m, int block, int quantity, double 
     return gas_view_uniform(&of(m)->view, block, quantity, value);
 }
 
-static status gas_gather(const struct medium *m, int quantity, double *const out[3]) {
-    return gas_view_gather(&of(m)->view, quantity, out);
+static void gas_exact(const struct medium *m, int block, int quantity, double *const out[3]) {
+    gas_view_exact(&of(m)->view, block, quantity, out);
 }
 
 static bool gas_present(const struct medium *m, int quantity) {
@@ -660,7 +660,7 @@ const struct medium_type gas_medium = {
     .derive = gas_derive,
     .block = gas_block,
     .uniform = gas_uniform,
-    .gather = gas_gather,
+    .exact = gas_exact,
     .present = gas_present,
     .patch = gas_patch,
     .follow = gas_follow,

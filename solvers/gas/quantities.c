@@ -37,7 +37,6 @@ static bool is_derived(int quantity) {
 void gas_view_free(struct gas_view *v) {
     for (int d = 0; d < GAS_DERIVED; d++) free(v->line[d][0]);
     free(v->first);
-    free(v->by_block);
 }
 
 void gas_view_forget(struct gas_view *v) {
@@ -59,7 +58,6 @@ static status make_lines(struct gas_view *v, int quantity) {
     if (line[0]) return OK;
     if (!v->first) {
         TRY(allocate(&v->first, grid->nblocks + 1L, sizeof *v->first, "a field"));
-        TRY(allocate(&v->by_block, grid->nblocks + 1L, sizeof *v->by_block, "a field"));
         for (int b = 0; b < grid->nblocks; b++) {
             v->first[b] = v->ncells;
             v->ncells += grid->block[b].ncells;
@@ -156,7 +154,7 @@ status gas_view_derive(struct gas_view *v, int quantity) {
     return OK;
 }
 
-/* ---- blocks and gathers ---- */
+/* ---- blocks ---- */
 
 /* The energy of a block's cells, rho (eps + u^2/2), put together in the lines of `out`. */
 static void block_energy(const struct gas_view *v, int block, double *const out[3]) {
@@ -188,24 +186,12 @@ bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double 
     return quantity < GAS_FIELDS && gas_block_uniform(v->gas, block, (enum gas_field)quantity, value);
 }
 
-static status gather_conserved(const struct gas_view *v, int quantity, double *const out[3]) {
+void gas_view_exact(const struct gas_view *v, int block, int quantity, double *const out[3]) {
     const int last = gas_variables(v->gas) - 1;
-    return quantity == GAS_ENERGY ? gas_get_variables(v->gas, last, 1, out)
-                                  : gas_get_variables(v->gas, 1, last - 1, out);
-}
-
-static status gather_derived(struct gas_view *v, int quantity, double *const out[3]) {
-    const struct grid *grid = v->setup->grid;
-    TRY(gas_view_derive(v, quantity));
-    for (int k = 0; k < lines_of(v, quantity); k++) {
-        for (int b = 0; b < grid->nblocks; b++) v->by_block[b] = v->line[quantity - GAS_FIELDS][k] + v->first[b];
-        TRY(grid_gather(grid, v->by_block, comm_root(v->setup->comm) ? out[k] : NULL));
-    }
-    return OK;
-}
-
-status gas_view_gather(struct gas_view *v, int quantity, double *const out[3]) {
-    if (is_derived(quantity)) return gather_derived(v, quantity, out);
-    return quantity < GAS_FIELDS ? gas_field(v->gas, (enum gas_field)quantity, out)
-                                 : gather_conserved(v, quantity, out);
+    if (quantity == GAS_ENERGY)
+        gas_block_variables(v->gas, block, last, 1, out);
+    else if (quantity == GAS_MOMENTUM)
+        gas_block_variables(v->gas, block, 1, last - 1, out);
+    else
+        gas_view_block(v, block, quantity, out);
 }

@@ -29,7 +29,6 @@ struct gas_view { /* a gas and its derived quantities */
     const struct gas *gas;
     long ncells, *first;          /* of this rank; [blocks] where the cells of a block begin among them */
     double *line[GAS_DERIVED][3]; /* [ncells]; NULL until asked for */
-    const double **by_block;      /* [blocks] for gathers */
     bool known[GAS_DERIVED];      /* is it that of the state? */
 };
 void gas_view_free(struct gas_view *v);
@@ -38,9 +37,9 @@ void gas_view_forget(struct gas_view *v); /* the state has changed */
 const char *gas_view_lacks(const struct gas_models *models, int quantity);
 /* Computes a derived quantity, unless it is known; does nothing for any other quantity. Collective. */
 status gas_view_derive(struct gas_view *v, int quantity);
-/* As the hooks block, uniform and gather of a medium; block: of a derived quantity, after gas_view_derive. */
+/* As the hooks block, exact and uniform of a medium; of a derived quantity, after gas_view_derive. */
 void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);
+void gas_view_exact(const struct gas_view *v, int block, int quantity, double *const out[3]);
 bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]);
-status gas_view_gather(struct gas_view *v, int quantity, double *const out[3]);
 
 #endif

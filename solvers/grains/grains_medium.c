@@ -455,13 +455,6 @@ static void medium_block(const struct medium *m, int block, int quantity, double
         for (int i = 0; i < b->ncells; i++) out[k][i] = value[k][of(m)->place[b->cell[i]]];
 }
 
-static status medium_gather(const struct medium *m, int quantity, double *const out[3]) {
-    double *const *value = values_now(of(m), quantity);
-    for (int k = 0; k < components(m->setup, quantity); k++)
-        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value[k][of(m)->place[i]];
-    return OK;
-}
-
 static const struct patch_field *medium_patch(const struct medium *m, int quantity, int patch) {
     const struct field *f = of(m)->start.field[file_of[quantity]];
     return f && strcmp(f->patch[patch].type, "calculated") != 0 ? &f->patch[patch] : NULL;
@@ -555,7 +548,6 @@ const struct medium_type grains_medium = {
     .log = medium_log,
     .finish = medium_finish,
     .block = medium_block,
-    .gather = medium_gather,
     .patch = medium_patch,
     .cloud = medium_cloud,
     .save = medium_save,

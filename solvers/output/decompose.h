@@ -17,6 +17,10 @@ struct part {
     char tmp[TIME_PATH];   /* folder where a time is being written */
     struct checksums sums; /* checksums of the files written there so far */
 };
+/* The first face of the processor patches, behind which there are no others. */
+static inline int part_beyond(const struct part *p) {
+    return p->npatches < p->mesh->npatches ? p->mesh->patch[p->npatches].start : p->mesh->nfaces;
+}
 struct decomposition {
     int n;
     struct part *part;

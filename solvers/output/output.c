@@ -18,13 +18,11 @@ struct output {
     const struct setup *setup;
     output_saver *save;
     const void *context;         /* of save */
-    double *values;              /* root: [ncells][3], while a time is written */
     double last_time;            /* s, of the last time written; NAN: none */
     int precision;               /* digits of time names, widened where needed */
     struct checksums sums;       /* checksums of the time that is being written; root */
     struct decomposition *parts; /* NULL: no processorN folders; root */
-    double *part_values;         /* root: [ncells][3], likewise */
-    double *patch_values;        /* root: [faces of the largest patch][3], likewise */
+    int nparts;                  /* how many; the same on every rank */
     int nnames, room;
     char (*name)[TIME_NAME]; /* written by this run, oldest first */
 };
@@ -40,17 +38,6 @@ static int start_precision(const struct setup *s) {
     return c->time_precision;
 }
 
-/* Returns the faces of the largest patch that has values in files. */
-static int largest_patch(const struct setup *s, const struct decomposition *d) {
-    int n = 0;
-    for (int k = -1; k < (d ? d->n : 0); k++) {
-        const struct polymesh *m = k < 0 ? s->mesh : d->part[k].mesh;
-        for (int p = 0; p < m->npatches; p++)
-            if (m->patch[p].nfaces > n && strcmp(m->patch[p].type, "empty") != 0) n = m->patch[p].nfaces;
-    }
-    return n;
-}
-
 status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out) {
     struct output *o = NULL;
     TRY(allocate(&o, 1, sizeof *o, "output"));
@@ -60,68 +47,95 @@ status output_make(const struct setup *s, output_saver *save, const void *contex
     o->context = context;
     o->last_time = s->start.t;
     o->precision = start_precision(s);
-    return s->control->write_processors ? decompose_make(s, &o->parts) : OK;
-}
-
-/* Makes room for fields to write, on the root. */
-static status make_room(struct output *o) {
-    const struct setup *s = o->setup;
-    const long n = s->mesh->ncells;
-    if (!comm_root(s->comm)) return OK;
-    TRY(allocate(&o->values, 3 * n, sizeof(double), "a field to write"));
-    TRY(allocate(&o->patch_values, 3L * largest_patch(s, o->parts) + 1, sizeof(double), "a patch to write"));
-    return o->parts ? allocate(&o->part_values, 3 * n, sizeof(double), "a field to write") : OK;
-}
-
-static void drop_room(struct output *o) {
-    free(o->part_values);
-    free(o->patch_values);
-    free(o->values);
-    o->part_values = o->patch_values = o->values = NULL;
+    if (!s->control->write_processors) return OK;
+    TRY(decompose_make(s, &o->parts));
+    if (o->parts) o->nparts = o->parts->n;
+    comm_broadcast(s->comm, &o->nparts, sizeof o->nparts);
+    return OK;
 }
 
 void output_free(struct output *o) {
     if (!o) return;
     decompose_free(o->parts);
-    drop_room(o);
     free(o->name);
     free(o);
 }
 
-/* Turns lines along computational axes into interleaved components along physical axes. */
-static void interleave(const struct setup *s, double *const *line, bool vector, int lines, double *out) {
-    long n = s->mesh->ncells;
-    if (!vector) {
-        memcpy(out, line[0], (size_t)n * sizeof *out);
-        return;
+/* ---- values of cells ---- */
+
+/* Sets out[cells of this rank][components] to a quantity, block by block, with vectors along physical axes. `exact`: as
+ * a restart needs it. */
+static status own_values(const struct setup *s, int quantity, bool exact, double **out) {
+    const struct medium *m = s->medium;
+    const struct grid *g = s->grid;
+    const int components = m->type->quantity[quantity].components, lines = setup_lines(s, quantity);
+    double *line[3] = {NULL, NULL, NULL};
+    long n, most = 1;
+    (void)grid_cells(g, &n);
+    for (int b = 0; b < g->nblocks; b++)
+        if (g->block[b].ncells > most) most = g->block[b].ncells;
+    TRY(allocate(out, n * components, sizeof(double), "a field to write"));
+    TRY(allocate(&line[0], 3 * most, sizeof(double), "a block to write"));
+    line[1] = line[0] + most;
+    line[2] = line[1] + most;
+    double *to = *out;
+    for (int b = 0; b < g->nblocks; to += (long)g->block[b++].ncells * components) {
+        (exact && m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
+        for (int k = 0; k < (components == 1 ? 1 : lines); k++)
+            for (int i = 0; i < g->block[b].ncells; i++)
+                to[(long)i * components + (components == 1 ? 0 : s->axis[k])] = line[k][i];
     }
-    memset(out, 0, (size_t)n * 3 * sizeof *out);
-    for (int k = 0; k < lines; k++)
-        for (long i = 0; i < n; i++) out[3 * i + s->axis[k]] = line[k][i];
+    free(line[0]);
+    return OK;
+}
+
+/* Makes own_values ready and computes them on every rank. */
+static status make_values(const struct setup *s, int quantity, bool exact, double **out) {
+    *out = NULL;
+    if (s->medium->type->derive) TRY(s->medium->type->derive(s->medium, quantity));
+    const status e = comm_agree(s->comm, own_values(s, quantity, exact, out));
+    if (e) free(*out);
+    return e;
 }
 
 status output_gather(const struct setup *s, int quantity, double *out) {
-    double *line[3] = {NULL, NULL, NULL};
-    const bool vector = s->medium->type->quantity[quantity].components == 3;
-    const int lines = setup_lines(s, quantity);
-    status e = OK;
-    for (int k = 0; !e && k < lines && comm_root(s->comm); k++)
-        e = allocate(&line[k], s->mesh->ncells, sizeof(double), "a field to write");
-    e = comm_agree(s->comm, e);
-    if (!e) e = s->medium->type->gather(s->medium, quantity, line);
-    if (!e && comm_root(s->comm)) interleave(s, line, vector, lines, out);
-    for (int k = 0; k < 3; k++) free(line[k]);
+    const struct share share = share_make(s->comm, s->mesh->ncells);
+    double *own;
+    long n;
+    const int *cell = grid_cells(s->grid, &n);
+    TRY(make_values(s, quantity, true, &own));
+    const status e = share_gather(&share, s->medium->type->quantity[quantity].components, n, cell, own, out);
+    free(own);
     return e;
 }
+
+/* Computes a quantity in the cells of this rank's slice. */
+static status make_slice(const struct setup *s, int quantity, const struct share *share, double **out) {
+    const int components = s->medium->type->quantity[quantity].components;
+    double *own;
+    long n;
+    const int *cell = grid_cells(s->grid, &n);
+    *out = NULL;
+    TRY(make_values(s, quantity, true, &own));
+    status e = allocate(out, (share->end - share->first) * components, sizeof(double), "a slice of a field");
+    e = comm_agree(s->comm, e);
+    if (!e) e = share_store(share, components, n, cell, own, *out);
+    free(own);
+    return e;
+}
+
+/* ---- patches ---- */
 
 struct printing {                /* context of print_patch */
     const struct medium *medium; /* NULL: all patches are calculated */
     int quantity, components;
-    const double *values;        /* values in the cells of the mesh that is being written */
+    const double *values;        /* in the cells of the mesh that is being written; NULL: `face` has those asked for */
+    const struct share *share;   /* the slices in which the values are spread over the ranks, or NULL */
+    const double *slice;         /* this rank's */
+    double *face;                /* [faces] of the present patch, in the cells inside; on the root */
     const struct part *part;     /* part of a decomposed case, or NULL */
-    const double *all;           /* values in the case's cells, if there is a part */
+    const double *across;        /* [faces of processor patches] values on the other side, if there is a part */
     const struct patch *patches; /* patches of the case */
-    double *room;                /* [largest patch][3] */
 };
 
 static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
@@ -156,42 +170,79 @@ static void print_given(struct sink *s, const struct field_writer *w, int p, con
     else if (!q->values)
         sink_printf(s, "%.17g;\n", q->uniform[0]);
     if (!q->values) return;
-    for (int i = 0; i < patch->nfaces; i++) {
-        int from = c->part ? c->part->face[patch->start + i] - c->patches[p].start : i;
-        memcpy(c->room + (long)i * m, q->values + (long)from * m, (size_t)m * sizeof(double));
+    if (!c->part) {
+        print_list(s, &exact, m, patch->nfaces, q->values);
+        return;
     }
-    print_list(s, &exact, m, patch->nfaces, c->room);
+    for (int i = 0; i < patch->nfaces; i++) {
+        const long from = c->part->face[patch->start + i] - c->patches[p].start;
+        memcpy(c->face + (long)i * m, q->values + from * m, (size_t)m * sizeof(double));
+    }
+    print_list(s, &exact, m, patch->nfaces, c->face);
 }
 
 /* Prints as value of each face that of the cell inside or, `across` a processor patch, of the cell on the other
  * side. */
 static void print_cells(struct sink *s, const struct field_writer *w, int p, const struct printing *c, bool across) {
     const struct patch *patch = &w->mesh->patch[p];
-    int m = c->components;
-    for (int i = 0; i < patch->nfaces; i++) {
-        const double *v = across ? c->all + (long)c->part->across[patch->start + i] * m
-                                 : c->values + (long)polymesh_patch_cell(w->mesh, p, i) * m;
-        memcpy(c->room + (long)i * m, v, (size_t)m * sizeof *v);
-    }
+    const int m = c->components;
+    for (int i = 0; i < patch->nfaces && !across && c->values; i++)
+        memcpy(c->face + (long)i * m, c->values + (long)polymesh_patch_cell(w->mesh, p, i) * m,
+               (size_t)m * sizeof(double));
     sink_printf(s, "        %-15s ", "value");
-    print_list(s, w->format, m, patch->nfaces, c->room);
+    print_list(s, w->format, m, patch->nfaces,
+               across ? c->across + (long)(patch->start - part_beyond(c->part)) * m : c->face);
+}
+
+/* Does OpenFOAM demand a `value` for the type of a patch, which is then that of the cells inside? */
+static bool prints_cells(const struct boundary_type *b, int components) {
+    const char *value = boundary_value(b, components);
+    return !b || (b->giving != BY_FUNCTION && b->giving != BY_EXPRESSION && boundary_gives(b) &&
+                  !(value && !strcmp(value, "value")));
+}
+
+static const struct patch_field *given_on(const struct printing *c, int p) {
+    return c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
+}
+
+/* Is it a type of the mesh, which fields have, too? */
+static bool is_constraint(const char *type) {
+    static const char *const constraints[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
+    for (int i = 0; i < 4; i++)
+        if (!strcmp(type, constraints[i])) return true;
+    return false;
+}
+
+/* Fetches from the ranks' slices the values in the cells at a patch: a patch_preparer. */
+static status fetch_patch(const struct field_writer *w, int p, void *context) {
+    struct printing *c = context;
+    const struct patch_field *given = given_on(c, p);
+    const long n = comm_root(c->share->comm) ? w->mesh->patch[p].nfaces : 0;
+    int *cell = NULL;
+    if (is_constraint(w->mesh->patch[p].type) ||
+        !prints_cells(given ? boundary_find(given->type) : NULL, c->components))
+        return OK;
+    free(c->face);
+    c->face = NULL;
+    status e = allocate(&cell, n, sizeof *cell, "a patch to write");
+    if (!e) e = allocate(&c->face, n * c->components, sizeof *c->face, "a patch to write");
+    e = comm_agree(c->share->comm, e);
+    for (long i = 0; !e && i < n; i++) cell[i] = polymesh_patch_cell(w->mesh, p, (int)i);
+    if (!e) e = share_fetch(c->share, c->components, c->slice, n, cell, c->face);
+    free(cell);
+    return e;
 }
 
 static void print_patch(struct sink *s, const struct field_writer *w, int p, const void *context) {
     const struct printing *c = context;
     const char *type = w->mesh->patch[p].type;
-    static const char *const constraints[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
-    for (int i = 0; i < 4; i++)
-        if (!strcmp(type, constraints[i])) {
-            sink_printf(s, "        %-15s %s;\n", "type", type);
-            return;
-        }
-    if (c->part && p >= c->part->npatches) {
+    const bool beyond = c->part && p >= c->part->npatches;
+    if (is_constraint(type) || beyond) {
         sink_printf(s, "        %-15s %s;\n", "type", type);
-        print_cells(s, w, p, c, true);
+        if (beyond) print_cells(s, w, p, c, true);
         return;
     }
-    const struct patch_field *given = c->medium ? c->medium->type->patch(c->medium, c->quantity, p) : NULL;
+    const struct patch_field *given = given_on(c, p);
     sink_printf(s, "        %-15s %s;\n", "type", given ? given->type : "calculated");
     const struct boundary_type *b = given ? boundary_find(given->type) : NULL;
     const char *value = boundary_value(b, c->components);
@@ -200,17 +251,25 @@ static void print_patch(struct sink *s, const struct field_writer *w, int p, con
     if (given && given->varying) varying_print(s, given->varying);
     if (b && (b->giving == BY_FUNCTION || b->giving == BY_EXPRESSION))
         print_given(s, w, p, "value", given, c);
-    else if (!b || (boundary_gives(b) && !(value && !strcmp(value, "value"))))
-        print_cells(s, w, p, c, false); /* OpenFOAM demands a `value` for this type */
+    else if (prints_cells(b, c->components))
+        print_cells(s, w, p, c, false);
+}
+
+/* Returns the faces of the largest patch that has values in files. */
+static int largest_patch(const struct polymesh *m) {
+    int n = 1;
+    for (int p = 0; p < m->npatches; p++)
+        if (m->patch[p].nfaces > n && strcmp(m->patch[p].type, "empty") != 0) n = m->patch[p].nfaces;
+    return n;
 }
 
 status output_values(const struct setup *s, const struct field_writer *w, const struct quantity *q,
                      const double *values, struct file_sum *sum) {
     struct printing c = {.components = q->components, .values = values};
     struct file_sum unasked;
-    TRY(allocate(&c.room, (long)q->components * largest_patch(s, NULL) + 1, sizeof(double), "a patch to write"));
+    TRY(allocate(&c.face, (long)q->components * largest_patch(s->mesh), sizeof(double), "a patch to write"));
     status e = field_write(w, q->name, q->components, q->dimensions, values, print_patch, &c, sum ? sum : &unasked);
-    free(c.room);
+    free(c.face);
     return e;
 }
 
@@ -218,49 +277,101 @@ status output_field(const struct setup *s, const struct field_writer *w, int qua
     return output_values(s, w, &s->medium->type->quantity[quantity], values, NULL);
 }
 
-/* Writes o->values into the case's folder, then each part's share into its own. */
+/* ---- a field of a time ---- */
+
+struct writing { /* a field that is being written; what the functions below share */
+    struct output *o;
+    const struct quantity *q;
+    const struct field_writer *w;
+    struct printing *print;
+};
+
+/* Fetches the values of cells from the ranks' slices to the root. */
+static status fetch_cells(const struct printing *c, long n, const int *cell, double **out) {
+    *out = NULL;
+    TRY(comm_agree(c->share->comm, allocate(out, n * c->components, sizeof **out, "a part of a field")));
+    return share_fetch(c->share, c->components, c->slice, n, cell, *out);
+}
+
+/* Writes the share of a part into its folder. */
+static status write_part(const struct writing *x, struct part *part) {
+    const struct polymesh *m = part ? part->mesh : NULL;
+    const int beyond = m ? part_beyond(part) : 0;
+    struct printing c = *x->print;
+    double *values = NULL, *across = NULL;
+    status e = fetch_cells(&c, m ? m->ncells : 0, m ? part->cell : NULL, &values);
+    if (!e) e = fetch_cells(&c, m ? m->nfaces - beyond : 0, m ? part->across + beyond : NULL, &across);
+    c.face = NULL;
+    c.part = part;
+    c.values = values;
+    c.across = across;
+    if (m && !e) e = allocate(&c.face, (long)c.components * largest_patch(m), sizeof *c.face, "a patch to write");
+    if (m && !e) {
+        const struct field_writer there = {m, x->w->format, part->tmp, x->w->location};
+        struct file_sum sum;
+        e = field_write(&there, x->q->name, c.components, x->q->dimensions, values, print_patch, &c, &sum);
+        if (!e) e = checksums_add(&part->sums, x->q->name, sum);
+    }
+    free(values);
+    free(across);
+    free(c.face);
+    return comm_agree(c.share->comm, e);
+}
+
+/* Writes a quantity with the entries of its patches, or with all patches calculated. */
+static status write_shared(const struct setup *s, const struct field_writer *w, int quantity, struct printing *c,
+                           struct file_sum *sum) {
+    const struct quantity *q = &s->medium->type->quantity[quantity];
+    return field_write_shared(w, q->name, q->components, q->dimensions, c->share, c->slice, fetch_patch, print_patch, c,
+                              sum);
+}
+
+status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum) {
+    const struct share share = share_make(s->comm, s->mesh->ncells);
+    struct printing c = {.components = s->medium->type->quantity[quantity].components, .share = &share};
+    double *slice;
+    status e = make_slice(s, quantity, &share, &slice);
+    c.slice = slice;
+    if (!e) e = write_shared(s, w, quantity, &c, sum);
+    free(slice);
+    free(c.face);
+    return e;
+}
+
+/* Writes a quantity into the case's folder, then each part's share into its own. */
 static status write_one(struct output *o, const struct field_writer *writer, int quantity) {
-    const struct quantity *q = &o->setup->medium->type->quantity[quantity];
-    const int components = q->components;
-    const char *name = q->name;
-    struct printing c = {o->setup->medium,      quantity,       components, o->values, NULL, o->values,
-                         o->setup->mesh->patch, o->patch_values};
+    const struct setup *s = o->setup;
+    const struct quantity *q = &s->medium->type->quantity[quantity];
+    const struct share share = share_make(s->comm, s->mesh->ncells);
+    struct printing c = {.medium = s->medium,
+                         .quantity = quantity,
+                         .components = q->components,
+                         .share = &share,
+                         .patches = s->mesh->patch};
     struct foam_format exact = *writer->format;
     struct field_writer all_digits = *writer;
     exact.precision = 17;
     all_digits.format = &exact;
     const struct field_writer *w = q->exact ? &all_digits : writer;
+    const struct writing x = {o, q, w, &c};
+    double *slice;
     struct file_sum sum;
-    TRY(field_write(w, name, components, q->dimensions, o->values, print_patch, &c, &sum));
-    TRY(checksums_add(&o->sums, name, sum));
-    for (int k = 0; o->parts && k < o->parts->n; k++) {
-        struct part *part = &o->parts->part[k];
-        const struct field_writer there = {part->mesh, w->format, part->tmp, w->location};
-        for (int i = 0; i < part->mesh->ncells; i++)
-            memcpy(o->part_values + (long)i * components, o->values + (long)part->cell[i] * components,
-                   (size_t)components * sizeof(double));
-        c.part = part;
-        c.values = o->part_values;
-        TRY(field_write(&there, name, components, q->dimensions, o->part_values, print_patch, &c, &sum));
-        TRY(checksums_add(&part->sums, name, sum));
-    }
-    return OK;
+    status e = make_slice(s, quantity, &share, &slice);
+    c.slice = slice;
+    if (!e) e = write_shared(s, w, quantity, &c, &sum);
+    if (!e && comm_root(s->comm)) e = checksums_add(&o->sums, q->name, sum);
+    e = comm_agree(s->comm, e);
+    for (int k = 0; k < o->nparts && !e; k++) e = write_part(&x, o->parts ? &o->parts->part[k] : NULL);
+    free(slice);
+    free(c.face);
+    return e;
 }
 
-/* Writes all fields. Each rank takes part in each gather, even if the root could not write the field before. */
 static status write_fields(struct output *o, const struct field_writer *w) {
-    const struct setup *s = o->setup;
-    const struct medium *m = s->medium;
-    status e = OK;
-    TRY(comm_agree(s->comm, make_room(o)));
-    for (const int *q = m->type->written; *q >= 0; q++) {
-        if (m->type->present && !m->type->present(m, *q)) continue;
-        status gathered = output_gather(s, *q, o->values);
-        if (!gathered && !e && comm_root(s->comm)) e = write_one(o, w, *q);
-        if (gathered) status_free(e), e = gathered;
-    }
-    drop_room(o);
-    return comm_agree(s->comm, e);
+    const struct medium *m = o->setup->medium;
+    for (const int *q = m->type->written; *q >= 0; q++)
+        if (!m->type->present || m->type->present(m, *q)) TRY(write_one(o, w, *q));
+    return OK;
 }
 
 static status purge(struct output *o, const char *name) {
@@ -318,6 +429,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     bool root = comm_root(s->comm);
     const struct field_writer w = {s->mesh, &s->control->format, folder, at->name};
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
+    comm_broadcast(s->comm, folder, TIME_PATH);
     TRY(write_fields(o, &w));
     TRY(o->save(o->context, &w, &o->sums));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
@@ -344,7 +456,7 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
     o->precision = digits;
     status e = write_all(o, &at, folder);
     if (e) {
-        if (*folder) remove_half(o, folder);
+        if (*folder && comm_root(s->comm)) remove_half(o, folder);
         return status_note(e, "while writing time %s; earlier times are intact", at.name);
     }
     o->last_time = t;

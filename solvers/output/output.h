@@ -15,8 +15,11 @@ void output_free(struct output *o);
 /* Writes a time: the root writes CASE/NAME; `written` becomes NAME (on the root). Collective. */
 status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]);
 
-/* Gathers a quantity on the root, [ncells][components] with vectors along physical axes, in `out`, which has room for 3
- * ncells doubles there. Collective. */
+/* Writes a quantity into another folder, with all patches calculated: each rank its share of the cells. Collective; w
+ * is the same on every rank. */
+status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum);
+/* Gathers a quantity on the root, [ncells][components] with vectors along physical axes, in `out`, which has room for
+ * that there. Collective. */
 status output_gather(const struct setup *s, int quantity, double *out);
 /* Writes a file of such values in another folder, with all patches calculated. On the root. */
 status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values);

@@ -269,12 +269,6 @@ static void mixture_block(const struct medium *m, int block, int quantity, doubl
         for (int i = 0; i < b->ncells; i++) out[k][i] = value_at(of(m), quantity, b->cell[i], k);
 }
 
-static status mixture_gather(const struct medium *m, int quantity, double *const out[3]) {
-    for (int k = 0; comm_root(m->setup->comm) && k < lines_of(m, quantity); k++)
-        for (int i = 0; i < m->setup->mesh->ncells; i++) out[k][i] = value_at(of(m), quantity, i, k);
-    return OK;
-}
-
 static bool mixture_present(const struct medium *m, int quantity) {
     return quantity != U || (of(m)->flow.U && !on_line(of(m)));
 }
@@ -332,7 +326,6 @@ const struct medium_type segregation_medium = {
     .log = mixture_log,
     .finish = mixture_finish,
     .block = mixture_block,
-    .gather = mixture_gather,
     .present = mixture_present,
     .patch = mixture_patch,
     .save = mixture_save,
