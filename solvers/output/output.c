@@ -216,12 +216,11 @@ static bool is_constraint(const char *type) {
 /* Fetches from the ranks' slices the values in the cells at a patch: a patch_preparer. */
 static status fetch_patch(const struct field_writer *w, int p, void *context) {
     struct printing *c = context;
-    const struct patch_field *given = given_on(c, p);
     const long n = comm_root(c->share->comm) ? w->mesh->patch[p].nfaces : 0;
     int *cell = NULL;
-    if (is_constraint(w->mesh->patch[p].type) ||
-        !prints_cells(given ? boundary_find(given->type) : NULL, c->components))
-        return OK;
+    if (is_constraint(w->mesh->patch[p].type)) return OK;
+    const struct patch_field *given = given_on(c, p);
+    if (!prints_cells(given ? boundary_find(given->type) : NULL, c->components)) return OK;
     free(c->face);
     c->face = NULL;
     status e = allocate(&cell, n, sizeof *cell, "a patch to write");

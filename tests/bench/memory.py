@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Peak memory of each rank (VmHWM) of a whole run: start from expressions, two steps, a written time, and again from that time.
+
+    tests/bench/memory.py N0 N1 N2 [-ranks 1 2 4 8] [-format binary|ascii] [-bin FOLDER]
+
+A box of N0 x N1 x N2 cells (N2 = 1: 2D) from system/blockMeshDict, gas with cooling and gravity, an inlet. Prints for each number
+of ranks the largest VmHWM of a rank in MB, in bytes a cell of that rank's share, and its ratio to that of one rank over N."""
+import argparse
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+sys.path.insert(0, HERE)
+os.environ.setdefault("HAFF_SOURCE", HERE)
+MESH = """
+vertices ((0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 1) (1 0 1) (1 1 1) (0 1 1));
+blocks (hex (0 1 2 3 4 5 6 7) (%d %d %d) simpleGrading (1 1 1));
+boundary
+(
+    inlet  { type patch; faces ((0 4 7 3)); }
+    outlet { type patch; faces ((1 2 6 5)); }
+    walls  { type wall; faces ((0 1 5 4) (3 7 6 2)); }
+    sides  { type %s; faces ((0 3 2 1) (4 5 6 7)); }
+);
+"""
+
+
+def make(case, n, form):
+    from tests.cases.harness import boxes
+    from tests.cases.runtime import test_blockMesh as meshes
+    flat = n[2] == 1
+    meshes.channel(case, MESH % (*n, "empty" if flat else "wall"))
+    sides = "sides { type empty; }" if flat else "sides { type zeroGradient; }"
+    for name, expression, rules in (("rho", '"100 + 20*cos(9*x)*sin(7*y)"', meshes.RULES[""] % 100 + sides),
+                                    ("p", '"100 + 300*pos(0.02 - (x - 0.4)^2 - (y - 0.3)^2)"', meshes.RULES[""] % 100 + sides),
+                                    ("U", ('"1 + sin(5*y)"', '"0.1*x"', '"0"'), meshes.RULES["U"]
+                                     + ("sides { type empty; }" if flat else "sides { type slip; }"))):
+        meshes.field(case, name, expression, rules)
+    path = os.path.join(case, "system", "controlDict")
+    with open(path, "w") as f:
+        f.write(boxes.header("dictionary", "controlDict", "system") + "application granularGas; startFrom latestTime; stopAt endTime; "
+                "endTime 2e-7; deltaT 1e-7; adjustTimeStep no; writeControl timeStep; writeInterval 2; timeFormat general; "
+                f"timePrecision 12; writeFormat {form}; writePrecision 12; writeCompression off; runTimeModifiable no;\n")
+
+
+def peaks(program, case, ranks):
+    """kB of each rank, of one run."""
+    log = tempfile.mkdtemp()
+    subprocess.run(["mpirun", "--oversubscribe", "-np", str(ranks), sys.executable, os.path.abspath(__file__), "-child", log, program,
+                    case], check=True)
+    values = [int(open(os.path.join(log, name)).read()) for name in os.listdir(log)]
+    shutil.rmtree(log)
+    assert len(values) == ranks
+    return values
+
+
+def child(log, program, case):
+    """One rank: runs the program in its place of the MPI job, and notes its peak."""
+    with open(os.devnull, "w") as nothing:
+        code = subprocess.run([program, "-case", case], stdout=nothing).returncode
+    with open(os.path.join(log, str(os.getpid())), "w") as f:
+        f.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
+    return code
+
+
+def main():
+    if sys.argv[1:2] == ["-child"]:
+        return child(*sys.argv[2:5])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("n", type=int, nargs=3)
+    parser.add_argument("-ranks", type=int, nargs="+", default=[1, 2, 4, 8])
+    parser.add_argument("-format", default="binary")
+    parser.add_argument("-bin", default=os.environ.get("HAFF_BIN", os.path.join(HERE, "build", "bin")))
+    a = parser.parse_args()
+    cells, first = a.n[0] * a.n[1] * a.n[2], {}
+    for key, value in {"OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1"}.items():
+        os.environ.setdefault(key, value)
+    print("ranks  start: MB, B/cell, ratio   restart: MB, B/cell, ratio")
+    for ranks in a.ranks:
+        with tempfile.TemporaryDirectory() as folder:
+            case = os.path.join(folder, "box")
+            make(case, a.n, a.format)
+            row = f"{ranks:5d}"
+            for run in ("start", "restart"):
+                most = 1024 * max(peaks(os.path.join(a.bin, "granularGas"), case, ranks))
+                first.setdefault(run, most * ranks)
+                row += f"   {most / 1e6:8.0f} {most * ranks / cells:7.0f} {most * ranks / first[run]:7.2f}"
+                path = os.path.join(case, "system", "controlDict")
+                with open(path) as f:
+                    text = f.read()
+                with open(path, "w") as f:
+                    f.write(text.replace("endTime 2e-7", "endTime 4e-7"))
+        print(row, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
