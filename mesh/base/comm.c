@@ -102,17 +102,26 @@ void comm_sum_long(const struct comm *c, long *value, int n) {
     reduce(c, value, n, MPI_LONG, MPI_SUM);
 }
 
-void comm_to_root(const struct comm *c, int from, void *data, long bytes) {
+/* Sends to the other rank, or receives from there, in pieces. */
+static void hand(const struct comm *c, bool send, int other, void *data, long bytes) {
     char *next = data;
     while (bytes > 0) {
         const int piece = bytes < PIECE ? (int)bytes : PIECE;
-        if (c->rank == 0)
-            MPI_Recv(next, piece, MPI_BYTE, from, 1, c->world, MPI_STATUS_IGNORE);
+        if (send)
+            MPI_Send(next, piece, MPI_BYTE, other, 1, c->world);
         else
-            MPI_Send(next, piece, MPI_BYTE, 0, 1, c->world);
+            MPI_Recv(next, piece, MPI_BYTE, other, 1, c->world, MPI_STATUS_IGNORE);
         next += piece;
         bytes -= piece;
     }
+}
+
+void comm_to_root(const struct comm *c, int from, void *data, long bytes) {
+    hand(c, c->rank > 0, c->rank ? 0 : from, data, bytes);
+}
+
+void comm_from_root(const struct comm *c, int to, void *data, long bytes) {
+    hand(c, c->rank == 0, c->rank ? 0 : to, data, bytes);
 }
 
 /* MPI's counts and displacements are ints, so that the ranks send one after the other, in pieces. */

@@ -49,8 +49,9 @@ void comm_broadcast(const struct comm *c, void *data, long bytes); /* copies the
 void comm_trade_counts(const struct comm *c, const int *count_out, int *count_in);
 void comm_trade(const struct comm *c, const double *out, const int *count_out, double *in, const int *count_in);
 void comm_trade_int(const struct comm *c, const int *out, const int *count_out, int *in, const int *count_in);
-/* Sends bytes from one rank to the root, which is another; called by these two alone. */
+/* Sends bytes from one rank to the root, which is another, or the other way; called by these two alone. */
 void comm_to_root(const struct comm *c, int from, void *data, long bytes);
+void comm_from_root(const struct comm *c, int to, void *data, long bytes);
 
 /* Messages of the same lengths between the same ranks, again and again. Links are mutual: a rank linked to another is
  * linked back. comm_exchange_start sends `times` * n doubles of every link's `out`, which must not change until

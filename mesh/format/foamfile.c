@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads files in OpenFOAM's grammar: the whole file into memory (unzipped), numbers, tokens with their lines, the
  * FoamFile header. foamlist.c reads lists, foamwrite.c writes. */
-#include "mesh/format/foamfile.h"
-
 #include "mesh/format/files.h"
+#include "mesh/format/foamfile_private.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -22,6 +21,7 @@
 void source_free(struct source *s) {
     if (!s) return;
     if (s->file >= 0) close(s->file);
+    free(s->part);
     free(s->path);
     free(s->text);
     free(s);
@@ -55,30 +55,29 @@ status source_fail(const struct source *s, int line, const char *format, ...) {
  * does. */
 static const size_t UNZIPPED = (size_t)1 << 30, RATIO = 100;
 
-enum { HEAD = 1 << 16, LONG_LIST = 4096 }; /* bytes: of the file's start that is looked at; of a list left out */
+enum { LONG_LIST = 4096 }; /* bytes */
 
-/* Finds a long binary list in the head of a file: returns where its entries begin, and their length; 0: there is
- * none. */
-static size_t find_gap(const struct source *head, size_t *bytes) {
+bool find_list(const struct source *head, struct long_list *out) {
     struct lexer l = lexer_start(head);
-    struct foam_header h;
     struct token t = {.kind = TOKEN_WORD};
-    status s = foam_header_read(&l, &h);
+    status s = foam_header_read(&l, &out->header);
     bool found = false;
-    *bytes = 0;
-    while (!s && h.binary && t.kind != TOKEN_END && !found) {
+    while (!s && t.kind != TOKEN_END && !found) {
         s = lexer_next(&l, &t);
         found = !s && token_is(&t, "nonuniform");
     }
     if (!s && found) s = lexer_next(&l, &t);
-    const int item = s || !found ? 0 : token_is(&t, "List<scalar>") ? 1 : token_is(&t, "List<vector>") ? 3 : 0;
-    if (!s && item) s = lexer_next(&l, &t);
-    if (!s && item && t.kind == TOKEN_NUMBER && t.number > 0 && t.number <= INT_MAX && t.number == floor(t.number))
-        *bytes = (size_t)t.number * (size_t)(item * h.scalar_bytes);
-    if (!s && *bytes) s = lexer_expect(&l, '(');
-    if (s || *bytes < LONG_LIST) *bytes = 0;
+    out->components = s || !found ? 0 : token_is(&t, "List<scalar>") ? 1 : token_is(&t, "List<vector>") ? 3 : 0;
+    if (!s && out->components) s = lexer_next(&l, &t);
+    found = !s && out->components && t.kind == TOKEN_NUMBER && t.number > 0 && t.number <= INT_MAX &&
+            t.number == floor(t.number);
+    out->count = found ? (long)t.number : 0;
+    if (found) s = lexer_expect(&l, '(');
+    out->at = l.position;
+    out->line = l.line;
+    found = found && !s && out->count * out->components * (long)sizeof(double) >= LONG_LIST;
     status_free(s);
-    return *bytes ? l.position : 0;
+    return found;
 }
 
 /* Reads n bytes of a file, from `at` on. Returns whether they are there. */
@@ -104,9 +103,12 @@ static status read_around(struct source *s) {
     char end = 0;
     s->size = 0;
     status e = allocate(&head.text, (long)n + 1, 1, "the head of a file");
-    if (!e && read_at(file, head.text, n, 0) && memcmp(head.text, "\x1f\x8b", 2) != 0) {
-        head.size = n;
-        s->gap = find_gap(&head, &s->gap_bytes);
+    struct long_list list;
+    head.size = n;
+    if (!e && read_at(file, head.text, n, 0) && strncmp(head.text, "\x1f\x8b", 2) != 0 && find_list(&head, &list) &&
+        list.header.binary) {
+        s->gap = list.at;
+        s->gap_bytes = (size_t)list.count * (size_t)(list.components * list.header.scalar_bytes);
     }
     const size_t gap_end = s->gap + s->gap_bytes;
     if (!s->gap_bytes || gap_end >= size || !read_at(file, &end, 1, gap_end) || end != ')')
@@ -184,7 +186,7 @@ static status source_make(const char *path, const char *ending, struct source **
     return OK;
 }
 
-status source_open(const char *path, struct source **out) {
+status source_name(const char *path, struct source **out) {
     *out = NULL;
     struct source *s = NULL;
     TRY(source_make(path, "", &s));
@@ -198,6 +200,14 @@ status source_open(const char *path, struct source **out) {
         }
     }
     s->foreign = file_is_foreign(s->path, path_case(s->path));
+    *out = s;
+    return OK;
+}
+
+status source_open(const char *path, struct source **out) {
+    *out = NULL;
+    struct source *s = NULL;
+    TRY(source_name(path, &s));
     status e = read_around(s);
     if (!e && !s->gap_bytes) e = read_all(s);
     if (e) {

@@ -18,11 +18,19 @@ struct source { /* a file in memory, already unzipped; text[size] is 0 */
     int file;         /* the open file; -1: nothing is left out */
     size_t gap;       /* position in text where they would stand, and in the file where they do */
     size_t gap_bytes; /* their length; 0: nothing is left out */
-    bool foreign;     /* does the file lie outside of the case (files.h)? Messages then show none of its text */
+    /* source_open_shared leaves them out of the text, too, and keeps those of this rank: entries part_first .. part_end
+     * - 1, until they are taken; gap_lines line ends stood among them. */
+    double *part;
+    int components, gap_lines;
+    long part_first, part_end;
+    bool foreign; /* does the file lie outside of the case (files.h)? Messages then show none of its text */
 };
 /* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file, and on what is
  * no regular file. */
 status source_open(const char *path, struct source **out);
+/* The same by all ranks together: of the first list, if it is long and has an entry for each cell, a rank gets its
+ * slice alone, which foam_list_read_part then gives once; it can give no other part. Collective. */
+status source_open_shared(const char *path, const struct share *share, struct source **out);
 /* Returns the error "PATH:LINE: <format...>"; of a foreign file it says no more than that. */
 status source_fail(const struct source *s, int line, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Makes a source from a string in memory (copied); `name` stands for the path in messages. */

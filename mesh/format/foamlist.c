@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads lists in OpenFOAM's grammar, ascii and binary: numbers, vectors, labels, faces (foamfile.h). */
-#include "mesh/format/foamfile.h"
+#include "mesh/format/foamfile_private.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -205,18 +205,14 @@ static long plain_faces(struct lexer *l, long most, struct growing *start, struc
     return n;
 }
 
-/* Reads numbers, or vectors `(0 1 2)`. */
-static long plain_doubles(struct lexer *l, long most, int components, struct growing *g) {
+long plain_entries(struct lexer *l, long most, int components, double *v) {
     long n = 0;
-    if (most > (g->room - g->count) / components) most = (g->room - g->count) / components;
-    for (int line = l->line; n < most; n++) {
-        double *v = (double *)g->data + g->count;
+    for (int line = l->line; n < most; n++, v += components) {
         const char *p = after_blanks(l->source->text + l->position, &line);
         int read = 0;
         if (components > 1 && *p++ != '(') break;
         while (read < components && (p = foam_number(p + (read && *p == ' '), v + read)) && isfinite(v[read])) read++;
         if (read < components || (components > 1 && *p++ != ')')) break;
-        g->count += components;
         move_to(l, p, line);
     }
     return n;
@@ -280,8 +276,8 @@ static status ascii_doubles(struct lexer *l, const struct opening *o, struct par
     TRY(grow(piece, (long)PIECE * p->components));
     for (;;) {
         bool closed;
-        piece->count = 0;
-        const long read = plain_doubles(l, entries_left(o, p->at), p->components, piece);
+        const long left = entries_left(o, p->at);
+        const long read = plain_entries(l, left < PIECE ? left : PIECE, p->components, piece->data);
         TRY(keep(p, piece->data, read));
         TRY(closes(l, o, &closed));
         if (closed) return o->count >= 0 && p->at != o->count ? wrong_count(l, o, p->at) : OK;
@@ -349,6 +345,29 @@ static status binary_doubles(struct lexer *l, const struct foam_header *h, const
     return OK;
 }
 
+/* Are the entries of the list that begins here left out of the text because the ranks have their slices of them? */
+static bool is_shared(const struct lexer *l) {
+    return l->source->components && l->position == l->source->gap;
+}
+
+/* Passes over the ')' of such a list. */
+static status pass_shared(struct lexer *l) {
+    l->line += l->source->gap_lines;
+    return lexer_expect(l, ')');
+}
+
+/* Hands over the slice of this rank. */
+static status take_shared(struct lexer *l, struct part *p, long count) {
+    struct source *s = (struct source *)(uintptr_t)l->source; /* what is handed over is no part of the text */
+    if (!s->part || p->components != s->components || p->first != s->part_first || p->end != s->part_end)
+        return fail(ERR_SYSTEM, "%s: entries are asked for that this rank has not got", s->path);
+    p->kept.data = s->part;
+    p->kept.count = p->kept.room = (s->part_end - s->part_first) * s->components;
+    p->at = count;
+    s->part = NULL;
+    return pass_shared(l);
+}
+
 status foam_list_read_part(struct lexer *l, const struct foam_header *h, int components, long most, long first,
                            long end, long *n, double **out) {
     struct part p = {.components = components, .first = first, .end = end, .kept.size = sizeof(double)};
@@ -358,7 +377,9 @@ status foam_list_read_part(struct lexer *l, const struct foam_header *h, int com
     if (components < 1 || components > 16) return fail(ERR_SYSTEM, "a list has 1 to 16 components, not %d", components);
     TRY(open_list(l, h, most, &o));
     status e = OK;
-    if (o.uniform)
+    if (is_shared(l))
+        e = take_shared(l, &p, o.count);
+    else if (o.uniform)
         e = uniform_doubles(l, &o, &p);
     else if (o.binary)
         e = binary_doubles(l, h, &o, &p, &piece);
@@ -506,6 +527,7 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
     const char *raw = NULL;
     TRY(open_list(l, h, LONG_MAX, &o));
     if (o.empty) return OK;
+    if (is_shared(l)) return pass_shared(l);
     if (o.binary) return raw_bytes(l, &o, item_bytes, &raw);
     const char *text = l->source->text, *p = text + l->position;
     int depth = 1, line = l->line;

@@ -382,7 +382,7 @@ status field_read_with(const char *path, const struct field_kind *kind, const st
     TRY(allocate(&f, 1, sizeof *f, "field"));
     f->kind = kind;
     f->range = any_value;
-    status s = dict_read(path, &f->dict);
+    status s = place->share ? dict_read_shared(path, place->share, &f->dict) : dict_read(path, &f->dict);
     if (!s) s = read_all(f, place, read, context);
     if (s) {
         field_free(f);
@@ -423,7 +423,7 @@ status field_read_slice(const char *path, int ncells, const struct share *share,
     const struct range r = share ? (struct range){share->first, share->end, ncells} : (struct range){0, ncells, ncells};
     struct dict *d = NULL;
     *out = NULL;
-    TRY(dict_read(path, &d));
+    TRY(share ? dict_read_shared(path, share, &d) : dict_read(path, &d));
     const char *class = dict_header(d)->class_name;
     double uniform[3];
     *components = !strcmp(class, "volVectorField") ? 3 : 1;
@@ -443,6 +443,7 @@ static int cell_line(const struct field *f, long cell) {
     const char *key = f->plan.fills ? f->plan.fills : evaluated ? "expression" : "internalField";
     int line = dict_line(f->dict, key);
     long wanted = cell * f->kind->components;
+    struct source *whole = NULL;
     struct lexer l;
     struct token t = {.kind = TOKEN_WORD};
     bool inside = false;
@@ -451,11 +452,19 @@ static int cell_line(const struct field *f, long cell) {
         status_free(s);
         return line;
     }
+    if (l.source->components) { /* the text lacks the list, whose place in the file is the same */
+        s = source_open(dict_path(f->dict), &whole);
+        if (!s) l.source = whole;
+    }
     while (!s && t.kind != TOKEN_END && !token_is(&t, ";")) {
         s = lexer_next(&l, &t);
         inside |= !s && token_is(&t, "(");
-        if (!s && inside && t.kind == TOKEN_NUMBER && !wanted--) return t.line;
+        if (!s && inside && t.kind == TOKEN_NUMBER && !wanted--) {
+            line = t.line;
+            break;
+        }
     }
+    source_free(whole);
     status_free(s);
     return line;
 }

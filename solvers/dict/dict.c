@@ -160,6 +160,13 @@ status dict_read(const char *path, struct dict **out) {
     return dict_make(s, out);
 }
 
+status dict_read_shared(const char *path, const struct share *share, struct dict **out) {
+    struct source *s = NULL;
+    *out = NULL;
+    TRY(source_open_shared(path, share, &s));
+    return dict_make(s, out);
+}
+
 status dict_from_text(const char *name, const char *text, struct dict **out) {
     struct source *s = NULL;
     *out = NULL;

@@ -10,6 +10,9 @@ struct dict;
 struct foam_header;
 
 status dict_read(const char *path, struct dict **out); /* the FoamFile header is skipped; path or path.gz */
+/* The same by all ranks together, each of which gets its slice of a long list (source_open_shared). Collective. */
+struct share;
+status dict_read_shared(const char *path, const struct share *share, struct dict **out);
 status dict_from_text(const char *name, const char *text, struct dict **out);
 void dict_free(struct dict *d); /* the top level only */
 
