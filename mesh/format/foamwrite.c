@@ -254,8 +254,8 @@ static status write_pieces(struct sink *s, const struct foam_format *f, int comp
 
 /* Writes bytes into the file of another rank's sink, and brings them to the disk: the root, which does so at the end,
  * may be on another machine. */
-static status write_at(const char *path, const char *data, size_t bytes, size_t at) {
-    int file, why = file_open_again(path, &file);
+static status write_at(const char *path, const char *temporary, const char *data, size_t bytes, size_t at) {
+    int file, why = file_open_again(temporary, &file);
     if (why) return file_error(path, "cannot write", why);
     while (bytes && !why) {
         const ssize_t done = pwrite(file, data, bytes < 1 << 30 ? bytes : 1 << 30, (off_t)at);
@@ -296,7 +296,7 @@ static status write_slices(struct sink *s, const char *path, int components, con
     status e = temporary ? OK : fail(ERR_SYSTEM, "no memory to write %s", path);
     e = comm_agree(share->comm, e);
     if (!e) comm_broadcast(share->comm, &at, sizeof at);
-    if (!e && !s) e = write_at(temporary, (const char *)slice, bytes, at + (size_t)share->first * item);
+    if (!e && !s) e = write_at(path, temporary, (const char *)slice, bytes, at + (size_t)share->first * item);
     if (!e && !s) mine[0] = (double)crc32_z(0, (const unsigned char *)slice, bytes);
     mine[1] = (double)bytes;
     free(temporary);

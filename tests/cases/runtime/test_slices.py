@@ -158,6 +158,22 @@ class Faults(harness.Folder, unittest.TestCase):
             self.said(case, "rhoE", "0.01")
 
 
+    def test_a_disk_that_is_full_for_one_rank(self):
+        """Files may have 11 kB: what fails is the slice of the second rank, in the first field of vectors."""
+        case = self.cases["binary"]
+        harness.edit(case, "system/controlDict", endTime=0.02)
+        before = runs.contents(os.path.join(case, "0.01"))
+        limited = 'ulimit -f 11; exec "$0" "$@"'
+        done = subprocess.run([os.path.join(harness.BIN, "mpirun"), "-np", "2", "bash", "-c", limited,
+                               os.path.join(harness.BIN, "granularGas"), "-case", case], capture_output=True, text=True,
+                              env={**os.environ, "OMPI_MCA_btl": "self,tcp"})  # messages by shared memory need files
+        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+        self.assertRegex(done.stderr, r"writing time 0\.02; earlier times are intact\s+\S*0\.02\.tmp/U: cannot write: File too large")
+        self.assertEqual(before, runs.contents(os.path.join(case, "0.01")))
+        self.assertEqual([], [name for name in os.listdir(case) if "0.02" in name])
+        harness.program("granularGas", "-case", case, ranks=2)
+
+
 class Memory(harness.Folder, unittest.TestCase):
     def bytes_a_cell(self, ranks, form):
         """What a cell adds to the rank that takes most, over a start and a restart; 2D, without what a rank takes in any case."""
