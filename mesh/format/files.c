@@ -22,14 +22,14 @@ size_t file_most(void) {
     return pages > 0 && page > 0 && (size_t)pages < most / (size_t)page ? (size_t)pages * (size_t)page : most;
 }
 
-static status check_kind(const char *path, const struct stat *info) {
+static status check_kind(const char *path, const struct stat *info, bool pieces) {
     const mode_t m = info->st_mode;
     const char *kind = S_ISDIR(m)                 ? "a folder"
                        : S_ISFIFO(m)              ? "a pipe"
                        : S_ISCHR(m) || S_ISBLK(m) ? "a device"
                                                   : "a socket";
     if (!S_ISREG(m)) return fail(ERR_INPUT, "%s: is no file but %s; put the file there, or a link to it", path, kind);
-    if ((size_t)info->st_size <= file_most()) return OK;
+    if (pieces || (size_t)info->st_size <= file_most()) return OK;
     return fail(ERR_INPUT,
                 "%s: the file has %.3g GiB; at most %.3g GiB are read (16 GiB, or the memory of this machine): is it "
                 "the right file? With  writeFormat binary;  fields are smaller",
@@ -37,15 +37,15 @@ static status check_kind(const char *path, const struct stat *info) {
 }
 
 /* A device is not even opened, because that can have effects; O_NONBLOCK is for a pipe that took the file's place. */
-status file_open_read(const char *path, int *out, size_t *bytes) {
+static status open_read(const char *path, bool pieces, int *out, size_t *bytes) {
     struct stat info;
     *out = -1;
     if (stat(path, &info)) return fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    TRY(check_kind(path, &info));
+    TRY(check_kind(path, &info, pieces));
     int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (file < 0) return fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    status s =
-        fstat(file, &info) ? fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno)) : check_kind(path, &info);
+    status s = fstat(file, &info) ? fail(ERR_INPUT, "%s: cannot open: %s", path, strerror(errno))
+                                  : check_kind(path, &info, pieces);
     if (s) {
         close(file);
         return s;
@@ -53,6 +53,14 @@ status file_open_read(const char *path, int *out, size_t *bytes) {
     *out = file;
     *bytes = (size_t)info.st_size;
     return OK;
+}
+
+status file_open_read(const char *path, int *out, size_t *bytes) {
+    return open_read(path, false, out, bytes);
+}
+
+status file_open_pieces(const char *path, int *out, size_t *bytes) {
+    return open_read(path, true, out, bytes);
 }
 
 int path_case(const char *path) {

@@ -15,6 +15,8 @@
 
 /* Opens a file for reading; fails, without opening it, on what is no regular file and on one too large to be read. */
 status file_open_read(const char *path, int *out, size_t *bytes);
+/* The same of a file of any size, for who reads it in pieces. */
+status file_open_pieces(const char *path, int *out, size_t *bytes);
 size_t file_most(void); /* bytes of a file that are read at most: 16 GiB, or the memory of this machine */
 /* Returns the length of the part of `path` that names the case: the folder above the last `system`, `constant` or time
  * folder, with its '/'; else the file's own folder. */

@@ -98,7 +98,7 @@ static bool read_at(int file, char *to, size_t n, size_t at) {
 static status read_around(struct source *s) {
     struct source head = {.file = -1};
     int file;
-    TRY(file_open_read(s->path, &file, &s->size));
+    TRY(file_open_pieces(s->path, &file, &s->size));
     const size_t size = s->size, n = size < HEAD ? size : HEAD;
     char end = 0;
     s->size = 0;

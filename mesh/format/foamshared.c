@@ -178,7 +178,7 @@ static status look(struct stream *x, bool *streams) {
     size_t bytes;
     int file;
     *streams = false;
-    TRY(file_open_read(x->source->path, &file, &bytes));
+    TRY(file_open_pieces(x->source->path, &file, &bytes));
     x->file = gzdopen(file, "rb");
     if (!x->file) close(file);
     if (!x->file) return fail(ERR_SYSTEM, "%s: no memory to read it", x->source->path);

@@ -161,7 +161,7 @@ status file_sum_read(const char *path, struct file_sum *sum) {
     const char *found = access(path, F_OK) ? zipped : path;
     size_t bytes;
     int file, got = -1, closed = Z_OK;
-    status e = file_open_read(found, &file, &bytes);
+    status e = file_open_pieces(found, &file, &bytes);
     gzFile f = e ? NULL : gzdopen(file, "rb"); /* reads plain files, too */
     if (!e && !f) close(file);
     if (f)

@@ -223,6 +223,8 @@ status case_table(const struct setup *s, const char *folder, const char *file, F
 double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
     double mesh = s->mesh->points ? points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28) : 0;
-    double fields = cells * 8 * 12;
-    return (mesh + fields) * comm_size(s->comm) + s->medium->type->memory(s->medium);
+    const bool sliced =
+        s->grid && s->grid->forest && !s->medium->type->whole; /* the ranks share the fields of the start */
+    const double fields = cells * 8 * 12 * (sliced ? 1 : comm_size(s->comm));
+    return mesh * comm_size(s->comm) + fields + s->medium->type->memory(s->medium);
 }
