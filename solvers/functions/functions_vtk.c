@@ -5,11 +5,12 @@
 #include "solvers/output/clouds.h"
 #include "solvers/output/output.h"
 #include "solvers/output/vtk.h"
+#include "solvers/output/vtk_pieces.h"
 
 #include <stdlib.h>
 
 struct vtk {
-    bool ascii;
+    bool ascii, pieces;
     struct vtk_grid *grid; /* on the root; made by the first execution, as is values */
     double *values;        /* on the root: [fields][3 cells] */
 };
@@ -18,13 +19,18 @@ static const char *const formats[] = {"binary", "ascii", NULL};
 #define PARAM_STRUCT struct vtk
 static const struct param vtk_param[] = {
     EITHER("writeFormat", ascii, false, formats, "of the VTK files"),
+    SWITCH("pieces", pieces, false,
+           "a .vtu for each rank and an index .pvtu, binary, in place of one .vtk: no rank holds the whole; lattices"),
 };
 
 static status vtk_make(struct function *f, struct dict *d) {
     struct vtk *v;
     TRY(allocate(&v, 1, sizeof *v, "VTK files"));
     f->own = v;
-    return params_read(d, f->type->param, f->type->nparam, v);
+    TRY(params_read(d, f->type->param, f->type->nparam, v));
+    if (v->pieces && v->ascii) return dict_fail(d, "writeFormat", "pieces are binary; leave the key out");
+    if (!v->pieces || f->setup->grid->forest) return OK;
+    return dict_fail(d, "pieces", "they are for lattices, and this run is on polyhedra; leave the key out");
 }
 
 static status write_cloud(const struct function *f, const struct moment *now, const char *folder, const char *time) {
@@ -39,7 +45,7 @@ static status write_cloud(const struct function *f, const struct moment *now, co
     cloud_free(&cloud);
     TRY(e);
     snprintf(name, sizeof name, "%s-grains", s->name);
-    return any ? vtk_series_write(folder, name, now->t) : OK;
+    return any ? vtk_series_write(folder, name, ".vtk", now->t) : OK;
 }
 
 static status write_file(const struct function *f, const struct moment *now, const char *time,
@@ -51,7 +57,21 @@ static status write_file(const struct function *f, const struct moment *now, con
     snprintf(path, sizeof path, "%s/%s_%s.vtk", folder, f->setup->name, time);
     TRY(vtk_write(v->grid, path, v->ascii, now->t, now->step, f->nfields, fields));
     TRY(write_cloud(f, now, folder, time));
-    return vtk_series_write(folder, f->setup->name, now->t);
+    return vtk_series_write(folder, f->setup->name, ".vtk", now->t);
+}
+
+static status write_pieces(const struct function *f, const struct moment *now, const char *time) {
+    const struct setup *s = f->setup;
+    char folder[TIME_PATH + 8], name[sizeof s->name + TIME_NAME];
+    int quantity[MAX_QUANTITIES + 1];
+    memcpy(quantity, f->field, (size_t)f->nfields * sizeof *quantity);
+    quantity[f->nfields] = -1;
+    snprintf(folder, sizeof folder, "%s/VTK", s->dir);
+    snprintf(name, sizeof name, "%s_%s", s->name, time);
+    TRY(vtk_pieces_write(s, folder, name, now->t, now->step, quantity));
+    status e = comm_root(s->comm) ? write_cloud(f, now, folder, time) : OK;
+    if (!e && comm_root(s->comm)) e = vtk_series_write(folder, s->name, ".pvtu", now->t);
+    return comm_agree(s->comm, e);
 }
 
 static status vtk_execute(struct function *f, const struct moment *now, const char *time) {
@@ -61,6 +81,7 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
     long n = s->mesh->ncells;
     bool root = comm_root(s->comm);
     status e = OK;
+    if (v->pieces) return write_pieces(f, now, time);
     if (root) e = setup_complete(s);
     if (root && !e && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
     if (root && !e && !v->values) e = allocate(&v->values, 3 * n * f->nfields, sizeof(double), "VTK fields");

@@ -63,9 +63,9 @@ void output_free(struct output *o) {
 
 /* ---- values of cells ---- */
 
-/* Sets out[cells of this rank][components] to a quantity, block by block, with vectors along physical axes. `exact`: as
- * a restart needs it. */
-static status own_values(const struct setup *s, int quantity, bool exact, double **out) {
+/* Sets out[cells of this rank][components] to a quantity, block by block, with vectors along physical axes, as a
+ * restart needs it. */
+static status own_values(const struct setup *s, int quantity, double **out) {
     const struct medium *m = s->medium;
     const struct grid *g = s->grid;
     const int components = m->type->quantity[quantity].components, lines = setup_lines(s, quantity);
@@ -80,7 +80,7 @@ static status own_values(const struct setup *s, int quantity, bool exact, double
     line[2] = line[1] + most;
     double *to = *out;
     for (int b = 0; b < g->nblocks; to += (long)g->block[b++].ncells * components) {
-        (exact && m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
+        (m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
         for (int k = 0; k < (components == 1 ? 1 : lines); k++)
             for (int i = 0; i < g->block[b].ncells; i++)
                 to[(long)i * components + (components == 1 ? 0 : s->axis[k])] = line[k][i];
@@ -89,11 +89,10 @@ static status own_values(const struct setup *s, int quantity, bool exact, double
     return OK;
 }
 
-/* Makes own_values ready and computes them on every rank. */
-static status make_values(const struct setup *s, int quantity, bool exact, double **out) {
+status output_own(const struct setup *s, int quantity, double **out) {
     *out = NULL;
     if (s->medium->type->derive) TRY(s->medium->type->derive(s->medium, quantity));
-    const status e = comm_agree(s->comm, own_values(s, quantity, exact, out));
+    const status e = comm_agree(s->comm, own_values(s, quantity, out));
     if (e) free(*out);
     return e;
 }
@@ -103,7 +102,7 @@ status output_gather(const struct setup *s, int quantity, double *out) {
     double *own;
     long n;
     const int *cell = grid_cells(s->grid, &n);
-    TRY(make_values(s, quantity, true, &own));
+    TRY(output_own(s, quantity, &own));
     const status e = share_gather(&share, s->medium->type->quantity[quantity].components, n, cell, own, out);
     free(own);
     return e;
@@ -116,7 +115,7 @@ static status make_slice(const struct setup *s, int quantity, const struct share
     long n;
     const int *cell = grid_cells(s->grid, &n);
     *out = NULL;
-    TRY(make_values(s, quantity, true, &own));
+    TRY(output_own(s, quantity, &own));
     status e = allocate(out, (share->end - share->first) * components, sizeof(double), "a slice of a field");
     e = comm_agree(s->comm, e);
     if (!e) e = share_store(share, components, n, cell, own, *out);

@@ -18,6 +18,9 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
 /* Writes a quantity into another folder, with all patches calculated: each rank its share of the cells. Collective; w
  * is the same on every rank. */
 status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum);
+/* Computes a quantity in the cells of this rank, block by block: *out is [cells][components] with vectors along
+ * physical axes; the caller frees it. Collective. */
+status output_own(const struct setup *s, int quantity, double **out);
 /* Gathers a quantity on the root, [ncells][components] with vectors along physical axes, in `out`, which has room for
  * that there. Collective. */
 status output_gather(const struct setup *s, int quantity, double *out);

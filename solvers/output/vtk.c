@@ -203,7 +203,7 @@ static void write_grid(const struct vtk_grid *g, struct out *o) {
     sink_printf(o->sink, "\n");
 }
 
-static const char title[] = "haff, time "; /* vtk_series_write reads the time behind it with all its digits */
+static const char title[] = VTK_TITLE;
 
 static void write_start(struct out *o, const char *dataset, double t, long step) {
     sink_printf(o->sink, "# vtk DataFile Version 3.0\n%s%.17g\n%s\nDATASET %s\n", title, t,
@@ -284,8 +284,9 @@ static bool file_time(const char *folder, const char *name, double *t) {
     status_free(s);
     FILE *f = s ? NULL : fdopen(file, "rb");
     if (!f) return false;
-    bool ok = fgets(line, sizeof line, f) && fgets(line, sizeof line, f) && !strncmp(line, title, sizeof title - 1);
-    if (ok) *t = strtod(line + sizeof title - 1, NULL);
+    const char *found = fgets(line, sizeof line, f) && fgets(line, sizeof line, f) ? strstr(line, title) : NULL;
+    const bool ok = found && (found == line || found == line + 5); /* behind <!-- in XML */
+    if (ok) *t = strtod(found + sizeof title - 1, NULL);
     fclose(f);
     return ok;
 }
@@ -295,17 +296,18 @@ static int by_time(const void *a, const void *b) {
     return p->t < q->t ? -1 : p->t > q->t ? 1 : strcmp(p->name, q->name);
 }
 
-static status find_files(const char *folder, const char *name, double latest, int *n, struct entry **list) {
+static status find_files(const char *folder, const char *name, const char *ending, double latest, int *n,
+                         struct entry **list) {
     DIR *d = opendir(folder);
     if (!d) return fail(ERR_SYSTEM, "%s: %s", folder, strerror(errno));
     status s = OK;
-    size_t stem = strlen(name);
+    const size_t stem = strlen(name), tail = strlen(ending);
     int room = 0;
     for (struct dirent *e; !s && (e = readdir(d));) {
         size_t length = strlen(e->d_name);
         struct entry found;
-        if (length < stem + 6 || length >= sizeof found.name || strncmp(e->d_name, name, stem) ||
-            e->d_name[stem] != '_' || strcmp(e->d_name + length - 4, ".vtk") ||
+        if (length < stem + 2 + tail || length >= sizeof found.name || strncmp(e->d_name, name, stem) ||
+            e->d_name[stem] != '_' || strcmp(e->d_name + length - tail, ending) ||
             !file_time(folder, e->d_name, &found.t) || found.t > latest + 1e-12 * fabs(latest))
             continue;
         memcpy(found.name, e->d_name, length + 1);
@@ -323,13 +325,13 @@ static status find_files(const char *folder, const char *name, double latest, in
     return s;
 }
 
-status vtk_series_write(const char *folder, const char *name, double latest) {
+status vtk_series_write(const char *folder, const char *name, const char *ending, double latest) {
     int n = 0;
     struct entry *list = NULL;
     char path[PATH];
     struct sink *o;
-    status s = find_files(folder, name, latest, &n, &list);
-    snprintf(path, sizeof path, "%s/%s.vtk.series", folder, name);
+    status s = find_files(folder, name, ending, latest, &n, &list);
+    snprintf(path, sizeof path, "%s/%s%s.series", folder, name, ending);
     if (!s) s = sink_open(path, false, &o);
     if (!s) {
         sink_printf(o, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");

@@ -32,8 +32,10 @@ struct vtk_polygons {
 status vtk_write_polygons(const char *path, bool ascii, double t, long step, const struct vtk_polygons *p,
                           bool in_polygons, int nfields, const struct vtk_field *fields);
 
-/* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk whose time is at most `latest`, ascending: files left by
- * an earlier run that went further stay out. */
-status vtk_series_write(const char *folder, const char *name, double latest);
+/* Stands in the second line of a file, before its time with all digits. */
+#define VTK_TITLE "haff, time "
+/* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk (ending: ".vtk") whose time is at most `latest`,
+ * ascending: files left by an earlier run that went further stay out. */
+status vtk_series_write(const char *folder, const char *name, const char *ending, double latest);
 
 #endif

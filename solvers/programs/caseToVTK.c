@@ -210,9 +210,9 @@ static status convert_all(struct conversion *c) {
         latest = times[i].t;
     }
     snprintf(path, sizeof path, "%s/VTK", c->dir);
-    if (!s) s = vtk_series_write(path, c->name, latest);
+    if (!s) s = vtk_series_write(path, c->name, ".vtk", latest);
     snprintf(c->name + strlen(c->name), sizeof c->name - strlen(c->name), "-grains");
-    if (!s && c->clouds) s = vtk_series_write(path, c->name, latest);
+    if (!s && c->clouds) s = vtk_series_write(path, c->name, ".vtk", latest);
     free(times);
     if (!s) return damage;
     status_free(damage);
