@@ -22,21 +22,27 @@ void blocks_free(const struct forest *f, double **blocks) {
     free(blocks);
 }
 
+static status make_axis(struct gas *g, int axis) {
+    const struct forest *f = g->forest;
+    struct axis_lines *l = &g->tiles->work.along[axis];
+    const long length = (axis + 1 < g->dim ? f->first + f->stride[axis + 1] : f->size) + SLACK;
+    double **const balance[] = {&l->rise, &l->on, &l->face, &l->base[0], &l->base[1]};
+    for (int v = 0; v < g->nvar; v++) TRY(allocate(&l->flux[v], length, sizeof(double), "scratch"));
+    if (!balance_acts(g, axis)) return OK;
+    for (int i = 0; i < 5; i++) TRY(allocate(balance[i], length, sizeof(double), "scratch"));
+    return allocate(&l->taken, g->tiles->activity.nspans, sizeof(bool), "scratch");
+}
+
 static status make_work(struct gas *g) {
     struct work *w = &g->tiles->work;
     double **single[] = {&w->eps, &w->p, &w->c, &w->gruneisen};
     for (int i = 0; i < 4; i++) TRY(allocate(single[i], g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int k = 0; k < g->components; k++)
         TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
-    TRY(allocate(&w->residual[0], g->nvar * g->forest->size + SLACK, sizeof(double), "scratch"));
-    for (int v = 0; v < g->nvar; v++) {
-        TRY(allocate(&w->flux[v], g->forest->size + SLACK, sizeof(double), "scratch"));
-        w->residual[v] = w->residual[0] + v * g->forest->size;
-    }
-    if (!source_falls(&g->models.source, g->components)) return OK;
-    double **const balance[] = {&w->rise, &w->on, &w->face, &w->base[0], &w->base[1]};
-    for (int i = 0; i < 5; i++) TRY(allocate(balance[i], g->forest->size + SLACK, sizeof(double), "scratch"));
-    return allocate(&w->taken, g->tiles->activity.nspans, sizeof(bool), "scratch");
+    for (int k = 0; k < g->dim; k++) TRY(make_axis(g, k));
+    for (int i = 0; i < 2 && g->dim > 2; i++)
+        TRY(allocate(&w->planes[i], g->tiles->activity.rows, sizeof *w->planes[i], "scratch"));
+    return OK;
 }
 
 /* Gravity needs to know which cells it acts on in the stages. */
@@ -98,6 +104,17 @@ static status tiles_make(struct gas *g) {
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
+static void free_work(struct work *w) {
+    void *single[] = {w->eps, w->p, w->c, w->gruneisen, w->planes[0], w->planes[1]};
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
+    for (int k = 0; k < MAX_DIM; k++) {
+        struct axis_lines *l = &w->along[k];
+        void *lines[] = {l->rise, l->on, l->face, l->base[0], l->base[1], l->taken, w->velocity[k]};
+        for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) free(lines[i]);
+        for (int v = 0; v < MAX_VAR; v++) free(l->flux[v]);
+    }
+}
+
 static void tiles_free(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     struct tiles *x = g->tiles;
@@ -111,16 +128,10 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->flag);
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
-    void *single[] = {
-        x->flagged,   x->sums,         x->activity.differ, x->activity.active, x->activity.needed, x->activity.quiet,
-        x->work.eps,  x->work.p,       x->work.c,          x->work.gruneisen,  x->work.rise,       x->work.on,
-        x->work.face, x->work.base[0], x->work.base[1],    x->work.taken,      x->work.residual[0]};
+    free_work(&x->work);
+    void *single[] = {x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed,
+                      x->activity.quiet, x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
-    for (int k = 0; k < MAX_DIM; k++) free(x->work.velocity[k]);
-    for (int v = 0; v < MAX_VAR; v++) {
-        free(x->work.flux[v]);
-    }
-    free(x);
 }
 
 static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {

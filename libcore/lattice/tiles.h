@@ -7,14 +7,21 @@
 #include "libcore/gas/gas_private.h"
 #include "mesh/lattice/forest.h"
 
-struct work { /* scratch of the tile in hand, [size] each: it stays in L2 through a stage */
+/* What the fluxes along one axis read of the tile in hand, as lines. They hold of the block what stages need at a time:
+ * a row along the first axis, a plane along the second, all of it along the last; the number of the block's offset o is
+ * at o - origin. */
+struct axis_lines {
+    long origin;
+    double *flux[MAX_VAR];  /* nodal fluxes */
+    double *rise, *on;      /* k and `on` of tiles_balance.c; NULL where gravity does not act along the axis */
+    double *face, *base[2]; /* P, P_0 and P_1 of tiles_balance.c, likewise */
+    bool *taken;            /* [rows of activity_row] is anything of these not 0 in the row? */
+};
+struct work { /* scratch of the tile in hand, [size] each */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
-    double *flux[MAX_VAR];       /* nodal fluxes along the axis in turn */
-    double *residual[MAX_VAR];   /* -div F, with gravity */
-    double *rise, *on;           /* k and `on` of tiles_balance.c along that axis; NULL without gravity */
-    double *face, *base[2];      /* P, P_0 and P_1 of tiles_balance.c, likewise */
-    double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
-    bool *taken;                 /* [rows of activity_row] is anything of these not 0 in the row? */
+    struct axis_lines along[MAX_DIM];
+    double (*planes[2])[MAX_VAR][BATCH]; /* 3D: [rows] faces along axis 2 below and above a plane, in turn */
+    double pace[MAX_DIM][BATCH];         /* dt/width along each axis, for fluxes that are paced */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;

@@ -140,34 +140,38 @@ struct row_of_faces { /* along an axis, above n cells from `offset` on */
 
 static bool balance_faces(const struct row_of_faces *r) {
     const struct work *w = &r->g->tiles->work;
-    const long at = r->offset;
+    const struct axis_lines *l = &w->along[r->axis];
+    const long at = r->offset, to = at - l->origin;
     return balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], r->U + at, w->p + at,
-                        w->velocity[r->axis] + at, w->c + at, w->rise + at, w->on + at, w->face + at, w->base[0] + at,
-                        w->base[1] + at);
+                        w->velocity[r->axis] + at, w->c + at, l->rise + to, l->on + to, l->face + to, l->base[0] + to,
+                        l->base[1] + to);
 }
 
 /* The balance of the i-th face of a row, and n - 1 more, on a wall. */
 static void balance_wall(const struct row_of_faces *r, int i, int n, bool high) {
     const struct work *w = &r->g->tiles->work;
+    const struct axis_lines *l = &w->along[r->axis];
     const long stride = r->g->forest->stride[r->axis];
     for (long at = r->offset + i; at < r->offset + i + n; at++) {
-        const long in = high ? at : at + stride;
+        const long in = high ? at : at + stride, to = at - l->origin;
         const struct balance b = balance_on_wall(r->half, high, r->U[in], w->p[in], w->velocity[r->axis][in], w->c[in]);
-        keep_balance(b, w->p[at], w->p[at + stride], &w->rise[at], &w->on[at], &w->face[at], &w->base[0][at],
-                     &w->base[1][at]);
+        keep_balance(b, w->p[at], w->p[at + stride], &l->rise[to], &l->on[to], &l->face[to], &l->base[0][to],
+                     &l->base[1][to]);
     }
 }
 
 /* Sets what balance_line leaves when nothing is taken. */
 static void take_nothing(const struct row_of_faces *r) {
-    const struct work *w = &r->g->tiles->work;
-    double *const line[] = {w->on, w->face, w->base[0], w->base[1]};
-    for (int i = 0; i < 4; i++) memset(line[i] + r->offset, 0, (size_t)whole_vectors(r->n) * sizeof(double));
+    const struct axis_lines *l = &r->g->tiles->work.along[r->axis];
+    double *const line[] = {l->on, l->face, l->base[0], l->base[1]};
+    for (int i = 0; i < 4; i++)
+        memset(line[i] + r->offset - l->origin, 0, (size_t)whole_vectors(r->n) * sizeof(double));
 }
 
 /* The balance of a row along axis 0, from place j on: its walls are faces in it. */
 static bool balance_along(const struct row_of_faces *r, const struct walls *walls, int j) {
-    double *rise = r->g->tiles->work.rise + r->offset;
+    const struct axis_lines *l = &r->g->tiles->work.along[0];
+    double *rise = l->rise + r->offset - l->origin;
     const int low = walls->low[0] - j, high = walls->high[0] - j;
     const bool at_low = low >= 0 && low < r->n, at_high = high >= 0 && high < r->n, taken = balance_faces(r);
     for (int i = 0; i < low && i < r->n; i++) rise[i] = -rise[i];
@@ -207,13 +211,14 @@ KERNEL static void add_line(int n, const double *restrict P, double *restrict ou
 
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *given,
                      const struct reconstruct *r) {
-    const struct work *w = &g->tiles->work;
+    const struct axis_lines *l = &g->tiles->work.along[s->axis];
+    const long at = s->offset - l->origin;
     struct faces f = *given;
-    f.on = w->on + s->offset;
-    f.base[0] = w->base[0] + s->offset;
-    f.base[1] = w->base[1] + s->offset;
-    f.rise = w->rise + s->offset;
-    f.rest = w->face + s->offset;
+    f.on = l->on + at;
+    f.base[0] = l->base[0] + at;
+    f.base[1] = l->base[1] + at;
+    f.rise = l->rise + at;
+    f.rest = l->face + at;
     g->models.flux->through(&f, g->models.eos, &g->models.material, r);
-    add_line(f.n, w->face + s->offset, f.out[1]);
+    add_line(f.n, f.rest, f.out[1]);
 }

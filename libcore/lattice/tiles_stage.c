@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One Runge-Kutta stage of one tile, while it is in L2: primitives, fluxes of all axes, update, admissibility. In 2D
- * row by row. */
+/* One Runge-Kutta stage of one tile: primitives, fluxes of all axes, update, admissibility. In 2D row by row while rows
+ * are in L1, in 3D so within a plane, and plane by plane while planes are in L2. */
 #include "libcore/lattice/tiles.h"
 
 void runs_visit(const struct forest *f, const struct tile *tile, int margin, run_visitor *visit, void *context) {
@@ -34,7 +34,6 @@ struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
     int axis;
-    const int *n;       /* cells of the tile along the axes */
     struct walls walls; /* under gravity */
 };
 
@@ -63,8 +62,9 @@ KERNEL static void nodal_row(int n, int dim, int axis, long size, const double *
 static void nodal_visit(void *context, long offset, int n) {
     const struct pass *pass = context;
     const struct gas *g = pass->g;
+    const struct axis_lines *lines = &g->tiles->work.along[pass->axis];
     double *flux[MAX_VAR];
-    for (int v = 0; v < g->nvar; v++) flux[v] = g->tiles->work.flux[v] + offset;
+    for (int v = 0; v < g->nvar; v++) flux[v] = lines->flux[v] + offset - lines->origin;
     nodal_row(n, g->components, pass->axis, g->forest->size, pass->U + offset,
               g->tiles->work.velocity[pass->axis] + offset, g->tiles->work.p + offset, flux);
 }
@@ -74,6 +74,7 @@ static void nodal_visit(void *context, long offset, int n) {
 static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
                              int column) {
     const struct work *w = &g->tiles->work;
+    const struct axis_lines *lines = &w->along[axis];
     struct faces f = {.n = whole_vectors(n),
                       .dim = g->components,
                       .stride = g->forest->stride[axis],
@@ -88,7 +89,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
         int from = v; /* normal component first, the others in their order */
         if (v >= 1 && v <= g->components) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
         f.state[v] = U + from * g->forest->size + offset;
-        f.flux[v] = w->flux[from] + offset;
+        f.flux[v] = lines->flux[from] + offset - lines->origin;
         f.out[v] = out[from] + column;
         if (v >= 1 && v <= g->components) f.velocity[v - 1] = w->velocity[from - 1] + offset;
     }
@@ -120,7 +121,7 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
 
 /* Computes the fluxes through the faces f of a strip. */
 static void through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r) {
-    if (balance_acts(g, s->axis) && g->tiles->work.taken[s->row])
+    if (balance_acts(g, s->axis) && g->tiles->work.along[s->axis].taken[s->row])
         balance_through(g, s, f, r);
     else
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
@@ -153,12 +154,33 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     if (g->tally) tiles_tally(g, s, out, column);
 }
 
-KERNEL static void difference_row(int n, double inverse, const double *restrict low, const double *restrict high,
-                                  bool add, double *restrict residual) {
-    if (add)
-        for (int i = 0; i < n; i++) residual[i] += (low[i] - high[i]) * inverse;
-    else
-        for (int i = 0; i < n; i++) residual[i] = (low[i] - high[i]) * inverse;
+/* The lines of the faces below and above the cells of a row along an axis: variable v at low[v], high[v]. */
+struct faces_of_row {
+    const double (*low)[BATCH], (*high)[BATCH];
+    double inverse; /* 1/width */
+};
+
+/* Computes residual = -div F of a row, summed from the first axis on. */
+ALWAYS_INLINE void residual_dim(const int dim, int n, int nvar, const struct faces_of_row f[MAX_DIM],
+                                double (*restrict residual)[BATCH]) {
+    const double ix = f[0].inverse, iy = dim > 1 ? f[1].inverse : 0, iz = dim > 2 ? f[2].inverse : 0;
+    for (int v = 0; v < nvar; v++) {
+        const double *restrict xl = f[0].low[v], *restrict xh = f[0].high[v];
+        const double *restrict yl = dim > 1 ? f[1].low[v] : xl, *restrict yh = dim > 1 ? f[1].high[v] : xl;
+        const double *restrict zl = dim > 2 ? f[2].low[v] : xl, *restrict zh = dim > 2 ? f[2].high[v] : xl;
+        for (int i = 0; i < n; i++) {
+            double sum = (xl[i] - xh[i]) * ix;
+            if (dim > 1) sum += (yl[i] - yh[i]) * iy;
+            if (dim > 2) sum += (zl[i] - zh[i]) * iz;
+            residual[v][i] = sum;
+        }
+    }
+}
+KERNEL static void residual_row(int dim, int n, int nvar, const struct faces_of_row f[MAX_DIM],
+                                double (*restrict residual)[BATCH]) {
+    if (dim == 1) residual_dim(1, n, nvar, f, residual);
+    if (dim == 2) residual_dim(2, n, nvar, f, residual);
+    if (dim == 3) residual_dim(3, n, nvar, f, residual);
 }
 
 struct update {
@@ -172,15 +194,15 @@ struct update {
     int bad;
 };
 
-static void update_visit(void *context, long offset, int n) {
-    struct update *u = context;
+/* Advances n cells of a row from `offset` on by their residual. */
+static void update_row(struct update *u, long offset, int n, double (*residual)[BATCH]) {
     const struct gas *g = u->g;
     const double *falls = u->falls ? u->falls + offset : NULL, *flag = u->dropped ? u->flag + offset : NULL;
     const double *part = tiles_hold_bed(g, u->tile) ? g->dense->part[u->tile] + offset : NULL;
     const struct advance s = {.U0 = u->U0 + offset,
                               .from = u->from + offset,
-                              .residual = g->tiles->work.residual[0] + offset,
-                              .each = g->size,
+                              .residual = residual[0],
+                              .each = BATCH,
                               .to = u->to + offset,
                               .a = u->a,
                               .dt = u->dt};
@@ -191,7 +213,7 @@ static void update_visit(void *context, long offset, int n) {
     u->g->computed += n;
 }
 
-/* Advances the background, a cell whose residual is that of gravity alone, with the bits of update_visit. */
+/* Advances the background, a cell whose residual is that of gravity alone, with the bits of update_row. */
 static void settle_background(const struct update *u) {
     const double none[MAX_VAR] = {0};
     const struct advance s = {
@@ -199,125 +221,143 @@ static void settle_background(const struct update *u) {
     advance_row(u->g, 1, &s, u->falls, NULL);
 }
 
-/* residual = -(F_high - F_low)/width along axis 0, where a row holds its faces side by side. */
-static void sweep_row(struct gas *g, int tile, const double *U, int j, int k) {
-    const struct forest *f = g->forest;
-    double faces[MAX_VAR][BATCH], inverse = 1 / f->width[0];
-    const struct activity *a = &g->tiles->activity;
-    const struct span *row = activity_row(a, a->active, j, k), s = *row;
-    if (span_empty(s)) return;
-    long offset = f->first + s.low + j * f->stride[1] + k * f->stride[2];
-    const struct strip strip = {
-        .tile = tile, .n = s.high - s.low + 1, .offset = offset - 1, .from = s.low - 1, .row = (int)(row - a->active)};
-    face_fluxes(g, U, &strip, faces, 0);
-    for (int v = 0; v < g->nvar; v++)
-        difference_row(s.high - s.low, inverse, faces[v], faces[v] + 1, false, g->tiles->work.residual[v] + offset);
-}
-
-struct column { /* rows one above the other along `axis`, at place `outer` of the third axis */
-    int axis, outer;
-    double faces[2][MAX_VAR][BATCH]; /* below and above a row, in turn */
+/* A tile in hand. Rows are (j, k), counted along axes 1 and 2; the faces of axis a that belong to a row are those above
+ * its cells. */
+struct sweep {
+    struct pass pass;
+    struct update *update;
+    const int *n; /* cells of the tile along the axes */
+    int tile;
 };
 
-/* The row of activity_row at place j of a column. */
-static int row_of(const struct gas *g, const struct column *c, int j) {
+static struct span *active_row(const struct gas *g, int j, int k) {
     const struct activity *a = &g->tiles->activity;
-    return (int)(activity_row(a, a->active, c->axis == 1 ? j : c->outer, c->axis == 1 ? c->outer : j) - a->active);
-}
-
-static struct span active_span(const struct gas *g, int tile, const struct column *c, int j) {
-    if (j < 0 || j >= g->forest->tile[tile].n[c->axis]) return SPAN_EMPTY;
-    return g->tiles->activity.active[row_of(g, c, j)];
-}
-
-/* Adds to the residual of row j of a column, j from -1 on, what its faces along the column's axis give. The faces
- * between rows j and j + 1 cover the active spans of both; those below row j were kept from the call before. */
-static void sweep_column(struct gas *g, int tile, const double *U, struct column *c, int j) {
-    const struct forest *f = g->forest;
-    double inverse = 1 / f->width[c->axis];
-    struct span mine = active_span(g, tile, c, j), s = span_join(mine, active_span(g, tile, c, j + 1));
-    double(*low)[BATCH] = c->faces[(j + 1) % 2], (*high)[BATCH] = c->faces[(j + 2) % 2];
-    long row = f->first + j * f->stride[c->axis] + c->outer * f->stride[c->axis == 1 ? 2 : 1];
-    const struct strip strip = {
-        .tile = tile, .axis = c->axis, .n = s.high - s.low, .offset = row + s.low, .from = j, .row = row_of(g, c, j)};
-    if (!span_empty(s)) face_fluxes(g, U, &strip, high, s.low);
-    for (int v = 0; v < g->nvar && !span_empty(mine); v++)
-        difference_row(mine.high - mine.low, inverse, low[v] + mine.low, high[v] + mine.low, true,
-                       g->tiles->work.residual[v] + row + mine.low);
+    return activity_row(a, a->active, j, k);
 }
 
 /* The columns of row (j, k) above which the fluxes along the pass's axis read the balance of faces. `needed` has
  * besides whole vectors of active cells what fluxes along axis 0 read. */
-static struct span balanced_span(const struct pass *pass, int j, int k) {
-    const struct activity *a = &pass->g->tiles->activity;
-    const int n = pass->n[0], reach = pass->g->models.reconstruct->reach;
-    struct span s = *activity_row(a, pass->axis == 0 ? a->active : a->needed, j, k);
+static struct span balanced_span(const struct sweep *x, int j, int k) {
+    const struct gas *g = x->pass.g;
+    const struct activity *a = &g->tiles->activity;
+    const int n = x->n[0], reach = g->models.reconstruct->reach;
+    struct span s = *activity_row(a, x->pass.axis == 0 ? a->active : a->needed, j, k);
     if (span_empty(s)) return s;
-    if (pass->axis == 0) return (struct span){s.low - 1 - reach, s.high + reach};
+    if (x->pass.axis == 0) return (struct span){s.low - 1 - reach, s.high + reach};
     return (struct span){s.low < 0 ? 0 : whole_vectors(s.low), s.high < n ? s.high / 8 * 8 : n};
 }
 
 /* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
-static void balance(const struct pass *pass, int j, int k) {
-    const struct gas *g = pass->g;
-    const struct activity *a = &g->tiles->activity;
-    const struct span s = balanced_span(pass, j, k);
+static void balance(const struct sweep *x, int j, int k) {
+    const struct gas *g = x->pass.g;
+    const int axis = x->pass.axis;
+    const struct span s = balanced_span(x, j, k);
     const long offset = g->forest->first + s.low + j * g->forest->stride[1] + k * g->forest->stride[2];
-    const int place = pass->axis == 0 ? s.low : pass->axis == 1 ? j : k;
+    const int place = axis == 0 ? s.low : axis == 1 ? j : k;
     if (span_empty(s)) return;
-    g->tiles->work.taken[activity_row(a, a->active, j, k) - a->active] =
-        balance_row(g, &pass->walls, pass->U, pass->axis, place, offset, s.high - s.low);
+    g->tiles->work.along[axis].taken[active_row(g, j, k) - g->tiles->activity.active] =
+        balance_row(g, &x->pass.walls, x->pass.U, axis, place, offset, s.high - s.low);
 }
 
-/* The same of all rows of a tile. */
-static void balance_rows(const struct pass *pass) {
-    const int *n = pass->n, below = 1 + pass->g->models.reconstruct->reach, above = below - 1;
-    const bool y = pass->axis == 1, z = pass->axis == 2;
-    for (int k = z ? -below : 0; k < n[2] + (z ? above : 0); k++)
-        for (int j = y ? -below : 0; j < n[1] + (y ? above : 0); j++) balance(pass, j, k);
+/* Makes what the fluxes along an axis read of row (j, k), whose primitives are there: its nodal fluxes, and the balance
+ * of the faces below it (axis 0: of its own). */
+static void ready_row(struct sweep *x, int axis, int j, int k) {
+    const struct gas *g = x->pass.g;
+    x->pass.axis = axis;
+    span_visit(g, g->tiles->activity.needed, j, k, nodal_visit, &x->pass);
+    if (!balance_acts(g, axis)) return;
+    if (axis == 0) balance(x, j, k);
+    if (axis == 1 && j > -GHOSTS) balance(x, j - 1, k);
+    if (axis == 2 && k > -GHOSTS) balance(x, j, k - 1);
 }
 
-static void sweep_columns(struct gas *g, int tile, const double *U, int axis) {
-    const int *n = g->forest->tile[tile].n, outer = 3 - axis;
-    struct column column = {.axis = axis};
-    for (column.outer = 0; column.outer < n[outer]; column.outer++)
-        for (int j = -1; j < n[axis]; j++) sweep_column(g, tile, U, &column, j);
+/* Computes the faces of row (j, k) along an axis: along axis 0 those of the row's active cells, the one below the first
+ * among them; along others those that the active cells of this row and of the next one have in common, each in its
+ * column. Rows -1 have faces, but no cells. */
+static void row_faces(const struct sweep *x, int axis, int j, int k, double (*out)[BATCH]) {
+    struct gas *g = x->pass.g;
+    const struct forest *f = g->forest;
+    const int at[MAX_DIM] = {0, j, k};
+    const struct span *row = active_row(g, j, k);
+    struct span s = at[axis] < 0 ? SPAN_EMPTY : *row;
+    if (axis > 0 && at[axis] + 1 < x->n[axis]) s = span_join(s, *active_row(g, j + (axis == 1), k + (axis == 2)));
+    if (span_empty(s)) return;
+    const int below = axis == 0 ? 1 : 0;
+    const struct strip strip = {.tile = x->tile,
+                                .axis = axis,
+                                .n = s.high - s.low + below,
+                                .offset = f->first + s.low - below + j * f->stride[1] + k * f->stride[2],
+                                .from = axis == 0 ? s.low - 1 : at[axis],
+                                .row = (int)(row - g->tiles->activity.active)};
+    face_fluxes(g, x->pass.U, &strip, out, axis == 0 ? 0 : s.low);
 }
 
-/* All rows of a tile, axis by axis. */
-static void sweep_axes(struct gas *g, int tile, struct pass *pass, struct update *update) {
-    const int *n = g->forest->tile[tile].n;
-    spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, primitive_visit, pass);
-    for (pass->axis = 0; pass->axis < g->dim; pass->axis++) {
-        spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, nodal_visit, pass);
-        if (balance_acts(g, pass->axis)) balance_rows(pass);
-        for (int k = 0; k < n[2] && pass->axis == 0; k++)
-            for (int j = 0; j < n[1]; j++) sweep_row(g, tile, pass->U, j, k);
-        if (pass->axis > 0) sweep_columns(g, tile, pass->U, pass->axis);
+/* Computes the faces along axis 0 of row (j, k), and advances its cells by all their faces. */
+static void advance_cells(struct sweep *x, int j, int k, struct faces_of_row f[MAX_DIM]) {
+    struct gas *g = x->pass.g;
+    const struct span s = *active_row(g, j, k);
+    const long row = g->forest->first + j * g->forest->stride[1] + k * g->forest->stride[2];
+    double faces[MAX_VAR][BATCH], residual[MAX_VAR][BATCH];
+    if (span_empty(s)) return;
+    g->tiles->work.along[0].origin = row - g->forest->first;
+    ready_row(x, 0, j, k);
+    row_faces(x, 0, j, k, faces);
+    f[0].low = (const double(*)[BATCH])faces;
+    f[0].high = (const double(*)[BATCH])(faces[0] + 1);
+    for (int a = 1; a < g->dim; a++) {
+        f[a].low = (const double(*)[BATCH])(f[a].low[0] + s.low);
+        f[a].high = (const double(*)[BATCH])(f[a].high[0] + s.low);
     }
-    spans_visit(g, tile, g->tiles->activity.active, 0, update_visit, update);
+    residual_row(g->dim, s.high - s.low, g->nvar, f, residual);
+    update_row(x->update, row + s.low, s.high - s.low, residual);
 }
 
-/* The same in 2D, row by row while a row is in L1: primitives and nodal fluxes of the row for both axes, its faces
- * along axis 0, then the faces along axis 1 whose stencil the row completes, and the update of the row below these. */
-static void sweep_rows(struct gas *g, int tile, struct pass *pass, struct update *update) {
-    struct activity *a = &g->tiles->activity;
-    struct column column = {.axis = 1};
-    int n = g->forest->tile[tile].n[1];
-    for (int top = -GHOSTS; top < n + GHOSTS; top++) {
-        int j = top - GHOSTS;
-        span_visit(g, a->needed, top, 0, primitive_visit, pass);
-        if (top >= 0 && top < n) {
-            pass->axis = 0;
-            span_visit(g, a->needed, top, 0, nodal_visit, pass);
-            if (balance_acts(g, 0)) balance(pass, top, 0);
-            sweep_row(g, tile, pass->U, top, 0);
+/* Advances plane k row by row, each as soon as the stencils of its faces are complete. */
+static void sweep_plane(struct sweep *x, int k) {
+    struct gas *g = x->pass.g;
+    const struct work *w = &g->tiles->work;
+    const int reach = g->dim > 1 ? GHOSTS : 0;
+    double faces[2][MAX_VAR][BATCH]; /* along axis 1 below and above a row, in turn */
+    if (g->dim > 2) g->tiles->work.along[1].origin = k * g->forest->stride[2];
+    for (int top = -reach; top < x->n[1] + reach; top++) {
+        const int j = top - reach, odd = j & 1;
+        if (g->dim < 3) span_visit(g, g->tiles->activity.needed, top, k, primitive_visit, &x->pass);
+        if (g->dim > 1) ready_row(x, 1, top, k);
+        if (g->dim > 1 && j >= -1) row_faces(x, 1, j, k, faces[!odd]);
+        if (j < 0) continue;
+        struct faces_of_row f[MAX_DIM];
+        for (int a = 0; a < g->dim; a++) f[a].inverse = 1 / g->forest->width[a];
+        f[1].low = (const double(*)[BATCH])faces[odd];
+        f[1].high = (const double(*)[BATCH])faces[!odd];
+        if (g->dim > 2) {
+            row_faces(x, 2, j, k, w->planes[!(k & 1)][j]);
+            f[2].low = (const double(*)[BATCH])w->planes[k & 1][j];
+            f[2].high = (const double(*)[BATCH])w->planes[!(k & 1)][j];
         }
-        pass->axis = 1;
-        span_visit(g, a->needed, top, 0, nodal_visit, pass);
-        if (balance_acts(g, 1) && top > -GHOSTS) balance(pass, top - 1, 0);
-        if (j >= -1) sweep_column(g, tile, pass->U, &column, j);
-        if (j >= 0) span_visit(g, a->active, j, 0, update_visit, update);
+        advance_cells(x, j, k, f);
+    }
+}
+
+/* Makes the primitives of plane k, ghosts included, and what fluxes along axis 2 read of it. */
+static void ready_plane(struct sweep *x, int k) {
+    const struct gas *g = x->pass.g;
+    const int reach = k < 0 || k >= x->n[2] ? 0 : GHOSTS;
+    for (int j = -reach; j < x->n[1] + reach; j++) {
+        span_visit(g, g->tiles->activity.needed, j, k, primitive_visit, &x->pass);
+        if (j >= 0 && j < x->n[1]) ready_row(x, 2, j, k);
+    }
+}
+
+static void sweep_tile(struct sweep *x) {
+    if (x->pass.g->dim < 3) {
+        sweep_plane(x, 0);
+        return;
+    }
+    for (int top = -GHOSTS; top < x->n[2] + GHOSTS; top++) {
+        const int k = top - GHOSTS;
+        ready_plane(x, top);
+        for (int j = 0; j < x->n[1] && k == -1; j++) row_faces(x, 2, j, k, x->pass.g->tiles->work.planes[0][j]);
+        if (k >= 0) sweep_plane(x, k);
     }
 }
 
@@ -329,7 +369,6 @@ static void set_paces(struct gas *g) {
 
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,
                   double a, double dt) {
-    struct pass pass = {.g = g, .U = from->block[tile], .n = g->forest->tile[tile].n};
     struct update update = {.g = g,
                             .U0 = U0->block[tile],
                             .from = from->block[tile],
@@ -340,14 +379,16 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .a = a,
                             .dt = dt,
                             .tile = tile};
+    struct sweep sweep = {
+        .pass = {.g = g, .U = from->block[tile]}, .update = &update, .n = g->forest->tile[tile].n, .tile = tile};
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
-    if (g->falls) balance_walls(g, tile, &pass.walls);
+    if (g->falls) balance_walls(g, tile, &sweep.pass.walls);
     if (g->tally) tiles_tally_begin(g, tile, from->block[tile]);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
-        (g->dim == 2 ? sweep_rows : sweep_axes)(g, tile, &pass, &update);
+        sweep_tile(&sweep);
     }
     settle_background(&update);
     memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));
