@@ -115,6 +115,7 @@ ALWAYS_INLINE void upwind(const int dim, const bool balanced, face_value *value,
                           double drop, double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
     const long stride = f->stride;
+    EACH_ALONE
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
         const struct rest rest = rest_at(balanced, f, i, stride);
@@ -147,6 +148,7 @@ ALWAYS_INLINE void split(const int dim, const bool balanced, face_value *value, 
 #define BOTH(speed, field)                                                                                             \
     (side_value(value, speed, 1, LEFT_OF(phi, field), LEFT_OF(state, field)) +                                         \
      side_value(value, speed, -1, RIGHT_OF(phi, field), RIGHT_OF(state, field)))
+    EACH_ALONE
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
         const struct rest rest = rest_at(balanced, f, i, stride);
@@ -169,6 +171,7 @@ ALWAYS_INLINE void sided(const int dim, const bool balanced, face_value *value, 
     const struct lines q = lines_of(f, dim, side > 0 ? 0 : f->stride);
     const long stride = side > 0 ? f->stride : -f->stride;
 #define ONE(speed, field) side_value(value, speed, side, LEFT_OF(phi, field), LEFT_OF(state, field))
+    EACH_ALONE
     for (int i = from; i < to; i++) {
         const struct rows l = rows_at(dim, b, i);
         const struct rest rest = rest_from(balanced, f, i, side);

@@ -83,22 +83,34 @@ KERNEL static void state_bases(int dim, int n, const struct face_states *restric
     if (dim == 3) state_bases_dim(3, n, s, b);
 }
 
+struct pair { /* values of a face's two cells */
+    double l, r;
+};
+ALWAYS_INLINE double choose(uint64_t mask, double yes, double no) {
+    return double_of((bits_of(yes) & mask) | (bits_of(no) & ~mask));
+}
+/* Both values are the upwind cell's where `left` or `right` has all bits set. Compilers make no vectors of a loop with
+ * so many conditions. */
+ALWAYS_INLINE struct pair upwind_pair(const double *q, long i, long stride, uint64_t left, uint64_t right) {
+    const double l = q[i], r = q[i + stride];
+    return (struct pair){choose(right, r, l), choose(left, l, r)};
+}
+
 ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const struct winds *restrict w,
                                     struct bases *restrict b) {
     const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
     const double *eps = f->eps, *c = f->c, *g = f->gruneisen, *u0 = f->velocity[0];
     const double *u1 = dim > 1 ? f->velocity[1] : u0, *u2 = dim > 2 ? f->velocity[2] : u0;
-    const long stride = f->stride;
+    const long s = f->stride;
+    EACH_ALONE
     for (int i = 0; i < f->n; i++) {
-        bool left = minus[i] == UPWIND_LEFT, right = plus[i] == UPWIND_RIGHT;
-#define L(q) (right ? q[i + stride] : q[i])
-#define R(q) (left ? q[i] : q[i + stride])
-        double el = L(eps), er = R(eps), cl = L(c), cr = R(c), gl = L(g), gr = R(g);
-        double u[MAX_DIM] = {0.5 * (L(u0) + R(u0)), 0.5 * (L(u1) + R(u1)), 0.5 * (L(u2) + R(u2))};
-#undef L
-#undef R
-        close_basis(dim, u, 0.5 * (static_enthalpy(el, gl) + static_enthalpy(er, gr)), sqrt(0.5 * (cl * cl + cr * cr)),
-                    0.5 * (gl + gr), b, i);
+        const uint64_t left = -(uint64_t)(minus[i] == UPWIND_LEFT), right = -(uint64_t)(plus[i] == UPWIND_RIGHT);
+        const struct pair e = upwind_pair(eps, i, s, left, right), a = upwind_pair(c, i, s, left, right);
+        const struct pair G = upwind_pair(g, i, s, left, right), U = upwind_pair(u0, i, s, left, right);
+        const struct pair V = upwind_pair(u1, i, s, left, right), W = upwind_pair(u2, i, s, left, right);
+        const double u[MAX_DIM] = {0.5 * (U.l + U.r), 0.5 * (V.l + V.r), 0.5 * (W.l + W.r)};
+        close_basis(dim, u, 0.5 * (static_enthalpy(e.l, G.l) + static_enthalpy(e.r, G.r)),
+                    sqrt(0.5 * (a.l * a.l + a.r * a.r)), 0.5 * (G.l + G.r), b, i);
     }
 }
 
@@ -118,6 +130,7 @@ ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *res
                         const bool add, double *const out[MAX_VAR]) {
     double *restrict f0 = out[0], *restrict fn = out[1], *restrict fe = out[dim + 1];
     double *restrict f2 = dim > 1 ? out[2] : f0, *restrict f3 = dim > 2 ? out[3] : f0;
+    EACH_ALONE
     for (int i = from; i < to; i++) {
         double sum = a[0][i] + a[dim + 1][i] + a[1][i], swing = b->c[i] * (a[dim + 1][i] - a[0][i]), t = 0;
         double u0 = b->u[0][i], u1 = dim > 1 ? b->u[1][i] : 0, u2 = dim > 2 ? b->u[2][i] : 0;
