@@ -28,6 +28,7 @@ enum {
 #define KERNEL
 #endif
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
+#define ALIGNED       _Alignas(64) /* of lines: a vector then lies in one line of the cache */
 
 /* Stands before a loop over lines that do not overlap. Compilers else compare the addresses of all lines that a loop
  * reads and writes before they enter it, and of more than some ten they make no vectors at all. */
@@ -56,6 +57,10 @@ static inline double double_of(uint64_t b) {
     double x;
     memcpy(&x, &b, sizeof x);
     return x;
+}
+/* Selects by a mask whose bits are all set or all clear: compilers make no vectors of loops with many conditions. */
+static inline double select_masked(uint64_t mask, double yes, double no) {
+    return double_of((bits_of(yes) & mask) | (bits_of(no) & ~mask));
 }
 
 /* ln x of a normal x > 0, error below 4e-16 (1 + |ln x|): 2 atanh((m-1)/(m+1)) on sqrt(1/2) <= m < sqrt 2 by a

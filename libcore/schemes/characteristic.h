@@ -12,11 +12,11 @@ enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* families of fields by their speeds: 
 #define UPWIND_RIGHT (-2.)
 
 struct bases { /* eigenbases of faces, as lines; b1 and b2 (docs/physics.md 6.1) are halved */
-    double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
+    ALIGNED double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
     double inverse_b1[BATCH];
 };
 struct winds { /* per family: UPWIND_LEFT, UPWIND_RIGHT, or the speed alpha >= 0 of a Lax-Friedrichs split */
-    double speed[FAMILIES][BATCH];
+    ALIGNED double speed[FAMILIES][BATCH];
 };
 
 /* Returns the value of one field at the right face of cell c, from five cells in a row. */
@@ -100,19 +100,21 @@ ALWAYS_INLINE struct lines lines_of(const struct faces *f, const int dim, long o
     return l;
 }
 
-/* Returns a field's face value from its upwind side; 0 if that side is `drop` (UPWIND_LEFT, UPWIND_RIGHT, or 0 to drop
- * neither). */
-ALWAYS_INLINE double upwind_value(face_value *value, double speed, double drop, double a, double b, double c, double d,
-                                  double e, double f) {
-    bool right = speed == UPWIND_RIGHT;
-    double v = value(right ? f : a, right ? e : b, right ? d : c, right ? c : d, right ? b : e);
-    return speed == drop ? 0 : v;
+/* Has all bits set where a field comes from the right. */
+ALWAYS_INLINE uint64_t from_right(double speed) {
+    return -(uint64_t)(speed == UPWIND_RIGHT);
+}
+/* Returns a field's face value from its upwind side. */
+ALWAYS_INLINE double upwind_value(face_value *value, uint64_t right, double a, double b, double c, double d, double e,
+                                  double f) {
+    return value(select_masked(right, f, a), select_masked(right, e, b), select_masked(right, d, c),
+                 select_masked(right, c, d), select_masked(right, b, e));
 }
 
 /* Computes the amplitudes a[field] at faces that split no field. */
 ALWAYS_INLINE void upwind(const int dim, const bool balanced, face_value *value, int from, int to,
                           const struct faces *f, const struct bases *restrict b, const struct winds *restrict w,
-                          double drop, double (*restrict a)[BATCH]) {
+                          double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
     const long stride = f->stride;
     EACH_ALONE
@@ -120,13 +122,66 @@ ALWAYS_INLINE void upwind(const int dim, const bool balanced, face_value *value,
         const struct rows l = rows_at(dim, b, i);
         const struct rest rest = rest_at(balanced, f, i, stride);
         const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride, rest);
-        double entropy = w->speed[ENTROPY][i];
-        a[0][i] = upwind_value(value, w->speed[MINUS][i], drop, ALL_OF(phi, minus));
-        a[1][i] = upwind_value(value, entropy, drop, ALL_OF(phi, entropy));
-        if (dim > 1) a[2][i] = upwind_value(value, entropy, drop, ALL_OF(phi, shear[0]));
-        if (dim > 2) a[3][i] = upwind_value(value, entropy, drop, ALL_OF(phi, shear[1]));
-        a[dim + 1][i] = upwind_value(value, w->speed[PLUS][i], drop, ALL_OF(phi, plus));
+        const uint64_t entropy = from_right(w->speed[ENTROPY][i]);
+        a[0][i] = upwind_value(value, from_right(w->speed[MINUS][i]), ALL_OF(phi, minus));
+        a[1][i] = upwind_value(value, entropy, ALL_OF(phi, entropy));
+        if (dim > 1) a[2][i] = upwind_value(value, entropy, ALL_OF(phi, shear[0]));
+        if (dim > 2) a[3][i] = upwind_value(value, entropy, ALL_OF(phi, shear[1]));
+        a[dim + 1][i] = upwind_value(value, from_right(w->speed[PLUS][i]), ALL_OF(phi, plus));
     }
+}
+
+/* Returns the left eigenvectors of the side that a family of fields comes from, of bases b[0] left, b[1] right. */
+ALWAYS_INLINE struct rows rows_of_side(const int dim, const struct bases *restrict b, int i, uint64_t right) {
+    const struct rows l = rows_at(dim, &b[0], i), r = rows_at(dim, &b[1], i);
+    struct rows x = {.half_b1 = select_masked(right, r.half_b1, l.half_b1),
+                     .half_b2 = select_masked(right, r.half_b2, l.half_b2)};
+    x.half_inverse_c = select_masked(right, r.half_inverse_c, l.half_inverse_c);
+    for (int k = 0; k < dim; k++) x.u[k] = select_masked(right, r.u[k], l.u[k]);
+    return x;
+}
+
+/* Returns the face values of all fields as if they came from one side, on its basis; the compiler drops the fields that
+ * are not used. */
+ALWAYS_INLINE struct fields values_of_side(const int dim, face_value *value, const struct rows l,
+                                           const double *const q[MAX_VAR], long i, long stride, const struct rest rest,
+                                           uint64_t right) {
+    const struct fields phi[6] = PROJECT_STENCIL(dim, l, q, i, stride, rest);
+    return (struct fields){
+        .minus = upwind_value(value, right, ALL_OF(phi, minus)),
+        .entropy = upwind_value(value, right, ALL_OF(phi, entropy)),
+        .shear = {upwind_value(value, right, ALL_OF(phi, shear[0])), upwind_value(value, right, ALL_OF(phi, shear[1]))},
+        .plus = upwind_value(value, right, ALL_OF(phi, plus))};
+}
+
+ALWAYS_INLINE void keep_side(uint64_t right, double value, double *restrict left, double *restrict right_side) {
+    *left = select_masked(right, 0, value);
+    *right_side = select_masked(right, value, 0);
+}
+
+/* Computes the amplitudes that come from the left and from the right at faces with two bases that split no field: each
+ * field once, on the basis of its side, and 0 for the other. */
+ALWAYS_INLINE void apart(const int dim, const bool balanced, face_value *value, int from, int to, const struct faces *f,
+                         const struct bases *restrict b, const struct winds *restrict w, double (*restrict left)[BATCH],
+                         double (*restrict right)[BATCH]) {
+    const struct lines q = lines_of(f, dim, 0);
+    const long stride = f->stride;
+#define SIDE(side)                   values_of_side(dim, value, rows_of_side(dim, b, i, side), q.flux, i, stride, rest, side)
+#define KEEP(field, side, from_side) keep_side(side, from_side, &left[field][i], &right[field][i])
+    EACH_ALONE
+    for (int i = from; i < to; i++) {
+        const struct rest rest = rest_at(balanced, f, i, stride);
+        const uint64_t minus = from_right(w->speed[MINUS][i]), entropy = from_right(w->speed[ENTROPY][i]);
+        const uint64_t plus = from_right(w->speed[PLUS][i]);
+        const struct fields middle = SIDE(entropy);
+        KEEP(0, minus, SIDE(minus).minus);
+        KEEP(1, entropy, middle.entropy);
+        if (dim > 1) KEEP(2, entropy, middle.shear[0]);
+        if (dim > 2) KEEP(3, entropy, middle.shear[1]);
+        KEEP(dim + 1, plus, SIDE(plus).plus);
+    }
+#undef SIDE
+#undef KEEP
 }
 
 /* Returns the part of a field that comes from one side (+1: left, -1: right): the face value of (phi + side alpha w)/2

@@ -7,20 +7,25 @@
 
 enum { GROUP = 8 }; /* faces that are kept in one run: a vector */
 
+/* unsplit: all bits are set where fields of one direction are not split. */
+ALWAYS_INLINE double wind(double l, double r, uint64_t unsplit, double least) {
+    const double alpha = larger(larger(fabs(l), fabs(r)), least);
+    const uint64_t left = -(uint64_t)(l > 0) & -(uint64_t)(r > 0), right = -(uint64_t)(l < 0) & -(uint64_t)(r < 0);
+    return select_masked(unsplit & left, UPWIND_LEFT, select_masked(unsplit & right, UPWIND_RIGHT, alpha));
+}
 /* Finds the winds by Marquina's rule (Serna & Marquina, (19)-(23)): a field whose speed has one sign on both sides is
  * upwinded, others are split with the larger speed; a zero product splits. `always`: split all fields; `least`:
  * smallest alpha of a split. */
 KERNEL static void find_winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
                               const double *restrict cr, bool always, double least, struct winds *restrict w) {
-    for (int k = 0; k < FAMILIES; k++) {
-        double sign = k - 1;
-        double *restrict speed = w->speed[k];
-        for (int i = 0; i < n; i++) {
-            double l = fma(sign, cl[i], ul[i]), r = fma(sign, cr[i], ur[i]);
-            double alpha = larger(larger(fabs(l), fabs(r)), least);
-            double upwind_speed = l > 0 && r > 0 ? UPWIND_LEFT : l < 0 && r < 0 ? UPWIND_RIGHT : alpha;
-            speed[i] = always ? alpha : upwind_speed;
-        }
+    double *restrict minus = w->speed[MINUS], *restrict entropy = w->speed[ENTROPY], *restrict plus = w->speed[PLUS];
+    const uint64_t unsplit = always ? 0 : ~(uint64_t)0;
+    EACH_ALONE
+    for (int i = 0; i < n; i++) {
+        const double u = ul[i], c = cl[i], v = ur[i], d = cr[i];
+        minus[i] = wind(u - c, v - d, unsplit, least);
+        entropy[i] = wind(u, v, unsplit, least);
+        plus[i] = wind(u + c, v + d, unsplit, least);
     }
 }
 
@@ -86,14 +91,10 @@ KERNEL static void state_bases(int dim, int n, const struct face_states *restric
 struct pair { /* values of a face's two cells */
     double l, r;
 };
-ALWAYS_INLINE double choose(uint64_t mask, double yes, double no) {
-    return double_of((bits_of(yes) & mask) | (bits_of(no) & ~mask));
-}
-/* Both values are the upwind cell's where `left` or `right` has all bits set. Compilers make no vectors of a loop with
- * so many conditions. */
+/* Both values are the upwind cell's where `left` or `right` has all bits set. */
 ALWAYS_INLINE struct pair upwind_pair(const double *q, long i, long stride, uint64_t left, uint64_t right) {
     const double l = q[i], r = q[i + stride];
-    return (struct pair){choose(right, r, l), choose(left, l, r)};
+    return (struct pair){select_masked(right, r, l), select_masked(left, l, r)};
 }
 
 ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const struct winds *restrict w,
@@ -178,7 +179,7 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
 /* shock: of struct rules; NULL: there is none. */
 static void one_basis(const struct faces *f, const struct reconstruct *r, const struct winds *w, const double *shock) {
     struct bases b;
-    double a[MAX_VAR][BATCH];
+    ALIGNED double a[MAX_VAR][BATCH];
     common_bases(f, w, &b);
     for (int from = 0, to; from < f->n; from = to) {
         bool splits;
@@ -186,7 +187,7 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
         if (splits)
             r->split(from, to, f, &b, w, a);
         else
-            r->upwind(from, to, f, &b, w, 0, a);
+            r->upwind(from, to, f, &b, w, a);
         if (shock) calm_shocks(from, to, f, &b, w, shock, r, a);
     }
     project_back(f->dim, 0, f->n, &b, a, false, f->out);
@@ -271,29 +272,44 @@ struct two_bases { /* states and bases to the left (0) and to the right (1) of t
     struct winds w;
 };
 
+/* Computes the fluxes of faces from .. to - 1 that split no field: each field comes from one side. */
+static void upwind_apart(int from, int to, const struct faces *f, const struct reconstruct *r,
+                         const struct two_bases *t) {
+    ALIGNED double left[MAX_VAR][BATCH], right[MAX_VAR][BATCH];
+    const bool lefts = side_needed(&t->w, from, to, UPWIND_RIGHT), rights = side_needed(&t->w, from, to, UPWIND_LEFT);
+    if (lefts && rights)
+        r->apart(from, to, f, t->b, &t->w, left, right);
+    else
+        r->upwind(from, to, f, &t->b[rights], &t->w, lefts ? left : right);
+    if (lefts) project_back(f->dim, from, to, &t->b[0], left, false, f->out);
+    if (rights) project_back(f->dim, from, to, &t->b[1], right, lefts, f->out);
+}
+
+/* The same of faces that split fields. */
+static void split_apart(int from, int to, const struct faces *f, const struct reconstruct *r,
+                        const struct two_bases *t) {
+    ALIGNED double a[MAX_VAR][BATCH];
+    bool add = false;
+    for (int s = 0; s < 2; s++) {
+        if (!side_needed(&t->w, from, to, s == 0 ? UPWIND_RIGHT : UPWIND_LEFT)) continue;
+        r->sided(from, to, f, &t->b[s], &t->w, s == 0 ? 1 : -1, a);
+        project_back(f->dim, from, to, &t->b[s], a, add, f->out);
+        add = true;
+    }
+}
+
 static void two_bases_flux(const struct faces *f, const struct eos *eos, const struct material *m,
                            const struct reconstruct *r, struct two_bases *t) {
-    const struct winds *w = &t->w;
     const struct bases *b = t->b;
-    double a[MAX_VAR][BATCH];
     for (int s = 0; s < 2; s++) {
         flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
     for (int from = 0, to; from < f->n; from = to) {
-        bool add = false, splits;
-        to = run_end(f->n, w, from, &splits);
-        for (int s = 0; s < 2; s++) {
-            double other = s == 0 ? UPWIND_RIGHT : UPWIND_LEFT;
-            if (!side_needed(w, from, to, other)) continue;
-            if (splits)
-                r->sided(from, to, f, &b[s], w, s == 0 ? 1 : -1, a);
-            else
-                r->upwind(from, to, f, &b[s], w, other, a);
-            project_back(f->dim, from, to, &b[s], a, add, f->out);
-            add = true;
-        }
+        bool splits;
+        to = run_end(f->n, &t->w, from, &splits);
+        (splits ? split_apart : upwind_apart)(from, to, f, r, t);
     }
 }
 
@@ -312,7 +328,7 @@ static void marquina(const struct faces *f, const struct eos *eos, const struct 
  * alone. It damps shocks along the grid and the heating of walls. But it makes entropy in dense gas, at rest above
  * alpha 0.45, and noise grows there (postprocessing/reports/marquinaStability.md). */
 struct excess {
-    double f[MAX_VAR][BATCH], u[MAX_VAR][BATCH]; /* means of the two sides */
+    ALIGNED double f[MAX_VAR][BATCH], u[MAX_VAR][BATCH]; /* means of the two sides */
     double jump[MAX_VAR][BATCH], D[MAX_VAR][BATCH];
 };
 

@@ -7,7 +7,7 @@
 #include "libcore/schemes/characteristic.h"
 
 struct face_states { /* states at n faces, from one side */
-    double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
+    ALIGNED double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
     double good[BATCH];
 };
 

@@ -126,29 +126,22 @@ ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], doub
 #define EACH_KIND(loop, axes, ...)                                                                                     \
     if (f->dim == axes && !f->rise) loop(axes, false, __VA_ARGS__);                                                    \
     if (f->dim == axes && f->rise) loop(axes, true, __VA_ARGS__);
+#define ALL_KINDS(loop, ...)                                                                                           \
+    { EACH_KIND(loop, 1, __VA_ARGS__) EACH_KIND(loop, 2, __VA_ARGS__) EACH_KIND(loop, 3, __VA_ARGS__) }
+#define FACES    const struct faces *f, const struct bases *restrict b, const struct winds *restrict w
+#define LINES(a) double(*restrict a)[BATCH]
 #define LOOPS(value)                                                                                                   \
     KERNEL static void value##_line(int n, const double *const q[5], double *restrict out) {                           \
         line(value, n, q, out);                                                                                        \
     }                                                                                                                  \
-    KERNEL static void value##_upwind(int from, int to, const struct faces *f, const struct bases *restrict b,         \
-                                      const struct winds *restrict w, double drop, double(*restrict a)[BATCH]){        \
-        EACH_KIND(upwind, 1, value, from, to, f, b, w, drop, a)                                                        \
-            EACH_KIND(upwind, 2, value, from, to, f, b, w, drop, a)                                                    \
-                EACH_KIND(upwind, 3, value, from, to, f, b, w, drop,                                                   \
-                          a)} KERNEL static void value##_split(int from, int to, const struct faces *f,                \
-                                                               const struct bases *restrict b,                         \
-                                                               const struct winds *restrict w,                         \
-                                                               double(*restrict a)[BATCH]){                            \
-        EACH_KIND(split, 1, value, from, to, f, b, w, a) EACH_KIND(split, 2, value, from, to, f, b, w, a)              \
-            EACH_KIND(split, 3, value, from, to, f, b, w,                                                              \
-                      a)} KERNEL static void value##_sided(int from, int to, const struct faces *f,                    \
-                                                           const struct bases *restrict b,                             \
-                                                           const struct winds *restrict w, double side,                \
-                                                           double(*restrict a)[BATCH]) {                               \
-        EACH_KIND(sided, 1, value, from, to, f, b, w, side, a)                                                         \
-        EACH_KIND(sided, 2, value, from, to, f, b, w, side, a)                                                         \
-        EACH_KIND(sided, 3, value, from, to, f, b, w, side, a)                                                         \
-    }
+    KERNEL static void value##_upwind(int from, int to, FACES, LINES(a))                                               \
+        ALL_KINDS(upwind, value, from, to, f, b, w, a)                                                                 \
+            KERNEL static void value##_apart(int from, int to, FACES, LINES(left), LINES(right))                       \
+                ALL_KINDS(apart, value, from, to, f, b, w, left, right)                                                \
+                    KERNEL static void value##_split(int from, int to, FACES, LINES(a))                                \
+                        ALL_KINDS(split, value, from, to, f, b, w, a)                                                  \
+                            KERNEL static void value##_sided(int from, int to, FACES, double side, LINES(a))           \
+                                ALL_KINDS(sided, value, from, to, f, b, w, side, a)
 LOOPS(phm)
 LOOPS(wpeno5)
 LOOPS(weno5)
@@ -156,7 +149,7 @@ LOOPS(wenoz)
 LOOPS(teno5)
 LOOPS(first_order)
 #define ROW(name, about, reach, value)                                                                                 \
-    { MODEL(name, about), reach, value##_line, value##_upwind, value##_split, value##_sided }
+    { MODEL(name, about), reach, value##_line, value##_upwind, value##_apart, value##_split, value##_sided }
 
 const struct reconstruct reconstruct_table[] = {
     ROW("PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm),
