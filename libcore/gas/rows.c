@@ -4,24 +4,26 @@
 #include "libcore/gas/gas_private.h"
 
 /* The squares are summed from the last axis so that two of three commute under a swap of axes. */
+ALWAYS_INLINE void velocity_dim(const int dim, int n, long size, const double *restrict U, double *const *velocity,
+                                double *restrict eps) {
+    double *const u[MAX_DIM] = {velocity[0], velocity[dim > 1 ? 1 : 0], velocity[dim > 2 ? 2 : 0]};
+    EACH_ALONE
+    for (int i = 0; i < n; i++) {
+        const double inverse = 1 / U[i];
+        double square = 0;
+        for (int k = dim - 1; k >= 0; k--) {
+            const double uk = U[(k + 1) * size + i] * inverse;
+            u[k][i] = uk;
+            square += uk * uk;
+        }
+        eps[i] = U[(dim + 1) * size + i] * inverse - 0.5 * square;
+    }
+}
 KERNEL static void find_velocity(int n, int dim, long size, const double *restrict U, double *const *velocity,
                                  double *restrict eps) {
-    const double *restrict rho = U, *restrict E = U + (dim + 1) * size;
-    double inverse[BATCH], square[BATCH];
-    for (int i = 0; i < n; i++) {
-        inverse[i] = 1 / rho[i];
-        square[i] = 0;
-    }
-    for (int k = dim - 1; k >= 0; k--) {
-        const double *restrict mom = U + (k + 1) * size;
-        double *restrict u = velocity[k];
-        for (int i = 0; i < n; i++) {
-            double uk = mom[i] * inverse[i];
-            u[i] = uk;
-            square[i] += uk * uk;
-        }
-    }
-    for (int i = 0; i < n; i++) eps[i] = E[i] * inverse[i] - 0.5 * square[i];
+    if (dim == 1) velocity_dim(1, n, size, U, velocity, eps);
+    if (dim == 2) velocity_dim(2, n, size, U, velocity, eps);
+    if (dim == 3) velocity_dim(3, n, size, U, velocity, eps);
 }
 
 KERNEL static void take_roots(int n, double *restrict c) {

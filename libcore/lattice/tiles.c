@@ -27,7 +27,7 @@ static status make_axis(struct gas *g, int axis) {
     struct axis_lines *l = &g->tiles->work.along[axis];
     const long length = (axis + 1 < g->dim ? f->first + f->stride[axis + 1] : f->size) + SLACK;
     double **const balance[] = {&l->rise, &l->on, &l->face, &l->base[0], &l->base[1]};
-    for (int v = 0; v < g->nvar; v++) TRY(allocate(&l->flux[v], length, sizeof(double), "scratch"));
+    for (int v = 1; v < g->nvar; v++) TRY(allocate(&l->flux[v], length, sizeof(double), "scratch"));
     if (!balance_acts(g, axis)) return OK;
     for (int i = 0; i < 5; i++) TRY(allocate(balance[i], length, sizeof(double), "scratch"));
     return allocate(&l->taken, g->tiles->activity.nspans, sizeof(bool), "scratch");

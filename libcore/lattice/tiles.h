@@ -12,7 +12,7 @@
  * at o - origin. */
 struct axis_lines {
     long origin;
-    double *flux[MAX_VAR];  /* nodal fluxes */
+    double *flux[MAX_VAR];  /* nodal fluxes; that of the mass is the momentum and has no line */
     double *rise, *on;      /* k and `on` of tiles_balance.c; NULL where gravity does not act along the axis */
     double *face, *base[2]; /* P, P_0 and P_1 of tiles_balance.c, likewise */
     bool *taken;            /* [rows of activity_row] is anything of these not 0 in the row? */

@@ -106,7 +106,8 @@ KERNEL static bool balance_line(int n, double half, long stride, const double *r
                                 const double *restrict u, const double *restrict c, double *restrict rise,
                                 double *restrict on, double *restrict face, double *restrict left,
                                 double *restrict right) {
-    uint64_t fast[LINE], calm[LINE], any = 0;
+    ALIGNED uint64_t fast[LINE], calm[LINE];
+    uint64_t any = 0;
     if (find_fast(n, stride, u, c, fast)) {
         for (int i = 0; i < n; i++) rise[i] = 0;
         return false;

@@ -42,15 +42,13 @@ static void primitive_visit(void *context, long offset, int n) {
     primitives_of_row(p->g, p->U, offset, n);
 }
 
-/* F = u_k U + p (0, e_k, u_k) */
+/* F = u_k U + p (0, e_k, u_k), but for the mass, whose flux is the momentum. */
 KERNEL static void nodal_row(int n, int dim, int axis, long size, const double *restrict U, const double *restrict u,
                              const double *restrict p, double *const *flux) {
-    for (int v = 0; v < dim + 2; v++) {
+    for (int v = 1; v < dim + 2; v++) {
         const double *restrict q = U + v * size;
         double *restrict F = flux[v];
-        if (v == 0)
-            for (int i = 0; i < n; i++) F[i] = U[(axis + 1) * size + i];
-        else if (v == dim + 1)
+        if (v == dim + 1)
             for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
         else if (v == axis + 1)
             for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
@@ -64,7 +62,7 @@ static void nodal_visit(void *context, long offset, int n) {
     const struct gas *g = pass->g;
     const struct axis_lines *lines = &g->tiles->work.along[pass->axis];
     double *flux[MAX_VAR];
-    for (int v = 0; v < g->nvar; v++) flux[v] = lines->flux[v] + offset - lines->origin;
+    for (int v = 1; v < g->nvar; v++) flux[v] = lines->flux[v] + offset - lines->origin;
     nodal_row(n, g->components, pass->axis, g->forest->size, pass->U + offset,
               g->tiles->work.velocity[pass->axis] + offset, g->tiles->work.p + offset, flux);
 }
@@ -89,7 +87,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
         int from = v; /* normal component first, the others in their order */
         if (v >= 1 && v <= g->components) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
         f.state[v] = U + from * g->forest->size + offset;
-        f.flux[v] = lines->flux[from] + offset - lines->origin;
+        f.flux[v] = v == 0 ? U + (axis + 1) * g->forest->size + offset : lines->flux[from] + offset - lines->origin;
         f.out[v] = out[from] + column;
         if (v >= 1 && v <= g->components) f.velocity[v - 1] = w->velocity[from - 1] + offset;
     }
@@ -297,7 +295,7 @@ static void advance_cells(struct sweep *x, int j, int k, struct faces_of_row f[M
     struct gas *g = x->pass.g;
     const struct span s = *active_row(g, j, k);
     const long row = g->forest->first + j * g->forest->stride[1] + k * g->forest->stride[2];
-    double faces[MAX_VAR][BATCH], residual[MAX_VAR][BATCH];
+    ALIGNED double faces[MAX_VAR][BATCH], residual[MAX_VAR][BATCH];
     if (span_empty(s)) return;
     g->tiles->work.along[0].origin = row - g->forest->first;
     ready_row(x, 0, j, k);
@@ -317,7 +315,7 @@ static void sweep_plane(struct sweep *x, int k) {
     struct gas *g = x->pass.g;
     const struct work *w = &g->tiles->work;
     const int reach = g->dim > 1 ? GHOSTS : 0;
-    double faces[2][MAX_VAR][BATCH]; /* along axis 1 below and above a row, in turn */
+    ALIGNED double faces[2][MAX_VAR][BATCH]; /* along axis 1 below and above a row, in turn */
     if (g->dim > 2) g->tiles->work.along[1].origin = k * g->forest->stride[2];
     for (int top = -reach; top < x->n[1] + reach; top++) {
         const int j = top - reach, odd = j & 1;
