@@ -273,11 +273,24 @@ static struct span spread_row(const struct gas *g, const struct tile *t, struct 
     return whole_blocks(s, t->n[0]);
 }
 
+/* Is the tile its background, at the start of the step and now, and all around it, too? */
+static bool all_calm(const struct gas *g, int tile, const struct state *U0, const struct state *from) {
+    const int *n = g->forest->tile[tile].n;
+    const struct layers all = {.high = {n[0], n[1], n[2]}};
+    for (int side = 0; side < 2 * g->dim; side++)
+        if (!g->tiles->activity.quiet[6 * tile + side]) return false;
+    return layers_calm(g, from->varied[tile], all) && layers_calm(g, U0->varied[tile], all);
+}
+
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from) {
     const struct tile *t = &g->forest->tile[tile];
     struct activity *a = &g->tiles->activity;
     const bool bed = tiles_hold_bed(g, tile);
     bool any = false, all = bed || g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
+    if (!all && all_calm(g, tile, U0, from)) {
+        for (int i = 0; i < a->nspans; i++) a->active[i] = SPAN_EMPTY;
+        return false;
+    }
     if (!all) find_differ(g, tile, from);
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
