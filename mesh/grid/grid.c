@@ -18,8 +18,8 @@ struct grid_private {
 };
 
 static status take_forest(struct grid *g, const struct lattice *l) {
-    /* A row of 60 cells has 61 faces, which fit one batch of libcore. */
-    static const int tile_size[4] = {0, 60, 60, 24};
+    /* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */
+    static const int tile_size[4] = {0, 63, 63, 32};
     TRY(forest_make(l, g->mesh, g->comm, tile_size[l->dim], &g->forest));
     const struct forest *f = g->forest;
     double low[3], high[3];

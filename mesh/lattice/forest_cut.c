@@ -115,8 +115,19 @@ static int most_along(const struct lattice *l, int k, int tile_size) {
     return l->even && uneven && last && thick ? (l->n[k] + 2 * pieces - 1) / (2 * pieces) : tile_size;
 }
 
-/* Cuts axis k between its planes into pieces of nearly equal length: of at most tile_size cells, but no shorter than
- * GHOSTS where the planes allow it. */
+enum { VECTOR = 8 }; /* numbers that a sweep works on at once */
+
+/* Returns where piece p of `length` cells along axis 0 begins, or -1 where such pieces would be longer than tile_size:
+ * n cells in a row have n + 1 faces along it, which shall fill vectors. */
+static int row_start(int length, int parts, int p, int tile_size) {
+    const int vectors = (length + parts + VECTOR - 1) / VECTOR, spare = VECTOR * vectors - parts - length;
+    const int longest = VECTOR * ((vectors + parts - 1) / parts) - 1;
+    if (longest > tile_size || tile_size < 4 * VECTOR) return -1;
+    return VECTOR * (int)((long)vectors * p / parts) - p - spare * p / parts;
+}
+
+/* Cuts axis k between its planes into pieces of at most tile_size cells, but no shorter than GHOSTS where the planes
+ * allow it: of nearly equal length, but along axis 0 large tiles get rows that fill vectors. */
 static status cut_axis(struct forest_private *h, const bool *plane, int k, int tile_size) {
     TRY(allocate(&h->start[k], h->n[k] + 1L, sizeof *h->start[k], "the pieces of an axis"));
     int low = 0;
@@ -124,7 +135,10 @@ static status cut_axis(struct forest_private *h, const bool *plane, int k, int t
         if (!plane[high]) continue;
         int length = high - low, parts = (length + tile_size - 1) / tile_size;
         if (parts > length / GHOSTS) parts = length < GHOSTS ? 1 : length / GHOSTS;
-        for (int p = 0; p < parts; p++) h->start[k][h->pieces[k]++] = low + (int)((long)length * p / parts);
+        for (int p = 0; p < parts; p++) {
+            const int along = k == 0 && parts > 1 ? row_start(length, parts, p, tile_size) : -1;
+            h->start[k][h->pieces[k]++] = low + (along < 0 ? (int)((long)length * p / parts) : along);
+        }
         low = high;
     }
     h->start[k][h->pieces[k]] = h->n[k];

@@ -55,6 +55,7 @@ static const struct scene scenes[] = {
     {"2D even, uniform along x", 2, {50, 75, 1}, 25, {true}, {0}, {0}, 0, 6, {true}, true},
     {"1D even", 1, {37, 1, 1}, 16, {false}, {0}, {0}, 0, 3, {false}, true},
     {"3D even, else three", 3, {60, 6, 24}, 24, {false}, {0}, {0}, 0, 6, {false}, true},
+    {"2D rows that fill vectors", 2, {100, 9, 1}, 63, {false}, {0}, {0}, 0, 2, {false}, false},
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
@@ -367,6 +368,17 @@ static void tiles_cover_the_lattice(void **state) {
     }
 }
 
+/* 46 + 54 cells have 47 + 55 faces, in 13 vectors; 50 + 50 would have 51 + 51, in 14. */
+static void rows_fill_vectors(void **state) {
+    (void)state;
+    struct fixture x;
+    int s = 0;
+    while (strcmp(scenes[s].name, "2D rows that fill vectors") != 0) s++;
+    begin(&x, &scenes[s], 1);
+    for (int t = 0; t < x.f->ntiles; t++) assert_true(x.f->tile[t].n[0] == 46 || x.f->tile[t].n[0] == 54);
+    end(&x);
+}
+
 static void gather_undoes_scatter(void **state) {
     (void)state;
     for (int s = 0; s < SCENES; s++) {
@@ -540,6 +552,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),
+        cmocka_unit_test(rows_fill_vectors),
         cmocka_unit_test(gather_undoes_scatter),
         cmocka_unit_test(sums_have_the_same_bits_on_any_number_of_ranks),
         cmocka_unit_test(points_are_found_by_one_rank),
