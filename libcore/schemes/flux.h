@@ -8,6 +8,9 @@
 #include "libcore/models/kernel.h"
 #include "libcore/schemes/reconstruct.h"
 
+/* The rules that single faces of the flux `common` may follow (flux_private.h). */
+enum face_rule { NO_RULE, SHOCK_RULE, EXPANSION_RULE, CONTACT_RULE };
+
 /* n faces between the cells "left" and "right". A pointer stands at the left cell of face 0; cell m of a face's stencil
  * (m = -2 .. 3; left is 0, right is 1) is `stride` further per m. Components of vectors: normal first. */
 struct faces {
@@ -17,6 +20,9 @@ struct faces {
     const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */
     const double *velocity[MAX_DIM];
     const double *p; /* pressure of the cells; NULL: no face follows a rule of its own (flux_private.h) */
+    /* [n] an enum face_rule each, where the caller has found them, and p those of contacts; NULL: the flux finds them.
+     */
+    const unsigned char *rule;
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the
      * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. on [n]: 1,

@@ -5,6 +5,7 @@
 #define LIBCORE_FLUX_PRIVATE_H
 
 #include "libcore/schemes/characteristic.h"
+#include "libcore/schemes/flux_rules.h"
 
 struct face_states { /* states at n faces, from one side */
     ALIGNED double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
@@ -34,11 +35,6 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  *   limited.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
  *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
-struct common_rules { /* parameters of the flux `common` */
-    bool shocks, expansions, contacts;
-};
-OWN_PARAMS_FIT(struct common_rules);
-
 struct rules { /* 1 where a face follows a rule, else 0 */
     double shock[BATCH], expansion[BATCH], contact[BATCH];
     bool shocks, contacts; /* does any face? The arrays are set if so. */

@@ -3,17 +3,8 @@
  * contacts. */
 #include "libcore/schemes/flux_private.h"
 
-#define STEEP   1.5 /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
-#define STRONG  30. /* ratio of the pressures of a strong shock */
-#define DENSER  2.  /* ratio of the Grueneisen coefficients from which on cells are a contact */
-#define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
-#define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
-#define PACKED  16.  /* Grueneisen coefficient above which expansions are damped more and more */
+#define PACKED 16. /* Grueneisen coefficient above which expansions are damped more and more */
 
-/* Conditions are numbers 0 or 1, which & and | join without a branch. */
-ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
-    return larger(a, b) > ratio * smaller(a, b);
-}
 ALWAYS_INLINE double most_of(const double *restrict q, long s) {
     return larger(larger(q[-s], q[2 * s]), larger(q[0], q[s]));
 }
@@ -48,7 +39,7 @@ KERNEL static struct found look(int n, long s, const double *restrict p, const d
     for (int i = 0; i < n; i++) {
         const double *q = p + i;
         const int both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const int parts = (u[i + s] > u[i]) & (u[i + s] - u[i] < PARTING * (c[i] + c[i + s]));
+        const int parts = part_slowly(u[i + s] - u[i], c[i], c[i + s]);
         const int apart = both & parts & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
         const int jump =
             exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
@@ -71,10 +62,8 @@ ALWAYS_INLINE int is_shock(const int dim, const double *restrict rho, const doub
                            const double *restrict u0, const double *restrict u1, const double *restrict u2, long a,
                            long b, long mid, long s) {
     const double du = u0[a] - u0[b], d1 = dim > 1 ? u1[a] - u1[b] : 0, d2 = dim > 2 ? u2[a] - u2[b] : 0;
-    const double dp = p[b] - p[a], drho = rho[b] - rho[a], jump = dp * drho;
-    const double square = (du * du + (d1 * d1 + d2 * d2)) * (rho[a] * rho[b]);
-    return (du > 0) & (jump > 0) & exceeds(STRONG, p[a], p[b]) & (square > (1 - LOOSE) * jump) &
-           (square < (1 + LOOSE) * jump) & (u0[mid] > u0[mid + s]);
+    const double du2 = du * du + (d1 * d1 + d2 * d2);
+    return (du > 0) & near_hugoniot(du2, rho[a], rho[b], p[a], p[b]) & (u0[mid] > u0[mid + s]);
 }
 
 ALWAYS_INLINE uint64_t shocks_dim(const int dim, const struct faces *f, const struct winds *restrict w,
@@ -129,13 +118,34 @@ KERNEL static void on_face(int n, const double *restrict p, const double *restri
     for (int i = 0; i < n; i++) out[i] = rest[i] + (p[i] - base[i]);
 }
 
+static void bend_faces(const struct faces *f, const struct rules *r, struct winds *w) {
+    const long s = f->stride;
+    bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
+}
+
+/* Takes the rules that the caller has found; but where all waves run one way there is no shock and no expansion. */
+static void take_rules(const struct faces *f, struct winds *w, struct rules *r) {
+    bool bent = false;
+    for (int i = 0; i < f->n; i++) {
+        const bool both = w->speed[MINUS][i] != UPWIND_LEFT && w->speed[PLUS][i] != UPWIND_RIGHT;
+        r->shock[i] = f->rule[i] == SHOCK_RULE && both ? 1 : 0;
+        r->expansion[i] = f->rule[i] == EXPANSION_RULE && both ? 1 : 0;
+        r->contact[i] = f->rule[i] == CONTACT_RULE ? 1 : 0;
+        bent |= r->expansion[i] > 0;
+        r->shocks |= r->shock[i] > 0;
+        r->contacts |= r->contact[i] > 0;
+    }
+    if (bent) bend_faces(f, r, w);
+}
+
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     double left[BATCH], right[BATCH];
     struct common_rules on = {false, false, false};
     const long s = f->stride;
     r->shocks = r->contacts = false;
+    if (f->rule) take_rules(f, w, r);
     if (f->params) memcpy(&on, f->params, sizeof on);
-    if (!f->p || !(on.shocks | on.expansions | on.contacts) || is_calm(f->n, s, f->p, f->gruneisen)) return;
+    if (f->rule || !f->p || !(on.shocks | on.expansions | on.contacts) || is_calm(f->n, s, f->p, f->gruneisen)) return;
     if (f->rise) {
         on_face(f->n, f->p, f->base[0], f->rest, left);
         on_face(f->n, f->p + s, f->base[1], f->rest, right);
@@ -145,16 +155,25 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
     r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
     r->contacts = on.contacts && any.contact;
-    if (on.expansions && any.expands)
-        bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
+    if (on.expansions && any.expands) bend_faces(f, r, w);
 }
 
-/* The pressures of the six cells of each stencil without those of gas at rest. */
-static void take_rest(const struct faces *f, double p[6][BATCH]) {
-    for (int i = 0; i < f->n; i++) {
-        const struct rest rest = rest_at(f->rise != NULL, f, i, f->stride);
-        for (int m = 0; m < 6; m++) p[m][i] = f->p[i + (m - 2) * f->stride] - rest.P[m];
+/* Reconstructs p to the faces from one side; under gravity without the pressures of gas at rest, which the face's own
+ * then takes the place of. */
+static void pressure_of(const struct faces *f, int side, const struct reconstruct *r, double *out) {
+    double taken[6][BATCH];
+    const double *line[5];
+    if (!f->rise) {
+        flux_reconstruct(f, f->p, side, r, out);
+        return;
     }
+    for (int i = 0; i < f->n; i++) {
+        const struct rest rest = rest_at(true, f, i, f->stride);
+        for (int m = 0; m < 6; m++) taken[m][i] = f->p[i + (m - 2) * f->stride] - rest.P[m];
+    }
+    for (int k = 0; k < 5; k++) line[k] = taken[side > 0 ? k : 5 - k];
+    r->face(f->n, line, out);
+    for (int i = 0; i < f->n; i++) out[i] += f->rest[i];
 }
 
 struct side { /* states rho, u, p on one side of the faces, with E */
@@ -177,18 +196,16 @@ KERNEL static void close_side(int n, int dim, const double *restrict unit, const
 
 /* Reconstructs rho, u and p to the faces from one side (+1: left, -1: right). */
 static void side_of(const struct faces *f, const struct eos *eos, const struct material *m, int side,
-                    const struct reconstruct *r, double taken[6][BATCH], struct side *q) {
+                    const struct reconstruct *r, struct side *q) {
     const int n = f->n;
-    const long d = f->stride, cell = side > 0 ? 0 : d;
-    const double limit = density_limit(eos, m), *line[5];
+    const long cell = side > 0 ? 0 : f->stride;
+    const double limit = density_limit(eos, m);
     double one[BATCH], p[BATCH], unit[BATCH], g[BATCH];
     flux_reconstruct(f, f->state[0], side, r, q->rho);
     for (int k = 0; k < f->dim; k++) flux_reconstruct(f, f->velocity[k], side, r, q->u[k]);
-    for (int k = 0; k < 5; k++) line[k] = taken[side > 0 ? k : 5 - k];
-    r->face(n, line, q->p);
+    pressure_of(f, side, r, q->p);
     for (int i = 0; i < n; i++) {
         one[i] = 1;
-        q->p[i] += f->rise ? f->rest[i] : 0;
         if (q->rho[i] > 0 && q->rho[i] < limit && q->p[i] > 0) continue;
         q->rho[i] = f->state[0][i + cell];
         q->p[i] = f->p[i + cell];
@@ -230,11 +247,9 @@ ALWAYS_INLINE void through_contact(int dim, const struct side q[2], int i, doubl
 
 void rules_contacts(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r,
                     const struct rules *rules) {
-    double taken[6][BATCH];
     struct side q[2];
-    take_rest(f, taken);
-    side_of(f, eos, m, 1, r, taken, &q[0]);
-    side_of(f, eos, m, -1, r, taken, &q[1]);
+    side_of(f, eos, m, 1, r, &q[0]);
+    side_of(f, eos, m, -1, r, &q[1]);
     for (int i = 0; i < f->n; i++)
         if (rules->contact[i] > 0 && !(rules->shock[i] > 0))
             through_contact(f->dim, q, i, f->rise ? f->rest[i] : 0, f->out);

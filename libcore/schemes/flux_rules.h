@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the sensors of the rules of single faces share (flux_private.h states the rules): those of lattices in
+ * flux_rules.c, those of polyhedra in libcore/polyhedral/cells_rules.c. */
+#ifndef LIBCORE_FLUX_RULES_H
+#define LIBCORE_FLUX_RULES_H
+
+#include "libcore/models/kernel.h"
+#include "libcore/models/param.h"
+
+#define STEEP   1.5 /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
+#define STRONG  30. /* ratio of the pressures of a strong shock */
+#define DENSER  2.  /* ratio of the Grueneisen coefficients from which on cells are a contact */
+#define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
+#define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
+
+struct common_rules { /* parameters of the flux `common` */
+    bool shocks, expansions, contacts;
+};
+OWN_PARAMS_FIT(struct common_rules);
+
+/* Conditions are numbers 0 or 1, which & and | join without a branch. */
+ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
+    return larger(a, b) > ratio * smaller(a, b);
+}
+
+/* Do two cells part, at the speed du and slower than sound? */
+ALWAYS_INLINE int part_slowly(double du, double cl, double cr) {
+    return (du > 0) & (du < PARTING * (cl + cr));
+}
+
+/* Do two states a, b, whose velocities differ by the square du2, nearly fulfil du^2 = dp (1/rho_low - 1/rho_high)? */
+ALWAYS_INLINE int near_hugoniot(double du2, double rho_a, double rho_b, double pa, double pb) {
+    const double jump = (pb - pa) * (rho_b - rho_a), square = du2 * (rho_a * rho_b);
+    return (jump > 0) & exceeds(STRONG, pa, pb) & (square > (1 - LOOSE) * jump) & (square < (1 + LOOSE) * jump);
+}
+
+#endif
