@@ -85,6 +85,7 @@ static status cells_make(struct gas *g) {
     TRY(make_lines(g));
     measure_cells(c);
     TRY(make_fit(g));
+    TRY(cells_rules_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
@@ -107,6 +108,7 @@ static void cells_free(struct gas *g) {
     fit_free(c->fit);
     cells_diffuser_free(c->diffuser);
     cells_rest_free(c->rest);
+    cells_rules_free(c->rules);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);

@@ -35,6 +35,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double **by_block;      /* [nblocks] into `line` */
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
+    struct cells_rules *rules;       /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_bed *bed;           /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
@@ -115,6 +116,24 @@ double cells_rest_of_wall(const struct gas *g, int face);
 /* Returns, for an own cell or a near ghost, what the mean pressure of U* on a face is above p* + rho* fall, fall being
  * g.(x_f - x), times the w of the last cells_rest_find. */
 double cells_rest_miss(const struct gas *g, int face, int cell, double fall);
+
+/* The pressures of U* at n points from <= i < from + n. */
+void cells_rest_pressures(const struct gas *g, int from, int n, double *out);
+/* How near a cell < nnear is to U*, the w of the last cells_rest_find, and p* there. */
+double cells_rest_near(const struct gas *g, int cell, double *p);
+
+/* ---- rules of single faces (libcore/polyhedral/cells_rules.c) ---- */
+
+status cells_rules_make(struct gas *g);
+void cells_rules_free(struct cells_rules *r);
+/* Notes the averages of cells from <= i < to, mirrors included. */
+void cells_rules_note(const struct gas *g, int from, int to, const double *const *U);
+/* Looks where the neighbourhoods of cells from <= i < to (<= nnear) ask for a rule, once their cells are noted. */
+void cells_rules_look(const struct gas *g, int from, int to);
+/* Finds the rules of n points of internal faces, face[n]. Returns whether there is any, and then sets rule[n]. */
+bool cells_rules_find(const struct gas *g, int n, const int *face, const double *const *U, unsigned char *rule);
+/* Sets the pressures p[n] that contacts have on one side of points from <= i < from + n of internal faces. */
+void cells_rules_pressures(const struct gas *g, int side, int from, int n, const int *face, double *p);
 
 /* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
 

@@ -116,6 +116,18 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
     }
 }
 
+void cells_rest_pressures(const struct gas *g, int from, int n, double *out) {
+    const struct cells_rest *r = g->cells->rest;
+    double eps[BATCH], c[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < n; i++) eps[i] = r->at[1][from + i] / r->at[0][from + i];
+    g->models.eos->state(&g->models.material, n, r->at[0] + from, eps, out, c, gruneisen);
+}
+
+double cells_rest_near(const struct gas *g, int cell, double *p) {
+    *p = g->cells->rest->p[cell];
+    return g->cells->rest->near[cell];
+}
+
 /* Is a cell one of the bed, whose stages are given up? */
 static bool is_beds(const struct gas *g, int cell) {
     return g->hybrid && g->dense->part[0][cell] > 0;

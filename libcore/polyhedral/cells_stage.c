@@ -13,6 +13,8 @@ struct points { /* a batch of points, or of states on both sides of faces; norma
     double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
     double velocity[MAX_DIM][STENCIL][BATCH];
     double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
+    bool ruled; /* does any face follow a rule of its own? Then rule says which. */
+    unsigned char rule[BATCH];
     double pace[BATCH]; /* for fluxes that are paced */
     double out[MAX_VAR][BATCH];
 };
@@ -190,6 +192,17 @@ static void set_paces(const struct gas *g, struct points *p) {
     }
 }
 
+/* Gives the batch the rules of its faces. */
+static void set_rules(const struct gas *g, int from, struct points *p, struct faces *faces) {
+    for (int side = 0; side < 2; side++) cells_rules_pressures(g, side, from, p->n, p->face, p->p[side ? RIGHT : LEFT]);
+    for (int i = p->n; i < faces->n; i++) {
+        p->rule[i] = NO_RULE;
+        p->p[LEFT][i] = p->p[RIGHT][i] = p->p[LEFT][p->n - 1];
+    }
+    faces->rule = p->rule;
+    faces->p = p->p[LEFT];
+}
+
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
 static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
     struct cells *c = g->cells;
@@ -197,13 +210,15 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     const int from = f->point_start[first];
     p->n = f->point_start[last] - from;
     for (int i = 0; i < p->n; i++) p->face[i] = c->polyhedra->point.face[from + i];
+    p->ruled = c->rules && first < f->ninternal && cells_rules_find(g, p->n, p->face, U, p->rule);
     side_states(g, 0, from, U, p);
     if (first < f->ninternal)
         side_states(g, 1, from, U, p);
     else
         states_beyond(g, U, p);
     if (g->models.flux->paced) set_paces(g, p);
-    const struct faces faces = point_primitives(g, p);
+    struct faces faces = point_primitives(g, p);
+    if (p->ruled) set_rules(g, from, p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
     out_of_frames(g, p, p->out);
     for (int face = first; face < last; face++)
@@ -347,11 +362,21 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     polyhedra_fill_start(m, g->nvar, line);
     cells_mirrors(g, 0, own_mirrors, line);
     if (c->rest) cells_rest_find(g, 0, m->nown, U);
+    if (c->rules) {
+        cells_rules_note(g, 0, m->nown, U);
+        cells_rules_note(g, m->ncells, m->ncells + own_mirrors, U);
+        cells_rules_look(g, 0, m->ninner);
+    }
     fit_cells(c->fit, 0, m->ninner, U);
     face_fluxes(g, 0, m->face.nlocal, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
     if (c->rest) cells_rest_find(g, m->nown, m->nnear, U);
+    if (c->rules) {
+        cells_rules_note(g, m->nown, m->ncells, U);
+        cells_rules_note(g, m->ncells + own_mirrors, m->size, U);
+        cells_rules_look(g, m->ninner, m->nnear);
+    }
     fit_cells(c->fit, m->ninner, m->nnear, U);
     face_fluxes(g, m->face.nlocal, m->face.ninternal, U);
     face_fluxes(g, m->face.ninternal, m->face.n, U);

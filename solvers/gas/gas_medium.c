@@ -118,10 +118,6 @@ static status check_scheme(struct setup *s, const struct gas_state *g) {
     const char *const names[2] = {"reconstruct", "polyReconstruct"};
     const struct dict *d = g->models->schemes;
     const bool polyhedral = s->grid->polyhedra != NULL;
-    if (polyhedral && dict_has(d, "commonCoeffs") && !strcmp(g->models->gas.flux->model.name, "common"))
-        TRY(warn(&s->warnings, WARN_SCHEME,
-                 "%s:%d: commonCoeffs is not used: its rules are for lattices, and this run is on polyhedra; remove it",
-                 dict_path(d), dict_line(d, "commonCoeffs")));
     if (dict_has(d, names[polyhedral]) || !dict_has(d, names[!polyhedral])) return OK;
     return warn(&s->warnings, WARN_SCHEME,
                 "%s:%d: %s is not used: it is for %s, and this run is on %s, where %s counts (now %s, the "

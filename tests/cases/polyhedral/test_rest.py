@@ -118,6 +118,15 @@ class Rest(harness.Folder, unittest.TestCase):
         self.assertLess(self.fastest(case), 1e-12)
 
     @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_rules_of_faces(self):
+        """They take their pressures from the state at rest: where g jumps, and on all cells."""
+        for mesh, poly, T in (("boxes", "CWENO3", "y < 3 ? 20 : 500"), ("boxes", "linear", "y < 3 ? 20 : 500"), ("sheared", "CWENO3", 30.0)):
+            with self.subTest(f"{mesh} {poly}"):
+                case = self.bed("ruled" + mesh + poly, mesh, poly, steps=1000, alpha="settledLayer { depth 6; packing 0.6; }", T=T, dt=2e-4,
+                                eos="GoldshteinShapiro")
+                runs.add(case, SCHEMES, "commonCoeffs { shocks on; expansions on; contacts on; }\n")
+                self.assertLess(self.fastest(case), 1e-12)
+
     def test_stable(self):
         """Noise does not grow: of CWENO3 on triangles, whose weights would see the column itself, it did by 1e5 in 0.5 s."""
         case = self.bed("noise", "triangles", alpha=LAYER + " perturbation { modes 3; amplitude 1e-6; }", steps=1000)

@@ -569,8 +569,6 @@ WARNINGS = [
     Row("no header of a dictionary", write(GRAVITY, bad_case.GRAVITY), "noHeader", "OpenFOAM's programs", where=GRAVITY),
     Row("a reconstruction for lattices", (SCHEMES, "reconstruct PHM;", "reconstruct PHM; meshEngine polyhedral;"), "unusedScheme",
         "polyReconstruct counts (now CWENO3"),
-    Row("rules of faces on polyhedra", (SCHEMES, "reconstruct PHM;", "commonCoeffs { shocks on; } polyReconstruct linear; meshEngine polyhedral;"),
-        "unusedScheme", "commonCoeffs is not used"),
     Row("a reconstruction for polyhedra", (SCHEMES, "reconstruct PHM;", "polyReconstruct linear;"), "unusedScheme", "on a lattice"),
     Row("grains wider than cells", (PROPERTIES, "diameter 0.1;", "diameter 1.05;"), "largeGrains", "100 % of the mass", "(1 m in the mean)",
         at="grain\n"),
