@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Square boxes of triangles by gmsh, with cyclic sides that match, and exact means over their cells.
+"""Boxes of triangles by gmsh, with cyclic sides that match, and exact means over their cells.
 
     triangles.make(case, 10.0, 40, "build/bin/gmshToCase")      # constant/polyMesh: 40 edges a side, patches left, right, ...
     rho = triangles.means(haff.Mesh(case + "/constant/polyMesh"), lambda x: density(x))
@@ -9,11 +9,11 @@ import subprocess
 
 import numpy as np
 
-GEO = """// Triangles in a square of side {size!r}, {n} edges a side.
-Point(1) = {{0, 0, 0}}; Point(2) = {{{size!r}, 0, 0}}; Point(3) = {{{size!r}, {size!r}, 0}}; Point(4) = {{0, {size!r}, 0}};
+GEO = """// Triangles in a box of {size!r} x {height!r}, {n} x {rows} edges a side.
+Point(1) = {{0, 0, 0}}; Point(2) = {{{size!r}, 0, 0}}; Point(3) = {{{size!r}, {height!r}, 0}}; Point(4) = {{0, {height!r}, 0}};
 Line(1) = {{1, 2}}; Line(2) = {{2, 3}}; Line(3) = {{3, 4}}; Line(4) = {{4, 1}};
 Curve Loop(1) = {{1:4}}; Plane Surface(1) = {{1}};
-Transfinite Curve {{1:4}} = {n} + 1;
+Transfinite Curve {{1, 3}} = {n} + 1; Transfinite Curve {{2, 4}} = {rows} + 1;
 Mesh.Algorithm = 6; Mesh.MeshSizeMax = {size!r}/{n};
 Physical Curve("bottom") = {{1}}; Physical Curve("right") = {{2}}; Physical Curve("top") = {{3}}; Physical Curve("left") = {{4}};
 Physical Surface("gas") = {{1}};
@@ -23,15 +23,15 @@ SIDES = {"x": ("left", "right"), "y": ("bottom", "top")}
 RULE = (0.44594849091596488632, 0.22338158967801146570), (0.09157621350977074346, 0.10995174365532186764)
 
 
-def make(case, size, n, gmsh_to_case, cyclic="xy"):
-    """The mesh. cyclic: axes whose sides are halves of a cyclic pair."""
+def make(case, size, n, gmsh_to_case, cyclic="xy", rows=None):
+    """The mesh, a square or as many rows of edges high. cyclic: axes whose sides are halves of a cyclic pair."""
     from haff.runs import boxes
     os.makedirs(case, exist_ok=True)
     rules = " ".join(f"{a} {{ type cyclic; neighbourPatch {b}; }}" for axis in cyclic for a, b in (SIDES[axis], SIDES[axis][::-1]))
     boxes.write_dictionary(case, "system", "meshDict", f"patches {{ {rules} }}\n")
     geo, msh = os.path.join(case, "mesh.geo"), os.path.join(case, "mesh.msh")
     with open(geo, "w") as f:
-        f.write(GEO.format(size=size, n=n))
+        f.write(GEO.format(size=size, n=n, rows=rows or n, height=size * (rows or n) / n))
     subprocess.run(["gmsh", "-2", "-v", "2", geo, "-o", msh], check=True, capture_output=True)
     subprocess.run([gmsh_to_case, msh, "-case", case, "-binary"], check=True, capture_output=True)
     os.remove(msh)

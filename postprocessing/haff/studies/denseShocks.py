@@ -4,10 +4,11 @@
     haff denseShocks [-out FILE.md] [-quick] [-problem NAME]    tables on stdout, or in the file
 
 Every problem is run by granularGas with its defaults (common, WPENO5, SSPRK43, maxCo 1) twice: with the rules
-(`on`, `commonCoeffs { shocks on; expansions on; contacts on; }`), and without.
+(`on`, `commonCoeffs { shocks on; expansions on; contacts on; }`), and without. On polyhedra, maxCo is 2; gmsh makes them.
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,7 +20,7 @@ from haff import command
 from haff.exact.eos import GoldshteinShapiro, PerfectGas
 from haff.exact.riemann import Riemann
 from haff.paths import program
-from haff.runs import boxes
+from haff.runs import boxes, triangles
 
 ON = "commonCoeffs { shocks on; expansions on; contacts on; }\n"
 DEFAULTS = {"flux": "common", "reconstruct": "WPENO5", "stepper": "SSPRK43", "courant": 1.0, "binary": True}
@@ -30,12 +31,19 @@ def run(cells, size, rho, u, p, end, rules=True, **options):
     number = int(np.prod(cells))
     with tempfile.TemporaryDirectory() as case:
         boxes.box_case(case, cells, size, rho, u, p, end, **{**DEFAULTS, **options})
-        if rules:
-            with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
-                f.write(ON)
-        log = subprocess.run([program("granularGas"), "-case", case], capture_output=True, text=True, check=True).stdout
-        last = haff.Case(case).times[-1]
-        fields = [haff.read_field(os.path.join(case, last, name), number) for name in ("rho", "U", "p")]
+        return finish(case, number, ON if rules else "")
+
+
+def finish(case, number, schemes, ranks=1):
+    """Runs a case with more entries of fvSchemes; what `run` returns."""
+    with open(os.path.join(case, "system", "fvSchemes"), "a") as f:
+        f.write(schemes)
+    command = [program("granularGas"), "-case", case]
+    if ranks > 1:
+        command = [program("mpirun"), "-np", str(ranks), *command]
+    log = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    last = haff.Case(case).times[-1]
+    fields = [haff.read_field(os.path.join(case, last, name), number) for name in ("rho", "U", "p")]
     limited = re.findall(r"\(in all (\d+), ", log)
     return *fields, int(limited[-1]) if limited else 0
 
@@ -225,6 +233,117 @@ def ratios(number, n=200):
            f"faces limited {limited[0]} without, {limited[1]} with.")
 
 
+class Strip:
+    """A line of n edges and 8 rows of triangles, with fixed states at its ends."""
+
+    def __init__(self, n, folder):
+        self.n, self.case = n, os.path.join(folder, f"strip{n}")
+        triangles.make(self.case, 1.0, n, program("gmshToCase"), cyclic="y", rows=8)
+        self.mesh = haff.Mesh(os.path.join(self.case, "constant", "polyMesh"))
+        self.x = triangles.corners(self.mesh).mean(axis=1)[:, 0]
+        self.volume = self.areas()
+        self.slice = np.minimum((self.x * n).astype(int), n - 1)
+
+    def areas(self):
+        corner = triangles.corners(self.mesh)
+        (a, b), (c, d) = (corner[:, 1] - corner[:, 0]).T, (corner[:, 2] - corner[:, 0]).T
+        return np.abs(a * d - b * c) / 2
+
+    def write(self, case, tube, **options):
+        shutil.copytree(self.case, case)
+        left = self.x < tube.x0
+        rho, u, p = (np.where(left, a, b) for a, b in zip(tube.left, tube.right))
+        kinds = {name: kind for name, (kind, _, _) in self.mesh.patches.items()}
+        options = {**DEFAULTS, "courant": 2.0, "e": getattr(tube.eos, "e", 1.0), **tube.options, **options}
+        boxes.write_case(case, kinds, rho, np.outer(u, (1, 0, 0)), p, tube.end, **options)
+        others = "\n".join(f"{name} {kind}" for name, kind in kinds.items() if kind != "patch")
+        for k, (name, values) in enumerate((("rho", rho), ("U", np.outer(u, (1, 0, 0))), ("p", p))):
+            ends = ("%.17g" if name != "U" else "(%.17g 0 0)")
+            patches = "\n".join(f"{side} fixedValue; value uniform {ends % state[k]}" for side, state in (("left", tube.left), ("right", tube.right)))
+            boxes.write_field(case, name, values, patches + "\n" + others, binary=True)
+
+    def fields(self, tube, rules, polynomial="CWENO3", ranks=1, **options):
+        with tempfile.TemporaryDirectory() as folder:
+            case = os.path.join(folder, "case")
+            self.write(case, tube, **options)
+            return finish(case, len(self.x), f"polyReconstruct {polynomial};\n" + (ON if rules else ""), ranks)
+
+    def slices(self, q):
+        """Means over the n slices of the length of an edge."""
+        return np.bincount(self.slice, self.volume * q, self.n) / np.bincount(self.slice, self.volume, self.n)
+
+    def errors(self, tube, fields):
+        """As those of a tube, but over the triangles."""
+        known = triangles.means(self.mesh, lambda x: curve(tube)((x[:, 0] - tube.x0) / tube.end)).T
+        fields = fields[0], fields[1][:, 0], fields[2]
+        return [(self.volume * np.abs(a - b)).sum() / self.volume.sum() / np.ptp(b) for a, b in zip(fields, known)]
+
+    def noise(self, tube, rho):
+        """As that of a tube."""
+        far = np.abs(self.x - tube.x0) / (tube.exact.right.speed * tube.end)
+        inside = (far > 0.1) & (far < 0.85)
+        off = np.abs(rho[inside] - tube.exact.left.rho) / (tube.exact.left.rho - tube.left[0])
+        return np.average(off, weights=self.volume[inside]), off.max()
+
+
+def curve(tube):
+    """The exact solution by x/t, [n][3], from a table."""
+    if "curve" not in tube.known:
+        exact, jump = tube.exact, np.array([-1e-9, 1e-9])
+        knots = [exact.u + jump] + [w.speed + jump if w.shock else np.linspace(w.head, w.tail, 100) for w in (exact.left, exact.right)]
+        knots = np.sort(np.concatenate(knots))
+        tube.known["curve"] = knots, exact.sample(knots)
+    knots, values = tube.known["curve"]
+    return lambda speeds: np.stack([np.interp(speeds, knots, q) for q in values], axis=1)
+
+
+def strip_burst(strip, tube, name, polynomial):
+    def show(rules):
+        rho, u, p, limited = strip.fields(tube, rules, polynomial)
+        cells, high = tube.ahead(strip.n, strip.slices(p))
+        errors = strip.errors(tube, (rho, u, p))[:2]
+        return f"{cells:.2f} / {100 * high:.1f} % / {per_mille(errors)}" + (f", {limited} limited" if limited else "")
+
+    return f"| {name} | {polynomial} | {strip.n} | {both(show)} |"
+
+
+def strip_contact(strip, polynomial):
+    def show(rules):
+        found = []
+        for t in (0.001, 0.002, 0.004):
+            _, u, p, _ = strip.fields(contact(t), rules, polynomial)
+            found.append(f"{100 * np.abs(p / 1e4 - 1).max():.1f} % / {np.hypot(u[:, 0] - 0.7, u[:, 1]).max():.2f}")
+        return ", ".join(found)
+
+    return f"| J: largest error of p / false u at t = 0.001, 0.002, 0.004 | {polynomial} | {strip.n} | {both(show)} |"
+
+
+def strip_noise(strip, polynomial):
+    tube = head_on()
+
+    def show(rules):
+        rho, u, p, _ = strip.fields(tube, rules, polynomial)
+        return "%.1e / %.1e" % strip.noise(tube, rho) + f" / {1e3 * strip.errors(tube, (rho, u, p))[0]:.2f}"
+
+    return f"| B: noise, mean / largest / L1 of rho in 1e-3 | {polynomial} | {strip.n} | {both(show)} |"
+
+
+def polyhedra(grids):
+    yield "| strip of triangles | polynomials | edges along it | off: as in the tables above, per edge in place of cell | on |\n|---|---|---|---|---|"
+    with tempfile.TemporaryDirectory() as folder:
+        strips = [Strip(n, folder) for n in grids]
+        for polynomial in ("CWENO3", "linear"):
+            for strip in strips:
+                yield strip_burst(strip, drifting_burst(), "A", polynomial)
+            for problem in BURSTS:
+                tube = burst(*problem)
+                yield strip_burst(strips[-1], tube, tube.name, polynomial)
+            for strip in strips[:2]:
+                yield strip_contact(strip, polynomial)
+            for strip in strips:
+                yield strip_noise(strip, polynomial)
+
+
 def tables(quick):
     grids = (100, 200) if quick else (100, 200, 400, 800, 1600)
     yield "bursts", bursts(grids)
@@ -232,13 +351,14 @@ def tables(quick):
     yield "noise", noises(grids if quick else grids[1:])
     yield "others", singles(100 if quick else 400)
     yield "random", ratios(4 if quick else 40)
+    yield "polyhedra", polyhedra((50, 100) if quick else (100, 200, 400))
 
 
 def main():
     parser = command.parser(__doc__)
     parser.add_argument("-out", metavar="FILE.md", help="writes the tables there")
     parser.add_argument("-quick", action="store_true", help="coarse grids, four random problems")
-    parser.add_argument("-problem", help="one table: bursts, contacts, noise, others, random")
+    parser.add_argument("-problem", help="one table: bursts, contacts, noise, others, random, polyhedra")
     options = parser.parse_args()
     out = open(options.out, "w") if options.out else sys.stdout
     for name, rows in tables(options.quick):

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bursts, contacts and strong shocks through granularGas with the rules of faces reach what the report promises, and without
 them they do not."""
+import shutil
 import unittest
 
 import numpy as np
 
-from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
+from tests.cases import harness
 
 from haff.studies import denseShocks
 
@@ -51,6 +52,45 @@ class DenseShocks(unittest.TestCase):
         cells, high = tube.ahead(400, exact[2])
         self.assertLess(abs(cells), 0.6)
         self.assertLess(abs(high), 1e-9)
+
+
+@unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+class Triangles(harness.Folder, unittest.TestCase):
+    """The same on strips of triangles."""
+
+    def setUp(self):
+        super().setUp()
+        self.strip = denseShocks.Strip(100, self.folder)
+
+    def test_burst(self):
+        tube = denseShocks.drifting_burst()
+        for polynomial in ("CWENO3", "linear"):
+            for rules in (True, False):
+                rho, u, p, _ = self.strip.fields(tube, rules, polynomial)
+                cells, high = tube.ahead(100, self.strip.slices(p))
+                errors = self.strip.errors(tube, (rho, u, p))
+                with self.subTest(polynomial, rules=rules):
+                    self.assertEqual(abs(cells) < 0.8 and high < 0.17 and errors[1] < 0.014, rules, f"{cells}, {high}, {errors}")
+
+    def test_contact(self):
+        for rules in (True, False):
+            _, u, p, _ = self.strip.fields(denseShocks.contact(0.001), rules)
+            self.assertEqual(np.abs(p / 1e4 - 1).max() < 0.03 and np.abs(u[:, 0] - 0.7).max() < 0.9, rules)
+
+    def test_noise(self):
+        tube, found = denseShocks.head_on(), []
+        for rules in (True, False):
+            rho, u, p, _ = self.strip.fields(tube, rules)
+            found.append(self.strip.noise(tube, rho)[0])
+        self.assertLess(found[0], 0.6 * found[1])
+
+    def test_ranks(self):
+        """Faces between ranks follow the rules that both find."""
+        for tube in (denseShocks.drifting_burst(), denseShocks.contact(0.001), denseShocks.head_on()):
+            found = [self.strip.fields(tube, True, ranks=ranks)[:3] for ranks in (1, 2, 3)]
+            for other in found[1:]:
+                for a, b in zip(found[0], other):
+                    np.testing.assert_array_equal(a, b)
 
 
 if __name__ == "__main__":
