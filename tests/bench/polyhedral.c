@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Million cell-stages per second and rank of the polyhedral engine, beside the tiles on the same mesh of quads, whose
- * second-order time per cell is the measure: bench_polyhedral [boxes a side, default 316] [steps]. On two ranks
- * (mpirun -np 2) the same figures show how well it scales: 2 x 316 x 316 are 200,000 triangles.
+ * second-order time per cell is the measure: bench_polyhedral [boxes a side, default 316] [steps] [rules]. On two ranks
+ * (mpirun -np 2) the same figures show how well it scales: 2 x 316 x 316 are 200,000 triangles. A third argument
+ * `rules` turns the rules of single faces on.
  *
  * The gas of bench_throughput: disturbed everywhere, with cooling and gravity, periodic; the fastest of the steps, CPU
  * time of this process. */
 #include "libcore/gas/gas.h"
 #include "tests/bench/clock.h"
+#include "tests/defaults.h"
 
 #include "tests/mesh/polyhedral/cells.h" /* last */
 
@@ -23,7 +25,14 @@ struct subject {
     struct gas *gas;
 };
 
-static status subject_make(const struct scheme *k, const struct comm *c, int side, struct subject *s) {
+static struct own_params common_params(bool rules) {
+    const struct model *m = &flux_find("common")->model;
+    struct own_params own = own_defaults(m);
+    for (int i = 0; i < m->nparam; i++) model_put(m, &own, m->param[i].name, rules);
+    return own;
+}
+
+static status subject_make(const struct scheme *k, const struct comm *c, int side, bool rules, struct subject *s) {
     static struct patch_rules none[6];
     const struct cells_recipe recipe = {
         k->name, k->dim, k->shape, {side, side, k->dim > 2 ? side : 1}, {0, 1, 2}, 0, {true, true, k->dim > 2}};
@@ -31,6 +40,7 @@ static status subject_make(const struct scheme *k, const struct comm *c, int sid
         .material = {.diameter = 0.1, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("GoldshteinShapiro"),
         .flux = flux_find("common"),
+        .flux_params = common_params(rules),
         .reconstruct = reconstruct_find("PHM"),
         .polynomial = polynomial_find(k->polynomial ? k->polynomial : "linear"),
         .stepper = stepper_find("SSPRK3"),
@@ -76,10 +86,10 @@ static status fill(const struct subject *s, int dim, int side) {
     return e;
 }
 
-static status time_scheme(const struct scheme *k, const struct comm *c, int side, int steps) {
+static status time_scheme(const struct scheme *k, const struct comm *c, int side, int steps, bool rules) {
     struct subject s = {0};
     double t = 0, best = HUGE_VAL;
-    TRY(subject_make(k, c, side, &s));
+    TRY(subject_make(k, c, side, rules, &s));
     TRY(fill(&s, k->dim, side));
     for (int i = -1; i < steps; i++) { /* the first one warms up */
         double start = cpu_seconds();
@@ -108,7 +118,8 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &c);
     int side = argc > 1 ? atoi(argv[1]) : 316, steps = argc > 2 ? atoi(argv[2]) : 8;
     for (int i = 0; !s && i < (int)(sizeof schemes / sizeof *schemes); i++)
-        s = time_scheme(&schemes[i], c, schemes[i].dim < 3 ? side : side / 11, steps);
+        s = time_scheme(&schemes[i], c, schemes[i].dim < 3 ? side : side / 11, steps,
+                        argc > 3 && !strcmp(argv[3], "rules"));
     int code = status_print(s, true);
     status_free(s);
     comm_finish(c);
