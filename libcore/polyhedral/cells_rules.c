@@ -14,9 +14,24 @@ static const double DENSER_ROOT = 1.2599;
 struct cells_rules {
     struct common_rules on;
     double *p, *c, *g;    /* [size] of the averages */
+    int *start, *beside;  /* [nnear + 1] into beside: the first rings of the stencils, close together in memory */
     unsigned char *rough; /* [nnear] 1: p or g differ across a face of the cell, so that its faces are looked at */
     struct rows slope;    /* weights of the gradient of p; contacts only */
 };
+
+static status list_beside(const struct polyhedra *m, struct cells_rules *r) {
+    int n = 0;
+    TRY(allocate(&r->start, m->nnear + 1, sizeof *r->start, "rules of faces"));
+    for (int i = 0; i < m->nnear; i++) {
+        for (int at = m->stencil_start[i]; at < m->stencil_start[i + 1] && m->ring[at] == 1; at++) n++;
+        r->start[i + 1] = n;
+    }
+    TRY(allocate(&r->beside, n, sizeof *r->beside, "rules of faces"));
+    for (int i = 0; i < m->nnear; i++)
+        for (int k = r->start[i]; k < r->start[i + 1]; k++)
+            r->beside[k] = m->stencil[m->stencil_start[i] + k - r->start[i]];
+    return OK;
+}
 
 status cells_rules_make(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
@@ -29,6 +44,7 @@ status cells_rules_make(struct gas *g) {
     double **line[] = {&r->p, &r->c, &r->g};
     for (int i = 0; i < 3; i++) TRY(allocate(line[i], m->size, sizeof(double), "rules of faces"));
     TRY(allocate(&r->rough, m->nnear, sizeof *r->rough, "rules of faces"));
+    TRY(list_beside(m, r));
     return on.contacts ? fit_gradients(g->cells->fit, &r->slope) : OK;
 }
 
@@ -37,6 +53,8 @@ void cells_rules_free(struct cells_rules *r) {
     free(r->p);
     free(r->c);
     free(r->g);
+    free(r->start);
+    free(r->beside);
     free(r->rough);
     rows_free(&r->slope);
     free(r);
@@ -55,13 +73,13 @@ void cells_rules_note(const struct gas *g, int from, int to, const double *const
 }
 
 void cells_rules_look(const struct gas *g, int from, int to) {
-    const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_rules *r = g->cells->rules;
+    const double *restrict p = r->p, *restrict gruneisen = r->g;
     for (int i = from; i < to; i++) {
         int rough = 0;
-        for (int at = m->stencil_start[i]; at < m->stencil_start[i + 1] && m->ring[at] == 1; at++) {
-            const int j = m->stencil[at];
-            rough |= exceeds(STEEP, r->p[i], r->p[j]) | exceeds(DENSER_ROOT, r->g[i], r->g[j]);
+        for (int k = r->start[i]; k < r->start[i + 1]; k++) {
+            const int j = r->beside[k];
+            rough |= exceeds(STEEP, p[i], p[j]) | exceeds(DENSER_ROOT, gruneisen[i], gruneisen[j]);
         }
         r->rough[i] = (unsigned char)rough;
     }
