@@ -92,6 +92,30 @@ class Triangles(harness.Folder, unittest.TestCase):
                 for a, b in zip(found[0], other):
                     np.testing.assert_array_equal(a, b)
 
+    def test_ball(self):
+        """Tetrahedra: the shock of a burst out of a ball is less ahead, and the velocity nearer to that of shells."""
+        ball = denseShocks.Ball(400)
+        (off, _, off_errors, *_), (on, _, on_errors, *_) = (ball.run(8, "CWENO3", rules) for rules in (False, True))
+        self.assertLess(abs(on), 0.8 * abs(off))
+        self.assertLess(on_errors[1], 0.9 * off_errors[1])
+
+
+class Shells(unittest.TestCase):
+    def test_conservation(self):
+        """No mass and energy is lost before a wave reaches the rim, and the shock moves little when the shells are halved."""
+        fronts = []
+        for n in (400, 800):
+            ball = denseShocks.Ball(n)
+            r, rho, u, p = ball.known
+            edge = np.linspace(0, 1, n + 1)
+            volume, start = np.diff(edge**3) / 3, r < ball.RADIUS
+            g = lambda rho: (ball.eos.gamma - 1) * ball.eos.A(rho)
+            first = [np.where(start, a, b) for a, b in zip(*ball.states)]
+            for now, then in ((rho, first[0]), (p / g(rho) + rho * u**2 / 2, first[2] / g(first[0]))):
+                self.assertAlmostEqual((volume * now).sum() / (volume * then).sum(), 1, delta=1e-12)
+            fronts.append(ball.shock)
+        self.assertLess(abs(fronts[1] - fronts[0]), 0.01)
+
 
 if __name__ == "__main__":
     unittest.main()
