@@ -328,6 +328,11 @@ def strip_noise(strip, polynomial):
     return f"| B: noise, mean / largest / L1 of rho in 1e-3 | {polynomial} | {strip.n} | {both(show)} |"
 
 
+def strip_single(strip, tube, polynomial):
+    show = lambda rules: per_mille(strip.errors(tube, strip.fields(tube, rules, polynomial)[:3]))
+    return f"| {tube.name}: L1 of rho, u, p in 1e-3 | {polynomial} | {strip.n} | {both(show)} |"
+
+
 def polyhedra(grids):
     yield "| strip of triangles | polynomials | edges along it | off: as in the tables above, per edge in place of cell | on |\n|---|---|---|---|---|"
     with tempfile.TemporaryDirectory() as folder:
@@ -342,6 +347,8 @@ def polyhedra(grids):
                 yield strip_contact(strip, polynomial)
             for strip in strips:
                 yield strip_noise(strip, polynomial)
+        for tube in others():
+            yield strip_single(strips[0], tube, "CWENO3")
 
 
 class Ball:
