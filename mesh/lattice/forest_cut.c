@@ -118,12 +118,13 @@ static int most_along(const struct lattice *l, int k, int tile_size) {
 enum { VECTOR = 8 }; /* numbers that a sweep works on at once */
 
 /* Returns where piece p of `length` cells along axis 0 begins, or -1 where such pieces would be longer than tile_size:
- * n cells in a row have n + 1 faces along it, which shall fill vectors. */
+ * n cells in a row have n + 1 faces along it, which shall fill vectors. The first pieces are the longer ones: a rank
+ * begins with the first tile before which its share lies (trees.h), so that of two tiles each of two ranks gets one. */
 static int row_start(int length, int parts, int p, int tile_size) {
     const int vectors = (length + parts + VECTOR - 1) / VECTOR, spare = VECTOR * vectors - parts - length;
     const int longest = VECTOR * ((vectors + parts - 1) / parts) - 1;
     if (longest > tile_size || tile_size < 4 * VECTOR) return -1;
-    return VECTOR * (int)((long)vectors * p / parts) - p - spare * p / parts;
+    return VECTOR * (int)(((long)vectors * p + parts - 1) / parts) - p - spare * p / parts;
 }
 
 /* Cuts axis k between its planes into pieces of at most tile_size cells, but no shorter than GHOSTS where the planes
