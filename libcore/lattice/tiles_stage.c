@@ -80,6 +80,7 @@ static struct faces faces_at(const struct gas *g, const double *U, int axis, lon
                       .eps = w->eps + offset,
                       .c = w->c + offset,
                       .gruneisen = w->gruneisen + offset,
+                      .falls = g->falls != NULL,
                       .fastest = g->fastest[axis],
                       .pace = w->pace[axis],
                       .params = &g->models.flux_params};

@@ -12,7 +12,7 @@
 static const double DENSER_ROOT = 1.2599;
 
 struct cells_rules {
-    struct common_rules on;
+    struct wanted_rules on;
     double *p, *c, *g;    /* [size] of the averages */
     int *start, *beside;  /* [nnear + 1] into beside: the first rings of the stencils, close together in memory */
     unsigned char *rough; /* [nnear] 1: p or g differ across a face of the cell, so that its faces are looked at */
@@ -35,8 +35,7 @@ static status list_beside(const struct polyhedra *m, struct cells_rules *r) {
 
 status cells_rules_make(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    struct common_rules on;
-    memcpy(&on, &g->models.flux_params, sizeof on);
+    const struct wanted_rules on = rules_wanted(&g->models.flux_params, false, g->falls != NULL);
     if (strcmp(g->models.flux->model.name, "common") != 0 || !(on.shocks || on.expansions || on.contacts)) return OK;
     TRY(allocate(&g->cells->rules, 1, sizeof *g->cells->rules, "rules of faces"));
     struct cells_rules *r = g->cells->rules;
@@ -137,26 +136,21 @@ static bool is_contact(const struct gas *g, int left, int right) {
     return !exceeds(STEEP, g->cells->rules->p[w.high], g->cells->rules->p[w.low]) && w.most > DENSER * w.least;
 }
 
-/* Under gravity, the pressures of both cells on the face are without the part that carries weight. */
-static bool is_expansion(const struct gas *g, int face, double speed) {
+static bool is_expansion(const struct gas *g, int face, double speed, const double *rho) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const struct cells_rules *r = g->cells->rules;
     const int left = f->left[face], right = f->right[face];
-    double pl = r->p[left], pr = r->p[right];
-    if (!part_slowly(speed, r->c[left], r->c[right]) || !exceeds(STEEP, pl, pr)) return false;
-    if (!g->cells->rest) return true;
-    pl += cells_rest_miss(g, face, left, 0);
-    pr += cells_rest_miss(g, face, right, 0);
-    return exceeds(STEEP, pl, pr);
+    const double impedance[2] = {rho[left] * r->c[left], rho[right] * r->c[right]};
+    return expands(speed, r->c[left], r->c[right], impedance, r->p[left], r->p[right]);
 }
 
 static enum face_rule rule_of(const struct gas *g, int face, const double *const *U) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const struct common_rules *on = &g->cells->rules->on;
+    const struct wanted_rules *on = &g->cells->rules->on;
     const int left = f->left[face], right = f->right[face];
     const double speed = parting(g, face, U);
     if (on->shocks && speed < 0 && is_shock(g, left, right, U)) return SHOCK_RULE;
-    if (on->expansions && is_expansion(g, face, speed)) return EXPANSION_RULE;
+    if (on->expansions && is_expansion(g, face, speed, U[0])) return EXPANSION_RULE;
     return on->contacts && is_contact(g, left, right) ? CONTACT_RULE : NO_RULE;
 }
 

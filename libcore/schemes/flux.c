@@ -455,12 +455,15 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     tame(f->dim, f->n, &t, &mean, &e, f->out);
 }
 
-#define PARAM_STRUCT struct common_rules
+static const char *const rule_words[] = {"off", "on", "lattices", NULL};
+#define PARAM_STRUCT     struct common_rules
+#define RULE(name, text) CHOICE(#name, name, RULE_LATTICES, rule_words, text)
 static const struct param common_param[] = {
-    SWITCH("shocks", shocks, false, "strong shocks are damped in entropy, too, so that they leave less noise behind"),
-    SWITCH("expansions", expansions, false, "steep expansions are damped less, so that they heat dense gas less"),
-    SWITCH("contacts", contacts, false, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
+    RULE(shocks, "strong shocks are damped in entropy, too, so that they leave less noise behind"),
+    RULE(expansions, "steep expansions are damped less, so that they heat dense gas less; not under gravity"),
+    RULE(contacts, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
 };
+#undef RULE
 #undef PARAM_STRUCT
 
 /* FORCE and MUSTA (docs/physics.md 6.7) are in flux_force.c. */

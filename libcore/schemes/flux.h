@@ -29,6 +29,7 @@ struct faces {
      * or 0 where nothing is taken, and both base are 0. NULL: nothing is taken. */
     const double *base[2], *rise, *on;
     const double *rest; /* [n] that pressure on the face itself, which the caller adds to the result; NULL likewise */
+    bool falls;         /* does the gas feel gravity? */
     double fastest;     /* max |u_normal| + c of the whole domain (global Lax-Friedrichs) */
     const double *pace; /* [n] dt/dx, dt that of the Runge-Kutta step, for fluxes that are `paced`; may be NULL else */
     const struct own_params *params; /* of the flux; NULL: it has none */

@@ -28,11 +28,12 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
  *   beside): the entropy is split with max(|u| + c), and reconstructed by PHM. Upwinded, entropy is not damped inside
  *   of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
- * - Steep expansions (gas parts, slower than half of the sum of both speeds of sound, and the pressure of one cell is
- *   1.5 times that of the other): the fields u - c and u + c are split with 0.5 of their larger speed, with less in
- *   dense gas, and with more near packing. While the expansion of dense gas lies within a few cells, full damping heats
- *   the gas, which then pushes the shock ahead of it. Faster, gas makes a void, and less damping would have to be
- *   limited.
+ * - Steep expansions (the pressure of one cell is 1.5 times that of the other, and they part, slower than half of the
+ *   sum of both speeds of sound, faster than 0.3 |dp|/(rho c)): the fields u - c and u + c are split with 0.5 of their
+ *   larger speed, with less in dense gas, and with more near packing. While the expansion of dense gas lies within a
+ * few cells, full damping heats the gas, which then pushes the shock ahead of it. Faster, gas makes a void, and less
+ *   damping would have to be limited. Not under gravity: a bed that is thrown up has steep pressures for long, and less
+ *   damping makes it less accurate.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
  *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
 struct rules { /* 1 where a face follows a rule, else 0 */

@@ -27,20 +27,18 @@ KERNEL static bool is_calm(int n, long s, const double *restrict p, const double
 }
 
 struct found { /* bits that are set where a face of the batch .. */
-    uint64_t strong, expands, contact;
+    uint64_t strong, expansion, contact;
 };
 
-/* The pressures pl, pr of expansions are those that both cells have on the face, under gravity without the part that
- * carries weight: gas at rest does not expand, however steep its pressure is. */
-KERNEL static struct found look(int n, long s, const double *restrict p, const double *restrict pl,
-                                const double *restrict pr, const double *restrict u, const double *restrict c,
-                                const double *restrict g, const struct winds *restrict w, struct rules *restrict r) {
-    uint64_t strong = 0, expands = 0, contact = 0;
+KERNEL static struct found look(int n, long s, const double *restrict rho, const double *restrict p,
+                                const double *restrict u, const double *restrict c, const double *restrict g,
+                                const struct winds *restrict w, struct rules *restrict r) {
+    uint64_t strong = 0, expansion = 0, contact = 0;
     for (int i = 0; i < n; i++) {
         const double *q = p + i;
         const int both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const int parts = part_slowly(u[i + s] - u[i], c[i], c[i + s]);
-        const int apart = both & parts & exceeds(STEEP, q[0], q[s]) & exceeds(STEEP, pl[i], pr[i]);
+        const double impedance[2] = {rho[i] * c[i], rho[i + s] * c[i + s]};
+        const int apart = both & expands(u[i + s] - u[i], c[i], c[i + s], impedance, q[0], q[s]);
         const int jump =
             exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
         const int varies = most_of(g + i, s) > DENSER * least_of(g + i, s),
@@ -50,10 +48,10 @@ KERNEL static struct found look(int n, long s, const double *restrict p, const d
         r->contact[i] = denser ? 1 : 0;
         r->shock[i] = 0;
         strong |= bits_of((jump & both) ? 1. : 0.);
-        expands |= bits_of(r->expansion[i]);
+        expansion |= bits_of(r->expansion[i]);
         contact |= bits_of(r->contact[i]);
     }
-    return (struct found){strong, expands, contact};
+    return (struct found){strong, expansion, contact};
 }
 
 /* Is there a strong shock between the ends a and b of four cells, the face in whose middle lies right of cell `mid`?
@@ -112,12 +110,6 @@ KERNEL static void bend(int n, const double *restrict gl, const double *restrict
     }
 }
 
-/* Computes the pressures that both cells have on the face: those of the cells without the part that carries weight. */
-KERNEL static void on_face(int n, const double *restrict p, const double *restrict base, const double *restrict rest,
-                           double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = rest[i] + (p[i] - base[i]);
-}
-
 static void bend_faces(const struct faces *f, const struct rules *r, struct winds *w) {
     const long s = f->stride;
     bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
@@ -138,24 +130,29 @@ static void take_rules(const struct faces *f, struct winds *w, struct rules *r) 
     if (bent) bend_faces(f, r, w);
 }
 
+static bool is_wanted(enum rule_switch is, bool lattice) {
+    return is == RULE_ON || (is == RULE_LATTICES && lattice);
+}
+
+struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls) {
+    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF};
+    if (params) memcpy(&is, params, sizeof is);
+    return (struct wanted_rules){.shocks = is_wanted(is.shocks, lattice),
+                                 .expansions = is_wanted(is.expansions, lattice) && !falls,
+                                 .contacts = is_wanted(is.contacts, lattice)};
+}
+
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
-    double left[BATCH], right[BATCH];
-    struct common_rules on = {false, false, false};
+    const struct wanted_rules on = rules_wanted(f->params, true, f->falls);
     const long s = f->stride;
     r->shocks = r->contacts = false;
     if (f->rule) take_rules(f, w, r);
-    if (f->params) memcpy(&on, f->params, sizeof on);
     if (f->rule || !f->p || !(on.shocks | on.expansions | on.contacts) || is_calm(f->n, s, f->p, f->gruneisen)) return;
-    if (f->rise) {
-        on_face(f->n, f->p, f->base[0], f->rest, left);
-        on_face(f->n, f->p + s, f->base[1], f->rest, right);
-    }
-    const struct found any = look(f->n, s, f->p, f->rise ? left : f->p, f->rise ? right : f->p + s, f->velocity[0],
-                                  f->c, f->gruneisen, w, r);
+    const struct found any = look(f->n, s, f->state[0], f->p, f->velocity[0], f->c, f->gruneisen, w, r);
     if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
     r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
     r->contacts = on.contacts && any.contact;
-    if (on.expansions && any.expands) bend_faces(f, r, w);
+    if (on.expansions && any.expansion) bend_faces(f, r, w);
 }
 
 /* Reconstructs p to the faces from one side; under gravity without the pressures of gas at rest, which the face's own

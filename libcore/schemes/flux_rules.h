@@ -12,20 +12,31 @@
 #define DENSER  2.  /* ratio of the Grueneisen coefficients from which on cells are a contact */
 #define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
 #define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
+#define SIMPLE  0.3  /* share of |dp|/(rho c), the rise of the velocity in a simple wave, above which they do */
+
+enum rule_switch { RULE_OFF, RULE_ON, RULE_LATTICES }; /* the last: on lattices, off on polyhedra */
 
 struct common_rules { /* parameters of the flux `common` */
-    bool shocks, expansions, contacts;
+    enum rule_switch shocks, expansions, contacts;
 };
 OWN_PARAMS_FIT(struct common_rules);
+
+struct wanted_rules {
+    bool shocks, expansions, contacts;
+};
+/* Returns the rules that `common` has with these parameters (NULL: none) on a lattice or on polyhedra; falls: under
+ * gravity. */
+struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls);
 
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
 ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
     return larger(a, b) > ratio * smaller(a, b);
 }
 
-/* Do two cells part, at the speed du and slower than sound? */
-ALWAYS_INLINE int part_slowly(double du, double cl, double cr) {
-    return (du > 0) & (du < PARTING * (cl + cr));
+/* Do two cells part, at the speed du, as in a steep expansion? impedance: rho c of both. */
+ALWAYS_INLINE int expands(double du, double cl, double cr, const double impedance[2], double pl, double pr) {
+    const double wave = 2 * SIMPLE * fabs(pr - pl);
+    return (du > 0) & (du < PARTING * (cl + cr)) & (du * (impedance[0] + impedance[1]) > wave) & exceeds(STEEP, pl, pr);
 }
 
 /* Do two states a, b, whose velocities differ by the square du2, nearly fulfil du^2 = dp (1/rho_low - 1/rho_high)? */

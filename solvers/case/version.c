@@ -47,6 +47,12 @@ static const struct change changes[] = {
      {"granularProperties", "TorquatoSpheresCoeffs/tangent"},
      "the pressure diverges at alphaMax",
      "TorquatoSpheresCoeffs { tangent yes; }"},
+    {{0, 2},
+     "granularGas",
+     {"fvSchemes", "fluxScheme", "common"},
+     {"fvSchemes", "commonCoeffs"},
+     "strong shocks, steep expansions and dense contacts on lattices follow rules of their own",
+     "commonCoeffs { shocks off; expansions off; contacts off; }"},
 };
 
 static bool is_older(struct version a, struct version b) {

@@ -3,8 +3,9 @@
 
     haff denseShocks [-out FILE.md] [-quick] [-problem NAME]    tables on stdout, or in the file
 
-Every problem is run by granularGas with its defaults (common, WPENO5, SSPRK43, maxCo 1) twice: with the rules
-(`on`, `commonCoeffs { shocks on; expansions on; contacts on; }`), and without. On polyhedra, maxCo is 2; gmsh makes them.
+Every problem is run by granularGas with its defaults (common, WPENO5, SSPRK43, maxCo 1) twice: with the rules, which is the
+default on lattices (`on`, `commonCoeffs { shocks on; expansions on; contacts on; }`), and without. On polyhedra, maxCo is 2;
+gmsh makes them.
 """
 import os
 import re
@@ -23,6 +24,7 @@ from haff.paths import program
 from haff.runs import boxes, triangles
 
 ON = "commonCoeffs { shocks on; expansions on; contacts on; }\n"
+OFF = "commonCoeffs { shocks off; expansions off; contacts off; }\n"
 DEFAULTS = {"flux": "common", "reconstruct": "WPENO5", "stepper": "SSPRK43", "courant": 1.0, "binary": True}
 
 
@@ -31,7 +33,7 @@ def run(cells, size, rho, u, p, end, rules=True, **options):
     number = int(np.prod(cells))
     with tempfile.TemporaryDirectory() as case:
         boxes.box_case(case, cells, size, rho, u, p, end, **{**DEFAULTS, **options})
-        return finish(case, number, ON if rules else "")
+        return finish(case, number, ON if rules else OFF)
 
 
 def finish(case, number, schemes, ranks=1):
@@ -266,7 +268,7 @@ class Strip:
         with tempfile.TemporaryDirectory() as folder:
             case = os.path.join(folder, "case")
             self.write(case, tube, **options)
-            return finish(case, len(self.x), f"polyReconstruct {polynomial};\n" + (ON if rules else ""), ranks)
+            return finish(case, len(self.x), f"polyReconstruct {polynomial};\n" + (ON if rules else OFF), ranks)
 
     def slices(self, q):
         """Means over the n slices of the length of an edge."""
@@ -395,7 +397,7 @@ Physical Surface("high") = {o[0], o[3], o[4]}; Physical Volume("gas") = {o[1]};
             rho, _, p = (np.where(r < self.RADIUS, a, b) for a, b in zip(*self.states))
             boxes.write_case(case, kinds, rho, np.zeros((len(r), 3)), p, self.END, **{
                 **DEFAULTS, "slip": ("low", "xLow", "yLow", "zLow"), "courant": 2.0 if polynomial else 1.0})
-            rho, u, p, limited = finish(case, len(r), (f"polyReconstruct {polynomial};\n" if polynomial else "") + (ON if rules else ""))
+            rho, u, p, limited = finish(case, len(r), (f"polyReconstruct {polynomial};\n" if polynomial else "") + (ON if rules else OFF))
         h, known = len(r) ** (-1 / 3), [np.interp(r, self.known[0], q) for q in self.known[1:]]
         shell = np.minimum((2 * r / h).astype(int), int(2 / h))
         mean = lambda q: (np.bincount(shell, V * q) / np.maximum(np.bincount(shell, V), 1e-300))[np.bincount(shell) > 0][:-1]
