@@ -28,7 +28,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct material material;
     const struct eos *eos;
     const struct flux *flux;
-    struct own_params flux_params; /* parameters of the row */
+    struct own_params flux_params; /* of the row; all 0: `common` without its rules of single faces */
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
     struct sources source;

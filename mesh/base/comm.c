@@ -124,7 +124,29 @@ void comm_from_root(const struct comm *c, int to, void *data, long bytes) {
     hand(c, c->rank == 0, c->rank ? 0 : to, data, bytes);
 }
 
-/* MPI's counts and displacements are ints, so that the ranks send one after the other, in pieces. */
+/* Gathers fewer bytes than MPI's counts and displacements, which are ints, can tell. */
+static void gather_at_once(const struct comm *c, const void *mine, long bytes, char *all, const long *count,
+                           long each) {
+    int size[c->size], start[c->size];
+    for (int r = 0, at = 0; c->rank == 0 && r < c->size; at += size[r++]) {
+        size[r] = (int)(count[r] * each);
+        start[r] = at;
+    }
+    MPI_Gatherv(mine, (int)bytes, MPI_BYTE, all, size, start, MPI_BYTE, 0, c->world);
+}
+
+/* Gathers any number of bytes: the ranks send one after the other, in pieces. */
+static void gather_in_turn(const struct comm *c, const void *mine, long bytes, char *all, const long *count,
+                           long each) {
+    if (c->rank > 0) {
+        comm_to_root(c, c->rank, (void *)(uintptr_t)mine, bytes);
+        return;
+    }
+    if (bytes) memcpy(all, mine, (size_t)bytes);
+    all += bytes;
+    for (int r = 1; r < c->size; all += count[r++] * each) comm_to_root(c, r, all, count[r] * each);
+}
+
 static status gather(const struct comm *c, const void *mine, long n, void *all, long *total, long bytes) {
     long sum = n, *count = NULL;
     comm_sum_long(c, &sum, 1);
@@ -138,12 +160,9 @@ static status gather(const struct comm *c, const void *mine, long n, void *all, 
         free(count);
         return s;
     }
-    if (array && n) memcpy(array, mine, (size_t)n * (size_t)bytes);
     if (c->talks) MPI_Gather(&n, 1, MPI_LONG, count, 1, MPI_LONG, 0, c->world);
-    char *next = array ? array + n * bytes : NULL;
-    for (int r = 1; c->talks && count && r < c->size; next += count[r++] * bytes)
-        comm_to_root(c, r, next, count[r] * bytes);
-    if (c->talks && c->rank > 0) comm_to_root(c, c->rank, (void *)(uintptr_t)mine, n * bytes);
+    if (!c->talks && array && n) memcpy(array, mine, (size_t)(n * bytes));
+    if (c->talks) (sum <= INT_MAX / bytes ? gather_at_once : gather_in_turn)(c, mine, n * bytes, array, count, bytes);
     free(count);
     memcpy(all, &array, sizeof array);
     if (total) *total = c->rank == 0 ? sum : 0;

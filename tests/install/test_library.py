@@ -56,6 +56,8 @@ class Library(harness.Folder, unittest.TestCase):
         boxes.box_case(case, (cells, 1, 1), (1.0, 0.1, 0.1), alpha * 6 / (np.pi * 0.01**3), np.zeros((cells, 3)), alpha, 0.1, e=0.97, cooling="Haff",
                        reconstruct="WENO5", flux="common", step=1.0)
         harness.edit(case, "constant/granularProperties", diameter=0.01)
+        with open(os.path.join(case, "system", "fvSchemes"), "a") as f:  # the example gives the flux no parameters
+            f.write("commonCoeffs { shocks off; expansions off; contacts off; }\n")
         os.remove(os.path.join(case, "0", "p"))
         boxes.write_field(case, "T", np.ones(cells), '".*Empty" empty\n"x.*" zeroGradient')
         harness.program("granularGas", "-case", case)

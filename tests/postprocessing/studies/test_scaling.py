@@ -142,13 +142,13 @@ class Command(harness.Folder, unittest.TestCase):
 
     def test_report(self):
         """The case stays as it was, and each table has its rows: counted, times, strong and weak."""
-        case = lattice(os.path.join(self.folder, "box"), (120, 120, 1))
+        case = lattice(os.path.join(self.folder, "box"), (126, 120, 1))
         said = self.haff(case, "-ranks", "1,2", "-project", "4,64", "-steps", "60", "-after", "2", "-latency", "1e-6", "-bandwidth", "1e9")
         self.assertEqual(said.returncode, 0, said.stderr)
         rows = [line for line in said.stdout.split("\n") if line.startswith("| ") and line[2].isdigit()]
         self.assertEqual([int(row.split("|")[1]) for row in rows], [1, 2, 1, 2][:len(rows) - 4] + [4, 64, 4, 64])
-        self.assertIn("| 64 | 3600 | 6.0 |", said.stdout, "4 tiles are for 4 ranks")
-        self.assertIn("| 64 | 9.216e+05 | 14400 |", said.stdout)
+        self.assertIn("| 64 | 3780 | 6.0 |", said.stdout, "4 tiles are for 4 ranks")
+        self.assertIn("| 64 | 9.677e+05 | 15120 |", said.stdout)
         self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
 
     def test_refused(self):

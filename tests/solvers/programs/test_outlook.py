@@ -127,6 +127,7 @@ class Outlook(harness.Folder, unittest.TestCase):
         boxes.write_field(case, "alpha", np.full(n, 0.3), "xLow fixedValue; value uniform 0.6398\n" + rest)
         boxes.write_field(case, "T", np.full(n, 1.0), "xLow zeroGradient\n" + rest)
         boxes.write_field(case, "U", np.zeros((n, 3)), "xLow zeroGradient\n" + rest)
+        runs.add(case, "system/fvSchemes", "commonCoeffs { shocks off; expansions off; contacts off; }\n")  # with these rules it creeps before
         done = harness.program("granularGas", "-case", case, check=False, timeout=60)
         self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr, r"time stands still at t = \S+ a step of \S+ s is less than some last digits of t(.|\n)*"

@@ -16,7 +16,7 @@ MAJOR, MINOR = int(OWN[1]), int(OWN[2])
 
 
 class Version(harness.Folder, unittest.TestCase):
-    def check(self, version, properties=(), solution="", *options):
+    def check(self, version, properties=(), solution="", *options, schemes=""):
         """What checkCase says of the box of bad_case, with a version, entries set and text added to fvSolution."""
         case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
         bad_case.write(case)
@@ -29,6 +29,11 @@ class Version(harness.Folder, unittest.TestCase):
             harness.dictionary.edit(os.path.join(case, "constant", "granularProperties"), dict(properties))
         with open(os.path.join(case, "system", "fvSolution"), "a") as f:
             f.write(solution)
+        path_of_schemes = os.path.join(case, "system", "fvSchemes")
+        with open(path_of_schemes) as f:
+            text = f.read()
+        with open(path_of_schemes, "w") as f:
+            f.write(text.replace("fluxScheme common;", schemes))
         done = subprocess.run([os.path.join(harness.BIN, "checkCase"), case, *options], capture_output=True, text=True)
         return done.returncode, done.stdout, done.stderr.replace(case, "CASE"), path
 
@@ -81,6 +86,14 @@ class Version(harness.Folder, unittest.TestCase):
                 else:
                     named = (*properties, ("+TorquatoDisksCoeffs/tangent", "yes"))
                     self.assertNotIn("olderVersion", self.check("0.1", named)[1])
+
+    def test_older_flux(self):
+        """A case that names the flux `common` is told of its rules of single faces."""
+        found = re.findall(r"^warning: (.*) \[olderVersion\]$", self.check("0.1", schemes="fluxScheme common;")[1], re.M)
+        self.assertEqual(len(found), 1)
+        off = "commonCoeffs { shocks off; expansions off; contacts off; }"
+        self.assertIn(off, found[0])
+        self.assertNotIn("olderVersion", self.check("0.1", schemes="fluxScheme common;" + off)[1])
 
     def test_older_and_indifferent(self):
         """Nothing is said where none of that matters."""
