@@ -17,10 +17,13 @@ struct grid_private {
     struct search *search; /* searches the whole mesh, so that every rank finds the same cell */
 };
 
+/* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */
+int grid_tile_size(int dim) {
+    return dim == 3 ? 32 : 63;
+}
+
 static status take_forest(struct grid *g, const struct lattice *l) {
-    /* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */
-    static const int tile_size[4] = {0, 63, 63, 32};
-    TRY(forest_make(l, g->mesh, g->comm, tile_size[l->dim], &g->forest));
+    TRY(forest_make(l, g->mesh, g->comm, grid_tile_size(l->dim), &g->forest));
     const struct forest *f = g->forest;
     double low[3], high[3];
     polymesh_bounds(g->mesh, low, high);

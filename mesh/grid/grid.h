@@ -34,6 +34,7 @@ struct grid {
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
                  const struct comm *c, int rings, struct grid **out);
 void grid_free(struct grid *g);
+int grid_tile_size(int dim); /* most cells of a tile along an axis, of a lattice of so many axes */
 
 double grid_volume(const struct grid *g, int cell); /* of a cell of the polyMesh, m^3 */
 /* Sets x (m) to the centre of cell i of a block of this rank. */

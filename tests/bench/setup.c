@@ -4,6 +4,7 @@
  * rank's share of the cells, its neighbours and the cells that it sends to them. -all in place of the rank: a table of
  * all ranks. `even` behind that: tiles as for a gas with transport (lattice.h). */
 #include "mesh/format/boxes.h"
+#include "mesh/grid/grid.h"
 #include "mesh/lattice/forest_private.h"
 #include "solvers/case/blockmesh.h"
 
@@ -54,7 +55,7 @@ static status set_up(const struct lattice *l, const struct polymesh *m, int rank
     struct comm *c;
     struct forest *f;
     TRY(comm_pretend(rank, ranks, &c));
-    TRY(forest_make(l, m, c, l->dim == 3 ? 24 : 60, &f));
+    TRY(forest_make(l, m, c, grid_tile_size(l->dim), &f));
     long mine = 0, sent = 0;
     for (int t = 0; t < f->ntiles; t++) mine += (long)f->tile[t].n[0] * f->tile[t].n[1] * f->tile[t].n[2];
     const int links = f->hidden->nlinks;
