@@ -71,6 +71,7 @@ ALWAYS_INLINE uint64_t shocks_dim(const int dim, const struct faces *f, const st
     const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
     const long s = f->stride;
     uint64_t any = 0;
+    EACH_ALONE
     for (int i = 0; i < f->n; i++) {
         const int both = (minus[i] != UPWIND_LEFT) & (plus[i] != UPWIND_RIGHT);
         const int shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
