@@ -22,7 +22,7 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
 
 /* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----
  *
- * Where a case asks for them (commonCoeffs), three kinds of faces of the flux `common` follow a rule of their own; all
+ * Three kinds of faces of the flux `common` follow a rule of their own (commonCoeffs; by default on lattices); all
  * others keep their flux to the bit. The fluxes stay consistent and single, so everything is conserved. No rule but the
  * last acts where all waves run one way. Numbers and reasons: postprocessing/reports/denseShocks.md.
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
