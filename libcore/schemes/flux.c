@@ -5,8 +5,6 @@
  * them. A batch is cut into runs of faces that need the same work; the flux of a face does not depend on its run. */
 #include "libcore/schemes/flux_private.h"
 
-enum { GROUP = 8 }; /* faces that are kept in one run: a vector */
-
 /* unsplit: all bits are set where fields of one direction are not split. */
 ALWAYS_INLINE double wind(double l, double r, uint64_t unsplit, double least) {
     const double alpha = larger(larger(fabs(l), fabs(r)), least);
@@ -164,20 +162,18 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
                         const double *shock, const struct reconstruct *r, double (*a)[BATCH]) {
     struct winds fast = *w;
     double calm[MAX_VAR][BATCH];
-    bool any = false;
     for (int i = from; i < to; i++) {
         const double *u = f->velocity[0] + i, *c = f->c + i;
         const double most = larger(fabs(u[0]) + c[0], fabs(u[f->stride]) + c[f->stride]);
-        any |= shock[i] > 0;
         fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
     }
-    if (!any) return;
     (r->reach > 0 ? reconstruct_find("PHM") : r)->split(from, to, f, b, &fast, calm);
     for (int i = from; i < to; i++) a[ENTROPY][i] = shock[i] > 0 ? calm[ENTROPY][i] : a[ENTROPY][i];
 }
 
-/* shock: of struct rules; NULL: there is none. */
-static void one_basis(const struct faces *f, const struct reconstruct *r, const struct winds *w, const double *shock) {
+/* rules: NULL where the flux has none. */
+static void one_basis(const struct faces *f, const struct reconstruct *r, const struct winds *w,
+                      const struct rules *rules) {
     struct bases b;
     ALIGNED double a[MAX_VAR][BATCH];
     common_bases(f, w, &b);
@@ -188,8 +184,9 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
             r->split(from, to, f, &b, w, a);
         else
             r->upwind(from, to, f, &b, w, a);
-        if (shock) calm_shocks(from, to, f, &b, w, shock, r, a);
     }
+    if (rules && rules->shocks.from < rules->shocks.to)
+        calm_shocks(rules->shocks.from, rules->shocks.to, f, &b, w, rules->shock, r, a);
     project_back(f->dim, 0, f->n, &b, a, false, f->out);
 }
 
@@ -204,8 +201,8 @@ static void common(const struct faces *f, const struct eos *eos, const struct ma
     struct rules rules;
     winds_of_cells(f, false, 0, &w);
     rules_find(f, &w, &rules);
-    one_basis(f, r, &w, rules.shocks ? rules.shock : NULL);
-    if (rules.contacts) rules_contacts(f, eos, m, r, &rules);
+    one_basis(f, r, &w, &rules);
+    rules_contacts(f, eos, m, r, &rules);
 }
 static void local_lax_friedrichs(const struct faces *f, const struct eos *eos, const struct material *m,
                                  const struct reconstruct *r) {

@@ -7,6 +7,8 @@
 #include "libcore/schemes/characteristic.h"
 #include "libcore/schemes/flux_rules.h"
 
+enum { GROUP = 8 }; /* faces that are kept together in a batch: a vector */
+
 struct face_states { /* states at n faces, from one side */
     ALIGNED double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
     double good[BATCH];
@@ -36,9 +38,12 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
  *   damping makes it less accurate.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
  *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
+struct span { /* faces from .. to - 1 of a batch; none if from >= to */
+    int from, to;
+};
 struct rules { /* 1 where a face follows a rule, else 0 */
     double shock[BATCH], expansion[BATCH], contact[BATCH];
-    bool shocks, contacts; /* does any face? The arrays are set if so. */
+    struct span shocks, contacts; /* the faces outside follow no such rule; the arrays are set inside */
 };
 
 /* Finds the faces that follow a rule and gives those of expansions other winds. */

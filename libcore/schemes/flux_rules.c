@@ -5,6 +5,8 @@
 
 #define PACKED 16. /* Grueneisen coefficient above which expansions are damped more and more */
 
+/* The loops below go over n faces from face `from` on, a group: with as many as a vector holds they are one. */
+
 ALWAYS_INLINE double most_of(const double *restrict q, long s) {
     return larger(larger(q[-s], q[2 * s]), larger(q[0], q[s]));
 }
@@ -12,46 +14,28 @@ ALWAYS_INLINE double least_of(const double *restrict q, long s) {
     return smaller(smaller(q[-s], q[2 * s]), smaller(q[0], q[s]));
 }
 
-/* Are the pressures of the six cells, and the g of the middle four, of all faces so near each other that no face
- * follows a rule? */
-KERNEL static bool is_calm(int n, long s, const double *restrict p, const double *restrict g) {
+enum { SHOCK = 1, EXPANSION = 2, CONTACT = 4 }; /* bits of a set of rules */
+
+/* Returns the rules that the faces of a group may follow: the six cells of a shock differ in p and are compressed,
+ * those of an expansion differ in p; contacts are found themselves. */
+ALWAYS_INLINE uint64_t look(int from, const int n, long s, const double *restrict p, const double *restrict u,
+                            const double *restrict g) {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++) {
-        const double *q = p + i;
-        const double most = larger(most_of(q, s), larger(q[-2 * s], q[3 * s]));
-        const double least = smaller(least_of(q, s), smaller(q[-2 * s], q[3 * s]));
-        const bool rough = (most > STEEP * least) | (most_of(g + i, s) > DENSER * least_of(g + i, s));
-        any |= bits_of(rough ? 1. : 0.);
+    for (int i = from; i < from + n; i++) {
+        const double *q = p + i, *v = u + i, *h = g + i;
+        const double most = most_of(q, s), high = larger(most, larger(q[-2 * s], q[3 * s]));
+        const double least = least_of(q, s), low = smaller(least, smaller(q[-2 * s], q[3 * s]));
+        const bool compressed = (v[-s] > v[0]) | (v[0] > v[s]) | (v[s] > v[2 * s]);
+        const bool contact = (most < STEEP * least) & (most_of(h, s) > DENSER * least_of(h, s));
+        const bool shock = (high > STRONG * low) & compressed;
+        any |= (shock ? SHOCK : 0) | (high > STEEP * low ? EXPANSION : 0) | (contact ? CONTACT : 0);
     }
-    return any == 0;
+    return any;
 }
 
-struct found { /* bits that are set where a face of the batch .. */
-    uint64_t strong, expansion, contact;
-};
-
-KERNEL static struct found look(int n, long s, const double *restrict rho, const double *restrict p,
-                                const double *restrict u, const double *restrict c, const double *restrict g,
-                                const struct winds *restrict w, struct rules *restrict r) {
-    uint64_t strong = 0, expansion = 0, contact = 0;
-    for (int i = 0; i < n; i++) {
-        const double *q = p + i;
-        const int both = (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
-        const double impedance[2] = {rho[i] * c[i], rho[i + s] * c[i + s]};
-        const int apart = both & expands(u[i + s] - u[i], c[i], c[i + s], impedance, q[0], q[s]);
-        const int jump =
-            exceeds(STRONG, q[-2 * s], q[s]) | exceeds(STRONG, q[-s], q[2 * s]) | exceeds(STRONG, q[0], q[3 * s]);
-        const int varies = most_of(g + i, s) > DENSER * least_of(g + i, s),
-                  level = most_of(q, s) < STEEP * least_of(q, s);
-        const int denser = varies & level;
-        r->expansion[i] = apart ? 1 : 0;
-        r->contact[i] = denser ? 1 : 0;
-        r->shock[i] = 0;
-        strong |= bits_of((jump & both) ? 1. : 0.);
-        expansion |= bits_of(r->expansion[i]);
-        contact |= bits_of(r->contact[i]);
-    }
-    return (struct found){strong, expansion, contact};
+/* Do the waves of the face run both ways? */
+ALWAYS_INLINE int runs_both_ways(const struct winds *restrict w, int i) {
+    return (w->speed[MINUS][i] != UPWIND_LEFT) & (w->speed[PLUS][i] != UPWIND_RIGHT);
 }
 
 /* Is there a strong shock between the ends a and b of four cells, the face in whose middle lies right of cell `mid`?
@@ -64,30 +48,94 @@ ALWAYS_INLINE int is_shock(const int dim, const double *restrict rho, const doub
     return (du > 0) & near_hugoniot(du2, rho[a], rho[b], p[a], p[b]) & (u0[mid] > u0[mid + s]);
 }
 
-ALWAYS_INLINE uint64_t shocks_dim(const int dim, const struct faces *f, const struct winds *restrict w,
-                                  struct rules *restrict r) {
+/* Marks shocks; no bit of the result is set if there are none. (The other two likewise.) */
+ALWAYS_INLINE uint64_t mark_shocks(const int dim, int from, const int n, const struct faces *f,
+                                   const struct winds *restrict w, double *restrict mark) {
     const double *rho = f->state[0], *p = f->p, *u0 = f->velocity[0];
     const double *u1 = dim > 1 ? f->velocity[1] : u0, *u2 = dim > 2 ? f->velocity[2] : u0;
-    const double *restrict minus = w->speed[MINUS], *restrict plus = w->speed[PLUS];
     const long s = f->stride;
     uint64_t any = 0;
     EACH_ALONE
-    for (int i = 0; i < f->n; i++) {
-        const int both = (minus[i] != UPWIND_LEFT) & (plus[i] != UPWIND_RIGHT);
+    for (int i = from; i < from + n; i++) {
         const int shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
                           is_shock(dim, rho, p, u0, u1, u2, i - s, i + 2 * s, i, s) |
                           is_shock(dim, rho, p, u0, u1, u2, i, i + 3 * s, i + s, s);
-        r->shock[i] = (shock & both) ? 1 : 0;
-        r->expansion[i] = r->shock[i] > 0 ? 0 : r->expansion[i];
-        any |= bits_of(r->shock[i]);
+        mark[i] = (shock & runs_both_ways(w, i)) ? 1 : 0;
+        any |= bits_of(mark[i]);
     }
     return any;
 }
 
-KERNEL static bool find_shocks(const struct faces *f, const struct winds *restrict w, struct rules *restrict r) {
-    if (f->dim == 1) return shocks_dim(1, f, w, r) != 0;
-    if (f->dim == 2) return shocks_dim(2, f, w, r) != 0;
-    return shocks_dim(3, f, w, r) != 0;
+/* Marks expansions. */
+ALWAYS_INLINE uint64_t mark_expansions(int from, const int n, const struct faces *f, const struct winds *restrict w,
+                                       struct rules *restrict r) {
+    const double *rho = f->state[0], *p = f->p, *u = f->velocity[0], *c = f->c;
+    const long s = f->stride;
+    uint64_t any = 0;
+    EACH_ALONE
+    for (int i = from; i < from + n; i++) {
+        const double impedance[2] = {rho[i] * c[i], rho[i + s] * c[i + s]};
+        const int apart = expands(u[i + s] - u[i], c[i], c[i + s], impedance, p[i], p[i + s]);
+        r->expansion[i] = (apart & runs_both_ways(w, i) & !(r->shock[i] > 0)) ? 1 : 0;
+        any |= bits_of(r->expansion[i]);
+    }
+    return any;
+}
+
+/* Marks contacts. */
+ALWAYS_INLINE uint64_t mark_contacts(int from, const int n, const struct faces *f, struct rules *restrict r) {
+    const double *p = f->p, *g = f->gruneisen;
+    const long s = f->stride;
+    uint64_t any = 0;
+    EACH_ALONE
+    for (int i = from; i < from + n; i++) {
+        const int varies = most_of(g + i, s) > DENSER * least_of(g + i, s);
+        const int level = most_of(p + i, s) < STEEP * least_of(p + i, s);
+        r->contact[i] = (varies & level & !(r->shock[i] > 0)) ? 1 : 0;
+        any |= bits_of(r->contact[i]);
+    }
+    return any;
+}
+
+/* Marks the faces of a group that follow rules, and returns those rules. */
+ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const struct faces *f, struct wanted_rules on,
+                                  const struct winds *restrict w, struct rules *restrict r) {
+    const uint64_t may = look(from, n, f->stride, f->p, f->velocity[0], f->gruneisen);
+    uint64_t any = 0;
+    for (int i = from; i < from + n; i++) r->shock[i] = r->expansion[i] = r->contact[i] = 0;
+    if (on.shocks && may & SHOCK && mark_shocks(dim, from, n, f, w, r->shock)) any |= SHOCK;
+    if (on.expansions && may & EXPANSION && mark_expansions(from, n, f, w, r)) any |= EXPANSION;
+    if (on.contacts && may & CONTACT && mark_contacts(from, n, f, r)) any |= CONTACT;
+    return any;
+}
+
+/* The last group overlaps the one before, so that it is as long. */
+ALWAYS_INLINE uint64_t find_dim(const int dim, const struct faces *f, struct wanted_rules on,
+                                const struct winds *restrict w, struct rules *restrict r) {
+    const int last = f->n - GROUP;
+    uint64_t any = 0;
+    if (last < 0) return find_group(dim, 0, f->n, f, on, w, r);
+    for (int from = 0; from < f->n; from += GROUP)
+        any |= find_group(dim, from < last ? from : last, GROUP, f, on, w, r);
+    return any;
+}
+
+KERNEL static uint64_t find_rules(const struct faces *f, struct wanted_rules on, const struct winds *restrict w,
+                                  struct rules *restrict r) {
+    if (f->dim == 1) return find_dim(1, f, on, w, r);
+    if (f->dim == 2) return find_dim(2, f, on, w, r);
+    return find_dim(3, f, on, w, r);
+}
+
+/* Returns a span of whole groups, where the batch has as many, that holds all faces that are marked. */
+static struct span marked(int n, const double *mark) {
+    struct span s = {0, n};
+    while (s.to > 0 && !(mark[s.to - 1] > 0)) s.to--;
+    while (s.from < s.to && !(mark[s.from] > 0)) s.from++;
+    const int length = (s.to - s.from + GROUP - 1) / GROUP * GROUP;
+    if (length > n) return (struct span){0, n};
+    if (s.from > n - length) s.from = n - length;
+    return (struct span){s.from, s.from + length};
 }
 
 /* Returns the share of the larger speed that damps an expansion: 0.5 in dilute gas, less where the isentrope is steep
@@ -125,9 +173,9 @@ static void take_rules(const struct faces *f, struct winds *w, struct rules *r) 
         r->expansion[i] = f->rule[i] == EXPANSION_RULE && both ? 1 : 0;
         r->contact[i] = f->rule[i] == CONTACT_RULE ? 1 : 0;
         bent |= r->expansion[i] > 0;
-        r->shocks |= r->shock[i] > 0;
-        r->contacts |= r->contact[i] > 0;
     }
+    r->shocks = marked(f->n, r->shock);
+    r->contacts = marked(f->n, r->contact);
     if (bent) bend_faces(f, r, w);
 }
 
@@ -145,15 +193,13 @@ struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, 
 
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     const struct wanted_rules on = rules_wanted(f->params, true, f->falls);
-    const long s = f->stride;
-    r->shocks = r->contacts = false;
+    r->shocks = r->contacts = (struct span){0, 0};
     if (f->rule) take_rules(f, w, r);
-    if (f->rule || !f->p || !(on.shocks | on.expansions | on.contacts) || is_calm(f->n, s, f->p, f->gruneisen)) return;
-    const struct found any = look(f->n, s, f->state[0], f->p, f->velocity[0], f->c, f->gruneisen, w, r);
-    if (!on.expansions) memset(r->expansion, 0, sizeof r->expansion);
-    r->shocks = on.shocks && any.strong && find_shocks(f, w, r);
-    r->contacts = on.contacts && any.contact;
-    if (on.expansions && any.expansion) bend_faces(f, r, w);
+    if (f->rule || !f->p || !(on.shocks | on.expansions | on.contacts)) return;
+    const uint64_t any = find_rules(f, on, w, r);
+    if (any & SHOCK) r->shocks = marked(f->n, r->shock);
+    if (any & CONTACT) r->contacts = marked(f->n, r->contact);
+    if (any & EXPANSION) bend_faces(f, r, w);
 }
 
 /* Reconstructs p to the faces from one side; under gravity without the pressures of gas at rest, which the face's own
@@ -243,12 +289,37 @@ ALWAYS_INLINE void through_contact(int dim, const struct side q[2], int i, doubl
     out[dim + 1][i] = (E + p) * speed;
 }
 
+/* Returns the faces of a span alone. */
+static struct faces faces_of(const struct faces *f, struct span s) {
+    struct faces part = *f;
+    part.n = s.to - s.from;
+    for (int v = 0; v < f->dim + 2; v++) {
+        part.state[v] = f->state[v] + s.from;
+        part.flux[v] = f->flux[v] + s.from;
+        part.out[v] = f->out[v] + s.from;
+    }
+    for (int k = 0; k < f->dim; k++) part.velocity[k] = f->velocity[k] + s.from;
+    part.p = f->p + s.from;
+    part.eps = f->eps + s.from;
+    part.c = f->c + s.from;
+    part.gruneisen = f->gruneisen + s.from;
+    part.rule = NULL; /* which is read no more */
+    if (!f->rise) return part;
+    for (int side = 0; side < 2; side++) part.base[side] = f->base[side] + s.from;
+    part.rise = f->rise + s.from;
+    part.on = f->on + s.from;
+    part.rest = f->rest + s.from;
+    return part;
+}
+
 void rules_contacts(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r,
                     const struct rules *rules) {
+    const int from = rules->contacts.from;
     struct side q[2];
-    side_of(f, eos, m, 1, r, &q[0]);
-    side_of(f, eos, m, -1, r, &q[1]);
-    for (int i = 0; i < f->n; i++)
-        if (rules->contact[i] > 0 && !(rules->shock[i] > 0))
-            through_contact(f->dim, q, i, f->rise ? f->rest[i] : 0, f->out);
+    if (from >= rules->contacts.to) return;
+    const struct faces part = faces_of(f, rules->contacts);
+    side_of(&part, eos, m, 1, r, &q[0]);
+    side_of(&part, eos, m, -1, r, &q[1]);
+    for (int i = 0; i < part.n; i++)
+        if (rules->contact[from + i] > 0) through_contact(f->dim, q, i, f->rise ? part.rest[i] : 0, part.out);
 }
