@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Equations of state in numpy: perfect gas and Goldshtein-Shapiro (Serna & Marquina eqs (1)-(13); where a factor is
-missing in print, or the exponent is too large, corrected: docs/physics.md S1, S3, S4), with the adiabatic exponent and the
-fundamental derivative (docs/physics.md 2.5).
+"""Equations of state in numpy: perfect gas, Goldshtein-Shapiro (Serna & Marquina eqs (1)-(13); where a factor is missing
+in print, or the exponent is too large, corrected: docs/physics.md S1, S3, S4), with the adiabatic exponent and the
+fundamental derivative (docs/physics.md 2.5), and spheres with Torquato's contact value (docs/physics.md 2.4).
 
 Written from the formulas, not from the solver, so that one can test the other. With grain mass 1, rho is a number
 density and T a velocity squared. p = rho T A(rho), T = (gamma - 1) eps.
 """
 import numpy as np
 
+from haff.exact import enskog
+
 
 class PerfectGas:
+    model = "perfectGas"  # the word of the dictionary
+
     def __init__(self, gamma=5 / 3):
         self.gamma = gamma
 
@@ -36,6 +40,8 @@ class PerfectGas:
 
 
 class GoldshteinShapiro(PerfectGas):
+    model = "GoldshteinShapiro"
+
     def __init__(self, e, sigma=0.1, alpha_max=0.65, gamma=5 / 3):
         super().__init__(gamma)
         self.e, self.sigma, self.alpha_max = e, sigma, alpha_max
@@ -88,6 +94,29 @@ class GoldshteinShapiro(PerfectGas):
     def cooled(self, rho, T, t):
         """Temperature of a uniform gas after a time t."""
         return T / (1 + self.cooling_rate(rho) * np.sqrt(T) * t / 2) ** 2
+
+
+class TorquatoSpheres(PerfectGas):
+    """G = nu chi; its slope is a central difference, good to 1e-9."""
+    model = "TorquatoSpheres"
+
+    def __init__(self, e, sigma=0.1, gamma=5 / 3):
+        super().__init__(gamma)
+        self.e, self.grain = e, np.pi * sigma**3 / 6
+        self.rho_max = enskog.TORQUATO[3][1] / self.grain
+
+    def nu(self, rho):
+        return rho * self.grain
+
+    def rho(self, nu):
+        return nu / self.grain
+
+    def A(self, rho):
+        return enskog.pressure_factor(self.nu(rho), self.e, 3)
+
+    def rho_dA(self, rho):
+        h = 1e-6 * np.minimum(rho, self.rho_max - rho)
+        return rho * (self.A(rho + h) - self.A(rho - h)) / (2 * h)
 
 
 # Gauss-Legendre nodes on [0, 1] for the integrals along an isentrope.

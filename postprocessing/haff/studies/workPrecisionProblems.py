@@ -16,6 +16,7 @@ from haff.exact.eos import GoldshteinShapiro, PerfectGas
 from haff.exact.riemann import BLAST, Riemann
 from haff.exact.simpleWave import SimpleWave
 from haff.runs import boxes, triangles
+from haff.studies import denseTubes
 
 THICK = 0.1
 
@@ -137,6 +138,24 @@ class Tube(Problem):
 
     def known(self, n):
         return Riemann(self.eos, *self.states).averages(np.linspace(0, self.size[0], n + 1), self.x0, self.end)[0]
+
+
+class Dense(Problem):
+    """A Riemann problem of denseShocks."""
+    grids, quick = (100, 200, 400, 800), ()
+
+    def __init__(self, name, title, tube, field="rho"):
+        self.name, self.title, self.tube, self.field, self.end = name, title, tube, field, tube.end
+        self.options = tube.options
+        self.scale = np.ptp([tube.left[0], tube.right[0]]) or tube.left[0] if field == "rho" else tube.left[2]
+
+    def initial(self, at):
+        left = at[:, 0] < self.tube.x0
+        rho, u, p = (np.where(left, a, b) for a, b in zip(self.tube.left, self.tube.right))
+        return rho, along_x(u), p
+
+    def known(self, n):
+        return self.tube.averages(n)[("rho", "u", "p").index(self.field)]
 
 
 class Referenced(Problem):
@@ -335,5 +354,10 @@ PROBLEMS = [
          foam_quick={0.2: (100, 200)}),
     Tube("blast", "granular blast, e = 1, exact Riemann solution", GoldshteinShapiro(1.0), *BLAST, 5.0, 10.0, 5.48,
          grids=(250, 1000, 4000), quick=(125, 250), scale=50.0),
+    Dense("burst", "dense gas bursts into thin gas that recedes, volume fractions 0.4005 | 0.0032, pressure ratio 399",
+          denseTubes.drifting_burst()),
+    Dense("headOn", "streams of dense gas meet at Mach 15.8, volume fraction 0.1", denseTubes.head_on()),
+    Dense("contact", "contact of volume fractions 0.6 | 0.0006 that moves; error of p", denseTubes.contact(0.002), "p"),
+    Dense("parting", "gas of volume fraction 0.1 parts at Mach 0.7", next(t for t in denseTubes.others() if t.name.startswith("parting"))),
     SodTriangles(), ShuOsher(), Riemann2D(), Step(), Wedge(),
 ]

@@ -8,13 +8,13 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.studies import denseShocks
+from haff.studies import denseMeshes, denseTubes
 
 
 class DenseShocks(unittest.TestCase):
     def test_burst(self):
         """The shock of the drifting burst stands right to 1.5 cells; p behind it is at most 12 and 9 % too high."""
-        tube = denseShocks.drifting_burst()
+        tube = denseTubes.drifting_burst()
         for n, most in ((100, 0.12), (200, 0.09)):
             for rules in (True, False):
                 *fields, _ = tube.fields(n, rules)
@@ -26,13 +26,13 @@ class DenseShocks(unittest.TestCase):
         """A moving contact of dense and dilute gas keeps p to 3 % and u to 0.6."""
         for n in (100, 200):
             for rules in (True, False):
-                _, u, p, _ = denseShocks.contact(0.001).fields(n, rules)
+                _, u, p, _ = denseTubes.contact(0.001).fields(n, rules)
                 good = np.abs(p / 1e4 - 1).max() < 0.03 and np.abs(u - 0.7).max() < 0.6
                 self.assertEqual(good, rules)
 
     def test_noise(self):
         """Behind two strong shocks the density is even to 8e-4 of the jump, 3e-3 at most."""
-        tube = denseShocks.head_on()
+        tube = denseTubes.head_on()
         for n in (100, 200):
             for rules in (True, False):
                 mean, most = tube.noise(n, tube.fields(n, rules)[0])
@@ -40,13 +40,13 @@ class DenseShocks(unittest.TestCase):
 
     def test_perfect_gas(self):
         """Sod's tube, which has no strong shock and no dense contact, gets no worse."""
-        tube = next(t for t in denseShocks.others() if t.name == "Sod")
+        tube = next(t for t in denseTubes.others() if t.name == "Sod")
         on, off = (tube.errors(100, tube.fields(100, rules)[:3]) for rules in (True, False))
         self.assertLess(np.max(np.array(on) / off), 1.01)
 
     def test_measure(self):
         """The exact averages have no error, and the shock stands where it is."""
-        tube = denseShocks.drifting_burst()
+        tube = denseTubes.drifting_burst()
         exact = tube.averages(400)
         self.assertEqual(tube.errors(400, exact), [0, 0, 0])
         cells, high = tube.ahead(400, exact[2])
@@ -60,10 +60,10 @@ class Triangles(harness.Folder, unittest.TestCase):
 
     def setUp(self):
         super().setUp()
-        self.strip = denseShocks.Strip(100, self.folder)
+        self.strip = denseMeshes.Strip(100, self.folder)
 
     def test_burst(self):
-        tube = denseShocks.drifting_burst()
+        tube = denseTubes.drifting_burst()
         for polynomial in ("CWENO3", "linear"):
             for rules in (True, False):
                 rho, u, p, _ = self.strip.fields(tube, rules, polynomial)
@@ -74,12 +74,12 @@ class Triangles(harness.Folder, unittest.TestCase):
 
     def test_contact(self):
         for rules in (True, False):
-            _, u, p, _ = self.strip.fields(denseShocks.contact(0.001), rules)
+            _, u, p, _ = self.strip.fields(denseTubes.contact(0.001), rules)
             self.assertEqual(np.abs(p / 1e4 - 1).max() < 0.03 and np.abs(u[:, 0] - 0.7).max() < 0.9, rules)
 
     def test_noise(self):
         """The mean noise is at most two thirds of that without the rules."""
-        tube, found = denseShocks.head_on(), []
+        tube, found = denseTubes.head_on(), []
         for rules in (True, False):
             rho, u, p, _ = self.strip.fields(tube, rules)
             found.append(self.strip.noise(tube, rho)[0])
@@ -87,7 +87,7 @@ class Triangles(harness.Folder, unittest.TestCase):
 
     def test_ranks(self):
         """Faces between ranks follow the rules that both find."""
-        for tube in (denseShocks.drifting_burst(), denseShocks.contact(0.001), denseShocks.head_on()):
+        for tube in (denseTubes.drifting_burst(), denseTubes.contact(0.001), denseTubes.head_on()):
             found = [self.strip.fields(tube, True, ranks=ranks)[:3] for ranks in (1, 2, 3)]
             for other in found[1:]:
                 for a, b in zip(found[0], other):
@@ -95,7 +95,7 @@ class Triangles(harness.Folder, unittest.TestCase):
 
     def test_ball(self):
         """Tetrahedra: the shock of a burst out of a ball is less ahead, and the velocity nearer to that of shells."""
-        ball = denseShocks.Ball(400)
+        ball = denseMeshes.Ball(400)
         (off, _, off_errors, *_), (on, _, on_errors, *_) = (ball.run(8, "CWENO3", rules) for rules in (False, True))
         self.assertLess(abs(on), 0.8 * abs(off))
         self.assertLess(on_errors[1], 0.9 * off_errors[1])
@@ -106,7 +106,7 @@ class Shells(unittest.TestCase):
         """No mass and energy is lost before a wave reaches the rim, and the shock moves little when the shells are halved."""
         fronts = []
         for n in (400, 800):
-            ball = denseShocks.Ball(n)
+            ball = denseMeshes.Ball(n)
             r, rho, u, p = ball.known
             edge = np.linspace(0, 1, n + 1)
             volume, start = np.diff(edge**3) / 3, r < ball.RADIUS
