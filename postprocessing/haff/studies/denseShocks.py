@@ -97,7 +97,7 @@ def cooling(n, fine):
     yield (f"| e = 0.9, {n} cells | off: L1 of rho, u, p in 1e-3 against {fine} cells with the rules | on | "
            f"{fine} cells without them against those with |\n|---|---|---|---|")
     Cooled.fine = fine
-    for tube in (drifting_burst(), *(burst(*problem) for problem in BURSTS), contact(0.002), head_on()):
+    for tube in (drifting_burst(), *(burst(*problem) for problem in BURSTS), head_on()):
         tube = Cooled(tube)
         yield f"| {tube.name} | {both(lambda rules: per_mille(tube.errors(n, tube.fields(n, rules)[:3])))} | {per_mille(tube.gap)} |"
 

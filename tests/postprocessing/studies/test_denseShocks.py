@@ -3,11 +3,13 @@
 them they do not."""
 import shutil
 import unittest
+import unittest.mock
 
 import numpy as np
 
 from tests.cases import harness
 
+from haff.exact.eos import GoldshteinShapiro, TorquatoSpheres
 from haff.studies import denseMeshes, denseTubes
 
 
@@ -52,6 +54,50 @@ class DenseShocks(unittest.TestCase):
         cells, high = tube.ahead(400, exact[2])
         self.assertLess(abs(cells), 0.6)
         self.assertLess(abs(high), 1e-9)
+
+
+class Others(unittest.TestCase):
+    """The further tables: another equation of state, along the diagonal, a shock that stands, a gas that cools."""
+
+    def test_torquato(self):
+        """The program converges to the exact solution of a burst of Torquato's spheres across freezing."""
+        eos = TorquatoSpheres(1.0)
+        tube = denseTubes.Tube("T", (0.52, 0.0, 20.0), (0.3, 0.0, 1.0), 0.5, ways=(0.35, 0.35), eos=eos)
+        self.assertLess(eos.nu(tube.exact.left.rho), 0.48)
+        coarse, fine = (np.array(tube.errors(n, tube.fields(n)[:3])) for n in (50, 100))
+        self.assertTrue((fine < 0.62 * coarse).all() and (fine < 0.015).all(), f"{coarse} {fine}")
+
+    def test_diagonal(self):
+        """A burst along the diagonal is its own image, and its velocity nearer to the exact one with the rules."""
+        slant, found = denseTubes.Slant(denseTubes.drifting_burst()), []
+        for rules in (True, False):
+            at, (_, u, p), (_, known, _), image, _ = slant.run(40, rules)
+            self.assertEqual(image, 0)
+            self.assertLess(abs(slant.ahead(40, at, p)[0]), 1.5)
+            found.append(np.abs(u - known).mean() / np.ptp(known))
+        self.assertLess(found[0], 0.7 * found[1])
+        self.assertLess(found[0], 0.025)
+
+    def test_standing(self):
+        """Mass, momentum and energy flow through the shock unchanged, and Marquina's flux keeps it straight."""
+        eos = GoldshteinShapiro(1.0)
+        shock = denseTubes.Standing(0.01, 6.0)
+        flows = []
+        for rho, u, p in shock.states:
+            E = p / ((eos.gamma - 1) * eos.A(rho)) + rho * u**2 / 2
+            flows.append([rho * u, rho * u**2 + p, (E + p) * u])
+        np.testing.assert_allclose(flows[0], flows[1], rtol=1e-9)
+        transverse, first, last = shock.run(40, 10, False, flux="Marquina")
+        self.assertLess(transverse, 5e-3)
+        self.assertEqual((first, last), (0, 0))
+
+    def test_cooled(self):
+        """Cooling takes energy from the fine run that others are compared with, and a coarse one is near it."""
+        tube = denseTubes.head_on()
+        with unittest.mock.patch.object(denseTubes.Cooled, "fine", 400):
+            cooled = denseTubes.Cooled(tube)
+        self.assertLess(cooled.averages(100)[2].mean(), 0.99 * tube.averages(100)[2].mean())
+        self.assertLess(cooled.errors(100, cooled.fields(100)[:3])[0], 0.01)
 
 
 @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
