@@ -85,6 +85,8 @@ static status cells_make(struct gas *g) {
     TRY(make_lines(g));
     measure_cells(c);
     TRY(make_fit(g));
+    TRY(cells_sweep_make(c->polyhedra, c->fit, &c->sweep));
+    TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
@@ -106,6 +108,8 @@ static void cells_free(struct gas *g) {
     free(g->dropped);
     if (!c) return;
     fit_free(c->fit);
+    cells_sweep_free(&c->sweep);
+    cells_sides_free(&c->sides);
     cells_diffuser_free(c->diffuser);
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);

@@ -18,14 +18,27 @@
  * times as much as 127 for a ratio of 3000. */
 enum { CELLS_STAGES = 127, CELLS_STAGES_3D = 51 };
 
+struct cells_sweep { /* libcore/polyhedral/cells_sweep.c */
+    int n;           /* turns */
+    int *cells;      /* [n] the inner cells that are fitted when the fluxes of a turn begin */
+    int *faces;      /* [n] the local faces that have their fluxes when the turn ends */
+    int *start;      /* [n + 2] into chunk: chunks that can be updated after a turn, or (n) after all faces */
+    int *chunk;      /* chunks of BATCH cells */
+};
+struct cells_sides { /* libcore/polyhedral/cells_sweep.c: the faces of chunks of BATCH cells */
+    int *start;      /* [chunks + 1] */
+    int *face;       /* [start[chunks]][BATCH] as face_of_cell; beyond all faces where a cell has no more */
+};
 struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces, nblocks: of struct polyhedra */
     struct polyhedra *polyhedra;
     const struct grid *grid;
     struct fit *fit;
+    struct cells_sweep sweep;
+    struct cells_sides sides;
     double *inverse_volume; /* [nown] 1/V, 1/m^dim */
     double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
     double *total_girth;    /* [nown] sum over the faces of A / (2 V), 1/m */
-    double *flux[MAX_VAR];  /* [faces] through the whole face, from left to right, in the axes of the polyhedra */
+    double *flux[MAX_VAR];  /* [faces + 1] through the whole face, from left to right, in the axes of the polyhedra */
     double *flag;           /* [size] > 0 where faces are to be limited */
     double *limited;        /* [nown] how often the cell was flagged */
     double *held;           /* [nown] as limited, before the step in hand */
@@ -89,8 +102,16 @@ void cells_mirror_gradients(const struct gas *g, int from, int to, const double 
 /* Gives the gas in the fluxes of energy the heat of friction on walls that it slips along. */
 void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S);
 
-/* -(sum of the fluxes out of the cell)/V of n cells, in the order of their faces. */
-void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual);
+/* -(sum of the fluxes out of the cell)/V of n <= BATCH cells, a chunk, in the order of their faces; flux[faces] must be
+ * 0. */
+void cells_residuals(const struct cells *c, int from, int n, const double *flux, double *residual);
+
+/* ---- the order of a stage (libcore/polyhedral/cells_sweep.c) ---- */
+
+status cells_sweep_make(const struct polyhedra *m, struct fit *fit, struct cells_sweep *s);
+void cells_sweep_free(struct cells_sweep *s);
+status cells_sides_make(const struct polyhedra *m, struct cells_sides *s);
+void cells_sides_free(struct cells_sides *s);
 
 /* ---- gas at rest (libcore/polyhedral/cells_rest.c) ---- */
 

@@ -10,6 +10,7 @@ enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
 struct points { /* a batch of points, or of states on both sides of faces; normal component first */
     int n;
     int face[BATCH];
+    double axis[MAX_DIM][MAX_DIM][BATCH]; /* of the frames of the faces: the normal, then the tangents */
     double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
     double velocity[MAX_DIM][STENCIL][BATCH];
     double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
@@ -19,49 +20,58 @@ struct points { /* a batch of points, or of states on both sides of faces; norma
     double out[MAX_VAR][BATCH];
 };
 
-struct turn { /* rows of the matrices that turn vectors into the frames of faces, or back: axis[row][column][face] */
-    const double *axis[MAX_DIM][MAX_DIM];
-};
-static struct turn turn_of(const struct polyhedra_faces *f, int dim, bool back) {
-    struct turn t = {{{0}}};
-    for (int row = 0; row < dim; row++)
-        for (int k = 0; k < dim; k++) {
-            const double *entry = row ? f->tangent[row - 1][k] : f->normal[k];
-            t.axis[back ? k : row][back ? row : k] = entry;
-        }
-    return t;
+KERNEL static void gather_line(int n, const int *restrict index, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = q[index[i]];
 }
 
-/* Turns the momentum of n states q; its components beyond dim are the same in every frame. */
-KERNEL static void turn_momentum(int n, int dim, const struct turn *t, const int *restrict face,
+/* cell <- the cells on one side of n faces */
+KERNEL static void gather_cells(int n, const int *restrict face, const int *restrict side, int *restrict cell) {
+    for (int i = 0; i < n; i++) cell[i] = side[face[i]];
+}
+
+/* In 2D the tangent is the normal, turned by a right angle. */
+static void find_frames(const struct polyhedra *m, struct points *p) {
+    const struct polyhedra_faces *f = &m->face;
+    for (int k = 0; k < m->dim; k++) gather_line(p->n, p->face, f->normal[k], p->axis[0][k]);
+    for (int t = 1; t < m->dim && m->dim > 2; t++)
+        for (int k = 0; k < m->dim; k++) gather_line(p->n, p->face, f->tangent[t - 1][k], p->axis[t][k]);
+    for (int i = 0; i < p->n && m->dim == 2; i++) {
+        p->axis[1][0][i] = -p->axis[0][1][i];
+        p->axis[1][1][i] = p->axis[0][0][i];
+    }
+}
+
+/* Turns the momentum of n states q into the frames of their faces or, with the axes' entries exchanged, out of them;
+ * its components beyond dim are the same in every frame. */
+KERNEL static void turn_momentum(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
                                  double (*restrict q)[BATCH]) {
     double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
-    const double *restrict xx = t->axis[0][0], *restrict xy = t->axis[0][1], *restrict xz = t->axis[0][2];
-    const double *restrict yx = t->axis[1][0], *restrict yy = t->axis[1][1], *restrict yz = t->axis[1][2];
-    const double *restrict zx = t->axis[2][0], *restrict zy = t->axis[2][1], *restrict zz = t->axis[2][2];
+    const double *restrict xx = axis[0][0], *restrict xy = back ? axis[1][0] : axis[0][1];
+    const double *restrict xz = back ? axis[2][0] : axis[0][2], *restrict yx = back ? axis[0][1] : axis[1][0];
+    const double *restrict yy = axis[1][1], *restrict yz = back ? axis[2][1] : axis[1][2];
+    const double *restrict zx = back ? axis[0][2] : axis[2][0], *restrict zy = back ? axis[1][2] : axis[2][1];
+    const double *restrict zz = axis[2][2];
     if (dim == 1)
-        for (int i = 0; i < n; i++) m0[i] *= xx[face[i]];
+        for (int i = 0; i < n; i++) m0[i] *= xx[i];
     if (dim == 2)
         for (int i = 0; i < n; i++) {
             double a = m0[i], b = m1[i];
-            m0[i] = a * xx[face[i]] + b * xy[face[i]];
-            m1[i] = a * yx[face[i]] + b * yy[face[i]];
+            m0[i] = a * xx[i] + b * xy[i];
+            m1[i] = a * yx[i] + b * yy[i];
         }
     if (dim == 3)
         for (int i = 0; i < n; i++) {
             double a = m0[i], b = m1[i], c = m2[i];
-            m0[i] = a * xx[face[i]] + b * xy[face[i]] + c * xz[face[i]];
-            m1[i] = a * yx[face[i]] + b * yy[face[i]] + c * yz[face[i]];
-            m2[i] = a * zx[face[i]] + b * zy[face[i]] + c * zz[face[i]];
+            m0[i] = a * xx[i] + b * xy[i] + c * xz[i];
+            m1[i] = a * yx[i] + b * yy[i] + c * yz[i];
+            m2[i] = a * zx[i] + b * zy[i] + c * zz[i];
         }
 }
-static void into_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
-    const struct turn t = turn_of(&g->cells->polyhedra->face, g->dim, false);
-    turn_momentum(p->n, g->dim, &t, p->face, q);
+static void into_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
+    turn_momentum(p->n, g->dim, false, p->axis, q);
 }
-static void out_of_frames(const struct gas *g, const struct points *p, double (*q)[BATCH]) {
-    const struct turn t = turn_of(&g->cells->polyhedra->face, g->dim, true);
-    turn_momentum(p->n, g->dim, &t, p->face, q);
+static void out_of_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
+    turn_momentum(p->n, g->dim, true, p->axis, q);
 }
 
 /* F_n = u_n U + p (0, 1, u_n) */
@@ -81,17 +91,13 @@ KERNEL static void nodal_line(int n, int dim, long size, const double *restrict 
     }
 }
 
-KERNEL static void gather_line(int n, const int *restrict index, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = q[index[i]];
-}
-
 /* The averages of the cells on one side of the n faces of p, in their frames. */
 static void side_averages(const struct gas *g, int side, const double *const *U, struct points *p) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const int *of_face = side ? f->right : f->left;
     double at[MAX_VAR][BATCH];
     int cell[BATCH];
-    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    gather_cells(p->n, p->face, of_face, cell);
     for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], at[v]);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
@@ -113,7 +119,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
     double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
     int cell[BATCH];
-    for (int i = 0; i < p->n; i++) cell[i] = of_face[p->face[i]];
+    gather_cells(p->n, p->face, of_face, cell);
     for (int v = 0; v < g->nvar; v++) {
         out[v] = at[v];
         gather_line(p->n, cell, U[v], average[v]);
@@ -203,13 +209,28 @@ static void set_rules(const struct gas *g, int from, struct points *p, struct fa
     faces->p = p->p[LEFT];
 }
 
+/* flux <- the area times the sum over the points of each face; sum_single: each face has one point, of weight 1 */
+KERNEL static void sum_single(int n, const double *restrict area, const double *restrict out, double *restrict flux) {
+    for (int i = 0; i < n; i++) flux[i] = area[i] * (0 + out[i]);
+}
+static void sum_points(const struct polyhedra *m, int first, int last, const double *out, double *flux) {
+    const int *start = m->face.point_start;
+    for (int face = first; face < last; face++) {
+        double sum = 0;
+        for (int i = start[face]; i < start[face + 1]; i++) sum += m->point.weight[i] * out[i - start[first]];
+        flux[face] = m->face.area[face] * sum;
+    }
+}
+
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
 static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
     struct cells *c = g->cells;
     const struct polyhedra_faces *f = &c->polyhedra->face;
-    const int from = f->point_start[first];
-    p->n = f->point_start[last] - from;
-    for (int i = 0; i < p->n; i++) p->face[i] = c->polyhedra->point.face[from + i];
+    const bool single = c->polyhedra->point.n == f->n; /* Has each face one point? It then has the face's number. */
+    const int from = single ? first : f->point_start[first];
+    p->n = single ? last - first : f->point_start[last] - from;
+    for (int i = 0; i < p->n; i++) p->face[i] = single ? from + i : c->polyhedra->point.face[from + i];
+    find_frames(c->polyhedra, p);
     p->ruled = c->rules && first < f->ninternal && cells_rules_find(g, p->n, p->face, U, p->rule);
     side_states(g, 0, from, U, p);
     if (first < f->ninternal)
@@ -221,13 +242,11 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     if (p->ruled) set_rules(g, from, p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
     out_of_frames(g, p, p->out);
-    for (int face = first; face < last; face++)
-        for (int v = 0; v < g->nvar; v++) {
-            double sum = 0;
-            for (int i = f->point_start[face]; i < f->point_start[face + 1]; i++)
-                sum += c->polyhedra->point.weight[i] * p->out[v][i - from];
-            c->flux[v][face] = f->area[face] * sum;
-        }
+    for (int v = 0; v < g->nvar; v++)
+        if (single)
+            sum_single(p->n, f->area + first, p->out[v], c->flux[v] + first);
+        else
+            sum_points(c->polyhedra, first, last, p->out[v], c->flux[v]);
 }
 
 /* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */
@@ -235,6 +254,7 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     struct cells *c = g->cells;
     const struct polyhedra_faces *f = &c->polyhedra->face;
     double theta[BATCH];
+    find_frames(c->polyhedra, p);
     side_averages(g, 0, U, p);
     if (p->face[0] < f->ninternal)
         side_averages(g, 1, U, p);
@@ -294,61 +314,104 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     struct points p;
     for (int end; first < last; first = end) {
         const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
-        for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
-            if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+        if (patch < 0 && c->polyhedra->point.n == f->n)
+            end = first + BATCH < last ? first + BATCH : last;
+        else
+            for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
+                if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
         batch_fluxes(g, first, end, U, &p);
         if (c->flagged) limit_run(g, first, end, U, &p);
         if (g->fed && patch >= 0 && patch_feeds(&g->rules[patch])) feed(g, first, end, U);
     }
 }
 
-/* A loop over cells and not over vectors of them, as cells have different numbers of faces. */
-void cells_residuals(const struct cells *c, int from, int n, const double *restrict flux, double *restrict residual) {
-    const struct polyhedra *m = c->polyhedra;
-    for (int i = 0; i < n; i++) {
-        double sum = 0;
-        for (int j = m->face_start[from + i]; j < m->face_start[from + i + 1]; j++) {
-            int face = m->face_of_cell[j];
-            sum += face < 0 ? flux[~face] : -flux[face];
+/* The sides that a cell lacks beside others of its chunk count 0, which changes no bit, as no sum is ever -0. */
+KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const double *restrict flux,
+                             const double *restrict inverse, double *restrict out) {
+    double sum[BATCH];
+    for (int i = 0; i < BATCH; i++) sum[i] = 0;
+    for (int j = 0; j < rows; j++)
+        for (int i = 0; i < BATCH; i++) {
+            const int face = side[j][i];
+            const double q = flux[face < 0 ? ~face : face];
+            sum[i] += face < 0 ? q : -q;
         }
-        residual[i] = sum * c->inverse_volume[from + i];
+    for (int i = 0; i < n; i++) out[i] = sum[i] * inverse[i];
+}
+void cells_residuals(const struct cells *c, int from, int n, const double *flux, double *residual) {
+    const int *start = c->sides.start + from / BATCH;
+    sum_sides(start[1] - start[0], n, (const int(*)[BATCH])c->sides.face + start[0], flux, c->inverse_volume + from,
+              residual);
+}
+
+struct stage { /* of cells_stage and cells_redo */
+    struct gas *g;
+    const struct state *U0, *from, *to;
+    const double *const *U; /* lines of from */
+    double a, dt;
+    long count; /* inadmissible cells */
+};
+
+static void update_chunk(struct stage *t, int at) {
+    struct gas *g = t->g;
+    struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+    double residuals[MAX_VAR][BATCH];
+    const double *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL, *flag = c->flagged ? c->flag + at : NULL,
+                 *part = g->hybrid ? g->dense->part[0] + at : NULL;
+    const struct advance s = {.U0 = t->U0->block[0] + at,
+                              .from = t->from->block[0] + at,
+                              .residual = residuals[0],
+                              .each = BATCH,
+                              .to = t->to->block[0] + at,
+                              .a = t->a,
+                              .dt = t->dt};
+    const double *in[MAX_VAR];
+    double *residual[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) {
+        residual[v] = residuals[v];
+        in[v] = s.from + v * m->size;
+        cells_residuals(c, at, n, c->flux[v], residual[v]);
+    }
+    if (g->falls) weigh_row(g, n, in, falls, flag, residual);
+    if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
+    update_rows(g, n, &s);
+    if (g->falls && flag) drop_row(g, n, &s, falls, flag, part, g->dropped + at);
+    if (part) freeze_row(g, n, &s, part);
+    t->count += row_limited(g, n, s.from, s.to, c->flag + at);
+}
+
+/* Updates the chunks that turns from <= k < to of the sweep make ready. */
+static void update_chunks(struct stage *t, int from, int to) {
+    const struct cells_sweep *s = &t->g->cells->sweep;
+    for (int i = s->start[from]; i < s->start[to]; i++) update_chunk(t, BATCH * s->chunk[i]);
+}
+
+/* Does what needs no other rank: fits the inner cells, and finds the fluxes through the local faces; updates cells if
+ * no face is limited, as an update raises the flags that ask for that. */
+static void sweep(struct stage *t) {
+    const struct cells *c = t->g->cells;
+    const struct cells_sweep *s = &c->sweep;
+    for (int k = 0; k < s->n; k++) {
+        fit_cells(c->fit, k ? s->cells[k - 1] : 0, s->cells[k], t->U);
+        face_fluxes(t->g, k ? s->faces[k - 1] : 0, s->faces[k], t->U);
+        if (!c->flagged) update_chunks(t, k, k + 1);
     }
 }
 
-static long update_cells(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
-                         double a, double dt) {
-    struct cells *c = g->cells;
+/* Does the rest, once the ghosts and the mirrors beyond them are known. */
+static long finish_sweep(struct stage *t) {
+    struct gas *g = t->g;
+    const struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
-    double residuals[MAX_VAR][BATCH];
-    long count = 0;
-    for (int at = 0; at < m->nown; at += BATCH) {
-        int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        const double *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL,
-                     *flag = c->flagged ? c->flag + at : NULL, *part = g->hybrid ? g->dense->part[0] + at : NULL;
-        const struct advance s = {.U0 = U0->block[0] + at,
-                                  .from = from->block[0] + at,
-                                  .residual = residuals[0],
-                                  .each = BATCH,
-                                  .to = to->block[0] + at,
-                                  .a = a,
-                                  .dt = dt};
-        const double *in[MAX_VAR];
-        double *residual[MAX_VAR];
-        for (int v = 0; v < g->nvar; v++) {
-            residual[v] = residuals[v];
-            in[v] = s.from + v * m->size;
-            cells_residuals(c, at, n, c->flux[v], residual[v]);
-        }
-        if (g->falls) weigh_row(g, n, in, falls, flag, residual);
-        if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
-        update_rows(g, n, &s);
-        if (g->falls && flag) drop_row(g, n, &s, falls, flag, part, g->dropped + at);
-        if (part) freeze_row(g, n, &s, part);
-        count += row_limited(g, n, s.from, s.to, c->flag + at);
-    }
+    fit_cells(c->fit, m->ninner, m->nnear, t->U);
+    face_fluxes(g, m->face.nlocal, m->face.ninternal, t->U);
+    face_fluxes(g, m->face.ninternal, m->face.n, t->U);
+    update_chunks(t, c->flagged ? 0 : c->sweep.n, c->sweep.n + 1);
     g->computed += m->nown;
     g->all += m->nown;
-    return count;
+    return t->count;
 }
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
@@ -359,6 +422,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     double *line[MAX_VAR];
     cells_lines(g, from, line);
     const double *const *U = (const double *const *)line;
+    struct stage t = {g, U0, from, to, U, a, dt, 0};
     polyhedra_fill_start(m, g->nvar, line);
     cells_mirrors(g, 0, own_mirrors, line);
     if (c->rest) cells_rest_find(g, 0, m->nown, U);
@@ -367,8 +431,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells, m->ncells + own_mirrors, U);
         cells_rules_look(g, 0, m->ninner);
     }
-    fit_cells(c->fit, 0, m->ninner, U);
-    face_fluxes(g, 0, m->face.nlocal, U);
+    sweep(&t);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
     if (c->rest) cells_rest_find(g, m->nown, m->nnear, U);
@@ -377,21 +440,18 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells + own_mirrors, m->size, U);
         cells_rules_look(g, m->ninner, m->nnear);
     }
-    fit_cells(c->fit, m->ninner, m->nnear, U);
-    face_fluxes(g, m->face.nlocal, m->face.ninternal, U);
-    face_fluxes(g, m->face.ninternal, m->face.n, U);
-    return update_cells(g, U0, from, to, a, dt);
+    return finish_sweep(&t);
 }
 
 void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt) {
     double *line[MAX_VAR];
     cells_lines(g, from, line);
+    struct stage t = {g, U0, from, to, (const double *const *)line, a, dt, 0};
     g->faces = 0;
     drop_begin(g);
-    face_fluxes(g, 0, g->cells->polyhedra->face.ninternal, (const double *const *)line);
-    face_fluxes(g, g->cells->polyhedra->face.ninternal, g->cells->polyhedra->face.n, (const double *const *)line);
-    (void)update_cells(g, U0, from, to, a, dt);
+    sweep(&t);
+    (void)finish_sweep(&t);
 }
 
 long cells_share_flags(struct gas *g) {

@@ -7,7 +7,7 @@ status cells_cross_make(struct gas *g, struct cells_diffuser *d) {
     const struct polyhedra *m = g->cells->polyhedra;
     double **of_mirrors[] = {&d->wall.through, &d->wall.fed, &d->wall.denser};
     for (int i = 0; i < 3; i++) TRY(allocate(of_mirrors[i], m->mirror.n, sizeof(double), "diffusion"));
-    return allocate(&d->cross, m->face.n, sizeof *d->cross, "diffusion");
+    return allocate(&d->cross, m->face.n + 1, sizeof *d->cross, "diffusion");
 }
 
 void cells_cross_coefficients(struct gas *g, const double *rho) {

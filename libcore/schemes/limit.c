@@ -3,6 +3,29 @@
  * sources. */
 #include "libcore/schemes/limit.h"
 
+/* Does every state keep its distance, so that none has to move? (NaN: no) */
+KERNEL static bool all_stay(int n, int dim, double least, double limit, const double (*restrict average)[BATCH],
+                            const double (*restrict at)[BATCH]) {
+    double square[2][BATCH];
+    int stay = 1;
+    for (int i = 0; i < n; i++) {
+        const double mean = average[0][i], high = mean + (1 - KEPT) * (limit - mean);
+        const double low = smaller(least + KEPT * (mean - least), mean);
+        stay &= (at[0][i] >= low) & (at[0][i] <= high);
+        square[0][i] = square[1][i] = 0;
+    }
+    for (int k = dim; k >= 1; k--)
+        for (int i = 0; i < n; i++) {
+            square[0][i] += average[k][i] * average[k][i];
+            square[1][i] += at[k][i] * at[k][i];
+        }
+    for (int i = 0; i < n; i++) {
+        const double mean = average[dim + 1][i] - 0.5 * square[0][i] / average[0][i];
+        stay &= (mean > 0) & (at[dim + 1][i] - 0.5 * square[1][i] / at[0][i] >= KEPT * mean);
+    }
+    return stay;
+}
+
 KERNEL static void move_towards(int n, int dim, double least, double limit, const double (*restrict average)[BATCH],
                                 double (*restrict at)[BATCH], double *restrict theta) {
     double square[2][BATCH];
@@ -44,7 +67,10 @@ KERNEL static void move_towards(int n, int dim, double least, double limit, cons
 
 void limit_towards(int n, int dim, double least, double limit, const double (*average)[BATCH], double (*at)[BATCH],
                    double *theta) {
-    move_towards(n, dim, least, limit, average, at, theta);
+    if (!all_stay(n, dim, least, limit, average, (const double(*)[BATCH])at))
+        move_towards(n, dim, least, limit, average, at, theta);
+    else
+        for (int i = 0; i < n; i++) theta[i] = 1;
 }
 
 KERNEL static void guaranteed_speed(int n, double limit, const struct faces *f, double *restrict s) {

@@ -117,7 +117,7 @@ struct batch {
     struct frame frame;
     struct bounds bounds[MAX_VAR]; /* in their frames */
 };
-/* Adds to a the coefficients of the polynomials of the whole stencils, in the frames of the cells. */
+/* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
 ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, const double *const *U,
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     double d[MAX_VAR][LANES], *line[MAX_VAR];
@@ -126,6 +126,8 @@ ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch,
         own_values(f, batch, U[v], c->own[v]);
         find_calm(f, batch, v, &calm[v]);
         line[v] = d[v];
+        EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
+        for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = 0;
     }
     find_frame(m, c->own, &c->frame);
     for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
@@ -142,22 +144,27 @@ ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch,
     }
 }
 
+/* The line of a variable's values in row j of `point`. */
+ALWAYS_INLINE double *values_of(const struct fit *f, int batch, int v, int j) {
+    return f->value + v * f->nvalues + (long)(f->slot[batch] + j - f->point.start[batch]) * LANES;
+}
+
 /* Turns changes at face points, in the frame of the cell, into values. */
 ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, double (*restrict own)[LANES],
                                  const struct frame *restrict frame) {
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
         double *line[MAX_VAR];
-        for (int v = 0; v < m + 2; v++) line[v] = f->value + v * f->nvalues + (long)j * LANES;
+        for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
         boost(m, 1, frame, line);
         for (int v = 0; v < m + 2; v++) EACH_LANE line[v][l] += own[v][l];
     }
 }
 
-ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, const struct bounds *restrict b,
-                                  double (*restrict a)[LANES], double *restrict value) {
+ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
+                                  double (*restrict a)[LANES]) {
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
         const double *restrict x = f->point.data + (long)j * dim * LANES;
-        double *restrict out = value + (long)j * LANES;
+        double *restrict out = values_of(f, batch, v, j);
         EACH_LANE {
             double change = 0;
             for (int k = 0; k < dim; k++) change += x[k * LANES + l] * a[k][l];
@@ -167,12 +174,12 @@ ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, const
 }
 
 ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const double *const *U) {
-    double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
-    struct batch c = {.bounds = {{{0}, {0}}}};
+    double a[MAX_VAR][MAX_COEFFICIENT][LANES];
+    struct batch c;
     add_members(m, dim, f, batch, U, &c, a);
     for (int v = 0; v < m + 2; v++) {
         limit(dim, &f->halfway, batch, c.frame.square[v], &c.bounds[v], a[v]);
-        linear_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
+        linear_changes(dim, f, batch, v, &c.bounds[v], a[v]);
     }
     finish_points(m, f, batch, c.own, &c.frame);
 }
@@ -293,8 +300,8 @@ ALWAYS_INLINE void combine(int dim, int m, const double *restrict share, int sec
     }
 }
 
-ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, const struct bounds *restrict b,
-                                     double (*restrict a)[LANES], double *restrict value) {
+ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
+                                     double (*restrict a)[LANES]) {
     const double *moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
     double base[LANES], low[LANES], high[LANES];
     EACH_LANE {
@@ -306,7 +313,7 @@ ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, co
     }
     for (int p = f->point.start[batch]; p < f->point.start[batch + 1]; p++) {
         const double *restrict x = f->point.data + (long)p * dim * LANES;
-        double *restrict out = value + (long)p * LANES;
+        double *restrict out = values_of(f, batch, v, p);
         EACH_LANE {
             double sum = base[l];
             for (int i = 0; i < dim; i++) {
@@ -322,13 +329,13 @@ ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, co
 
 ALWAYS_INLINE void cweno3(int dim, int m, const struct fit *f, int batch, const double *const *U) {
     const int sectors = f->share.start[batch + 1] - f->share.start[batch];
-    double a[MAX_VAR][MAX_COEFFICIENT][LANES] = {{{0}}};
+    double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
-    struct batch c = {.bounds = {{{0}, {0}}}};
+    struct batch c;
     add_members(m, dim + quadratics(dim), f, batch, U, &c, a);
     sector_gradients(dim, m, f, batch, sectors, U, c.own, &c.frame, gradient);
     combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
-    for (int v = 0; v < m + 2; v++) quadratic_changes(dim, f, batch, &c.bounds[v], a[v], f->value + v * f->nvalues);
+    for (int v = 0; v < m + 2; v++) quadratic_changes(dim, f, batch, v, &c.bounds[v], a[v]);
     finish_points(m, f, batch, c.own, &c.frame);
 }
 

@@ -40,6 +40,12 @@ void fit_free(struct fit *f);
  * arrays are borrowed. */
 void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
 
+/* From now on fits keep the values at the face points of a cell only as long as they are wanted, in little memory, when
+ * they take turns: turn k < n fits cells up to cells[k], then reads the points of the faces up to faces[k] (of the
+ * latter, no cell may be beyond the former). After the last turn the rest of the cells are fitted and all other points
+ * read. */
+status fit_turns(struct fit *f, int n, const int *cells, const int *faces);
+
 /* Fits cells from <= i < to (< nnear) to the lines U[v][size] of the variables. Cells are fitted batch by batch: cells
  * that share a batch with the first or the last one are fitted, too, from whatever U holds, and again when their own
  * turn comes. */

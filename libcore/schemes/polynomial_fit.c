@@ -273,6 +273,8 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
             f->place[side][point] = whole ? i : (int)row_of(&f->point, i, j) * LANES + i % LANES;
             for (int k = 0; k < m->dim; k++) put(&f->point, i, j, k, m->point.arm[side][k][point] / unit(m, i));
         }
+    TRY(allocate(&f->slot, f->nbatches, sizeof *f->slot, "values at face points"));
+    for (int b = 0; b < f->nbatches; b++) f->slot[b] = f->point.start[b];
     f->nvalues = f->kind->cells ? (long)f->point.start[f->nbatches] * LANES : 0;
     return allocate(&f->value, f->nvar * f->nvalues, sizeof *f->value, "values at face points");
 }
@@ -309,6 +311,69 @@ static status fill(struct fit *f, const bool *unknown) {
     free(l.start);
     free(l.entry);
     return s;
+}
+
+/* last[nbatches] <- the turn that reads the values of a batch last; n: they are read or made after the turns. */
+static void find_last_turns(const struct fit *f, int n, const int *cells, const int *faces, int *last) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int face = 0, turn = 0; face < m->face.n; face++) {
+        const int side[2] = {m->face.left[face], m->face.right[face]};
+        while (turn < n && face >= faces[turn]) turn++;
+        for (int k = 0; k < 2; k++)
+            if (side[k] < m->nnear && last[side[k] / LANES] < turn) last[side[k] / LANES] = turn;
+    }
+    for (int b = n ? cells[n - 1] / LANES : 0; b < f->nbatches; b++) last[b] = n;
+}
+
+/* Deals slots of `rows` rows to the batches, again those of batches that have had their last turn; the latest of these
+ * first, as it is still in the cache. work[nbatches + n + 1]. Returns the number of slots. */
+static int deal_slots(struct fit *f, int n, const int *cells, const int *last, int rows, int *work) {
+    int *next = work, *first = work + f->nbatches, slots = 0, b = 0, empty = -1; /* lists of batches */
+    for (int turn = 0; turn <= n; turn++) first[turn] = -1;
+    for (int turn = 0; turn <= n; turn++) {
+        const int end = turn < n ? (cells[turn] + LANES - 1) / LANES : f->nbatches;
+        for (; b < end; b++) {
+            const int from = empty;
+            if (from >= 0) empty = next[from];
+            f->slot[b] = from >= 0 ? f->slot[from] : rows * slots++;
+            next[b] = first[last[b]];
+            first[last[b]] = b;
+        }
+        for (int at = first[turn], after; at >= 0; at = after) {
+            after = next[at];
+            next[at] = empty;
+            empty = at;
+        }
+    }
+    return slots;
+}
+
+static void move_places(struct fit *f) {
+    const struct polyhedra *m = f->polyhedra;
+    for (int point = 0; point < m->point.n; point++) {
+        const int face = m->point.face[point], side[2] = {m->face.left[face], m->face.right[face]};
+        for (int k = 0; k < 2; k++) {
+            const int b = side[k] / LANES;
+            if (side[k] < m->nnear) f->place[k][point] += (f->slot[b] - f->point.start[b]) * LANES;
+        }
+    }
+}
+
+status fit_turns(struct fit *f, int n, const int *cells, const int *faces) {
+    int *work, rows = 0;
+    if (!f->kind->cells) return OK;
+    for (int b = 0; b < f->nbatches; b++) {
+        const int here = f->point.start[b + 1] - f->point.start[b];
+        rows = here > rows ? here : rows;
+    }
+    TRY(allocate(&work, 2L * f->nbatches + n + 1, sizeof *work, "values at face points"));
+    find_last_turns(f, n, cells, faces, work);
+    f->nvalues = (long)rows * deal_slots(f, n, cells, work, rows, work + f->nbatches) * LANES;
+    free(work);
+    move_places(f);
+    free(f->value);
+    f->value = NULL;
+    return allocate(&f->value, f->nvar * f->nvalues, sizeof *f->value, "values at face points");
 }
 
 static int nearest_members(const struct polyhedra *m, int i) {
@@ -378,6 +443,7 @@ void fit_free(struct fit *f) {
     free(f->gradient);
     free(f->weight);
     free(f->value);
+    free(f->slot);
     free(f->place[0]);
     free(f->place[1]);
     free(f);

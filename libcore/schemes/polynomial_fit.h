@@ -30,8 +30,9 @@ struct fit {
     struct rows point;   /* face points of the cells, arms over h; no cells */
     double *gradient;    /* CWENO3: gradients of the sectors of one batch, [nvar][sectors][dim][LANES] */
     double *weight;      /* CWENO3: nonlinear weights of the sectors of one batch, [sectors][LANES] */
-    double *value;       /* [nvar][nvalues] at the rows of `point` */
+    double *value;       /* [nvar][nvalues], those of a batch from row slot[batch] on, row by row of `point` */
     long nvalues;        /* values of one variable */
+    int *slot;           /* [nbatches] */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
     int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */
 };

@@ -8,7 +8,8 @@
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
-enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4 }; /* marks in `local` until the cells are numbered */
+/* Marks in `local` until the cells are numbered. */
+enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4, WALKED = -5, ORDERED = -6 };
 
 struct ghost {
     int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the polyMesh cell `cell` */
@@ -93,8 +94,43 @@ static int by_place(const void *a, const void *b) {
     return (p->cell > q->cell) - (p->cell < q->cell);
 }
 
+/* Walks breadth first from cell `start` through my cells that bear a mark; gives them another one, lists them in order.
+ * Returns how many. */
+static int walk(const struct links *l, int *marks, int start, int mark, int other, int *order) {
+    int in = 0, image;
+    order[in++] = start;
+    marks[start] = other;
+    for (int out = 0; out < in; out++)
+        for (int c = order[out], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++) {
+            const int to = links_cross(l, l->cell_link[k], 0, &image);
+            if (to < 0 || marks[to] != mark) continue;
+            marks[to] = other;
+            order[in++] = to;
+        }
+    return in;
+}
+
+/* Numbers my cells, those that wait last, in the order of walks through each part of them that hangs together. A walk
+ * starts at the end of another one, at the rim: so the neighbours of a cell stand little before or behind it. */
+static status number_mine(struct polyhedra *m, struct work *w) {
+    int *order, n = 0, first = 0;
+    TRY(allocate(&order, m->nown, sizeof *order, "the cells"));
+    for (int k = 0; k < m->nown; k++)
+        if (w->local[w->mine[k]] == MINE) {
+            const int last = first + walk(&w->links, w->local, w->mine[k], MINE, WALKED, order + first) - 1;
+            first += walk(&w->links, w->local, order[last], WALKED, ORDERED, order + first);
+        }
+    for (int waits = 0; waits < 2; waits++) {
+        for (int k = 0; k < m->nown; k++)
+            if (w->waits[order[k]] == waits) m->cell[n++] = order[k];
+        if (!waits) m->ninner = n;
+    }
+    free(order);
+    return OK;
+}
+
 static status number_cells(struct polyhedra *m, struct work *w) {
-    int n = 0, near = m->nnear - m->nown;
+    int n = m->nown, near = m->nnear - m->nown;
     for (int k = 0; k < m->nown; k++) TRY(scout(w, w->mine[k]));
     for (int k = 0; k < near; k++) TRY(scout(w, w->ghost[k].cell));
     qsort(w->ghost, (size_t)w->nghosts, sizeof *w->ghost, by_place);
@@ -103,11 +139,7 @@ static status number_cells(struct polyhedra *m, struct work *w) {
     TRY(allocate(&m->block_cell, m->nown, sizeof *m->block_cell, "the cells"));
     TRY(allocate(&w->ghost_rank, w->nghosts, sizeof *w->ghost_rank, "the ghosts"));
     TRY(allocate(&m->stencil_start, m->nnear + 1L, sizeof *m->stencil_start, "the stencils"));
-    for (int waits = 0; waits < 2; waits++) {
-        for (int k = 0; k < m->nown; k++)
-            if (w->waits[w->mine[k]] == waits) m->cell[n++] = w->mine[k];
-        if (!waits) m->ninner = n;
-    }
+    TRY(number_mine(m, w));
     for (int k = 0; k < w->nghosts; k++) {
         m->cell[n++] = w->ghost[k].cell;
         w->ghost_rank[k] = w->ghost[k].rank;
@@ -131,15 +163,16 @@ static status make_cells(struct polyhedra *m, struct work *w, int rings) {
 
 /* ---- faces ------------------------------------------------------------------------------------------------------- */
 
-/* Lists the faces that cell i shares with higher cells (ghosts are higher than all of mine), in the order of those
- * cells: the faces to inner cells if `local`, else the others. */
+/* Lists faces of cell i: with `local` (i is inner) those to lower cells, so that all faces of the cells up to any one
+ * are the first ones of the list; else those to higher cells (ghosts are higher than all of mine) that are not both
+ * inner. They stand in the order of those cells. */
 static void list_inside(struct polyhedra *m, struct work *w, int i, bool local) {
     const struct links *l = &w->links;
     const int first = m->face.n, *number = w->local;
     for (int c = m->cell[i], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++) {
         int image, code = l->cell_link[k], to = links_cross(l, code, 0, &image);
-        if (to < 0 || number[to] < i || (number[to] == i && code < 0)) continue;
-        if (local != (number[to] < m->ninner)) continue;
+        if (to < 0 || (number[to] == i && code < 0)) continue;
+        if (local ? number[to] > i : number[to] < i || number[to] < m->ninner) continue;
         int link = code < 0 ? ~code : code, at = m->face.n++;
         for (; at > first; at--) {
             int before = w->link_of[at - 1], other = l->left[before] == c ? l->right[before] : l->left[before];

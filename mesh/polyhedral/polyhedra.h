@@ -3,7 +3,8 @@
  * with quadrature points, the halo. Any polyMesh in 1D to 3D will do; where a mesh has `empty` patches only the solved
  * axes are kept, and volumes and areas are per thickness. All vectors are in computational axes (axis[]).
  *
- * Numbering on a rank: cells 0 <= i < nown are mine; those from ninner on read values of other ranks in a stage. Then
+ * Numbering on a rank: cells 0 <= i < nown are mine, breadth first, whatever the order of the polyMesh, so that cells
+ * that share a face stand near each other; those from ninner on read values of other ranks in a stage. Then
  * come ghosts, cells of other ranks: first those across my faces (< nnear), whose polynomials this rank computes, too,
  * then those that only stencils read (< ncells). Then come mirror cells (< size), whose values the boundary conditions
  * give: one per boundary face of my cells, then one per boundary face of near ghosts, whose stencils need them. A rank
@@ -23,7 +24,8 @@ enum {
 struct polyhedra_faces { /* internal and cut faces first, then boundary faces: patch by patch, mirrors in the same order
                           */
     int n, ninternal;
-    int nlocal; /* faces between two inner cells, which come first: they can be computed before polyhedra_fill_finish */
+    int nlocal; /* faces between two inner cells, which come first, in the order of the higher one of the two: they can
+                 * be computed before polyhedra_fill_finish, and cell by cell */
     int *left, *right;     /* [n] cells of this rank; right: a mirror at the boundary */
     int *patch, *place;    /* [n - ninternal] patch of the polyMesh and face within it; the mirrors' arrays, borrowed */
     double *area;          /* [n] m^(dim-1) */

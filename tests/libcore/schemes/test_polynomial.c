@@ -412,6 +412,45 @@ static void shocks_cool_nothing(void **state) {
         }
 }
 
+/* In turns of a batch and more, in memory that cells take over from each other: the same bits. */
+static void turns_do_not_matter(void **state) {
+    (void)state;
+    for (int k = 0; k < polynomial_count; k++) {
+        struct subject s, t;
+        int cells[64], faces[64], turns = 0;
+        subject_make(&s, TRIANGLES, 25, 1, 0.2, polynomial_table[k].model.name);
+        subject_make(&t, TRIANGLES, 25, 1, 0.2, polynomial_table[k].model.name);
+        average(&s, waves);
+        values(&s);
+        const struct polyhedra *m = t.polyhedra;
+        const struct polyhedra_faces *f = &m->face;
+        const double *const *U = (const double *const *)s.average;
+        for (int to = 0, face = 0; to < m->ninner; turns++) {
+            to = to + 64 < m->ninner ? to + 64 : m->ninner;
+            while (face < f->nlocal && f->left[face] < to && f->right[face] < to) face++;
+            cells[turns] = to;
+            faces[turns] = face;
+        }
+        assert_true(turns > 10 && faces[turns - 1] == f->nlocal);
+        ok(fit_turns(t.fit, turns, cells, faces));
+        for (int turn = 0, p = 0; turn <= turns; turn++) {
+            const int from = turn ? cells[turn - 1] : 0, to = turn < turns ? cells[turn] : m->nnear;
+            const int last = turn < turns ? f->point_start[faces[turn]] : m->point.n;
+            fit_cells(t.fit, from, to, U);
+            for (; p < last; p++)
+                for (int side = 0; side < 2 && inner(m, p, side); side++) {
+                    double *out[MAX_VAR];
+                    for (int v = 0; v < MAX_VAR; v++) out[v] = t.value[side][v] + p;
+                    fit_points(t.fit, side, p, 1, U, out);
+                    for (int v = 0; v < m->dim + 2; v++)
+                        assert_true(bits_of(out[v][0]) == bits_of(s.value[side][v][p]));
+                }
+        }
+        subject_free(&t);
+        subject_free(&s);
+    }
+}
+
 /* Fitted piece by piece, and in another mesh's batches: the same bits. */
 static void pieces_do_not_matter(void **state) {
     (void)state;
@@ -446,7 +485,8 @@ int main(int argc, char **argv) {
                                        cmocka_unit_test(units_do_not_matter),
                                        cmocka_unit_test(observers_do_not_matter),
                                        cmocka_unit_test(shocks_cool_nothing),
-                                       cmocka_unit_test(pieces_do_not_matter)};
+                                       cmocka_unit_test(pieces_do_not_matter),
+                                       cmocka_unit_test(turns_do_not_matter)};
     ok(comm_start(&argc, &argv, &comm));
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(comm);

@@ -72,6 +72,31 @@ static void axes_and_sizes(void **state) {
     }
 }
 
+/* Local faces stand in the order of their higher cells, on all meshes. */
+static void faces_follow_cells(void **state) {
+    (void)state;
+    for (int i = 0; i < RECIPES; i++) {
+        struct fixture x = begin(i, 1);
+        for (int f = 0, before = 0; f < x.m->face.nlocal; f++) {
+            const int l = x.m->face.left[f], r = x.m->face.right[f], higher = l > r ? l : r;
+            assert_true(higher >= before);
+            before = higher;
+        }
+        end(&x);
+    }
+}
+
+/* Of 40 x 40 cells in three blocks none is further from a neighbour than two diagonals hold. */
+static void neighbours_stand_near(void **state) {
+    (void)state;
+    static const struct cells_recipe recipe = {"quads", 2, BOXES, {40, 40, 1}, {0, 1, 2}, 0.2, {false}};
+    struct fixture x = {&recipe, cells_make(&recipe), NULL};
+    ok(polyhedra_make(x.mesh, world, 1, &x.m));
+    assert_true(x.m->nblocks > 1 && x.m->face.nlocal == 2 * 39 * 40);
+    for (int f = 0; f < x.m->face.nlocal; f++) assert_true(abs(x.m->face.left[f] - x.m->face.right[f]) <= 2 * 40);
+    end(&x);
+}
+
 static void cells_are_closed(void **state) {
     (void)state;
     for (int i = 0; i < RECIPES; i++) {
@@ -474,6 +499,8 @@ int main(int argc, char **argv) {
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(axes_and_sizes),
+        cmocka_unit_test(faces_follow_cells),
+        cmocka_unit_test(neighbours_stand_near),
         cmocka_unit_test(cells_are_closed),
         cmocka_unit_test(centres_are_centroids),
         cmocka_unit_test(moments_of_simplices),
