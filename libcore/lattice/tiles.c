@@ -2,6 +2,7 @@
 /* The gas on a lattice: the memory of its tiles, state in and out, rows of cells, fields, wave speeds, totals; and the
  * table of the engine's hooks. */
 #include "libcore/lattice/tiles.h"
+#include "libcore/schemes/flux_rules.h"
 
 #include <stdlib.h>
 
@@ -53,6 +54,14 @@ static status make_falls(struct gas *g) {
     return allocate(&g->falling, g->forest->ntiles, sizeof(bool), "tiles");
 }
 
+/* The cells on either side that the fluxes of a cell read: those of the reconstruction of its faces. A flux with rules
+ * for single faces looks at six cells. */
+static int reach_of(const struct gas *g) {
+    const struct wanted_rules on = rules_wanted(&g->models.flux_params, true, false);
+    const bool ruled = on.shocks || on.expansions || on.contacts;
+    return ruled && !strcmp(g->models.flux->model.name, "common") ? GHOSTS : g->models.reconstruct->reach + 1;
+}
+
 static status make_activity(struct gas *g) {
     struct activity *a = &g->tiles->activity;
     int rows[2] = {0, 0};
@@ -61,8 +70,9 @@ static status make_activity(struct gas *g) {
             if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
     a->rows = rows[0] + 2 * GHOSTS;
     a->nspans = a->rows * (rows[1] + 2 * GHOSTS);
-    struct span **spans[] = {&a->differ, &a->active, &a->needed};
-    for (int i = 0; i < 3; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));
+    a->reach = reach_of(g);
+    struct span **spans[] = {&a->differ, &a->active, &a->needed, &a->crossed};
+    for (int i = 0; i < 4; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));
     return allocate(&a->quiet, 6L * g->forest->ntiles, sizeof(bool), "tiles");
 }
 
@@ -130,7 +140,7 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->held);
     free_work(&x->work);
     void *single[] = {x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed,
-                      x->activity.quiet, x};
+                      x->activity.crossed, x->activity.quiet, x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
 }
 

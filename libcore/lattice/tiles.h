@@ -34,10 +34,11 @@ static inline struct span span_join(struct span a, struct span b) {
     return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
 }
 struct activity { /* spans of the tile in hand: cells that differ from its background, that a stage computes, that the
-                     fluxes of those read */
+                     fluxes of those read, that their fluxes along axes 1 and 2 read */
+    int reach;    /* cells on either side that the fluxes of a cell read */
     int rows;     /* most rows of a tile with its ghosts along axis 1 */
     int nspans;   /* rows times the same along axis 2 */
-    struct span *differ, *active, *needed;
+    struct span *differ, *active, *needed, *crossed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
 
@@ -133,8 +134,9 @@ void speed_visit(void *speeds, long offset, int n);
 /* Centre of the cell at `offset` of a tile, m */
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
 
-/* Fills the ghost layers of a tile's sides that are patches, by the patches' rules. */
-void ghosts_of_patches(const struct gas *g, int tile, double *U);
+/* Fills the ghost layers of a tile's sides that are patches, by the patches' rules, but not of the sides where `leave`
+ * is set (NULL: nowhere). */
+void ghosts_of_patches(const struct gas *g, int tile, double *U, const bool *leave);
 
 /* A line is computed in whole vectors of 8: the faces behind its end read the rows' padding, and are thrown away. */
 static inline int whole_vectors(int n) {

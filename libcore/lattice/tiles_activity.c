@@ -71,38 +71,43 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
     return -1;
 }
 
-/* Does any of 8 cells from `offset` on differ from the background? */
-KERNEL static bool block_differs(int nvar, long size, const double *restrict U, long offset) {
-    uint64_t any = 0;
+/* Sets bit i if cell i of 8 from `offset` on differs from the background. */
+KERNEL static unsigned block_differs(int nvar, long size, const double *restrict U, long offset) {
+    uint64_t any[BLOCK] = {0};
+    unsigned marks = 0;
     for (int v = 0; v < nvar; v++) {
         uint64_t bits = bits_of(U[v * size]);
-        for (int i = 0; i < BLOCK; i++) any |= bits_of(U[v * size + offset + i]) ^ bits;
+        for (int i = 0; i < BLOCK; i++) any[i] |= bits_of(U[v * size + offset + i]) ^ bits;
     }
-    return any != 0;
+    for (int i = 0; i < BLOCK; i++) marks |= (unsigned)(any[i] != 0) << i;
+    return marks;
 }
 
-static bool cells_differ(const struct gas *g, const double *U, const double *falls, long offset, int n) {
-    for (int i = 0; falls && i < n; i++)
-        if (falls[offset + i] != falls[0]) return true;
-    if (n == BLOCK) return block_differs(g->nvar, g->forest->size, U, offset);
-    for (int i = 0; i < n; i++)
-        if (!same_cell(g, U, falls, offset + i, 0)) return true;
-    return false;
+/* The same for the n <= 8 cells from `offset` on. */
+static unsigned cells_differ(const struct gas *g, const double *U, const double *falls, long offset, int n) {
+    unsigned marks = 0;
+    if (n == BLOCK && !falls) return block_differs(g->nvar, g->forest->size, U, offset);
+    for (int i = 0; i < n; i++) marks |= (unsigned)!same_cell(g, U, falls, offset + i, 0) << i;
+    return marks;
 }
 
-/* Takes from both ends of a row's span the blocks that equal the background. */
+/* Takes from both ends of a row's span the cells that equal the background. */
 static struct span differing(const struct gas *g, const double *U, const double *falls, long row, struct span s) {
+    unsigned marks = 0;
     while (!span_empty(s)) {
         int n = s.high - s.low < BLOCK ? s.high - s.low : BLOCK;
-        if (cells_differ(g, U, falls, row + s.low, n)) break;
+        marks = cells_differ(g, U, falls, row + s.low, n);
+        if (marks) break;
         s.low += n;
     }
-    while (!span_empty(s)) {
-        int n = s.high % BLOCK ? s.high % BLOCK : BLOCK;
-        if (n > s.high - s.low) n = s.high - s.low;
-        if (cells_differ(g, U, falls, row + s.high - n, n)) break;
+    for (; marks && !(marks & 1); marks >>= 1) s.low++;
+    for (marks = 0; !span_empty(s);) {
+        int n = s.high - s.low < BLOCK ? s.high - s.low : BLOCK;
+        marks = cells_differ(g, U, falls, row + s.high - n, n) << (BLOCK - n);
+        if (marks) break;
         s.high -= n;
     }
+    for (; marks && !(marks & 1u << (BLOCK - 1)); marks <<= 1) s.high--;
     return span_empty(s) ? SPAN_EMPTY : s;
 }
 
@@ -181,8 +186,12 @@ void activity_unfold(const struct gas *g, int tile, const struct state *s) {
         s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
 }
 
+/* Beyond a patch that asks for no values and is no wall the ghosts are copies of the cells beside it. */
 static bool is_quiet(const struct gas *g, const struct state *s, int tile, int side) {
-    int other = g->forest->tile[tile].side[side].neighbour;
+    const struct tile *t = &g->forest->tile[tile];
+    const int other = t->side[side].neighbour, patch = t->side[side].patch;
+    if (patch >= 0 && (patch_needs_values(&g->rules[patch]) || patch_is_wall(&g->rules[patch]))) return false;
+    if (patch >= 0) return layers_calm(g, s->varied[tile], layers_inside(t, side));
     if (other < 0) return false;
     for (int v = 0; v < g->nvar; v++)
         if (bits_of(s->block[tile][v * g->forest->size]) != bits_of(s->block[other][v * g->forest->size])) return false;
@@ -197,8 +206,9 @@ void activity_prepare(struct gas *g, const struct state *s) {
         for (int side = 0; side < 2 * f->dim; side++) quiet[6 * t + side] = is_quiet(g, s, t, side);
     for (int t = 0; t < f->ntiles; t++)
         for (int side = 0; side < 2 * f->dim; side++) {
-            int other = f->tile[t].side[side].neighbour;
-            if (other < 0 || !quiet[6 * other + (side ^ 1)]) store_layers(g, t, s, layers_inside(&f->tile[t], side));
+            const int other = f->tile[t].side[side].neighbour;
+            const bool calm = quiet[other < 0 ? 6 * t + side : 6 * other + (side ^ 1)];
+            if (!calm) store_layers(g, t, s, layers_inside(&f->tile[t], side));
         }
 }
 
@@ -222,7 +232,7 @@ static struct span differ_with_ghosts(const struct gas *g, int tile, const struc
         return quiet[side] ? SPAN_EMPTY : tiles_fed(g, tile, side) ? whole : differing(g, U, NULL, row, whole);
     }
     struct span differ = *activity_row(&g->tiles->activity, s->varied[tile], j, k);
-    for (int m = 0; m < GHOSTS; m++)
+    for (int m = 0; m < g->tiles->activity.reach; m++)
         for (int high = 0; high < 2; high++) {
             int i = high ? t->n[0] + m : -1 - m;
             if (!quiet[high] && (tiles_fed(g, tile, high) || !same_cell(g, U, NULL, row + i, 0)))
@@ -233,7 +243,7 @@ static struct span differ_with_ghosts(const struct gas *g, int tile, const struc
 
 static void find_differ(struct gas *g, int tile, const struct state *s) {
     const struct tile *t = &g->forest->tile[tile];
-    int reach1 = g->dim > 1 ? GHOSTS : 0, reach2 = g->dim > 2 ? GHOSTS : 0;
+    const int reach = g->tiles->activity.reach, reach1 = g->dim > 1 ? reach : 0, reach2 = g->dim > 2 ? reach : 0;
     for (int k = -reach2; k < t->n[2] + reach2; k++)
         for (int j = -reach1; j < t->n[1] + reach1; j++)
             *activity_row(&g->tiles->activity, g->tiles->activity.differ, j, k) = differ_with_ghosts(g, tile, s, j, k);
@@ -243,12 +253,12 @@ static bool within(int i, int n, int margin) {
     return i >= -margin && i < n + margin;
 }
 
-/* The joined spans of all rows within GHOSTS of row (j, k) along axes 1 and 2; rows up to `margin` outside the tile
+/* The joined spans of all rows within the reach of row (j, k) along axes 1 and 2; rows up to `margin` outside the tile
  * count. */
 static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
     const struct activity *a = &g->tiles->activity;
     struct span s = SPAN_EMPTY;
-    for (int m = -GHOSTS; m <= GHOSTS; m++) {
+    for (int m = -a->reach; m <= a->reach; m++) {
         if (g->dim > 1 && within(j + m, t->n[1], margin) && within(k, t->n[2], 0))
             s = span_join(s, *activity_row(a, from, j + m, k));
         if (g->dim > 2 && within(k + m, t->n[2], margin) && within(j, t->n[1], 0))
@@ -257,20 +267,20 @@ static struct span gather(const struct gas *g, const struct tile *t, struct span
     return s;
 }
 
-/* Widens a span of a row of n cells to whole vectors. */
-static struct span whole_blocks(struct span s, int n) {
+/* Widens a span of a row of n cells to one that begins with a vector and has one cell less than fills vectors, where n
+ * allows it: as many faces as fill them. */
+static struct span fill_vectors(struct span s, int n) {
     if (span_empty(s)) return s;
-    s = (struct span){s.low / BLOCK * BLOCK, (s.high + BLOCK - 1) / BLOCK * BLOCK};
+    s = (struct span){s.low / BLOCK * BLOCK, (s.high + BLOCK) / BLOCK * BLOCK - 1};
     return overlap(s, (struct span){0, n});
 }
 
-/* The active span of a row: cells with a differing cell in their stencil, or which the step's start stores; in whole
- * vectors. */
+/* The active span of a row: cells with a differing cell in their stencil, or which the step's start stores. */
 static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
     const struct activity *a = &g->tiles->activity;
-    struct span s = span_join(widen(*activity_row(a, a->differ, j, k), GHOSTS), gather(g, t, a->differ, j, k, GHOSTS));
+    struct span s = span_join(widen(*activity_row(a, a->differ, j, k), a->reach), gather(g, t, a->differ, j, k, GHOSTS));
     s = overlap(span_join(s, *activity_row(a, start, j, k)), (struct span){0, t->n[0]});
-    return whole_blocks(s, t->n[0]);
+    return fill_vectors(s, t->n[0]);
 }
 
 /* Is the tile its background, at the start of the step and now, and all around it, too? */
@@ -295,7 +305,7 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
             struct span s =
-                bed   ? whole_blocks(tiles_moving_span(g, tile, row_offset(g->forest, j, k), t->n[0]), t->n[0])
+                bed   ? fill_vectors(tiles_moving_span(g, tile, row_offset(g->forest, j, k), t->n[0]), t->n[0])
                 : all ? (struct span){0, t->n[0]}
                       : spread_row(g, t, U0->varied[tile], j, k);
             any |= !span_empty(s);
@@ -305,8 +315,9 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     for (int k = -reach2; any && k < t->n[2] + reach2; k++)
         for (int j = -reach1; j < t->n[1] + reach1; j++) {
             struct span s = gather(g, t, a->active, j, k, 0);
+            *activity_row(a, a->crossed, j, k) = s;
             if (within(j, t->n[1], 0) && within(k, t->n[2], 0))
-                s = span_join(s, widen(*activity_row(a, a->active, j, k), GHOSTS));
+                s = span_join(s, widen(*activity_row(a, a->active, j, k), a->reach));
             *activity_row(a, a->needed, j, k) = s;
         }
     return any;

@@ -63,9 +63,9 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
             }
 }
 
-void ghosts_of_patches(const struct gas *g, int tile, double *U) {
+void ghosts_of_patches(const struct gas *g, int tile, double *U, const bool *leave) {
     const struct tile *t = &g->forest->tile[tile];
     for (int axis = 0; axis < g->dim; axis++)
         for (int high = 0; high < 2; high++)
-            if (t->side[2 * axis + high].patch >= 0) side_ghosts(g, t, axis, high, U);
+            if (t->side[2 * axis + high].patch >= 0 && !(leave && leave[2 * axis + high])) side_ghosts(g, t, axis, high, U);
 }

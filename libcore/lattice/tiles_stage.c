@@ -234,16 +234,14 @@ static struct span *active_row(const struct gas *g, int j, int k) {
     return activity_row(a, a->active, j, k);
 }
 
-/* The columns of row (j, k) above which the fluxes along the pass's axis read the balance of faces. `needed` has
- * besides whole vectors of active cells what fluxes along axis 0 read. */
+/* The columns of row (j, k) above which the fluxes along the pass's axis read the balance of faces. */
 static struct span balanced_span(const struct sweep *x, int j, int k) {
     const struct gas *g = x->pass.g;
     const struct activity *a = &g->tiles->activity;
-    const int n = x->n[0], reach = g->models.reconstruct->reach;
-    struct span s = *activity_row(a, x->pass.axis == 0 ? a->active : a->needed, j, k);
-    if (span_empty(s)) return s;
-    if (x->pass.axis == 0) return (struct span){s.low - 1 - reach, s.high + reach};
-    return (struct span){s.low < 0 ? 0 : whole_vectors(s.low), s.high < n ? s.high / 8 * 8 : n};
+    const int reach = g->models.reconstruct->reach;
+    if (x->pass.axis > 0) return *activity_row(a, a->crossed, j, k);
+    const struct span s = *active_row(g, j, k);
+    return span_empty(s) ? s : (struct span){s.low - 1 - reach, s.high + reach};
 }
 
 /* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
@@ -262,8 +260,9 @@ static void balance(const struct sweep *x, int j, int k) {
  * of the faces below it (axis 0: of its own). */
 static void ready_row(struct sweep *x, int axis, int j, int k) {
     const struct gas *g = x->pass.g;
+    const struct activity *a = &g->tiles->activity;
     x->pass.axis = axis;
-    span_visit(g, g->tiles->activity.needed, j, k, nodal_visit, &x->pass);
+    span_visit(g, axis > 0 ? a->crossed : a->needed, j, k, nodal_visit, &x->pass);
     if (!balance_acts(g, axis)) return;
     if (axis == 0) balance(x, j, k);
     if (axis == 1 && j > -GHOSTS) balance(x, j - 1, k);

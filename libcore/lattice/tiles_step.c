@@ -124,8 +124,9 @@ static long do_stage(struct gas *g, const struct state *U0, const struct state *
         if (remote) forest_fill_finish(f);
         for (int t = 0; t < f->ntiles; t++) {
             if (f->tile[t].remote != (remote > 0)) continue;
-            forest_fill_tile(f, t, g->tiles->activity.quiet + 6 * t);
-            ghosts_of_patches(g, t, from->block[t]);
+            const bool *quiet = g->tiles->activity.quiet + 6 * t;
+            forest_fill_tile(f, t, quiet);
+            ghosts_of_patches(g, t, from->block[t], quiet);
             bad += stage_of_tile(g, t, U0, from, to, a, dt);
             if (closing) close_tile(g, t, to, closing);
         }
