@@ -69,7 +69,8 @@ static status make_activity(struct gas *g) {
         for (int k = 0; k < 2; k++)
             if (g->forest->tile[t].n[k + 1] > rows[k]) rows[k] = g->forest->tile[t].n[k + 1];
     a->rows = rows[0] + 2 * GHOSTS;
-    a->nspans = a->rows * (rows[1] + 2 * GHOSTS);
+    a->planes = g->dim > 2 ? GHOSTS : 0;
+    a->nspans = a->rows * (rows[1] + 2 * a->planes);
     a->reach = reach_of(g);
     struct span **spans[] = {&a->differ, &a->active, &a->needed, &a->crossed};
     for (int i = 0; i < 4; i++) TRY(allocate(spans[i], a->nspans, sizeof(struct span), "spans"));

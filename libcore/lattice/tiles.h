@@ -37,7 +37,8 @@ struct activity { /* spans of the tile in hand: cells that differ from its backg
                      fluxes of those read, that their fluxes along axes 1 and 2 read */
     int reach;    /* cells on either side that the fluxes of a cell read */
     int rows;     /* most rows of a tile with its ghosts along axis 1 */
-    int nspans;   /* rows times the same along axis 2 */
+    int planes;   /* layers of ghosts along axis 2: none in one and two dimensions */
+    int nspans;   /* rows times most planes of a tile with its ghosts */
     struct span *differ, *active, *needed, *crossed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };

@@ -18,7 +18,7 @@ static struct span overlap(struct span a, struct span b) {
 }
 
 struct span *activity_row(const struct activity *a, struct span *spans, int j, int k) {
-    return &spans[(j + GHOSTS) + a->rows * (k + GHOSTS)];
+    return &spans[(j + GHOSTS) + a->rows * (k + a->planes)];
 }
 
 static long row_offset(const struct forest *f, int j, int k) {

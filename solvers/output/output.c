@@ -63,38 +63,50 @@ void output_free(struct output *o) {
 
 /* ---- values of cells ---- */
 
-/* Sets out[cells of this rank][components] to a quantity, block by block, with vectors along physical axes, as a
- * restart needs it. */
-static status own_values(const struct setup *s, int quantity, double **out) {
+/* Sets out[..][components] to a quantity in the cells of this rank, block by block, with vectors along physical axes, as
+ * a restart needs it. They come in the order of the blocks or, with cell[cells of this rank], by those numbers. */
+static status own_values(const struct setup *s, int quantity, const int *cell, double *out) {
     const struct medium *m = s->medium;
     const struct grid *g = s->grid;
     const int components = m->type->quantity[quantity].components, lines = setup_lines(s, quantity);
     double *line[3] = {NULL, NULL, NULL};
-    long n, most = 1;
-    (void)grid_cells(g, &n);
+    long most = 1, first = 0;
     for (int b = 0; b < g->nblocks; b++)
         if (g->block[b].ncells > most) most = g->block[b].ncells;
-    TRY(allocate(out, n * components, sizeof(double), "a field to write"));
     TRY(allocate(&line[0], 3 * most, sizeof(double), "a block to write"));
     line[1] = line[0] + most;
     line[2] = line[1] + most;
-    double *to = *out;
-    for (int b = 0; b < g->nblocks; to += (long)g->block[b++].ncells * components) {
+    for (int b = 0; b < g->nblocks; first += g->block[b++].ncells) {
         (m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
-        for (int k = 0; k < (components == 1 ? 1 : lines); k++)
+        for (int k = 0; k < components; k++) {
+            double *to = out + (components == 1 ? 0 : s->axis[k]);
             for (int i = 0; i < g->block[b].ncells; i++)
-                to[(long)i * components + (components == 1 ? 0 : s->axis[k])] = line[k][i];
+                to[(cell ? cell[first + i] : first + i) * components] = k < lines ? line[k][i] : 0;
+        }
     }
     free(line[0]);
     return OK;
 }
 
-status output_own(const struct setup *s, int quantity, double **out) {
+static status derive(const struct setup *s, int quantity) {
+    return s->medium->type->derive ? s->medium->type->derive(s->medium, quantity) : OK;
+}
+
+/* Allocates n values of a quantity, and sets them by own_values. */
+static status make_values(const struct setup *s, int quantity, long n, const int *cell, double **out) {
     *out = NULL;
-    if (s->medium->type->derive) TRY(s->medium->type->derive(s->medium, quantity));
-    const status e = comm_agree(s->comm, own_values(s, quantity, out));
+    TRY(derive(s, quantity));
+    status e = allocate(out, n * s->medium->type->quantity[quantity].components, sizeof(double), "a field to write");
+    if (!e) e = own_values(s, quantity, cell, *out);
+    e = comm_agree(s->comm, e);
     if (e) free(*out);
     return e;
+}
+
+status output_own(const struct setup *s, int quantity, double **out) {
+    long n;
+    (void)grid_cells(s->grid, &n);
+    return make_values(s, quantity, n, NULL, out);
 }
 
 status output_gather(const struct setup *s, int quantity, double *out) {
@@ -102,6 +114,10 @@ status output_gather(const struct setup *s, int quantity, double *out) {
     double *own;
     long n;
     const int *cell = grid_cells(s->grid, &n);
+    if (comm_size(s->comm) == 1) {
+        TRY(derive(s, quantity));
+        return own_values(s, quantity, cell, out);
+    }
     TRY(output_own(s, quantity, &own));
     const status e = share_gather(&share, s->medium->type->quantity[quantity].components, n, cell, own, out);
     free(own);
@@ -114,6 +130,7 @@ static status make_slice(const struct setup *s, int quantity, const struct share
     double *own;
     long n;
     const int *cell = grid_cells(s->grid, &n);
+    if (comm_size(s->comm) == 1) return make_values(s, quantity, n, cell, out);
     *out = NULL;
     TRY(output_own(s, quantity, &own));
     status e = allocate(out, (share->end - share->first) * components, sizeof(double), "a slice of a field");

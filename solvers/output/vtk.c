@@ -3,6 +3,7 @@
  * numbers, series (vtk.h). */
 #include "solvers/output/vtk.h"
 
+#include "libcore/models/kernel.h"
 #include "mesh/format/files.h"
 
 #include <dirent.h>
@@ -165,6 +166,11 @@ static status open_out(const char *path, bool ascii, struct out *o) {
     return OK;
 }
 
+/* Turns the bytes of n numbers round. */
+KERNEL static void turn_ints(long n, const int *restrict values, uint32_t *restrict swapped) {
+    for (long i = 0; i < n; i++) swapped[i] = __builtin_bswap32((uint32_t)values[i]);
+}
+
 /* Writes n numbers, `per_line` (or all) on a line of a text. */
 static void put_ints(struct out *o, long n, long per_line, const int *values) {
     uint32_t swapped[CHUNK / 4];
@@ -172,9 +178,13 @@ static void put_ints(struct out *o, long n, long per_line, const int *values) {
         sink_printf(o->sink, "%d%c", values[i], i + 1 == n || (i + 1) % per_line == 0 ? '\n' : ' ');
     for (long at = 0, part; !o->ascii && at < n; at += part) {
         part = n - at < CHUNK / 4 ? n - at : CHUNK / 4;
-        for (long i = 0; i < part; i++) swapped[i] = __builtin_bswap32((uint32_t)values[at + i]);
+        turn_ints(part, values + at, swapped);
         sink_write(o->sink, swapped, (size_t)part * 4);
     }
+}
+
+KERNEL static void turn_doubles(long n, const double *restrict values, uint64_t *restrict swapped) {
+    for (long i = 0; i < n; i++) swapped[i] = __builtin_bswap64(bits_of(values[i]));
 }
 
 static void put_doubles(struct out *o, long n, int per_line, const double *values) {
@@ -183,8 +193,7 @@ static void put_doubles(struct out *o, long n, int per_line, const double *value
         sink_printf(o->sink, "%.17g%c", values[i], (i + 1) % per_line ? ' ' : '\n');
     for (long at = 0, part; !o->ascii && at < n; at += part) {
         part = n - at < CHUNK / 8 ? n - at : CHUNK / 8;
-        memcpy(swapped, values + at, (size_t)part * 8);
-        for (long i = 0; i < part; i++) swapped[i] = __builtin_bswap64(swapped[i]);
+        turn_doubles(part, values + at, swapped);
         sink_write(o->sink, swapped, (size_t)part * 8);
     }
     sink_printf(o->sink, "\n");
