@@ -222,6 +222,10 @@ void temperature_row(const struct gas *g, int n, const double *U, double *T) {
     for (int i = 0; i < n; i++) T[i] = temperature_of(&g->models.material, T[i]);
 }
 
+KERNEL static void scale_row(int n, double factor, const double *restrict q, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = factor * q[i];
+}
+
 /* Only what the field needs is computed, because the equation of state costs most. */
 void field_row(const struct gas *g, enum gas_field field, int n, long size, const double *U, double *const out[3]) {
     const struct material *m = &g->models.material;
@@ -233,15 +237,15 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
         root_row(n, c);
     }
     for (int k = 0; k < g->components && field == GAS_U; k++) memcpy(out[k], u[k], (size_t)n * sizeof(double));
-    for (int i = 0; i < n; i++) {
+    if (field == GAS_RHO) memcpy(out[0], U, (size_t)n * sizeof(double));
+    if (field == GAS_ALPHA) scale_row(n, packing_per_density(m), U, out[0]);
+    if (field == GAS_T) scale_row(n, temperature_of(m, 1), eps, out[0]);
+    if (field == GAS_P) memcpy(out[0], p, (size_t)n * sizeof(double));
+    if (field == GAS_C) memcpy(out[0], c, (size_t)n * sizeof(double));
+    for (int i = 0; i < n && field == GAS_MACH; i++) {
         double square = 0;
-        for (int k = 0; k < g->components && field == GAS_MACH; k++) square += u[k][i] * u[k][i];
-        if (field == GAS_RHO) out[0][i] = U[i];
-        if (field == GAS_ALPHA) out[0][i] = packing_per_density(m) * U[i];
-        if (field == GAS_T) out[0][i] = temperature_of(m, eps[i]);
-        if (field == GAS_P) out[0][i] = p[i];
-        if (field == GAS_C) out[0][i] = c[i];
-        if (field == GAS_MACH) out[0][i] = sqrt(square) / c[i];
+        for (int k = 0; k < g->components; k++) square += u[k][i] * u[k][i];
+        out[0][i] = sqrt(square) / c[i];
     }
 }
 
