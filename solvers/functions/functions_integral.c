@@ -38,8 +38,9 @@ static double sum_block(const struct function *f, int field, int b, int componen
     double *kept = own->kept + 2 * ((3L * field + component) * grid->nblocks + b), total = 0;
     if (n == 1 && !memcmp(kept, v, sizeof *v)) return kept[1];
     for (int i = 0; i < block->ncells && own->operation == SUM; i++) total += v[n > 1 ? i : 0];
+    const double same = grid->forest ? grid->forest->volume : 0; /* of a lattice's cells */
     for (int i = 0; i < block->ncells && own->operation != SUM; i++)
-        total += grid_volume(grid, block->cell[i]) * v[n > 1 ? i : 0];
+        total += (grid->forest ? same : grid_volume(grid, block->cell[i])) * v[n > 1 ? i : 0];
     if (n > 1) return total;
     kept[0] = *v;
     return kept[1] = total;
