@@ -81,6 +81,7 @@ static status make_state(const struct gas *g, struct state *s) {
     const struct forest *f = g->forest;
     TRY(blocks_make(f, g->nvar, &s->block));
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
+    TRY(allocate(&s->narrow, f->ntiles, sizeof *s->narrow, "tiles"));
     for (int t = 0; t < f->ntiles; t++)
         TRY(allocate(&s->varied[t], g->tiles->activity.nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
@@ -91,6 +92,7 @@ static void free_state(const struct forest *f, struct state *s) {
     blocks_free(f, s->block);
     for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
     free(s->varied);
+    free(s->narrow);
 }
 
 static status tiles_make(struct gas *g) {
@@ -200,14 +202,17 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
 
 static void tiles_keep_as(const struct gas *g, const struct state *from, const struct state *to) {
     const size_t bytes = (size_t)g->tiles->activity.nspans * sizeof(struct span);
-    for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++)
+    for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++) {
         memcpy(to->varied[t], from->varied[t], bytes);
+        to->narrow[t] = from->narrow[t];
+    }
 }
 
 static void tiles_join(const struct gas *g, const struct state *a, const struct state *b) {
     for (int t = 0; t < g->forest->ntiles; t++) {
         activity_store_all(g, t, a);
         activity_store_all(g, t, b);
+        a->narrow[t] = b->narrow[t] = false;
         for (int i = 0; i < g->tiles->activity.nspans; i++)
             a->varied[t][i] = b->varied[t][i] = span_join(a->varied[t][i], b->varied[t][i]);
     }

@@ -42,6 +42,10 @@ struct activity { /* spans of the tile in hand: cells that differ from its backg
     struct span *differ, *active, *needed, *crossed;
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
+/* The span of row (j, k), which may be one of ghosts. */
+static inline struct span *activity_row(const struct activity *a, struct span *spans, int j, int k) {
+    return &spans[(j + GHOSTS) + a->rows * (k + a->planes)];
+}
 
 /* Memory that the engine of the lattice owns: g->tiles. */
 struct tiles {
@@ -113,7 +117,6 @@ void activity_unfold(const struct gas *g, int tile, const struct state *s);
  * whole tile. */
 void activity_store(const struct gas *g, int tile, const struct state *s, struct span *spans, int margin);
 void activity_store_all(const struct gas *g, int tile, const struct state *s);
-struct span *activity_row(const struct activity *a, struct span *spans, int j, int k);
 /* As runs_visit, for the span of one row of a tile, or for the spans of all its rows. */
 void span_visit(const struct gas *g, struct span *spans, int j, int k, run_visitor *visit, void *context);
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, run_visitor *visit, void *context);

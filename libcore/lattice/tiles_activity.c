@@ -17,17 +17,18 @@ static struct span overlap(struct span a, struct span b) {
     return span_empty(s) ? SPAN_EMPTY : s;
 }
 
-struct span *activity_row(const struct activity *a, struct span *spans, int j, int k) {
-    return &spans[(j + GHOSTS) + a->rows * (k + a->planes)];
-}
-
 static long row_offset(const struct forest *f, int j, int k) {
     return f->first + j * f->stride[1] + k * f->stride[2];
 }
 
+static void vary_all(const struct gas *g, int tile, const struct state *s) {
+    s->narrow[tile] = false;
+    for (int i = 0; i < g->tiles->activity.nspans; i++)
+        s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
+}
+
 void activity_reset(const struct gas *g, const struct state *s) {
-    for (int t = 0; t < g->forest->ntiles; t++)
-        for (int i = 0; i < g->tiles->activity.nspans; i++) s->varied[t][i] = (struct span){0, g->forest->tile[t].n[0]};
+    for (int t = 0; t < g->forest->ntiles; t++) vary_all(g, t, s);
 }
 
 static bool has_background(const struct gas *g, const struct tile *t, struct span *varied) {
@@ -116,6 +117,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     double *U = s->block[tile];
     const double *falls = marks_of(g, tile);
     if (!g->models.skip_uniform || g->hybrid) return false;
+    if (s->narrow[tile]) return true;
     if (!has_background(g, t, s->varied[tile])) {
         long reference = find_reference(g, t, U, falls);
         if (reference < 0) return false;
@@ -127,7 +129,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
             struct span *row = activity_row(&g->tiles->activity, s->varied[tile], j, k);
             *row = differing(g, U, falls, row_offset(g->forest, j, k), *row);
         }
-    return has_background(g, t, s->varied[tile]);
+    return s->narrow[tile] = has_background(g, t, s->varied[tile]);
 }
 
 /* Writes the background to columns low <= i < high of a row. */
@@ -182,8 +184,7 @@ void activity_store_all(const struct gas *g, int tile, const struct state *s) {
 
 void activity_unfold(const struct gas *g, int tile, const struct state *s) {
     activity_store_all(g, tile, s);
-    for (int i = 0; i < g->tiles->activity.nspans; i++)
-        s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
+    vary_all(g, tile, s);
 }
 
 /* Beyond a patch that asks for no values and is no wall the ghosts are copies of the cells beside it. */
@@ -249,6 +250,12 @@ static void find_differ(struct gas *g, int tile, const struct state *s) {
             *activity_row(&g->tiles->activity, g->tiles->activity.differ, j, k) = differ_with_ghosts(g, tile, s, j, k);
 }
 
+static int least(int a, int b) {
+    return a < b ? a : b;
+}
+static int most(int a, int b) {
+    return a > b ? a : b;
+}
 static bool within(int i, int n, int margin) {
     return i >= -margin && i < n + margin;
 }
@@ -257,13 +264,12 @@ static bool within(int i, int n, int margin) {
  * count. */
 static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
     const struct activity *a = &g->tiles->activity;
+    const int low[] = {j - a->reach, k - a->reach}, high[] = {j + a->reach + 1, k + a->reach + 1};
     struct span s = SPAN_EMPTY;
-    for (int m = -a->reach; m <= a->reach; m++) {
-        if (g->dim > 1 && within(j + m, t->n[1], margin) && within(k, t->n[2], 0))
-            s = span_join(s, *activity_row(a, from, j + m, k));
-        if (g->dim > 2 && within(k + m, t->n[2], margin) && within(j, t->n[1], 0))
-            s = span_join(s, *activity_row(a, from, j, k + m));
-    }
+    for (int i = most(low[0], -margin); g->dim > 1 && within(k, t->n[2], 0) && i < least(high[0], t->n[1] + margin); i++)
+        s = span_join(s, *activity_row(a, from, i, k));
+    for (int i = most(low[1], -margin); g->dim > 2 && within(j, t->n[1], 0) && i < least(high[1], t->n[2] + margin); i++)
+        s = span_join(s, *activity_row(a, from, j, i));
     return s;
 }
 

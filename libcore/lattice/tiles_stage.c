@@ -389,6 +389,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
         sweep_tile(&sweep);
     }
     settle_background(&update);
+    to->narrow[tile] = false;
     memcpy(to->varied[tile], active->active, (size_t)active->nspans * sizeof(struct span));
     for (int i = 0; i < active->nspans && tiles_hold_bed(g, tile); i++)
         to->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
