@@ -151,9 +151,9 @@ static void write_outside(const struct gas *g, double *U, long row, struct span 
 struct layers {
     int low[3], high[3];
 };
-static struct layers layers_inside(const struct tile *t, int side) {
+static struct layers layers_inside(const struct gas *g, const struct tile *t, int side) {
     struct layers l = {.high = {t->n[0], t->n[1], t->n[2]}};
-    int k = side / 2, thick = t->n[k] < GHOSTS ? t->n[k] : GHOSTS;
+    int k = side / 2, reach = g->tiles->activity.reach, thick = t->n[k] < reach ? t->n[k] : reach;
     if (side % 2)
         l.low[k] = t->n[k] - thick;
     else
@@ -192,11 +192,11 @@ static bool is_quiet(const struct gas *g, const struct state *s, int tile, int s
     const struct tile *t = &g->forest->tile[tile];
     const int other = t->side[side].neighbour, patch = t->side[side].patch;
     if (patch >= 0 && (patch_needs_values(&g->rules[patch]) || patch_is_wall(&g->rules[patch]))) return false;
-    if (patch >= 0) return layers_calm(g, s->varied[tile], layers_inside(t, side));
+    if (patch >= 0) return layers_calm(g, s->varied[tile], layers_inside(g, t, side));
     if (other < 0) return false;
     for (int v = 0; v < g->nvar; v++)
         if (bits_of(s->block[tile][v * g->forest->size]) != bits_of(s->block[other][v * g->forest->size])) return false;
-    return layers_calm(g, s->varied[other], layers_inside(&g->forest->tile[other], side ^ 1));
+    return layers_calm(g, s->varied[other], layers_inside(g, &g->forest->tile[other], side ^ 1));
 }
 
 void activity_prepare(struct gas *g, const struct state *s) {
@@ -209,7 +209,7 @@ void activity_prepare(struct gas *g, const struct state *s) {
         for (int side = 0; side < 2 * f->dim; side++) {
             const int other = f->tile[t].side[side].neighbour;
             const bool calm = quiet[other < 0 ? 6 * t + side : 6 * other + (side ^ 1)];
-            if (!calm) store_layers(g, t, s, layers_inside(&f->tile[t], side));
+            if (!calm) store_layers(g, t, s, layers_inside(g, &f->tile[t], side));
         }
 }
 

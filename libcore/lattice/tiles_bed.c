@@ -466,7 +466,7 @@ void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
     struct state *const scratch[] = {&g->V, &g->W};
     if (!again) forest_fill_layers(g->forest, 1, g->nvar, from->block);
     for (int t = 0; t < f->ntiles && !again; t++)
-        if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], NULL);
+        if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
     for (int i = 0; i < bed->cells; i++)
         for (int v = 0; v < g->nvar; v++) {
             const long at = v * f->size + seat[i].at;

@@ -274,7 +274,7 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
         const struct diffuser *d = g->tiles->diffuser;
         struct coefficients v = {g, Y0->block[t], d->warm[t], d->cross ? d->cross[t] + g->dim * f->size : NULL,
                                  d->dilation ? d->dilation[t] : NULL};
-        ghosts_of_patches(g, t, Y0->block[t], NULL);
+        ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t, Y0->block[t]);
         edges_visit(g, t, wall_edge, Y0->block[t]);
@@ -294,7 +294,7 @@ void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
     forest_fill_layers(g->forest, 1, g->nvar, to->block);
     for (int t = 0; t < f->ntiles; t++) {
         struct coefficients v = {.g = g, .U = to->block[t], .warm = g->tiles->diffuser->warm[t]};
-        ghosts_of_patches(g, t, to->block[t], NULL);
+        ghosts_of_patches(g, t, to->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], 1, ahead_visit, &v);
     }
 }

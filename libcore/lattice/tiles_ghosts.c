@@ -41,7 +41,7 @@ static int image(int m, int n) {
     return at < n ? at : 2 * n - 1 - at;
 }
 
-static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int high, double *U) {
+static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int high, int layers, double *U) {
     const struct forest *f = g->forest;
     const struct side *side = &t->side[2 * axis + high];
     const struct patch_rules *r = &g->rules[side->patch];
@@ -49,7 +49,7 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
     long inward = high ? -f->stride[axis] : f->stride[axis];
     for (int k = 0; k < t->n[deep]; k++)
         for (int start = 0; start < t->n[across]; start += BATCH)
-            for (int m = 1; m <= GHOSTS; m++) {
+            for (int m = 1; m <= layers; m++) {
                 struct line l = {
                     .step = f->stride[across], .out = high ? 1 : -1, .layer = m, .patch = {.normal = axis}};
                 l.inward = t->n[axis] > 1 ? inward : 0;
@@ -63,9 +63,9 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
             }
 }
 
-void ghosts_of_patches(const struct gas *g, int tile, double *U, const bool *leave) {
+void ghosts_of_patches(const struct gas *g, int tile, double *U, int layers, const bool *leave) {
     const struct tile *t = &g->forest->tile[tile];
     for (int axis = 0; axis < g->dim; axis++)
         for (int high = 0; high < 2; high++)
-            if (t->side[2 * axis + high].patch >= 0 && !(leave && leave[2 * axis + high])) side_ghosts(g, t, axis, high, U);
+            if (t->side[2 * axis + high].patch >= 0 && !(leave && leave[2 * axis + high])) side_ghosts(g, t, axis, high, layers, U);
 }

@@ -117,16 +117,17 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
 static long do_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                      double dt, struct closing *closing) {
     struct forest *f = g->forest;
+    const int reach = g->tiles->activity.reach;
     long bad = 0;
     activity_prepare(g, from);
-    forest_fill_start(f, g->nvar, from->block);
+    forest_fill_start(f, reach, g->nvar, from->block);
     for (int remote = 0; remote < 2; remote++) {
         if (remote) forest_fill_finish(f);
         for (int t = 0; t < f->ntiles; t++) {
             if (f->tile[t].remote != (remote > 0)) continue;
             const bool *quiet = g->tiles->activity.quiet + 6 * t;
             forest_fill_tile(f, t, quiet);
-            ghosts_of_patches(g, t, from->block[t], quiet);
+            ghosts_of_patches(g, t, from->block[t], reach, quiet);
             bad += stage_of_tile(g, t, U0, from, to, a, dt);
             if (closing) close_tile(g, t, to, closing);
         }

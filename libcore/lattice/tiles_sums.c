@@ -57,7 +57,7 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     for (int t = 0; t < f->ntiles; t++) {
         struct beginning b = {g, what, Y0->block[t], d->start[t], rest, g->friction[t], g->cooled[t]};
         const bool beyond = beyond_counts(g, &f->tile[t]);
-        if (beyond) ghosts_of_patches(g, t, Y0->block[t], NULL);
+        if (beyond) ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], beyond, begin_visit, &b);
         first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
     }

@@ -61,7 +61,7 @@ void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struc
     const struct state *both[] = {from, to};
     for (int i = 0; i < 2; i++) {
         forest_fill_layers(g->forest, 1, g->nvar, both[i]->block);
-        for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, both[i]->block[t], NULL);
+        for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, both[i]->block[t], GHOSTS, NULL);
     }
     g->engine->state.rows(g, EVERY_CELL, to, dilate_visit, &(struct term){g, from, to, dt});
 }

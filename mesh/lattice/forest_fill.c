@@ -198,8 +198,8 @@ static void fill_start(struct forest *f, int layers, bool derivatives, int nvar,
     comm_exchange_start(h->exchange, layers * nvar);
 }
 
-void forest_fill_start(struct forest *f, int nvar, double *const *data) {
-    fill_start(f, GHOSTS, false, nvar, data);
+void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data) {
+    fill_start(f, layers, false, nvar, data);
 }
 
 void forest_fill_finish(struct forest *f) {

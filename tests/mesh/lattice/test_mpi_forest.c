@@ -272,7 +272,7 @@ static void only_remote_tiles_wait_for_finish(void **state) {
     struct fixture x;
     begin(&x, &scenes[8], 2);
     set_cells(&x);
-    forest_fill_start(x.f, 2, x.data);
+    forest_fill_start(x.f, GHOSTS, 2, x.data);
     long nremote = 0;
     for (int t = 0; t < x.f->ntiles; t++) {
         nremote += x.f->tile[t].remote;
