@@ -4,6 +4,7 @@
  * centres). */
 #include "mesh/format/polymesh.h"
 
+#include "mesh/base/crc.h"
 #include "mesh/format/boxes.h"
 
 #include <math.h>
@@ -86,7 +87,7 @@ static unsigned long arrays_checksum(const struct polymesh *m) {
                 {m->owner, (size_t)m->nfaces * sizeof *m->owner},
                 {m->neighbour, (size_t)m->ninternal * sizeof *m->neighbour}};
     unsigned long sum = crc32_z(0, NULL, 0);
-    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc32_z(sum, part[i].data, part[i].bytes);
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc_add(sum, part[i].data, part[i].bytes);
     return sum;
 }
 

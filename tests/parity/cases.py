@@ -11,7 +11,8 @@ holds, with the programs of two folders, and compares all that they write and sa
 Compared are the files of constant/polyMesh (by gmshToCase), of the times, of postProcessing and VTK, byte by byte and after
 decompression; the exit codes and texts of gmshToCase, checkCase, the solver and caseToVTK and the files of caseToVTK; and what
 -help, -listModels and -listBCs of each program say (the case "listings"). Left out are version, compiler, host, date, wall-clock
-times (and run.dat, whose rows follow them), the estimate of memory, and where the folders are. The input files are compared, too: checksums that were saved with other
+times (and run.dat, whose rows follow them), the estimate of memory, the share of cells
+that was computed, and where the folders are. The input files are compared, too: checksums that were saved with other
 input files say so. One line is printed for each case: `same`, or what differs first. Exit code 0: all the same; 1: something
 differs; 2: the command line is wrong.
 """
@@ -251,6 +252,7 @@ def said(name, *arguments, **options):
 
 
 DROPPED = re.compile(r"""^haff\ [\d.]+\ \(.*\)\n | ^\ +compiler\ \ .*\n | ^\ +wall\ .*\n | ^\ +memory\ about\ .*\n
+                     | ^[\d.e+-]+\ %\ of\ the\ cell\ updates\ were\ computed;.*\n
                      | ^(version|compiler|host|date)\ +".*";\n | (?<=[a-z])\ in\ [\d.]+\ s\b.*
                      | \ +\S+\ collisions/s.* | \ \([\d.e+-]+\ s\) | \d+-\d\d-\d\dT[\d:]+[+-]\d{4}(\ on\ [^,\n]*)?""", re.M | re.X)
 
