@@ -142,8 +142,9 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
     free_work(&x->work);
-    void *single[] = {x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed,
-                      x->activity.crossed, x->activity.quiet, x};
+    void *single[] = {
+        x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed,
+        x->activity.quiet, x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
 }
 

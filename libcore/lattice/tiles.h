@@ -138,8 +138,8 @@ void speed_visit(void *speeds, long offset, int n);
 /* Centre of the cell at `offset` of a tile, m */
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
 
-/* Fills the first `layers` of the ghosts of a tile's sides that are patches, by the patches' rules, but not of the sides
- * where `leave` is set (NULL: nowhere). */
+/* Fills the first `layers` of the ghosts of a tile's sides that are patches, by the patches' rules, but not of the
+ * sides where `leave` is set (NULL: nowhere). */
 void ghosts_of_patches(const struct gas *g, int tile, double *U, int layers, const bool *leave);
 
 /* A line is computed in whole vectors of 8: the faces behind its end read the rows' padding, and are thrown away. */

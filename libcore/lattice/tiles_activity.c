@@ -264,11 +264,11 @@ static bool within(int i, int n, int margin) {
  * count. */
 static struct span gather(const struct gas *g, const struct tile *t, struct span *from, int j, int k, int margin) {
     const struct activity *a = &g->tiles->activity;
-    const int low[] = {j - a->reach, k - a->reach}, high[] = {j + a->reach + 1, k + a->reach + 1};
+    const int end1 = least(j + a->reach + 1, t->n[1] + margin), end2 = least(k + a->reach + 1, t->n[2] + margin);
     struct span s = SPAN_EMPTY;
-    for (int i = most(low[0], -margin); g->dim > 1 && within(k, t->n[2], 0) && i < least(high[0], t->n[1] + margin); i++)
+    for (int i = most(j - a->reach, -margin); g->dim > 1 && within(k, t->n[2], 0) && i < end1; i++)
         s = span_join(s, *activity_row(a, from, i, k));
-    for (int i = most(low[1], -margin); g->dim > 2 && within(j, t->n[1], 0) && i < least(high[1], t->n[2] + margin); i++)
+    for (int i = most(k - a->reach, -margin); g->dim > 2 && within(j, t->n[1], 0) && i < end2; i++)
         s = span_join(s, *activity_row(a, from, j, i));
     return s;
 }
@@ -284,7 +284,8 @@ static struct span fill_vectors(struct span s, int n) {
 /* The active span of a row: cells with a differing cell in their stencil, or which the step's start stores. */
 static struct span spread_row(const struct gas *g, const struct tile *t, struct span *start, int j, int k) {
     const struct activity *a = &g->tiles->activity;
-    struct span s = span_join(widen(*activity_row(a, a->differ, j, k), a->reach), gather(g, t, a->differ, j, k, GHOSTS));
+    struct span s =
+        span_join(widen(*activity_row(a, a->differ, j, k), a->reach), gather(g, t, a->differ, j, k, GHOSTS));
     s = overlap(span_join(s, *activity_row(a, start, j, k)), (struct span){0, t->n[0]});
     return fill_vectors(s, t->n[0]);
 }

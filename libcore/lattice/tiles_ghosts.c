@@ -67,5 +67,6 @@ void ghosts_of_patches(const struct gas *g, int tile, double *U, int layers, con
     const struct tile *t = &g->forest->tile[tile];
     for (int axis = 0; axis < g->dim; axis++)
         for (int high = 0; high < 2; high++)
-            if (t->side[2 * axis + high].patch >= 0 && !(leave && leave[2 * axis + high])) side_ghosts(g, t, axis, high, layers, U);
+            if (t->side[2 * axis + high].patch >= 0 && !(leave && leave[2 * axis + high]))
+                side_ghosts(g, t, axis, high, layers, U);
 }

@@ -67,12 +67,13 @@ void forest_free(struct forest *f);
 
 /* Fill the ghost layers (not the corners) of `nvar` <= FILL_VARIABLES variables from neighbour tiles, periodic images
  * and other ranks. data[t] is tile t's block, variable v at data[t] + v*size. Sides with a patch are left alone.
- * forest_fill_start sends the cells that other ranks need, of the first `layers` (1 .. GHOSTS) beyond each side. forest_fill_tile fills the layers of one tile, as often as
- * wanted until the next start: at once if the tile is not remote, after forest_fill_finish if it is. data and its cells
- * must stay as they are until then. forest_fill_tile leaves out sides towards tiles of this rank where leave[side] is
- * set (leave may be NULL).
- * forest_fill does all of this for all tiles and layers, forest_fill_layers for as many layers as it is told. forest_fill_derivatives fills one layer of dim * dim variables: variable k dim + c is a derivative along axis
- * k, and its ghosts beyond the sides of that axis stay as they are. */
+ * forest_fill_start sends the cells that other ranks need, of the first `layers` (1 .. GHOSTS) beyond each side.
+ * forest_fill_tile fills the layers of one tile, as often as wanted until the next start: at once if the tile is not
+ * remote, after forest_fill_finish if it is. data and its cells must stay as they are until then. forest_fill_tile
+ * leaves out sides towards tiles of this rank where leave[side] is set (leave may be NULL). forest_fill does all of
+ * this for all tiles and layers, forest_fill_layers for as many layers as it is told. forest_fill_derivatives fills one
+ * layer of dim * dim variables: variable k dim + c is a derivative along axis k, and its ghosts beyond the sides of
+ * that axis stay as they are. */
 void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
 void forest_fill_tile(const struct forest *f, int t, const bool *leave);

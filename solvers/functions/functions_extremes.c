@@ -14,8 +14,8 @@ struct reached { /* a cell and its centre, m; made out by a search */
     double x[3];
 };
 struct extremes {
-    FILE *file;        /* on the root; opened by the first execution */
-    int *lowest;       /* [blocks] the lowest polyMesh cell of each block; made by the first execution */
+    FILE *file;           /* on the root; opened by the first execution */
+    int *lowest;          /* [blocks] the lowest polyMesh cell of each block; made by the first execution */
     struct reached *spot; /* [fields][2] where the extremes were last; on the root, made likewise */
 };
 

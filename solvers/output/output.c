@@ -63,8 +63,8 @@ void output_free(struct output *o) {
 
 /* ---- values of cells ---- */
 
-/* Sets out[..][components] to a quantity in the cells of this rank, block by block, with vectors along physical axes, as
- * a restart needs it. They come in the order of the blocks or, with cell[cells of this rank], by those numbers. */
+/* Sets out[..][components] to a quantity in the cells of this rank, block by block, with vectors along physical axes,
+ * as a restart needs it. They come in the order of the blocks or, with cell[cells of this rank], by those numbers. */
 static status own_values(const struct setup *s, int quantity, const int *cell, double *out) {
     const struct medium *m = s->medium;
     const struct grid *g = s->grid;
