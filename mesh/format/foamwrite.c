@@ -3,7 +3,6 @@
  * headers and lists (foamfile.h). */
 #include "mesh/format/foamfile.h"
 
-#include "mesh/base/crc.h"
 #include "mesh/format/files.h"
 
 #include <errno.h>
@@ -72,7 +71,7 @@ void sink_unsummed(struct sink *s) {
 }
 
 static void add_up(struct file_sum *sum, const char *data, size_t bytes) {
-    sum->crc = crc_add(sum->crc, data, bytes);
+    sum->crc = crc32_z(sum->crc, (const unsigned char *)data, bytes);
     sum->bytes += bytes;
 }
 
@@ -298,7 +297,7 @@ static status write_slices(struct sink *s, const char *path, int components, con
     e = comm_agree(share->comm, e);
     if (!e) comm_broadcast(share->comm, &at, sizeof at);
     if (!e && !s) e = write_at(path, temporary, (const char *)slice, bytes, at + (size_t)share->first * item);
-    if (!e && !s) mine[0] = (double)crc_add(0, slice, bytes);
+    if (!e && !s) mine[0] = (double)crc32_z(0, (const unsigned char *)slice, bytes);
     mine[1] = (double)bytes;
     free(temporary);
     TRY(comm_agree(share->comm, e));

@@ -4,13 +4,13 @@
  * centres). */
 #include "mesh/format/polymesh.h"
 
-#include "mesh/base/crc.h"
 #include "mesh/format/boxes.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 void polymesh_free(struct polymesh *m) {
     if (!m) return;
@@ -56,22 +56,22 @@ status polymesh_complete(struct polymesh *m) {
 
 /* Adds up what a mesh of boxes is made from. */
 static unsigned long boxes_checksum(const struct boxes *b) {
-    unsigned long sum = 0;
-    sum = crc_add(sum, b->low, sizeof b->low);
-    sum = crc_add(sum, b->high, sizeof b->high);
+    unsigned long sum = crc32_z(0, NULL, 0);
+    sum = crc32_z(sum, (const void *)b->low, sizeof b->low);
+    sum = crc32_z(sum, (const void *)b->high, sizeof b->high);
     for (int i = 0; i < b->nboxes; i++) {
         const struct brick *x = &b->box[i];
-        sum = crc_add(sum, x->low, sizeof x->low);
-        sum = crc_add(sum, x->n, sizeof x->n);
+        sum = crc32_z(sum, (const void *)x->low, sizeof x->low);
+        sum = crc32_z(sum, (const void *)x->n, sizeof x->n);
         for (int k = 0; k < 3; k++) {
             const int axis[2] = {x->cell.axis[k], x->cell.down[k]};
-            sum = crc_add(sum, axis, sizeof axis);
+            sum = crc32_z(sum, (const void *)axis, sizeof axis);
         }
     }
     for (int i = 0; i < b->nsides; i++) {
         const struct brick_name name = b->side[i];
         const int side[3] = {name.box, name.side, b->box[name.box].side[name.side].patch};
-        sum = crc_add(sum, side, sizeof side);
+        sum = crc32_z(sum, (const void *)side, sizeof side);
     }
     return sum;
 }
@@ -85,8 +85,8 @@ static unsigned long arrays_checksum(const struct polymesh *m) {
                 {m->face_points, (size_t)m->face_start[m->nfaces] * sizeof *m->face_points},
                 {m->owner, (size_t)m->nfaces * sizeof *m->owner},
                 {m->neighbour, (size_t)m->ninternal * sizeof *m->neighbour}};
-    unsigned long sum = 0;
-    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc_add(sum, part[i].data, part[i].bytes);
+    unsigned long sum = crc32_z(0, NULL, 0);
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc32_z(sum, part[i].data, part[i].bytes);
     return sum;
 }
 
@@ -94,9 +94,9 @@ unsigned long polymesh_checksum(const struct polymesh *m) {
     unsigned long sum = m->boxes ? boxes_checksum(m->boxes) : arrays_checksum(m);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
-        sum = crc_add(sum, p->name, strlen(p->name) + 1);
-        sum = crc_add(sum, p->type, strlen(p->type) + 1);
-        sum = crc_add(sum, &p->nfaces, sizeof p->nfaces);
+        sum = crc32_z(sum, (const void *)p->name, strlen(p->name) + 1);
+        sum = crc32_z(sum, (const void *)p->type, strlen(p->type) + 1);
+        sum = crc32_z(sum, (const void *)&p->nfaces, sizeof p->nfaces);
     }
     return sum;
 }

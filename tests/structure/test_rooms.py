@@ -57,7 +57,7 @@ LIBRARIES = {
     r"dlfcn\.h": ["solvers/gas/linear.c"],
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
                            "solvers/output/vtk.c"],
-    r"zlib\.h": ["mesh/base/crc.c", "mesh/format/foamfile.c", "mesh/format/foamshared.c", "mesh/format/foamwrite.c"],
+    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamshared.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c"],
 }
 
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.
