@@ -181,7 +181,7 @@ static void cells_rows(const struct gas *g, enum extent extent, const struct sta
 
 static void cells_place(const struct gas *g, int block, long at, double place[3]) {
     (void)block;
-    memcpy(place, g->grid->centre + 3L * g->cells->polyhedra->cell[at], 3 * sizeof *place);
+    memcpy(place, g->cells->polyhedra->middle[at], 3 * sizeof *place);
 }
 
 static void cells_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
@@ -285,7 +285,7 @@ static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, do
             if (rate[i] == speed->rate) cell = smaller(cell, m->cell[from + i]);
     }
     comm_min(g->comm, &cell, 1);
-    for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
+    polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
 }
 
 /* total <- the integral of a line over the domain */

@@ -228,7 +228,7 @@ void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state
         if (rate[what] == wanted) cell = smaller(cell, m->cell[i]);
     }
     comm_min(g->comm, &cell, 1);
-    for (int k = 0; k < 3; k++) place[k] = isfinite(cell) ? g->grid->centre[3 * (long)cell + k] : HUGE_VAL;
+    polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
 }
 
 /* ---- S and its gradients ------------------------------------------------------------------------------------------

@@ -250,6 +250,18 @@ void comm_trade_int(const struct comm *c, const int *out, const int *count_out, 
     trade(c, out, count_out, in, count_in, MPI_INT, sizeof *in);
 }
 
+status comm_deliver_int(const struct comm *c, const int *out, const int *count_out, int **in, int *count_in) {
+    long sum = 0;
+    *in = NULL;
+    comm_trade_counts(c, count_out, count_in);
+    for (int r = 0; r < c->size; r++) sum += count_in[r];
+    status s = sum > INT_MAX ? fail(ERR_SYSTEM, "%ld numbers for one rank; at most %d can be sent", sum, INT_MAX) : OK;
+    if (!s) s = allocate(in, sum, sizeof **in, "what other ranks send");
+    TRY(comm_agree(c, s));
+    comm_trade_int(c, out, count_out, *in, count_in);
+    return OK;
+}
+
 struct comm_exchange {
     MPI_Comm world;
     int nlinks;

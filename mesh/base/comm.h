@@ -49,6 +49,9 @@ void comm_broadcast(const struct comm *c, void *data, long bytes); /* copies the
 void comm_trade_counts(const struct comm *c, const int *count_out, int *count_in);
 void comm_trade(const struct comm *c, const double *out, const int *count_out, double *in, const int *count_in);
 void comm_trade_int(const struct comm *c, const int *out, const int *count_out, int *in, const int *count_in);
+/* Sends ints as comm_trade_int does, to ranks that do not know beforehand what arrives: *in, which the caller frees,
+ * holds count_in[r] ints of each rank r in turn. Fails on every rank if one would get more than an int can count. */
+status comm_deliver_int(const struct comm *c, const int *out, const int *count_out, int **in, int *count_in);
 /* Sends bytes from one rank to the root, which is another, or the other way; called by these two alone. */
 void comm_to_root(const struct comm *c, int from, void *data, long bytes);
 void comm_from_root(const struct comm *c, int to, void *data, long bytes);

@@ -22,8 +22,8 @@ struct share share_make(const struct comm *c, long n) {
     return share_at_rank(&(struct share){.comm = c, .n = n}, comm_rank(c));
 }
 
-/* Returns the rank whose slice has a cell: the first `rest` slices have one cell more than the others. */
-static int rank_of(const struct share *s, long cell) {
+/* The first `rest` slices have one cell more than the others. */
+int share_rank(const struct share *s, long cell) {
     const long size = comm_size(s->comm), each = s->n / size, rest = s->n % size;
     const long longer = rest * (each + 1);
     return (int)(cell < longer ? cell / (each + 1) : rest + (cell - longer) / each);
@@ -61,9 +61,9 @@ static status sort_cells(const struct errand *x, int n, const int *cell, struct 
     r->value_count = r->count + 2L * size;
     r->value_count_others = r->count + 3L * size;
     next = r->count + 4L * size;
-    for (int i = 0; i < n; i++) r->count[rank_of(x->share, cell[i])]++;
+    for (int i = 0; i < n; i++) r->count[share_rank(x->share, cell[i])]++;
     for (int k = 1; k < size; k++) next[k] = next[k - 1] + r->count[k - 1];
-    for (int i = 0; i < n; i++) r->order[next[rank_of(x->share, cell[i])]++] = i;
+    for (int i = 0; i < n; i++) r->order[next[share_rank(x->share, cell[i])]++] = i;
     for (int i = 0; i < n; i++) r->cell[i] = cell[r->order[i]];
     return OK;
 }

@@ -14,6 +14,7 @@ struct share {
 };
 struct share share_make(const struct comm *c, long n);
 struct share share_at_rank(const struct share *s, int rank); /* as another rank has it */
+int share_rank(const struct share *s, long cell);            /* the rank whose slice has the cell */
 
 /* Sets out[n][components] to the values of the cells whose numbers are listed, from the ranks' slices. Collective:
  * every rank lists those it wants, or none. */

@@ -12,28 +12,38 @@
 #include <string.h>
 #include <zlib.h>
 
+static void outline_free(struct outline *o, int npatches) {
+    if (!o) return;
+    for (int i = 0; i < npatches; i++) {
+        if (o->cell) free(o->cell[i]);
+        if (o->face) free(o->face[i]);
+    }
+    free(o->cell);
+    free(o->face);
+    free(o->dir);
+    free(o);
+}
+
 void polymesh_free(struct polymesh *m) {
     if (!m) return;
+    outline_free(m->outline, m->npatches);
     for (int i = 0; i < m->npatches && m->patch; i++) {
         free(m->patch[i].name);
         free(m->patch[i].type);
         free(m->patch[i].neighbour);
     }
     free(m->patch);
-    free(m->points);
-    free(m->face_start);
-    free(m->face_points);
-    free(m->owner);
-    free(m->neighbour);
+    polymesh_drop(m);
     boxes_free(m->boxes);
     free(m);
 }
 
 void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]) {
+    const struct outline *o = m->outline;
     for (int k = 0; k < 3; k++) {
-        low[k] = m->boxes ? m->boxes->low[k] : HUGE_VAL;
-        high[k] = m->boxes ? m->boxes->high[k] : -HUGE_VAL;
-        for (long i = 0; i < m->npoints; i++) {
+        low[k] = m->boxes ? m->boxes->low[k] : o ? o->low[k] : HUGE_VAL;
+        high[k] = m->boxes ? m->boxes->high[k] : o ? o->high[k] : -HUGE_VAL;
+        for (long i = 0; i < m->npoints && m->points; i++) {
             low[k] = fmin(low[k], m->points[3 * i + k]);
             high[k] = fmax(high[k], m->points[3 * i + k]);
         }
@@ -50,8 +60,43 @@ int polymesh_find_patch(const struct polymesh *m, const char *name) {
     return -1;
 }
 
+/* Leaves the arrays to someone else. */
+static void forget(struct polymesh *m) {
+    m->points = NULL;
+    m->face_start = m->face_points = m->owner = m->neighbour = NULL;
+}
+
+/* Reads the arrays of a mesh that is spread; they must be those that were read before. */
+static status read_again(struct polymesh *m) {
+    struct polymesh *whole;
+    TRY(polymesh_read(m->outline->dir, &whole));
+    const unsigned long sum = polymesh_checksum(whole);
+    if (sum != polymesh_checksum(m)) {
+        polymesh_free(whole);
+        return fail(ERR_INPUT, "%s: it has changed since the run began; start the run anew", m->outline->dir);
+    }
+    m->points = whole->points;
+    m->face_start = whole->face_start;
+    m->face_points = whole->face_points;
+    m->owner = whole->owner;
+    m->neighbour = whole->neighbour;
+    forget(whole);
+    polymesh_free(whole);
+    return OK;
+}
+
+void polymesh_drop(struct polymesh *m) {
+    free(m->points);
+    free(m->face_start);
+    free(m->face_points);
+    free(m->owner);
+    free(m->neighbour);
+    forget(m);
+}
+
 status polymesh_complete(struct polymesh *m) {
-    return m->boxes && !m->points ? boxes_complete(m) : OK;
+    if (m->points) return OK;
+    return m->boxes ? boxes_complete(m) : m->outline ? read_again(m) : OK;
 }
 
 /* Adds up what a mesh of boxes is made from. */
@@ -91,7 +136,7 @@ static unsigned long arrays_checksum(const struct polymesh *m) {
 }
 
 unsigned long polymesh_checksum(const struct polymesh *m) {
-    unsigned long sum = m->boxes ? boxes_checksum(m->boxes) : arrays_checksum(m);
+    unsigned long sum = m->boxes ? boxes_checksum(m->boxes) : m->outline ? m->outline->sum : arrays_checksum(m);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
         sum = crc32_z(sum, (const void *)p->name, strlen(p->name) + 1);
@@ -118,23 +163,38 @@ status polymesh_cell_faces(const struct polymesh *m, int **start, int **face) {
     return OK;
 }
 
-status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]) {
+/* Names the shapes of which there are cells. */
+static void name_shapes(const long total[5], char text[POLYMESH_SHAPES]) {
     static const char *const names[] = {"tetrahedra", "pyramids", "prisms", "hexahedra", "polyhedra"};
-    int(*count)[2], total[5] = {0}, length = 0; /* [ncells][2] faces of a cell without four corners, with four */
+    int length = 0;
     text[0] = 0;
+    for (int i = 0; i < 5; i++)
+        if (total[i])
+            length += snprintf(text + length, (size_t)(POLYMESH_SHAPES - length), "%s%ld %s", length ? ", " : "",
+                               total[i], names[i]);
+}
+
+status polymesh_count_shapes(const struct polymesh *m, const bool *counted, long total[5]) {
+    int(*count)[2]; /* [ncells][2] faces of a cell without four corners, with four */
+    for (int i = 0; i < 5; i++) total[i] = 0;
     TRY(allocate(&count, m->ncells, sizeof *count, "cells"));
     for (int f = 0; f < m->nfaces; f++)
         for (int side = 0; side < (f < m->ninternal ? 2 : 1); side++)
             count[side ? m->neighbour[f] : m->owner[f]][m->face_start[f + 1] - m->face_start[f] == 4]++;
     for (int c = 0; c < m->ncells; c++) {
         int t = count[c][0], q = count[c][1];
+        if (counted && !counted[c]) continue;
         total[t == 4 && q == 0 ? 0 : t == 4 && q == 1 ? 1 : t == 2 && q == 3 ? 2 : t == 0 && q == 6 ? 3 : 4]++;
     }
     free(count);
-    for (int i = 0; i < 5; i++)
-        if (total[i])
-            length += snprintf(text + length, (size_t)(POLYMESH_SHAPES - length), "%s%d %s", length ? ", " : "",
-                               total[i], names[i]);
+    return OK;
+}
+
+status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]) {
+    long total[5];
+    text[0] = 0;
+    if (!m->outline) TRY(polymesh_count_shapes(m, NULL, total));
+    name_shapes(m->outline ? m->outline->shape : total, text);
     return OK;
 }
 
@@ -186,6 +246,7 @@ void polymesh_face_geometry(const struct polymesh *m, double *centre, double *ar
 
 int polymesh_patch_cell(const struct polymesh *m, int patch, int i) {
     int at[3], side;
+    if (m->outline && !m->owner) return m->outline->cell[patch][i];
     if (!m->boxes) return m->owner[m->patch[patch].start + i];
     boxes_face_at(m->boxes, patch, i, at, &side);
     return (int)boxes_cell(m->boxes, at);
@@ -201,6 +262,11 @@ void polymesh_patch_face(const struct polymesh *m, int patch, int i, double cent
         outline_geometry(corner[0], order, 4, centre, area);
         return;
     }
+    if (m->outline && !m->points) {
+        memcpy(centre, m->outline->face[patch] + 6L * i, 3 * sizeof *centre);
+        memcpy(area, m->outline->face[patch] + 6L * i + 3, 3 * sizeof *area);
+        return;
+    }
     polymesh_one_face(m, m->patch[patch].start + i, centre, area);
 }
 
@@ -208,7 +274,8 @@ void polymesh_patch_face(const struct polymesh *m, int patch, int i, double cent
  * that the faces of cell 0 tell. */
 static void closed_axes(const struct polymesh *m, bool closed[3]) {
     const struct boxes *b = m->boxes;
-    for (int p = 0; p < m->npatches; p++) {
+    for (int k = 0; k < 3 && m->outline; k++) closed[k] = m->outline->closed[k];
+    for (int p = 0; p < m->npatches && !m->outline; p++) {
         if (strcmp(m->patch[p].type, "empty") != 0) continue;
         for (int i = b ? b->first[p] : 0; b && i < b->first[p + 1]; i++) closed[b->side[i].side / 2] = true;
         for (int f = 0; !b && f < m->patch[p].nfaces; f++) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A polyhedral mesh as OpenFOAM stores it: faces with owner and neighbour, internal faces first in upper-triangular
  * order, then the patches. It is the input of every run, whatever engine then solves on it. A mesh that is said by
- * boxes (boxes.h) has counts and patches only, until polymesh_complete makes the rest for what reads it. */
+ * boxes (boxes.h) has counts and patches only, until polymesh_complete makes the rest for what reads it; so has a mesh
+ * that is spread over the ranks (outline). */
 #ifndef MESH_POLYMESH_H
 #define MESH_POLYMESH_H
 
@@ -16,6 +17,21 @@ struct patch {
     int nfaces;
 };
 struct boxes;
+struct narrowest {
+    long cell;
+    double width; /* m: its V/A, A without `empty` faces: the least of all */
+    double ratio; /* of that to the median; where it is above 1e-3, a lower bound */
+};
+/* What is known of a mesh whose arrays are spread over the ranks (mesh/spread/spread.h), the same on every rank. */
+struct outline {
+    char *dir; /* the folder that it is read from once more where the arrays are wanted (polymesh_complete) */
+    double low[3], high[3]; /* corners of the box around all points, m */
+    bool closed[3];         /* axes that `empty` patches close */
+    unsigned long sum;      /* CRC-32 of points, faces, owner, neighbour */
+    long shape[5];          /* cells of each shape (polymesh_shapes) */
+    int **cell;          /* [patches][faces] cell at a face of a patch that is not empty */
+    double **face;       /* [patches][faces][6] its centre (m) and area vector (m^2) */
+};
 struct polymesh {
     /* before polymesh_complete npoints is 0, and numbers of faces beyond INT_MAX are INT_MAX */
     int npoints, nfaces, ninternal, ncells, npatches;
@@ -27,6 +43,7 @@ struct polymesh {
     int *neighbour;      /* [ninternal] cell, > owner */
     struct patch *patch; /* [npatches] */
     struct boxes *boxes; /* NULL: the mesh was read from a polyMesh */
+    struct outline *outline; /* NULL: the arrays are here, or those of boxes */
 };
 void polymesh_free(struct polymesh *m);
 
@@ -34,6 +51,8 @@ void polymesh_free(struct polymesh *m);
  * errors name file and line. Writing replaces the files one by one, each atomically. */
 status polymesh_read(const char *dir, struct polymesh **out);
 status polymesh_write(const struct polymesh *m, const char *dir, const struct foam_format *format);
+/* Reads the patches alone, of a mesh whose counts are known. */
+status polymesh_read_patches(const char *dir, struct polymesh *m);
 
 /* Sorts faces that come in any order (owner, neighbour = -1 on the boundary, patch_of_face) to OpenFOAM's order, flips
  * those that point the wrong way, and pairs cyclic halves by geometry. */
@@ -53,10 +72,11 @@ struct polymesh_geometry {           /* all of that, as computed by the function
 /* The caller frees g, also after an error. */
 status polymesh_geometry_make(const struct polymesh *m, struct polymesh_geometry *g);
 void polymesh_geometry_free(struct polymesh_geometry *g);
-/* Makes the arrays of a mesh of boxes, if they are not there yet; local. */
+/* Makes the arrays of a mesh of boxes, or reads those of a mesh that is spread, if they are not there yet; local. */
 status polymesh_complete(struct polymesh *m);
+void polymesh_drop(struct polymesh *m); /* frees the arrays of a mesh that is spread */
 /* The cell at face i of a patch; centre (m) and area vector (m^2) of that face. They need no arrays of a mesh of
- * boxes. */
+ * boxes, nor of one that is spread if the patch is not empty. */
 int polymesh_patch_cell(const struct polymesh *m, int patch, int i);
 void polymesh_patch_face(const struct polymesh *m, int patch, int i, double centre[3], double area[3]);
 
@@ -67,6 +87,8 @@ status polymesh_cell_faces(const struct polymesh *m, int **start, int **face);
 enum { POLYMESH_SHAPES = 128 };
 /* Counts cells by shape and writes for example "12 prisms, 3 hexahedra". */
 status polymesh_shapes(const struct polymesh *m, char text[POLYMESH_SHAPES]);
+/* Counts the cells of each shape, those of `counted` (NULL: all). */
+status polymesh_count_shapes(const struct polymesh *m, const bool *counted, long total[5]);
 
 /* Finds the axes (0 x, 1 y, 2 z) that `empty` patches leave, ascending; returns how many. The mesh must pass
  * polymesh_check. */
@@ -80,12 +102,8 @@ const char *polymesh_boundary_file(const struct polymesh *m);
 /* Fails on coordinates so large that volumes would overflow. */
 status polymesh_check_points(const struct polymesh *m);
 
-struct narrowest {
-    long cell;
-    double width; /* m: its V/A, A without `empty` faces: the least of all */
-    double ratio; /* of that to the median; where it is above 1e-3, a lower bound */
-};
-/* Finds the narrowest cell. Area and volume are those of polymesh_face_geometry and polymesh_cell_geometry. */
+/* Sets width[ncells] to the V/A of the cells. Finds the narrowest cell. Area and volume are those of polymesh_face_geometry and polymesh_cell_geometry. */
+void polymesh_widths(const struct polymesh *m, const double *area, const double *volume, double *width);
 status polymesh_narrowest(const struct polymesh *m, const double *area, const double *volume, struct narrowest *out);
 
 /* Checks what a run needs and more: closed cells, positive volumes, none 1e-12 times as narrow as the others, face
@@ -96,6 +114,12 @@ status polymesh_check(const struct polymesh *m);
 /* Does that and leaves the geometry on which it rests in g, which the caller frees, also after an error. A mesh of
  * boxes must be complete (polymesh_complete). */
 status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometry *g);
+
+/* Checks a part of a mesh in that way, but for how narrow cells are: the cells that are `whole`, and the faces between
+ * any. In g centres of all cells must be right; closed: axes that empty patches of the whole mesh close; offset:
+ * [npatches] from the first face of a cyclic patch to that of its other half, m. */
+status polymesh_check_part(const struct polymesh *m, const struct polymesh_geometry *g, const bool *whole,
+                           const bool closed[3], const double (*offset)[3]);
 
 int polymesh_find_patch(const struct polymesh *m, const char *name); /* -1: none */
 unsigned long polymesh_checksum(const struct polymesh *m); /* CRC-32 of points, faces, owner, neighbour, patches */

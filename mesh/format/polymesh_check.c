@@ -20,6 +20,9 @@ static const double MATCH = 1e-4;  /* tolerance of positions for cyclic faces, t
 struct check {
     const struct polymesh *m;
     const struct polymesh_geometry *g;
+    const bool *whole;          /* of a part of a mesh: has a cell all its faces? NULL: each has */
+    const double (*offset)[3];  /* [npatches] from a cyclic patch to its other half, m; NULL: find it */
+    bool axes[3];               /* axes that empty patches close */
     char *covered; /* [ncells][6] empty faces per axis and side */
     long defects;
     char text[TEXT]; /* the first defects */
@@ -63,6 +66,10 @@ status polymesh_check_points(const struct polymesh *m) {
     return OK;
 }
 
+static bool is_whole(const struct check *k, long cell) {
+    return !k->whole || k->whole[cell];
+}
+
 static status check_leftover(const struct polymesh *m) {
     int p = polymesh_find_patch(m, "defaultFaces");
     if (p < 0 || m->patch[p].nfaces == 0) return OK;
@@ -102,6 +109,7 @@ static status check_cells(struct check *k) {
         }
     for (long c = 0; c < m->ncells; c++) {
         const double *x = k->g->cell_centre + 3 * c, *s = sum + 4 * c;
+        if (!is_whole(k, c)) continue;
         if (!(size3(s) <= CLOSED * s[3]))
             defect(k, "cell %ld at (%g, %g, %g) is not closed: its faces leave a gap of %g of its surface", c, x[0],
                    x[1], x[2], size3(s) / s[3]);
@@ -126,7 +134,7 @@ static status check_widths(const struct check *k) {
 
 /* ---- empty patches ----------------------------------------------------------------------------------------------- */
 
-static void cover(struct check *k, const struct patch *p, bool *axes) {
+static void cover(struct check *k, const struct patch *p) {
     for (long f = p->start; f < p->start + p->nfaces; f++) {
         const double *a = k->g->face_area + 3 * f, *c = k->g->face_centre + 3 * f;
         int axis = 0;
@@ -137,7 +145,7 @@ static void cover(struct check *k, const struct patch *p, bool *axes) {
                    p->name);
             continue;
         }
-        axes[axis] = true;
+        k->axes[axis] = true;
         char *n = &k->covered[6L * k->m->owner[f] + 2 * axis + (a[axis] > 0)];
         *n = (char)(*n < 2 ? *n + 1 : 2);
     }
@@ -145,18 +153,17 @@ static void cover(struct check *k, const struct patch *p, bool *axes) {
 
 static status check_empty(struct check *k) {
     const struct polymesh *m = k->m;
-    bool axes[3] = {false};
     TRY(allocate(&k->covered, 6L * m->ncells, 1, "cells"));
     for (int i = 0; i < m->npatches; i++)
-        if (strcmp(m->patch[i].type, "empty") == 0) cover(k, &m->patch[i], axes);
+        if (strcmp(m->patch[i].type, "empty") == 0) cover(k, &m->patch[i]);
     TRY(verdict(k, "faces of empty patches in the wrong direction"));
-    if (axes[0] && axes[1] && axes[2])
+    if (k->axes[0] && k->axes[1] && k->axes[2])
         return fail(ERR_INPUT, "mesh: empty patches close x, y and z; an axis to solve along must be left");
     for (long c = 0; c < m->ncells; c++)
         for (int axis = 0; axis < 3; axis++) {
             const char *n = k->covered + 6 * c + 2L * axis;
             const double *x = k->g->cell_centre + 3 * c;
-            if (axes[axis] && (n[0] != 1 || n[1] != 1))
+            if (is_whole(k, c) && k->axes[axis] && (n[0] != 1 || n[1] != 1))
                 defect(k, "cell %ld at (%g, %g, %g) has %d empty faces below and %d above along %c", c, x[0], x[1],
                        x[2], n[0], n[1], "xyz"[axis]);
         }
@@ -172,14 +179,16 @@ static void match_faces(struct check *k, const struct patch *p, const struct pat
     long a = p->start + i, b = q->start + i;
     const double *ca = k->g->face_centre + 3 * a, *cb = k->g->face_centre + 3 * b;
     const double *c0 = k->g->face_centre + 3L * p->start, *d0 = k->g->face_centre + 3L * q->start;
+    const double found[3] = {d0[0] - c0[0], d0[1] - c0[1], d0[2] - c0[2]},
+                 *shift = k->offset ? k->offset[p - m->patch] : found;
     double tolerance = MATCH * sqrt(size3(k->g->face_area + 3 * a)), off = 0, points = 0;
     int n = m->face_start[a + 1] - m->face_start[a];
     if (m->face_start[b + 1] - m->face_start[b] != n) points = INFINITY;
-    for (int j = 0; j < 3; j++) off = fmax(off, fabs((cb[j] - ca[j]) - (d0[j] - c0[j])));
+    for (int j = 0; j < 3; j++) off = fmax(off, fabs((cb[j] - ca[j]) - shift[j]));
     for (int v = 0; v < n && points < INFINITY; v++)
         for (int j = 0; j < 3; j++)
             points = fmax(points, fabs(m->points[3L * m->face_points[m->face_start[b] + (n - v) % n] + j] -
-                                       m->points[3L * m->face_points[m->face_start[a] + v] + j] - (d0[j] - c0[j])));
+                                       m->points[3L * m->face_points[m->face_start[a] + v] + j] - shift[j]));
     if (!(fmax(off, points) <= 2 * tolerance))
         defect(k, "face %ld of '%s' at (%g, %g, %g) and face %ld of '%s' at (%g, %g, %g)", i, p->name, ca[0], ca[1],
                ca[2], i, q->name, cb[0], cb[1], cb[2]);
@@ -206,7 +215,7 @@ static status check_all(struct check *k) {
     TRY(check_cells(k));
     TRY(check_faces(k));
     TRY(check_empty(k));
-    TRY(check_widths(k));
+    if (!k->whole) TRY(check_widths(k));
     return check_cyclic(k);
 }
 
@@ -217,6 +226,15 @@ status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometr
     TRY(polymesh_check_points(m));
     TRY(check_leftover(m));
     TRY(polymesh_geometry_make(m, g));
+    status s = check_all(&k);
+    free(k.covered);
+    return s;
+}
+
+status polymesh_check_part(const struct polymesh *m, const struct polymesh_geometry *g, const bool *whole,
+                           const bool closed[3], const double (*offset)[3]) {
+    struct check k = {.m = m, .g = g, .whole = whole, .offset = offset, .axes = {closed[0], closed[1], closed[2]}};
+    TRY(check_leftover(m));
     status s = check_all(&k);
     free(k.covered);
     return s;

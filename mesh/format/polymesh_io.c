@@ -310,7 +310,7 @@ static status read_patches(struct lexer *l, struct polymesh *m) {
     return OK;
 }
 
-static status read_boundary(const char *dir, struct polymesh *m) {
+status polymesh_read_patches(const char *dir, struct polymesh *m) {
     struct file f;
     TRY(file_open(dir, "boundary", "polyBoundaryMesh", &f));
     status s = read_patches(&f.lexer, m);
@@ -334,7 +334,7 @@ status polymesh_read(const char *dir, struct polymesh **out) {
     if (!s) s = read_owner(dir, m);
     if (!s) s = read_neighbour(dir, m);
     if (!s) s = check_cells(dir, m);
-    if (!s) s = read_boundary(dir, m);
+    if (!s) s = polymesh_read_patches(dir, m);
     if (s)
         polymesh_free(m);
     else

@@ -25,13 +25,18 @@ static void add_surfaces(const struct polymesh *m, const double *area, double *s
     }
 }
 
+void polymesh_widths(const struct polymesh *m, const double *area, const double *volume, double *width) {
+    for (long i = 0; i < m->ncells; i++) width[i] = 0;
+    add_surfaces(m, area, width);
+    for (long i = 0; i < m->ncells; i++) width[i] = volume[i] / width[i];
+}
+
 status polymesh_narrowest(const struct polymesh *m, const double *area, const double *volume, struct narrowest *out) {
     double *width, sum = 0;
     TRY(allocate(&width, m->ncells, sizeof *width, "cells"));
-    add_surfaces(m, area, width);
+    polymesh_widths(m, area, volume, width);
     *out = (struct narrowest){.width = HUGE_VAL};
     for (long i = 0; i < m->ncells; i++) {
-        width[i] = volume[i] / width[i];
         sum += width[i];
         if (!(width[i] < out->width)) continue;
         out->cell = i;

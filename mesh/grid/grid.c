@@ -2,19 +2,26 @@
 /* Makes the grid of a run from a lattice or a polyhedral mesh (grid.h), and gathers, sums and finds values by block. */
 #include "mesh/grid/grid.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "mesh/base/share.h"
 #include "mesh/grid/search.h"
+#include "mesh/spread/spread.h"
 
 struct grid_private {
     int *block_order; /* root: [nblocks_all] the blocks' ids, rank by rank */
     double middle[3]; /* m, of a lattice: where axes of one cell have their cells */
 
-    int *cell;             /* polyhedral: [nown] cells, block by block */
-    int *place;            /* [ncells_all] where a cell stands in `cell`, -1: on another rank */
-    struct search *search; /* searches the whole mesh, so that every rank finds the same cell */
+    int *cell;                   /* polyhedral: [nown] cells, block by block */
+    const struct polymesh *mesh; /* polyhedral: the mesh, or the part of it in which cells are searched for */
+    struct mesh_part part;            /* of a mesh that is spread: the cells of this rank and those around */
+    const double *centre;        /* [cells of that mesh][3] m */
+    double *own_centre;          /* those of the part */
+    int *place;            /* [cells of that mesh] where a cell stands in `cell`, -1: on another rank */
+    bool *mine;            /* [cells of the part] is it of this rank? */
+    struct search *search; /* made when it is wanted */
 };
 
 /* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */
@@ -45,20 +52,14 @@ static status list_blocks(struct grid *g) {
     struct grid_private *h = g->hidden;
     TRY(allocate(&g->block, m->nblocks, sizeof *g->block, "the blocks of the grid"));
     TRY(allocate(&h->cell, m->nown, sizeof *h->cell, "the cells of the blocks"));
-    TRY(allocate(&h->place, g->ncells_all, sizeof *h->place, "the cells of the blocks"));
-    for (int c = 0; c < g->ncells_all; c++) h->place[c] = -1;
-    for (int i = 0; i < m->nown; i++) {
-        h->cell[i] = m->cell[m->block_cell[i]];
-        h->place[h->cell[i]] = i;
-    }
+    for (int i = 0; i < m->nown; i++) h->cell[i] = m->cell[m->block_cell[i]];
     for (int b = 0; b < m->nblocks; b++)
         g->block[b] =
             (struct grid_block){m->block_id[b], m->block_start[b + 1] - m->block_start[b], h->cell + m->block_start[b]};
-    return search_make(g->mesh, g->centre, g->dim, g->axis, &h->search);
+    return OK;
 }
 
-static status take_polyhedra(struct grid *g, int rings) {
-    TRY(polyhedra_make(g->mesh, g->comm, rings, &g->polyhedra));
+static status take_polyhedra(struct grid *g) {
     const struct polyhedra *m = g->polyhedra;
     g->dim = m->dim;
     memcpy(g->axis, m->axis, sizeof g->axis);
@@ -77,44 +78,67 @@ static status find_order(struct grid *g) {
     return s;
 }
 
-static status build(struct grid *g, const struct lattice *l, int rings) {
-    if (l)
-        TRY(take_forest(g, l));
-    else
-        TRY(take_polyhedra(g, rings));
-    return find_order(g);
-}
-
-status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
-                 const struct comm *c, int rings, struct grid **out) {
+static status begin(const struct polymesh *m, const struct comm *c, struct grid **out) {
     struct grid *g = NULL;
-    *out = NULL;
     status s = allocate(&g, 1, sizeof *g, "the grid");
     if (!s) s = allocate(&g->hidden, 1, sizeof *g->hidden, "the grid");
-    s = comm_agree(c, s);
     if (!s) {
         g->mesh = m;
-        g->centre = centre;
-        g->volume = volume;
         g->comm = c;
         g->ncells_all = m->ncells;
-        s = build(g, l, rings);
-    }
-    if (s) {
-        grid_free(g);
-        return status_up(s, __FILE__, __LINE__);
+        g->hidden->mesh = m;
     }
     *out = g;
-    return OK;
+    return comm_agree(c, s);
+}
+
+/* Hands the grid over to the caller, or frees it if e is an error. */
+static status end(struct grid *g, status e, struct grid **out) {
+    if (!e) e = find_order(g);
+    *out = e ? NULL : g;
+    if (e) grid_free(g);
+    return e ? status_up(e, __FILE__, __LINE__) : OK;
+}
+
+status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const struct comm *c,
+                 int rings, struct grid **out) {
+    struct grid *g;
+    status s = begin(m, c, &g);
+    if (!s) g->hidden->centre = centre;
+    if (!s && l) s = take_forest(g, l);
+    if (!s && !l) s = polyhedra_make(m, c, rings, &g->polyhedra);
+    if (!s && !l) s = take_polyhedra(g);
+    return end(g, s, out);
+}
+
+status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct grid **out) {
+    struct grid *g;
+    status s = begin(m, spread->comm, &g);
+    if (!s) g->hidden->mesh = &g->hidden->part.mesh;
+    if (!s) s = polyhedra_make_spread(m, spread, rings, &g->hidden->part, &g->polyhedra);
+    if (!s) s = take_polyhedra(g);
+    return end(g, s, out);
+}
+
+void grid_settle(struct grid *g) {
+    struct grid_private *h = g->hidden;
+    free(h->place);
+    free(h->mine);
+    free(h->own_centre);
+    part_free(&h->part);
+    search_free(h->search);
+    h->place = NULL;
+    h->mine = NULL;
+    h->own_centre = NULL;
+    h->search = NULL;
 }
 
 void grid_free(struct grid *g) {
     if (!g) return;
     if (g->hidden) {
+        grid_settle(g);
         free(g->hidden->block_order);
         free(g->hidden->cell);
-        free(g->hidden->place);
-        search_free(g->hidden->search);
         free(g->hidden);
     }
     forest_free(g->forest);
@@ -123,13 +147,15 @@ void grid_free(struct grid *g) {
     free(g);
 }
 
-double grid_volume(const struct grid *g, int cell) {
-    return g->forest ? g->forest->volume : g->volume[cell];
+double grid_volume(const struct grid *g, int block, int i) {
+    const struct polyhedra *m = g->polyhedra;
+    return g->forest ? g->forest->volume : m->extent[m->block_cell[m->block_start[block] + i]];
 }
 
 void grid_centre(const struct grid *g, int block, int i, double x[3]) {
     if (g->polyhedra) {
-        memcpy(x, g->centre + 3L * g->block[block].cell[i], 3 * sizeof *x);
+        const struct polyhedra *m = g->polyhedra;
+        memcpy(x, m->middle[m->block_cell[m->block_start[block] + i]], 3 * sizeof *x);
         return;
     }
     const struct forest *f = g->forest;
@@ -173,18 +199,51 @@ status grid_sum(const struct grid *g, const double *per_block, double *sum) {
     return OK;
 }
 
-static void locate_in_polyhedra(const struct grid *g, const double point[3], int *block, int *cell) {
-    int found = search_cell(g->hidden->search, point), place = found < 0 ? -1 : g->hidden->place[found];
+/* Computes the centres of the cells of the part, those of this rank right. */
+static status measure_part(struct grid_private *h) {
+    struct polymesh_geometry geometry;
+    const status s = polymesh_geometry_make(h->mesh, &geometry);
+    h->centre = h->own_centre = geometry.cell_centre;
+    geometry.cell_centre = NULL;
+    polymesh_geometry_free(&geometry);
+    return s;
+}
+
+/* Makes the search: through the whole mesh, or among the cells of this rank in its part. */
+static status make_search(const struct grid *g) {
+    struct grid_private *h = g->hidden;
+    const bool part = h->mesh != g->mesh;
+    const int n = h->mesh->ncells;
+    TRY(allocate(&h->place, n, sizeof *h->place, "the search for a cell"));
+    TRY(allocate(&h->mine, n, sizeof *h->mine, "the search for a cell"));
+    for (int c = 0; c < n; c++) h->place[c] = -1;
+    for (int i = 0; i < g->polyhedra->nown; i++) {
+        const long c = part ? part_cell(&h->part, h->cell[i]) : h->cell[i];
+        h->place[c] = i;
+        h->mine[c] = true;
+    }
+    if (part) TRY(measure_part(h));
+    return search_make_among(h->mesh, h->centre, g->dim, g->axis, part ? h->mine : NULL, &h->search);
+}
+
+/* Finds the lowest of the cells of all ranks that hold the point. */
+static status locate_in_polyhedra(const struct grid *g, const double point[3], int *block, int *cell) {
+    const struct grid_private *h = g->hidden;
     *block = *cell = -1;
-    if (place < 0) return;
+    TRY(comm_agree(g->comm, h->search ? OK : make_search(g)));
+    int found = search_cell(h->search, point), place = found < 0 ? -1 : h->place[found];
+    const double name = place < 0 ? HUGE_VAL : h->cell[place];
+    double lowest = name;
+    comm_min(g->comm, &lowest, 1);
+    if (place < 0 || name > lowest) return OK;
     const int *start = g->polyhedra->block_start;
     for (*block = 0; start[*block + 1] <= place;) ++*block;
     *cell = place - start[*block];
+    return OK;
 }
 
-void grid_locate(const struct grid *g, const double point[3], int *block, int *cell) {
-    if (g->polyhedra)
-        locate_in_polyhedra(g, point, block, cell);
-    else
-        forest_locate(g->forest, point, block, cell);
+status grid_locate(const struct grid *g, const double point[3], int *block, int *cell) {
+    if (g->polyhedra) return locate_in_polyhedra(g, point, block, cell);
+    forest_locate(g->forest, point, block, cell);
+    return OK;
 }

@@ -20,8 +20,6 @@ struct grid {
     int ncells_all, nblocks_all;
     int nblocks; /* blocks of this rank */
     struct grid_block *block;
-    const double *volume; /* [ncells_all] m^3, polyMesh order; borrowed; of polyhedra, as is centre */
-    const double *centre; /* [ncells_all][3] m; borrowed */
     const struct polymesh *mesh;
     const struct comm *comm;
     struct forest *forest; /* forest of a lattice, polyhedra of any other mesh; NULL otherwise. The grid frees both */
@@ -30,13 +28,17 @@ struct grid {
 };
 
 /* Makes a forest of the lattice l or, where l is NULL, polyhedra with stencils of `rings` rings (polyhedra_make). m,
- * centre, volume and c are borrowed. Collective. */
-status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const double *volume,
-                 const struct comm *c, int rings, struct grid **out);
+ * centre ([ncells][3] m, of polyhedra) and c are borrowed. Collective. */
+status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const struct comm *c,
+                 int rings, struct grid **out);
+/* Makes polyhedra of a mesh that is spread over the ranks; `spread` may be freed then. Collective. */
+struct spread;
+status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct grid **out);
 void grid_free(struct grid *g);
+void grid_settle(struct grid *g); /* frees what grid_locate needs: no point is looked for any more */
 int grid_tile_size(int dim); /* most cells of a tile along an axis, of a lattice of so many axes */
 
-double grid_volume(const struct grid *g, int cell); /* of a cell of the polyMesh, m^3 */
+double grid_volume(const struct grid *g, int block, int i); /* of cell i of a block of this rank, m^3 */
 /* Sets x (m) to the centre of cell i of a block of this rank. */
 void grid_centre(const struct grid *g, int block, int i, double x[3]);
 
@@ -53,7 +55,7 @@ status grid_sum(const struct grid *g, const double *per_block, double *sum);
 
 /* Finds the block of this rank and the cell within it that hold a point (x, y, z in m; only the solved axes count);
  * *block is -1 if the point lies outside the mesh or on another rank. A point between cells belongs to one of them, the
- * same for any number of ranks. */
-void grid_locate(const struct grid *g, const double point[3], int *block, int *cell);
+ * same for any number of ranks. Collective. */
+status grid_locate(const struct grid *g, const double point[3], int *block, int *cell);
 
 #endif

@@ -13,6 +13,7 @@ static const double TOLERANCE = 1e-6;
 struct search {
     const struct polymesh *m;
     const double *centre; /* [ncells][3] */
+    const bool *among;    /* [ncells] the cells that count; NULL: all */
     int dim, axis[3];
     int *face_start, *face;  /* [ncells + 1], faces of each cell */
     double low[3], width[3]; /* lower corner of the first bucket and size of a bucket, along the solved axes, m */
@@ -103,6 +104,7 @@ static void lay_out(struct search *s) {
 static void fill_buckets(struct search *s, int *next, bool list) {
     for (int c = 0; c < s->m->ncells; c++) {
         int low[3], high[3];
+        if (s->among && !s->among[c]) continue;
         buckets_of_cell(s, c, low, high);
         for (int k = low[2]; k <= high[2]; k++)
             for (int j = low[1]; j <= high[1]; j++)
@@ -126,11 +128,17 @@ static status make_buckets(struct search *s) {
 }
 
 status search_make(const struct polymesh *m, const double *centre, int dim, const int axis[3], struct search **out) {
+    return search_make_among(m, centre, dim, axis, NULL, out);
+}
+
+status search_make_among(const struct polymesh *m, const double *centre, int dim, const int axis[3], const bool *among,
+                         struct search **out) {
     struct search *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "a search by place"));
     s->m = m;
     s->centre = centre;
+    s->among = among;
     s->dim = dim;
     memcpy(s->axis, axis, sizeof s->axis);
     status e = polymesh_cell_faces(m, &s->face_start, &s->face);

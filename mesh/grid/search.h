@@ -9,6 +9,9 @@
 struct search; /* the cells in buckets by place */
 /* axis[dim] are the solved axes; positions along the others do not matter. m and centre[ncells][3] (m) are borrowed. */
 status search_make(const struct polymesh *m, const double *centre, int dim, const int axis[3], struct search **out);
+/* The same among some cells alone; among[ncells] is borrowed, too (NULL: all). */
+status search_make_among(const struct polymesh *m, const double *centre, int dim, const int axis[3], const bool *among,
+                         struct search **out);
 void search_free(struct search *s);
 /* Returns the cell that holds the point, the lowest of those that share it (within a millionth of their size), or -1
  * outside the mesh. */

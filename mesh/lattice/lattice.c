@@ -15,6 +15,9 @@ static const double TOLERANCE = 1e-6;
 
 struct search {
     const struct polymesh *m;
+    const struct lattice_part *part; /* where m is a part of the mesh; else NULL */
+    long ncells;                     /* of the mesh */
+    long failed;                     /* where the search ended: at a face, or behind all faces at a cell */
     double *box;  /* [ncells][6]: low x y z, high x y z */
     int *side;    /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), or -1 */
     int *at;      /* [ncells][3] position along the physical axes */
@@ -33,6 +36,15 @@ static bool no(struct search *s, const char *format, ...) {
     vsnprintf(s->why, WHY, format, args);
     va_end(args);
     return false;
+}
+
+/* The number of a cell in the whole mesh. */
+static int name_of(const struct search *s, long cell) {
+    return s->part ? s->part->cell[cell] : (int)cell;
+}
+
+static bool is_whole(const struct search *s, long cell) {
+    return !s->part || s->part->whole[cell];
 }
 
 /* Widens a box so that it holds another one. */
@@ -61,45 +73,65 @@ static void find_boxes(struct search *s) {
     }
 }
 
+/* Finds the ends of the boxes along an axis, and the sum of their lengths, over all ranks that have parts. */
+static status find_ends(const struct search *s, int k, double *low, double *high, double *sum) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    *sum = 0;
+    for (long c = 0; c < s->m->ncells; c++) {
+        const double *box = s->box + 6 * c + k;
+        if (!is_whole(s, c)) continue;
+        *low = box[0] < *low ? box[0] : *low;
+        *high = box[3] > *high ? box[3] : *high;
+        *sum += box[3] - box[0];
+    }
+    double *all = NULL;
+    if (!s->part) return OK;
+    comm_min(s->part->comm, low, 1);
+    comm_max(s->part->comm, high, 1);
+    TRY(comm_gather(s->part->comm, sum, 1, &all, NULL));
+    for (int r = 1; all && r < comm_size(s->part->comm); r++) *sum += all[r];
+    free(all);
+    comm_broadcast(s->part->comm, sum, sizeof *sum);
+    return OK;
+}
+
 /* Finds the grid on which the boxes would lie: the number of cells from the boxes' mean size, then the width from the
  * whole extent. */
-static bool find_grid(struct search *s) {
-    const struct polymesh *m = s->m;
-    for (int k = 0; k < 3; k++) {
-        double low = INFINITY, high = -INFINITY, sum = 0;
-        for (long c = 0; c < m->ncells; c++) {
-            const double *box = s->box + 6 * c + k;
-            low = box[0] < low ? box[0] : low;
-            high = box[3] > high ? box[3] : high;
-            sum += box[3] - box[0];
-        }
-        double cells = (high - low) / (sum / m->ncells);
-        if (!(cells < INT_MAX / 2)) return no(s, "cells have no extent along %c", "xyz"[k]);
+static status find_grid(struct search *s, bool *found) {
+    *found = true;
+    for (int k = 0; k < 3 && *found; k++) {
+        double low, high, sum;
+        TRY(find_ends(s, k, &low, &high, &sum));
+        double cells = (high - low) / (sum / (double)s->ncells);
+        if (!(cells < INT_MAX / 2)) *found = no(s, "cells have no extent along %c", "xyz"[k]);
+        if (!*found) continue;
         s->low[k] = low;
         s->extent[k] = high - low;
         s->n[k] = (int)(cells + 0.5) > 1 ? (int)(cells + 0.5) : 1;
         s->width[k] = s->extent[k] / s->n[k];
     }
-    return true;
+    return OK;
 }
 
 static bool place_cells(struct search *s) {
     double places = (double)s->n[0] * s->n[1] * s->n[2];
-    if (places > INT_MAX || places > HOLES * (double)s->m->ncells + 1e6)
-        return no(s, "%d cells would be scattered over a grid of %d x %d x %d", s->m->ncells, s->n[0], s->n[1],
-                  s->n[2]);
+    s->failed = s->part ? s->part->nfaces : s->m->nfaces; /* behind the faces */
+    if (places > INT_MAX || places > HOLES * (double)s->ncells + 1e6)
+        return no(s, "%ld cells would be scattered over a grid of %d x %d x %d", s->ncells, s->n[0], s->n[1], s->n[2]);
     for (int c = 0; c < s->m->ncells; c++)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3 && is_whole(s, c); k++) {
             const double *box = s->box + 6L * c;
             double x = (box[k] - s->low[k]) / s->width[k], size = (box[3 + k] - box[k]) / s->width[k];
             int i = (int)(x + 0.5); /* x >= 0 */
             s->at[3L * c + k] = i;
+            s->failed = (s->part ? s->part->nfaces : s->m->nfaces) + name_of(s, c);
             if (fabs(size - 1) > TOLERANCE)
-                return no(s, "cell %d at (%g, %g, %g) is %g long along %c, the mean cell is %g", c,
+                return no(s, "cell %d at (%g, %g, %g) is %g long along %c, the mean cell is %g", name_of(s, c),
                           0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]),
                           box[3 + k] - box[k], "xyz"[k], s -> width[k]);
             if (fabs(x - i) > TOLERANCE)
-                return no(s, "cell %d at (%g, %g, %g) is off the grid along %c by %g of a cell", c,
+                return no(s, "cell %d at (%g, %g, %g) is off the grid along %c by %g of a cell", name_of(s, c),
                           0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]), "xyz"[k], x - i);
         }
     return true;
@@ -141,18 +173,21 @@ static bool find_sides(struct search *s) {
         for (int half = 0; half < (f < m->ninternal ? 2 : 1); half++) {
             const int c = half ? m->neighbour[f] : m->owner[f];
             const double *b = s->box + 6L * c;
+            if (!is_whole(s, c)) continue;
+            s->failed = s->part ? s->part->face[f] : f;
             const int side = n == 4 ? find_side(b, tolerance, x) : -1;
             if (side < 0 || s->side[6L * c + side] >= 0)
-                return no(s, "cell %d at (%g, %g, %g) is no box with faces normal to x, y, z", c, 0.5 * (b[0] + b[3]),
-                          0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]));
+                return no(s, "cell %d at (%g, %g, %g) is no box with faces normal to x, y, z", name_of(s, c),
+                          0.5 * (b[0] + b[3]), 0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]));
             s->side[6L * c + side] = f;
         }
     }
     for (long i = 0; i < 6L * m->ncells; i++)
-        if (s->side[i] < 0) {
+        if (s->side[i] < 0 && is_whole(s, i / 6)) {
             const double *b = s->box + i / 6 * 6;
-            return no(s, "cell %ld at (%g, %g, %g) is no box: side %ld has no face", i / 6, 0.5 * (b[0] + b[3]),
-                      0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]), i % 6);
+            s->failed = (s->part ? s->part->nfaces : m->nfaces) + name_of(s, i / 6);
+            return no(s, "cell %d at (%g, %g, %g) is no box: side %ld has no face", name_of(s, i / 6),
+                      0.5 * (b[0] + b[3]), 0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5]), i % 6);
         }
     return true;
 }
@@ -288,14 +323,20 @@ static status make_lattice(const struct search *s, struct lattice *l) {
     return OK;
 }
 
-static status fill(struct search *s, bool *is_lattice) {
-    long n = s->m->ncells;
-    if (n == 0) return fail(ERR_INPUT, "mesh: no cells");
+static status make_room(struct search *s) {
+    const long n = s->m->ncells;
     TRY(allocate(&s->box, 6 * n, sizeof *s->box, "the lattice"));
     TRY(allocate(&s->side, 6 * n, sizeof *s->side, "the lattice"));
-    TRY(allocate(&s->at, 3 * n, sizeof *s->at, "the lattice"));
+    return allocate(&s->at, 3 * n, sizeof *s->at, "the lattice");
+}
+
+static status fill(struct search *s, bool *is_lattice) {
+    bool found;
+    if (s->m->ncells == 0) return fail(ERR_INPUT, "mesh: no cells");
+    TRY(make_room(s));
     find_boxes(s);
-    if (!find_grid(s) || !find_sides(s) || !place_cells(s)) return OK;
+    TRY(find_grid(s, &found));
+    if (!found || !find_sides(s) || !place_cells(s)) return OK;
     long places = (long)s->n[0] * s->n[1] * s->n[2];
     TRY(allocate(&s->cell, places, sizeof *s->cell, "the lattice"));
     for (long i = 0; i < places; i++) s->cell[i] = -1;
@@ -304,7 +345,7 @@ static status fill(struct search *s, bool *is_lattice) {
 }
 
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[WHY]) {
-    struct search s = {.m = m, .why = why};
+    struct search s = {.m = m, .ncells = m->ncells, .why = why};
     struct lattice *l = NULL;
     bool is_lattice = false;
     why[0] = 0;
@@ -324,4 +365,36 @@ status lattice_recognise(const struct polymesh *m, struct lattice **out, char wh
     free(s.cell);
     *out = l;
     return st;
+}
+
+/* ---- parts of a mesh --------------------------------------------------------------------------------------------- */
+
+/* Gives all ranks the reason of the rank that found the first one; `failed` says where a rank did. */
+static void share_reason(const struct comm *c, double failed, char why[WHY], bool *found) {
+    double first = failed, rank = HUGE_VAL;
+    comm_min(c, &first, 1);
+    *found = isfinite(first);
+    if (!*found) return;
+    if (failed == first) rank = comm_rank(c);
+    comm_min(c, &rank, 1);
+    if (rank > 0 && (comm_rank(c) == (int)rank || comm_root(c))) comm_to_root(c, (int)rank, why, WHY);
+    comm_broadcast(c, why, WHY);
+}
+
+status lattice_rule_out(const struct lattice_part *part, bool *ruled_out, char why[WHY]) {
+    struct search s = {.m = part->mesh, .part = part, .ncells = part->ncells, .why = why};
+    bool found = false;
+    why[0] = 0;
+    *ruled_out = false;
+    status e = comm_agree(part->comm, make_room(&s));
+    if (!e) find_boxes(&s);
+    if (!e) e = find_grid(&s, &found);
+    if (!e && !found) *ruled_out = true; /* on all ranks */
+    if (!e && found) share_reason(part->comm, find_sides(&s) ? HUGE_VAL : (double)s.failed, why, ruled_out);
+    if (!e && found && !*ruled_out)
+        share_reason(part->comm, place_cells(&s) ? HUGE_VAL : (double)s.failed, why, ruled_out);
+    free(s.box);
+    free(s.side);
+    free(s.at);
+    return e;
 }

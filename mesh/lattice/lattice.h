@@ -5,6 +5,7 @@
 #ifndef MESH_LATTICE_H
 #define MESH_LATTICE_H
 
+#include "mesh/base/comm.h"
 #include "mesh/format/boxes.h"
 #include "mesh/format/polymesh.h"
 
@@ -28,6 +29,16 @@ struct lattice {
 /* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell
  * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
+struct lattice_part { /* a part of a mesh that is spread over the ranks: some cells with all their faces */
+    const struct comm *comm;
+    const struct polymesh *mesh;
+    const bool *whole;       /* [cells of the part] the cells that it is about */
+    const int *cell, *face;  /* their numbers in the whole mesh */
+    long ncells, nfaces;     /* of that */
+};
+/* Finds out, without the whole mesh on any rank, that a mesh cannot be a lattice; why[] then says the reason that
+ * lattice_recognise would say. Where *ruled_out is false the mesh may be one. Collective. */
+status lattice_rule_out(const struct lattice_part *part, bool *ruled_out, char why[256]);
 /* Makes the lattice of a mesh of boxes, which must outlive it. */
 status lattice_of_boxes(const struct polymesh *m, struct lattice **out);
 /* Makes the tables of cells and faces, and the arrays of the mesh, where they are not there yet. */

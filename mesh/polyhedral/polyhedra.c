@@ -3,25 +3,31 @@
  * cells and faces. */
 #include "mesh/polyhedral/polyhedra.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/base/sorted.h"
 #include "mesh/polyhedral/polyhedra_private.h"
 
 /* Marks in `local` until the cells are numbered. */
 enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4, WALKED = -5, ORDERED = -6 };
 
 struct ghost {
-    int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the polyMesh cell `cell` */
+    int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the cell of the links */
 };
-struct work { /* scratch that is needed only while a struct polyhedra is made; lists are by polyMesh cell or link */
+struct work { /* scratch that is needed only while a struct polyhedra is made; lists are by cell of the links, or link
+               */
     struct links links;
+    const struct spread *spread; /* of a mesh that is spread over the ranks; else NULL */
+    struct mesh_part *part;      /* my cells, those around them, and those of their stencils; NULL: the whole mesh */
     struct cut cut;
     struct grower grower;
-    int *mine;    /* [nown] polyMesh cells, block by block */
-    int *local;   /* [ncells_all] number on this rank, or one of the marks above */
-    int *members; /* [ncells_all] members of the cell's stencil */
-    bool *waits;  /* [ncells_all] does the cell's stencil hold ghosts? */
+    int *mine;     /* [nown] cells, block by block: by numbers in the whole mesh until the links are there */
+    int *block_of; /* [cells] */
+    int *local;    /* [cells] number on this rank, or one of the marks above */
+    int *members;  /* [cells] members of the cell's stencil */
+    bool *waits;   /* [cells] does the cell's stencil hold ghosts? */
     int nghosts;
     struct ghost *ghost;
     int *ghost_rank;          /* [ghosts] rank that has the ghost */
@@ -33,28 +39,32 @@ struct work { /* scratch that is needed only while a struct polyhedra is made; l
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
 static int rank_of(const struct work *w, int cell) {
-    return w->cut.rank_of[w->cut.block_of[cell]];
+    return w->cut.rank_of[w->block_of[cell]];
 }
 
-static status list_blocks(struct polyhedra *m, struct work *w) {
-    const struct cut *cut = &w->cut;
-    const int me = comm_rank(m->comm);
-    m->nblocks_all = cut->nblocks;
-    TRY(allocate(&m->block_id, cut->nblocks, sizeof *m->block_id, "the blocks"));
-    TRY(allocate(&m->block_start, cut->nblocks + 1L, sizeof *m->block_start, "the blocks"));
-    for (int b = 0; b < cut->nblocks; b++) {
-        if (cut->rank_of[b] != me) continue;
-        m->nown += cut->start[b + 1] - cut->start[b];
-        m->block_id[m->nblocks++] = b;
-        m->block_start[m->nblocks] = m->nown;
-    }
-    TRY(allocate(&w->mine, m->nown, sizeof *w->mine, "the cells"));
-    for (int i = 0; i < m->nblocks; i++)
-        for (int k = m->block_start[i]; k < m->block_start[i + 1]; k++) {
-            w->mine[k] = cut->order[cut->start[m->block_id[i]] + k - m->block_start[i]];
-            w->local[w->mine[k]] = MINE;
+/* Orders the cells of each block breadth first from its lowest cell, so that neighbours stand near each other. */
+static status order_blocks(const struct polyhedra *m, struct work *w) {
+    const struct links *l = &w->links;
+    int *queue, in = 0, image;
+    bool *done;
+    TRY(allocate(&queue, m->nown, sizeof *queue, "the order of the cells"));
+    const status s = allocate(&done, l->mesh->ncells, sizeof *done, "the order of the cells");
+    for (int b = 0; !s && b < m->nblocks; b++)
+        for (int k = m->block_start[b], out = in; k < m->block_start[b + 1]; k++) {
+            if (done[w->mine[k]]) continue;
+            done[w->mine[k]] = true;
+            for (queue[in++] = w->mine[k]; out < in; out++)
+                for (int c = queue[out], i = l->cell_start[c]; i < l->cell_start[c + 1]; i++) {
+                    int to = links_cross(l, l->cell_link[i], 0, &image);
+                    if (to < 0 || done[to] || w->block_of[to] != m->block_id[b]) continue;
+                    done[to] = true;
+                    queue[in++] = to;
+                }
         }
-    return OK;
+    if (!s && m->nown) memcpy(w->mine, queue, (size_t)m->nown * sizeof *queue);
+    free(queue);
+    free(done);
+    return s;
 }
 
 static void add_ghost(struct work *w, int cell, int kind) {
@@ -64,7 +74,7 @@ static void add_ghost(struct work *w, int cell, int kind) {
 
 static status list_near(struct polyhedra *m, struct work *w) {
     const struct links *l = &w->links;
-    TRY(allocate(&w->ghost, m->ncells_all - m->nown, sizeof *w->ghost, "the ghosts"));
+    TRY(allocate(&w->ghost, l->mesh->ncells - m->nown, sizeof *w->ghost, "the ghosts"));
     for (int k = 0; k < m->nown; k++)
         for (int c = w->mine[k], i = l->cell_start[c]; i < l->cell_start[c + 1]; i++) {
             int image, to = links_cross(l, l->cell_link[i], 0, &image);
@@ -129,11 +139,16 @@ static status number_mine(struct polyhedra *m, struct work *w) {
     return OK;
 }
 
-static status number_cells(struct polyhedra *m, struct work *w) {
-    int n = m->nown, near = m->nnear - m->nown;
+static status scout_all(struct polyhedra *m, struct work *w) {
+    const int near = m->nnear - m->nown;
     for (int k = 0; k < m->nown; k++) TRY(scout(w, w->mine[k]));
     for (int k = 0; k < near; k++) TRY(scout(w, w->ghost[k].cell));
-    qsort(w->ghost, (size_t)w->nghosts, sizeof *w->ghost, by_place);
+    return OK;
+}
+
+static status number_cells(struct polyhedra *m, struct work *w) {
+    int n = m->nown;
+    if (w->nghosts) qsort(w->ghost, (size_t)w->nghosts, sizeof *w->ghost, by_place);
     m->ncells = m->nown + w->nghosts;
     TRY(allocate(&m->cell, m->ncells, sizeof *m->cell, "the cells"));
     TRY(allocate(&m->block_cell, m->nown, sizeof *m->block_cell, "the cells"));
@@ -150,15 +165,25 @@ static status number_cells(struct polyhedra *m, struct work *w) {
     return OK;
 }
 
-static status make_cells(struct polyhedra *m, struct work *w, int rings) {
-    TRY(allocate(&w->local, m->ncells_all, sizeof *w->local, "the cells"));
-    TRY(allocate(&w->members, m->ncells_all, sizeof *w->members, "the cells"));
-    TRY(allocate(&w->waits, m->ncells_all, sizeof *w->waits, "the cells"));
-    for (int c = 0; c < m->ncells_all; c++) w->local[c] = NOWHERE;
-    TRY(grower_make(&w->links, rings, &w->grower));
-    TRY(list_blocks(m, w));
+/* Starts anew to list ghosts. */
+static status begin_cells(struct polyhedra *m, struct work *w, int rings) {
+    const int n = w->links.mesh->ncells;
+    TRY(allocate(&w->local, n, sizeof *w->local, "the cells"));
+    TRY(allocate(&w->members, n, sizeof *w->members, "the cells"));
+    TRY(allocate(&w->waits, n, sizeof *w->waits, "the cells"));
+    for (int c = 0; c < n; c++) w->local[c] = NOWHERE;
+    for (int k = 0; k < m->nown; k++) w->local[w->mine[k]] = MINE;
+    return grower_make(&w->links, rings, &w->grower);
+}
+
+/* Lists the ghosts, and what the stencils take. */
+static status list_cells(struct polyhedra *m, struct work *w, int rings) {
+    m->dim = w->links.dim;
+    m->thickness = w->links.thickness;
+    memcpy(m->axis, w->links.axis, sizeof m->axis);
+    TRY(begin_cells(m, w, rings));
     TRY(list_near(m, w));
-    return number_cells(m, w);
+    return scout_all(m, w);
 }
 
 /* ---- faces ------------------------------------------------------------------------------------------------------- */
@@ -233,7 +258,7 @@ static status list_mirrors(struct polyhedra *m, struct work *w) {
         int link = w->mirror_link[i];
         mirror->cell[i] = w->local[l->left[link]];
         mirror->patch[i] = l->patch[link];
-        mirror->place[i] = l->face[link] - l->mesh->patch[l->patch[link]].start;
+        mirror->place[i] = links_face_name(l, l->face[link]) - l->all->patch[l->patch[link]].start;
         w->mirror_of[link] = i;
     }
     m->face.patch = mirror->patch;
@@ -274,60 +299,304 @@ static status make_faces(struct polyhedra *m, struct work *w) {
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-static status make_local(struct polyhedra *m, struct work *w, int rings) {
-    TRY(make_cells(m, w, rings));
-    TRY(make_faces(m, w));
-    TRY(geometry_make(m, &w->links, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
-    return stencil_make(m, &w->grower, w->local, w->mirror_of);
-}
-
-static status make(struct polyhedra *m, const struct polymesh *mesh, struct work *w, int rings) {
-    status s = links_make(mesh, &w->links);
-    if (!s && (rings < 1 || rings > 2)) s = fail(ERR_INPUT, "stencils of %d rings; 1 or 2 are allowed", rings);
-    TRY(comm_agree(m->comm, s));
-    m->dim = w->links.dim;
-    memcpy(m->axis, w->links.axis, sizeof m->axis);
-    m->thickness = w->links.thickness;
-    m->ncells_all = mesh->ncells;
-    TRY(cut_cells(&w->links, m->comm, &w->cut));
-    TRY(comm_agree(m->comm, make_local(m, w, rings)));
-    return halo_make(m, w->ghost_rank, w->local);
-}
-
 static void work_free(struct work *w) {
     links_free(&w->links);
     cut_cells_free(&w->cut);
     grower_free(&w->grower);
-    free(w->mine);
-    free(w->local);
-    free(w->members);
-    free(w->waits);
-    free(w->ghost);
-    free(w->ghost_rank);
-    free(w->face_of);
-    free(w->mirror_of);
-    free(w->link_of);
-    free(w->mirror_link);
+    void *const all[] = {w->mine,       w->block_of, w->local,     w->members, w->waits,      w->ghost,
+                         w->ghost_rank, w->face_of,  w->mirror_of, w->link_of, w->mirror_link};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
 }
 
-status polyhedra_make(const struct polymesh *mesh, const struct comm *c, int rings, struct polyhedra **out) {
+/* Numbers cells and faces, and computes their geometry and stencils. */
+static status make_local(struct polyhedra *m, struct work *w, int rings) {
+    TRY(number_cells(m, w));
+    TRY(make_faces(m, w));
+    TRY(geometry_make(m, &w->links, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
+    TRY(stencil_make(m, &w->grower, w->local, w->mirror_of));
+    for (int i = 0; i < m->ncells; i++) m->cell[i] = links_cell_name(&w->links, m->cell[i]);
+    return OK;
+}
+
+/* Makes room for blocks of which this rank has those in block[n][2], pairs of block and cell in ascending order. */
+static status list_blocks(struct polyhedra *m, struct work *w, long n, const int (*block)[2]) {
+    m->nblocks_all = w->cut.nblocks;
+    m->nown = (int)n;
+    TRY(allocate(&m->block_id, n, sizeof *m->block_id, "the blocks"));
+    TRY(allocate(&m->block_start, n + 1, sizeof *m->block_start, "the blocks"));
+    TRY(allocate(&w->mine, n, sizeof *w->mine, "the cells"));
+    for (long i = 0; i < n; i++) {
+        if (i == 0 || block[i][0] != block[i - 1][0]) m->block_id[m->nblocks++] = block[i][0];
+        m->block_start[m->nblocks] = (int)i + 1;
+        w->mine[i] = block[i][1];
+    }
+    return OK;
+}
+
+static int by_block(const void *a, const void *b) {
+    const int *p = a, *q = b;
+    if (p[0] != q[0]) return p[0] < q[0] ? -1 : 1;
+    return (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+static status take_blocks(struct polyhedra *m, struct work *w, long n, int (*block)[2]) {
+    if (n) qsort(block, (size_t)n, sizeof *block, by_block);
+    return list_blocks(m, w, n, (const int(*)[2])block);
+}
+
+/* ---- where each rank has the whole mesh -------------------------------------------------------------------------- */
+
+static status cut_whole(struct work *w, const struct comm *c, const struct comm *alone) {
+    const struct links *l = &w->links;
+    const struct polymesh *mesh = l->mesh;
+    struct cut_mesh m = {.mesh = mesh, .cells = share_make(alone, mesh->ncells), .dim = l->dim};
+    double *centre = NULL, *volume = NULL;
+    memcpy(m.axis, l->axis, sizeof m.axis);
+    polymesh_bounds(mesh, m.low, m.high);
+    status s = allocate(&centre, 3L * mesh->ncells, sizeof *centre, "the blocks");
+    if (!s) s = allocate(&volume, mesh->ncells, sizeof *volume, "the blocks");
+    if (!s) s = polymesh_cell_geometry(mesh, l->face_centre, l->face_area, centre, volume);
+    free(volume);
+    m.centre = centre;
+    s = comm_agree(c, s);
+    if (!s) s = cut_cells(&m, c, &w->cut);
+    free(centre);
+    return s;
+}
+
+/* Takes the cells of my blocks out of all. */
+static status take_mine(struct polyhedra *m, struct work *w) {
+    const int n = w->links.mesh->ncells, me = comm_rank(m->comm);
+    int(*block)[2];
+    long mine = 0;
+    TRY(allocate(&w->block_of, n, sizeof *w->block_of, "the blocks"));
+    TRY(allocate(&block, n, sizeof *block, "the blocks"));
+    memcpy(w->block_of, w->cut.block, (size_t)n * sizeof *w->block_of);
+    for (int c = 0; c < n; c++) {
+        if (rank_of(w, c) != me) continue;
+        block[mine][0] = w->block_of[c];
+        block[mine++][1] = c;
+    }
+    const status s = take_blocks(m, w, mine, block);
+    free(block);
+    return s ? s : order_blocks(m, w);
+}
+
+static status make_whole(struct polyhedra *m, const struct polymesh *mesh, struct work *w, int rings) {
+    struct comm *alone = NULL;
+    status s = links_make(mesh, NULL, &w->links);
+    if (!s && (rings < 1 || rings > 2)) s = fail(ERR_INPUT, "stencils of %d rings; 1 or 2 are allowed", rings);
+    if (!s) s = comm_alone(&alone);
+    s = comm_agree(m->comm, s);
+    if (!s) s = cut_whole(w, m->comm, alone);
+    comm_alone_free(alone);
+    TRY(s);
+    s = take_mine(m, w);
+    if (!s) s = list_cells(m, w, rings);
+    return comm_agree(m->comm, s ? s : make_local(m, w, rings));
+}
+
+/* ---- where the mesh is spread over the ranks --------------------------------------------------------------------- */
+
+static status cut_spread(struct work *w, const struct polymesh *all) {
+    const struct spread *s = w->spread;
+    struct cut_mesh m = {.mesh = &s->home.mesh,
+                         .whole = s->home.whole,
+                         .cell = s->home.cell,
+                         .cells = s->cells,
+                         .centre = s->geometry.cell_centre + 3L * s->base};
+    m.dim = polymesh_axes(all, m.axis);
+    polymesh_bounds(all, m.low, m.high);
+    return cut_cells(&m, s->comm, &w->cut);
+}
+
+/* Sends each rank the cells of its blocks. */
+static status send_blocks(struct polyhedra *m, struct work *w) {
+    const struct cut *cut = &w->cut;
+    const int ranks = comm_size(m->comm);
+    const long n = cut->cells.end - cut->cells.first;
+    int *count = NULL, *out = NULL, *in = NULL;
+    long *next = NULL, arriving = 0;
+    status s = allocate(&count, 2L * ranks, sizeof *count, "the blocks");
+    if (!s) s = allocate(&next, ranks + 1L, sizeof *next, "the blocks");
+    if (!s) s = allocate(&out, 2 * n, sizeof *out, "the blocks");
+    s = comm_agree(m->comm, s);
+    for (long i = 0; !s && i < n; i++) count[cut->rank_of[cut->block[i]]] += 2;
+    for (int r = 0; !s && r < ranks; r++) next[r + 1] = next[r] + count[r];
+    for (long i = 0; !s && i < n; i++) {
+        long *at = &next[cut->rank_of[cut->block[i]]];
+        out[(*at)++] = cut->block[i];
+        out[(*at)++] = (int)(cut->cells.first + i);
+    }
+    if (!s) s = comm_deliver_int(m->comm, out, count, &in, count + ranks);
+    for (int r = 0; !s && r < ranks; r++) arriving += count[ranks + r] / 2;
+    if (!s) s = comm_agree(m->comm, take_blocks(m, w, arriving, (int(*)[2])(void *)in));
+    free(count);
+    free(next);
+    free(out);
+    free(in);
+    return s;
+}
+
+struct known { /* cells by their numbers in the whole mesh, ascending */
+    int *cell;
+    long n;
+};
+
+/* Adds n cells. */
+static status know(struct known *k, long n, const int *cell) {
+    int *more = realloc(k->cell, (size_t)(k->n + n + 1) * sizeof *more);
+    if (!more) return fail(ERR_SYSTEM, "no memory for a list of %ld cells", k->n + n);
+    k->cell = more;
+    if (n) memcpy(k->cell + k->n, cell, (size_t)n * sizeof *cell);
+    k->n += n;
+    return sorted_make(k->cell, &k->n);
+}
+
+/* Lists the cells of a part that are not whole there and not known. */
+static status list_beyond(const struct mesh_part *p, const struct known *k, struct known *out) {
+    *out = (struct known){.n = 0};
+    TRY(allocate(&out->cell, p->mesh.ncells, sizeof *out->cell, "the cells around those of a rank"));
+    for (int c = 0; c < p->mesh.ncells; c++)
+        if (!p->whole[c] && sorted_find(k->cell, k->n, p->cell[c]) < 0) out->cell[out->n++] = p->cell[c];
+    return OK;
+}
+
+/* Finds my cells and those in `depth` rings around them. */
+static status find_rings(struct polyhedra *m, struct work *w, const struct polymesh *all, int depth, struct known *k) {
+    struct known ring = {.n = 0};
+    status s = comm_agree(m->comm, know(k, m->nown, w->mine));
+    if (!s) s = comm_agree(m->comm, know(&ring, m->nown, w->mine));
+    for (int i = 0; i < depth && !s; i++) {
+        struct mesh_part p;
+        s = spread_part(w->spread, all, ring.n, ring.cell, &p);
+        free(ring.cell);
+        ring.cell = NULL;
+        if (!s) s = list_beyond(&p, k, &ring);
+        part_free(&p);
+        if (!s) s = know(k, ring.n, ring.cell);
+        s = comm_agree(m->comm, s);
+    }
+    free(ring.cell);
+    return s;
+}
+
+/* Makes the links of the cells that are known, with my cells by their numbers there. */
+static status join_part(struct polyhedra *m, struct work *w, const struct polymesh *all, const struct known *k) {
+    double *block = NULL, *mine = NULL;
+    const struct cut *cut = &w->cut;
+    const long n = cut->cells.end - cut->cells.first;
+    part_free(w->part);
+    TRY(spread_part(w->spread, all, k->n, k->cell, w->part));
+    status s = links_make(all, w->part, &w->links);
+    const int ncells = w->part->mesh.ncells;
+    if (!s) s = allocate(&w->block_of, ncells, sizeof *w->block_of, "the blocks");
+    if (!s) s = allocate(&block, ncells, sizeof *block, "the blocks");
+    if (!s) s = allocate(&mine, n, sizeof *mine, "the blocks");
+    s = comm_agree(m->comm, s);
+    for (long i = 0; !s && i < n; i++) mine[i] = cut->block[i];
+    if (!s) s = share_fetch(&cut->cells, 1, mine, ncells, w->part->cell, block);
+    for (int c = 0; !s && c < ncells; c++) w->block_of[c] = (int)block[c];
+    for (int i = 0; !s && i < m->nown; i++) w->mine[i] = (int)part_cell(w->part, w->mine[i]);
+    free(block);
+    free(mine);
+    return s;
+}
+
+/* Adds members of stencils that are not whole to the known cells; *lacks: has any rank such members? */
+static status know_members(struct polyhedra *m, struct work *w, struct known *k, bool *lacks) {
+    int *cell = NULL;
+    long n = 0;
+    TRY(allocate(&cell, w->nghosts, sizeof *cell, "the cells around those of a rank"));
+    for (int i = 0; i < w->nghosts; i++)
+        if (!w->part->whole[w->ghost[i].cell]) cell[n++] = w->part->cell[w->ghost[i].cell];
+    const status s = know(k, n, cell);
+    free(cell);
+    *lacks = n > 0;
+    (void)m;
+    return s;
+}
+
+/* Frees what was made of too few cells. */
+static void start_again(struct polyhedra *m, struct work *w) {
+    for (int i = 0; i < m->nown; i++) w->mine[i] = links_cell_name(&w->links, w->mine[i]);
+    links_free(&w->links);
+    grower_free(&w->grower);
+    void **const all[] = {(void **)&w->block_of, (void **)&w->local, (void **)&w->members, (void **)&w->waits,
+                          (void **)&w->ghost};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        free(*all[i]);
+        *all[i] = NULL;
+    }
+    w->nghosts = 0;
+}
+
+/* Fetches cells until all stencils are there: a few grow by further rings. */
+static status fetch_cells(struct polyhedra *m, struct work *w, const struct polymesh *all, int rings, struct known *k) {
+    for (double lacking = 1; lacking > 0;) {
+        bool lacks = false;
+        TRY(join_part(m, w, all, k));
+        status s = list_cells(m, w, rings);
+        if (!s) s = know_members(m, w, k, &lacks);
+        TRY(comm_agree(m->comm, s));
+        lacking = lacks;
+        comm_max(m->comm, &lacking, 1);
+        if (lacking > 0) start_again(m, w);
+    }
+    return OK;
+}
+
+static status make_spread(struct polyhedra *m, const struct polymesh *all, struct work *w, int rings) {
+    struct known k = {.n = 0};
+    TRY(cut_spread(w, all));
+    TRY(send_blocks(m, w));
+    status s = find_rings(m, w, all, 1 + rings, &k);
+    if (!s) s = fetch_cells(m, w, all, rings, &k);
+    free(k.cell);
+    TRY(s);
+    s = order_blocks(m, w);
+    return comm_agree(m->comm, s ? s : make_local(m, w, rings));
+}
+
+static status make(const struct polymesh *mesh, const struct comm *c, int rings, struct work *w,
+                   struct polyhedra **out) {
     struct polyhedra *m = NULL;
-    struct work w = {0};
     *out = NULL;
     status s = allocate(&m, 1, sizeof *m, "the polyhedra");
     if (!s) s = allocate(&m->hidden, 1, sizeof *m->hidden, "the polyhedra");
     s = comm_agree(c, s);
     if (!s) {
         m->comm = c;
-        s = make(m, mesh, &w, rings);
+        m->ncells_all = mesh->ncells;
+        s = w->spread ? make_spread(m, mesh, w, rings) : make_whole(m, mesh, w, rings);
     }
-    work_free(&w);
+    if (!s) s = halo_make(m, w->ghost_rank);
+    work_free(w);
     if (s) {
         polyhedra_free(m);
         return status_up(s, __FILE__, __LINE__);
     }
     *out = m;
     return OK;
+}
+
+status polyhedra_make(const struct polymesh *mesh, const struct comm *c, int rings, struct polyhedra **out) {
+    struct work w = {.spread = NULL};
+    return make(mesh, c, rings, &w, out);
+}
+
+status polyhedra_make_spread(const struct polymesh *mesh, const struct spread *spread, int rings,
+                             struct mesh_part *part, struct polyhedra **out) {
+    struct work w = {.spread = spread, .part = part};
+    *part = (struct mesh_part){.mesh.nfaces = 0};
+    return make(mesh, spread->comm, rings, &w, out);
+}
+
+void polyhedra_place(const struct polyhedra *m, long cell, double place[3]) {
+    for (int k = 0; k < 3; k++) place[k] = HUGE_VAL;
+    for (int i = 0; i < m->nown; i++)
+        if (m->cell[i] == cell) memcpy(place, m->middle[i], sizeof m->middle[i]);
+    comm_min(m->comm, place, 3);
 }
 
 static void faces_free(struct polyhedra_faces *f) {
@@ -368,6 +637,8 @@ void polyhedra_free(struct polyhedra *m) {
                          m->stencil,       m->ring,       m->corner_start, m->corner_first,
                          m->corner_member, m->block_id,   m->block_start,  m->block_cell};
     for (int i = 0; i < (int)(sizeof list / sizeof *list); i++) free(list[i]);
+    free(m->middle);
+    free(m->extent);
     free(m->volume);
     lines_free(m->centre, 3);
     lines_free(m->moment, POLYHEDRA_MOMENTS);

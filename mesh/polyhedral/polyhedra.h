@@ -55,6 +55,7 @@ struct polyhedra {
     int ncells_all;
     int ninner, nown, nnear, ncells, size;
     int *cell;                         /* [ncells] polyMesh cell; mirrors have none */
+    double (*middle)[3], *extent;      /* [nown] m along x, y, z; m^3: centre and volume by polymesh_cell_geometry */
     double *volume;                    /* [size] m^dim */
     double *centre[3];                 /* [dim][size] m; a ghost across a cyclic patch has its own place */
     double *moment[POLYHEDRA_MOMENTS]; /* [dim (dim+1)/2][size] mean of (x-c)_a (x-c)_b, a <= b: xx xy yy or xx xy xz yy
@@ -80,7 +81,8 @@ struct polyhedra {
     int *corner_first;  /* [corners + 1] into corner_member */
     int *corner_member; /* index into the cell's stencil */
 
-    /* Blocks: METIS cuts the mesh into blocks of about 500 cells, then the graph of blocks into ranks. */
+    /* Blocks: a space-filling curve is cut into blocks of about 500 cells, the same for any number of ranks; METIS deals
+     * them. */
     int nblocks, nblocks_all;
     int *block_id;    /* [nblocks] */
     int *block_start; /* [nblocks + 1] into block_cell */
@@ -90,12 +92,20 @@ struct polyhedra {
     struct polyhedra_private *hidden; /* the plan of the ghost exchange */
 };
 
-/* Makes the polyhedra of mesh m with stencils of 1 or 2 rings; every rank holds the whole polyMesh. A stencil grows by
+/* Makes the polyhedra of mesh m with stencils of 1 or 2 rings. Where the mesh is spread over the ranks `spread` has it,
+ * and *part gets my cells and those around them, which the caller frees, also after an error; else every rank holds the
+ * whole polyMesh. A stencil grows by
  * further rings until it has 2 (rings 1) or 1.5 (rings 2) times as many members as a polynomial of degree `rings` has
  * coefficients (without the constant), or the mesh ends. Quadrature is of order 1 for rings 1, 3 for rings 2. Refuses
  * (ERR_INPUT, with cell or face and place) a mesh that finite volumes cannot use. Collective. */
 status polyhedra_make(const struct polymesh *m, const struct comm *c, int rings, struct polyhedra **out);
+struct spread;
+struct mesh_part;
+status polyhedra_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct mesh_part *part,
+                             struct polyhedra **out);
 void polyhedra_free(struct polyhedra *m);
+/* Tells all ranks the centre (middle[]) of a cell of the polyMesh; HUGE_VAL if there is no such cell. Collective. */
+void polyhedra_place(const struct polyhedra *m, long cell, double place[3]);
 
 /* Fill the ghosts (not the mirrors) of nvar <= POLYHEDRA_VARIABLES lines data[v][size] from other ranks.
  * polyhedra_fill_start sends, polyhedra_fill_finish waits and receives; the cells must not change in between, but other

@@ -132,7 +132,7 @@ static status make_cells(struct polyhedra *m, const struct links *l) {
             bool outward;
             const double *x = l->face_centre + 3L * links_face(l, l->cell_link[l->cell_start[m->cell[i]]], &outward);
             return fail(ERR_INPUT, "constant/polyMesh: cell %d near (%g, %g, %g) has the volume %g; run checkMesh",
-                        m->cell[i], x[0], x[1], x[2], s.volume);
+                        links_cell_name(l, m->cell[i]), x[0], x[1], x[2], s.volume);
         }
         m->volume[i] = s.volume;
         for (int k = 0; k < m->dim; k++) m->centre[k][i] = s.first[k];
@@ -360,8 +360,26 @@ static status make_points(struct polyhedra *m, const struct links *l, const int 
     return OK;
 }
 
+/* Keeps centres and volumes of my cells as OpenFOAM's tools compute them. */
+static status make_places(struct polyhedra *m, const struct links *l) {
+    double *centre = NULL, *volume = NULL;
+    TRY(allocate(&m->middle, m->nown, sizeof *m->middle, "the cells"));
+    TRY(allocate(&m->extent, m->nown, sizeof *m->extent, "the cells"));
+    status e = allocate(&centre, 3L * l->mesh->ncells, sizeof *centre, "the cells");
+    if (!e) e = allocate(&volume, l->mesh->ncells, sizeof *volume, "the cells");
+    if (!e) e = polymesh_cell_geometry(l->mesh, l->face_centre, l->face_area, centre, volume);
+    for (int i = 0; !e && i < m->nown; i++) {
+        for (int k = 0; k < 3; k++) m->middle[i][k] = centre[3L * m->cell[i] + k];
+        m->extent[i] = volume[m->cell[i]];
+    }
+    free(centre);
+    free(volume);
+    return e;
+}
+
 status geometry_make(struct polyhedra *m, const struct links *l, const int *link_of, const int *mirror_link,
                      int order) {
+    TRY(make_places(m, l));
     TRY(make_cells(m, l));
     TRY(make_mirrors(m, l, mirror_link));
     TRY(make_faces(m, l, link_of));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The whole polyMesh as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves join, which
+/* A polyMesh, or a part of it, as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves join, which
  * images a periodic domain has. */
 #include <math.h>
 #include <stdlib.h>
@@ -15,11 +15,20 @@ static bool has_type(const struct patch *p, const char *type) {
     return strcmp(p->type, type) == 0;
 }
 
+int links_cell_name(const struct links *l, int cell) {
+    return l->part ? l->part->cell[cell] : cell;
+}
+
+int links_face_name(const struct links *l, int face) {
+    return l->part ? l->part->face[face] : face;
+}
+
 /* ---- axes -------------------------------------------------------------------------------------------------------- */
 
 static void find_axes(struct links *l) {
     const struct polymesh *m = l->mesh;
-    for (int i = 0; i < m->npatches; i++)
+    for (int k = 0; k < 3 && l->all->outline; k++) l->gone[k] = l->all->outline->closed[k];
+    for (int i = 0; i < m->npatches && !l->all->outline; i++)
         for (long f = m->patch[i].start; f < m->patch[i].start + m->patch[i].nfaces; f++) {
             if (!has_type(&m->patch[i], "empty")) break;
             const double *a = l->face_area + 3 * f;
@@ -34,13 +43,11 @@ static void find_axes(struct links *l) {
 
 static status measure_thickness(struct links *l) {
     const struct polymesh *m = l->mesh;
+    double lows[3], highs[3];
+    polymesh_bounds(l->all, lows, highs);
     l->thickness = 1;
     for (int k = 0; k < 3; k++) {
-        double low = INFINITY, high = -INFINITY;
-        for (long p = 0; p < m->npoints; p++) {
-            low = fmin(low, m->points[3 * p + k]);
-            high = fmax(high, m->points[3 * p + k]);
-        }
+        const double low = lows[k], high = highs[k];
         l->middle[k] = 0.5 * (low + high);
         l->extent = fmax(l->extent, high - low);
         if (!l->gone[k]) continue;
@@ -51,7 +58,7 @@ static status measure_thickness(struct links *l) {
                 return fail(ERR_INPUT,
                             "constant/polyMesh: point %ld at (%g, %g, %g) lies between the two planes %c = %g and %g; "
                             "a mesh with empty patches is one cell thick, of the same thickness everywhere",
-                            p, x[0], x[1], x[2], "xyz"[k], low, high);
+                            l->part ? l->part->point[p] : p, x[0], x[1], x[2], "xyz"[k], low, high);
         }
     }
     return OK;
@@ -144,13 +151,13 @@ static status check_links(const struct links *l) {
         const double *a = l->face_area + 3L * l->face[i], *c = l->face_centre + 3L * l->face[i];
         int p, q;
         if (!(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0))
-            return fail(ERR_INPUT, "constant/polyMesh: face %d at (%g, %g, %g) has no area", l->face[i], c[0], c[1],
-                        c[2]);
+            return fail(ERR_INPUT, "constant/polyMesh: face %d at (%g, %g, %g) has no area",
+                        links_face_name(l, l->face[i]), c[0], c[1], c[2]);
         if (l->dim == 2 && !links_edge(l, l->face[i], &p, &q))
             return fail(ERR_INPUT,
                         "constant/polyMesh: face %d at (%g, %g, %g) does not stand between the two planes of the empty "
                         "patches; a mesh that is solved in 2D is extruded by one cell (gmsh: Layers{1})",
-                        l->face[i], c[0], c[1], c[2]);
+                        links_face_name(l, l->face[i]), c[0], c[1], c[2]);
     }
     return OK;
 }
@@ -175,6 +182,12 @@ static double distance(const double *a, const double *b, double sign) {
                 (a[2] - sign * b[2]) * (a[2] - sign * b[2]));
 }
 
+/* The centre of face f of a patch of the whole mesh, m. */
+static const double *centre_of(const struct links *l, const struct patch *p, long f) {
+    const struct outline *o = l->all->outline;
+    return o && l->part ? o->face[p - l->all->patch] + 6 * f : l->face_centre + 3 * (p->start + f);
+}
+
 /* Finds the mean shift from cyclic patch q to its other half p, cleaned of round-off; returns false if they
  * coincide. */
 static bool find_shift(const struct links *l, const struct patch *p, const struct patch *q, double shift[3]) {
@@ -182,8 +195,7 @@ static bool find_shift(const struct links *l, const struct patch *p, const struc
     shift[0] = shift[1] = shift[2] = 0;
     for (int k = 0; k < l->dim; k++) {
         int a = l->axis[k];
-        for (long f = 0; f < p->nfaces; f++)
-            shift[k] += l->face_centre[3 * (p->start + f) + a] - l->face_centre[3 * (q->start + f) + a];
+        for (long f = 0; f < p->nfaces; f++) shift[k] += centre_of(l, p, f)[a] - centre_of(l, q, f)[a];
         shift[k] /= p->nfaces;
         size += fabs(shift[k]);
     }
@@ -204,16 +216,17 @@ static int find_translation(struct links *l, const double shift[3]) {
 }
 
 static status find_steps(struct links *l) {
-    const struct polymesh *m = l->mesh;
+    const struct polymesh *m = l->mesh, *all = l->all;
     int *step;
     TRY(allocate(&l->translation, m->npatches, sizeof *l->translation, "the cyclic patches"));
     TRY(allocate(&step, m->npatches, sizeof *step, "the cyclic patches"));
     for (int i = 0; i < m->npatches; i++) {
         step[i] = -1;
         double shift[3];
-        if (!has_type(&m->patch[i], "cyclic") || !m->patch[i].nfaces) continue;
-        const struct patch *q = &m->patch[polymesh_find_patch(m, m->patch[i].neighbour)];
-        if (m->patch[i].start < q->start && find_shift(l, &m->patch[i], q, shift)) step[i] = find_translation(l, shift);
+        if (!has_type(&all->patch[i], "cyclic") || !all->patch[i].nfaces) continue;
+        const struct patch *q = &all->patch[polymesh_find_patch(all, all->patch[i].neighbour)];
+        if (all->patch[i].start < q->start && find_shift(l, &all->patch[i], q, shift))
+            step[i] = find_translation(l, shift);
     }
     int patch = 0;
     for (int i = 0; i < l->n; i++) {
@@ -268,9 +281,10 @@ static status measure_faces(struct links *l) {
     return measure_thickness(l);
 }
 
-status links_make(const struct polymesh *m, struct links *l) {
+status links_make(const struct polymesh *all, const struct mesh_part *part, struct links *l) {
     int *twin;
-    *l = (struct links){.mesh = m};
+    const struct polymesh *m = part ? &part->mesh : all;
+    *l = (struct links){.all = all, .mesh = m, .part = part};
     TRY(measure_faces(l));
     int **const list[] = {&l->face, &l->twin, &l->left, &l->right, &l->patch, &l->step};
     for (int i = 0; i < (int)(sizeof list / sizeof *list); i++)
@@ -285,7 +299,8 @@ status links_make(const struct polymesh *m, struct links *l) {
     TRY(find_steps(l));
     for (int i = 0; i < l->n; i++)
         if (l->left[i] == l->right[i] && l->step[i] < 0)
-            return fail(ERR_INPUT, "constant/polyMesh: face %d has cell %d on both sides", l->face[i], l->left[i]);
+            return fail(ERR_INPUT, "constant/polyMesh: face %d has cell %d on both sides",
+                        links_face_name(l, l->face[i]), links_cell_name(l, l->left[i]));
     return find_images(l);
 }
 

@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of struct polyhedra (a polyhedral mesh as one rank sees it): polyhedra.c (numbering),
- * polyhedra_links.c (the whole mesh), polyhedra_geometry.c, polyhedra_stencil.c, polyhedra_halo.c. */
+ * polyhedra_cut.c (which rank has which cells), polyhedra_links.c (cells and links), polyhedra_geometry.c,
+ * polyhedra_stencil.c, polyhedra_halo.c. */
 #ifndef MESH_POLYHEDRA_PRIVATE_H
 #define MESH_POLYHEDRA_PRIVATE_H
 
 #include "mesh/polyhedral/polyhedra.h"
+#include "mesh/spread/spread.h"
 
 enum {
     MOST_RINGS = 6,    /* a stencil that is still too small then grows no further */
     MOST_IMAGES = 8192 /* images of a periodic domain that MOST_RINGS crossings of cyclic patches can reach */
 };
 
-/* The whole mesh as cells and links, the same on every rank. A link is a solved face (not a face of an empty patch);
+/* The mesh, or the part of it that a rank has, as cells and links. A link is a solved face (not a face of an empty patch);
  * the two faces of a cyclic pair are one link. Vectors are in computational axes but for face_centre and face_area. */
 struct links {
-    const struct polymesh *mesh;
+    const struct polymesh *all;  /* the whole mesh: its counts and patches */
+    const struct polymesh *mesh; /* the arrays: of all, or of the part */
+    const struct mesh_part *part;     /* NULL: this rank has the whole mesh */
     int dim, axis[3];
     bool gone[3];                    /* is the physical axis empty? */
     double middle[3], extent;        /* centre of the mesh's box along x y z, its longest side, m */
@@ -22,7 +26,7 @@ struct links {
     double *face_centre, *face_area; /* [nfaces][3] */
     int n;                           /* number of links, in the order of `face` */
     int *face, *twin;                /* [n] face of the left cell; face of the right cell of a cyclic pair, else -1 */
-    int *left, *right;               /* [n] polyMesh cells; right is -1 at the boundary */
+    int *left, *right;               /* [n] cells; right is -1 at the boundary */
     int *patch;                      /* [n] patch, -1 inside */
     /* [n] step in `next` that a crossing from left to right takes; -1: it stays in the same image */
     int *step;
@@ -33,8 +37,11 @@ struct links {
     double (*image)[3];       /* [nimages] shift; image 0 is none */
     int *next;                /* [nimages][2 ntranslations] image after a step, -1: too far */
 };
-status links_make(const struct polymesh *m, struct links *l);
+status links_make(const struct polymesh *all, const struct mesh_part *part, struct links *l);
 void links_free(struct links *l);
+/* Numbers in the whole mesh. */
+int links_cell_name(const struct links *l, int cell);
+int links_face_name(const struct links *l, int face);
 
 /* Crosses link `code` (of cell_link) out of its cell in image `image`: returns the cell beyond (-1: none), *to_image is
  * that cell's image. */
@@ -48,14 +55,24 @@ int links_face(const struct links *l, int code, bool *outward);
  * false if the face is no extruded edge. */
 bool links_edge(const struct links *l, int face, int *p, int *q);
 
+struct cut_mesh { /* what is cut: of a mesh that is spread, the part that a rank has read; else the mesh */
+    const struct polymesh *mesh;
+    const bool *whole; /* the cells of the slice, and numbers of all in the whole mesh; NULL where this is that */
+    const int *cell;
+    struct share cells;   /* the ranks that cut it, each a slice: all, or this one alone */
+    const double *centre; /* [cells of the slice][3] m */
+    int dim, axis[3];
+    double low[3], high[3]; /* m */
+    int nblocks;            /* cut_cells sets it */
+};
 struct cut {       /* the mesh in blocks, the blocks on ranks */
     int nblocks;   /* number of blocks of all ranks */
-    int *block_of; /* [ncells] */
     int *rank_of;  /* [nblocks] */
-    int *start;    /* [nblocks + 1] into order */
-    int *order;    /* [ncells] polyMesh cells, block by block, neighbours near each other */
+    struct share cells;
+    int *block; /* [cells of the slice] */
 };
-status cut_cells(const struct links *l, const struct comm *c, struct cut *cut);
+/* Collective over the ranks c, which the mesh is dealt to. */
+status cut_cells(struct cut_mesh *m, const struct comm *c, struct cut *cut);
 void cut_cells_free(struct cut *cut);
 
 struct polyhedra_private {
@@ -67,13 +84,12 @@ struct polyhedra_private {
     int nvar; /* variables of the fill under way */
     double *const *data;
 };
-/* Plans the ghost exchange: rank[ncells - nown] says which rank has a ghost, local[ncells_all] the number of a cell on
- * this rank. Collective. */
-status halo_make(struct polyhedra *m, const int *rank, const int *local);
+/* Plans the ghost exchange: rank[ncells - nown] says which rank has a ghost. Collective. */
+status halo_make(struct polyhedra *m, const int *rank);
 void halo_free(struct polyhedra_private *h);
 
 struct member { /* a member of a stencil */
-    int cell;   /* polyMesh cell, or ~link for the mirror there */
+    int cell;   /* of the links, or ~link for the mirror there */
     int image, ring;
 };
 /* A stencil that grows ring by ring. */

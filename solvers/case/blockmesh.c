@@ -2,7 +2,9 @@
 /* Reads system/blockMeshDict (blockmesh.h). Whatever in it is no union of boxes of equal cells is refused by name. */
 #include "solvers/case/blockmesh.h"
 
+#include "mesh/base/comm.h"
 #include "mesh/format/boxes.h"
+#include "mesh/spread/spread.h"
 #include "solvers/dict/params.h"
 
 #include <limits.h>
@@ -277,7 +279,13 @@ static bool find(char path[MESH_PATH], struct timespec *changed) {
     return true;
 }
 
-status case_mesh_read(const char *dir, struct case_mesh *out) {
+/* Reads the polyMesh in out->path; c: the ranks over which it may be spread, or NULL. */
+static status read_polymesh(const struct comm *c, struct case_mesh *out) {
+    if (c && comm_size(c) > 1 && !comm_pretends(c)) TRY(spread_read(out->path, c, &out->spread, &out->mesh));
+    return out->mesh ? OK : polymesh_read(out->path, &out->mesh);
+}
+
+static status read_mesh(const char *dir, const struct comm *c, struct case_mesh *out) {
     char boundary[MESH_PATH], blocks[MESH_PATH];
     struct timespec made, said;
     *out = (struct case_mesh){.mesh = NULL};
@@ -288,7 +296,7 @@ status case_mesh_read(const char *dir, struct case_mesh *out) {
     if (polymesh) {
         out->older = dictionary && find(boundary, &made) &&
                      (said.tv_sec > made.tv_sec || (said.tv_sec == made.tv_sec && said.tv_nsec > made.tv_nsec));
-        return polymesh_read(out->path, &out->mesh);
+        return read_polymesh(c, out);
     }
     if (!dictionary)
         return fail(ERR_INPUT,
@@ -296,4 +304,12 @@ status case_mesh_read(const char *dir, struct case_mesh *out) {
                     out->path, dir);
     memcpy(out->path, blocks, sizeof blocks);
     return read_dictionary(blocks, &out->mesh);
+}
+
+status case_mesh_read(const char *dir, struct case_mesh *out) {
+    return read_mesh(dir, NULL, out);
+}
+
+status case_mesh_spread(const char *dir, const struct comm *c, struct case_mesh *out) {
+    return read_mesh(dir, c, out);
 }

@@ -11,12 +11,16 @@
 enum { MESH_PATH = 4096 };
 struct case_mesh {
     struct polymesh *mesh;
+    struct spread *spread; /* NULL: each rank has the mesh */
     char path[MESH_PATH]; /* of the folder or file it was read from */
     bool older;           /* is that the polyMesh, and was system/blockMeshDict changed after it? */
 };
 /* Reads the mesh of the case in `dir`; a polyMesh is still to be checked (polymesh_check). Both being there, the
  * polyMesh counts, as in OpenFOAM. Local. */
 status case_mesh_read(const char *dir, struct case_mesh *out);
+/* The same; a polyMesh that several ranks read may be spread over them, and is checked then. Collective. */
+struct comm;
+status case_mesh_spread(const char *dir, const struct comm *c, struct case_mesh *out);
 void blockmesh_keywords(struct keywords *k); /* of system/blockMeshDict */
 
 #endif

@@ -50,10 +50,25 @@ static status check_cells(struct setup *s) {
     return e;
 }
 
-static status read_mesh(struct setup *s) {
+/* Is a mesh that is spread no lattice? Else each rank reads the whole of it. */
+static status look_for_lattice(struct setup *s) {
+    const struct mesh_part *h = &s->spread->home;
+    const struct lattice_part part = {s->comm, &h->mesh, h->whole, h->cell, h->face, s->mesh->ncells, s->mesh->nfaces};
+    bool ruled_out;
+    TRY(lattice_rule_out(&part, &ruled_out, s->why));
+    if (ruled_out) return OK;
+    spread_free(s->spread);
+    polymesh_free(s->mesh);
+    s->spread = NULL;
+    s->mesh = NULL;
+    return comm_agree(s->comm, polymesh_read(s->mesh_path, &s->mesh));
+}
+
+static status read_mesh(struct setup *s, bool whole) {
     struct case_mesh read;
-    const status e = case_mesh_read(s->dir, &read);
+    const status e = whole ? case_mesh_read(s->dir, &read) : case_mesh_spread(s->dir, s->comm, &read);
     s->mesh = read.mesh;
+    s->spread = read.spread;
     memcpy(s->mesh_path, read.path, sizeof s->mesh_path);
     TRY(e);
     if (read.older)
@@ -67,8 +82,10 @@ static status read_mesh(struct setup *s) {
         boxes_centre(s->mesh->boxes, 0, s->first);
         return lattice_of_boxes(s->mesh, &s->lattice);
     }
-    TRY(check_cells(s));
+    if (s->spread) TRY(look_for_lattice(s));
+    if (!s->spread) TRY(check_cells(s));
     s->checksum = polymesh_checksum(s->mesh);
+    if (s->spread) return OK;
     if (s->lattice) {
         lattice_centres(s->lattice, s->centre);
         free(s->volume);
@@ -79,9 +96,29 @@ static status read_mesh(struct setup *s) {
 }
 
 status setup_complete(const struct setup *s) {
+    ((struct setup *)(uintptr_t)s)->wanted = true;
+    return setup_borrow(s);
+}
+
+void setup_settle(struct setup *s) {
+    if (s->spread) spread_trim(s->spread);
+    grid_settle(s->grid);
+}
+
+void setup_release(struct setup *s) {
+    struct polymesh *m = s->mesh;
+    spread_free(s->spread);
+    s->spread = NULL;
+    if (!m->outline || s->wanted) return;
+    polymesh_drop(m);
+    drop_cells(s);
+}
+
+status setup_borrow(const struct setup *s) {
     struct setup *to = (struct setup *)(uintptr_t)s; /* what is added was there in the files */
     if (s->centre && s->volume) return OK;
     if (s->mesh->boxes) TRY(lattice_complete(to->lattice, to->mesh));
+    TRY(polymesh_complete(to->mesh));
     drop_cells(to);
     TRY(measure_cells(to));
     if (s->lattice) lattice_centres(s->lattice, to->centre);
@@ -89,7 +126,8 @@ status setup_complete(const struct setup *s) {
 }
 
 double setup_volume(const struct setup *s, long cell) {
-    return s->lattice ? lattice_volume(s->lattice) : s->volume[cell];
+    if (s->lattice) return lattice_volume(s->lattice);
+    return s->volume ? s->volume[cell] : spread_volume(s->spread, cell);
 }
 
 void setup_centre(const struct setup *s, long cell, double x[3]) {
@@ -97,14 +135,26 @@ void setup_centre(const struct setup *s, long cell, double x[3]) {
         memcpy(x, s->centre + 3 * cell, 3 * sizeof *x);
         return;
     }
+    if (s->spread) {
+        spread_centre(s->spread, cell, x);
+        return;
+    }
     memcpy(x, s->first, sizeof s->first);
     lattice_centre(s->lattice, cell, x);
 }
 
+void setup_place(const struct setup *s, long cell, double x[3]) {
+    if (s->grid->polyhedra)
+        polyhedra_place(s->grid->polyhedra, cell, x);
+    else
+        setup_centre(s, cell, x);
+}
+
 status setup_grid(struct setup *s, bool polyhedral, int rings) {
     const bool forest = s->lattice && !polyhedral;
+    if (s->spread) return grid_make_spread(s->mesh, s->spread, rings, &s->grid);
     if (!forest) TRY(setup_complete(s));
-    TRY(grid_make(forest ? s->lattice : NULL, s->mesh, s->centre, s->volume, s->comm, rings, &s->grid));
+    TRY(grid_make(forest ? s->lattice : NULL, s->mesh, s->centre, s->comm, rings, &s->grid));
     if (!forest || s->medium->type->whole) return OK;
     lattice_drop_faces(s->lattice);
     drop_cells(s);
@@ -129,7 +179,7 @@ static void complete_axes(struct setup *s) {
 static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
     s->warnings.accepted = s->control->accepted;
-    TRY(read_mesh(s));
+    TRY(read_mesh(s, type->whole));
     if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
@@ -194,6 +244,7 @@ void case_free(struct setup *s) {
     if (!s) return;
     if (s->medium) s->medium->type->free(s->medium);
     grid_free(s->grid);
+    spread_free(s->spread);
     lattice_free(s->lattice);
     polymesh_free(s->mesh);
     control_free(s->control);
@@ -222,9 +273,10 @@ status case_table(const struct setup *s, const char *folder, const char *file, F
 
 double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
-    double mesh = s->mesh->points ? points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28) : 0;
+    const double copies = s->mesh->outline ? 1.2 : comm_size(s->comm); /* of a mesh that is spread, with its halos */
+    double mesh = s->mesh->boxes && !s->mesh->points ? 0 : points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
     const bool sliced =
-        s->grid && s->grid->forest && !s->medium->type->whole; /* the ranks share the fields of the start */
+        s->grid && (s->grid->forest || s->mesh->outline) && !s->medium->type->whole; /* the ranks share the fields of the start */
     const double fields = cells * 8 * 12 * (sliced ? 1 : comm_size(s->comm));
-    return mesh * comm_size(s->comm) + fields + s->medium->type->memory(s->medium);
+    return mesh * copies + fields + s->medium->type->memory(s->medium);
 }

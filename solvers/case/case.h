@@ -23,9 +23,11 @@ struct setup { /* the same on every rank, but for the grid */
     struct warnings warnings;
     struct polymesh *mesh;
     char mesh_path[TIME_PATH]; /* of the folder or file that says it */
-    /* [ncells][3] m, [ncells] m^3: of the cells. On lattices they are there after setup_complete, and centres of a
-     * polyMesh until setup_grid, too; setup_volume and setup_centre do without. */
+    struct spread *spread; /* of a mesh that is spread over the ranks, until setup_release; else NULL */
+    /* [ncells][3] m, [ncells] m^3: of the cells. On lattices, and of a mesh that is spread, they are there after
+     * setup_complete, and centres of a polyMesh until setup_grid, too; setup_volume and setup_centre do without. */
     double *centre, *volume;
+    bool wanted; /* has someone asked for them for the whole run? */
     double first[3];   /* m: the centre of cell 0, for axes of one cell */
     double *face_area; /* [nfaces][3] m^2 of a mesh that is no lattice, as polymesh_face_geometry; NULL once the state
                         * is read */
@@ -55,8 +57,16 @@ int setup_lines(const struct setup *s, int quantity);
 /* Makes the arrays of the mesh, of its lattice (but for faces after setup_grid) and of its cells that are not there,
  * for what reads them; local. */
 status setup_complete(const struct setup *s);
-double setup_volume(const struct setup *s, long cell);            /* of a cell, m^3 */
-void setup_centre(const struct setup *s, long cell, double x[3]); /* of a cell, m */
+/* The same for the start of a run alone: setup_release, when that is over, frees them again where the mesh is spread.
+ * Before the medium takes its memory, when function objects have found their points, setup_settle frees what is needed
+ * no more but volumes of cells. */
+status setup_borrow(const struct setup *s);
+void setup_settle(struct setup *s);
+void setup_release(struct setup *s);
+/* Of a cell (m^3; m). Where the mesh is spread, the cell must be of this rank's slice. */
+double setup_volume(const struct setup *s, long cell);
+void setup_centre(const struct setup *s, long cell, double x[3]);
+void setup_place(const struct setup *s, long cell, double x[3]); /* the centre of any cell (m). Collective */
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);
 /* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */

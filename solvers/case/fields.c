@@ -179,7 +179,9 @@ status field_agree(const struct field_place *at, status mine) {
 }
 
 void field_centre(const struct field_place *at, long cell, double x[3]) {
-    if (at->centre)
+    if (at->spread)
+        spread_centre(at->spread, cell, x);
+    else if (at->centre)
         memcpy(x, at->centre + 3 * cell, 3 * sizeof *x);
     else
         boxes_centre(at->mesh->boxes, cell, x);

@@ -6,6 +6,7 @@
 #include "libcore/models/param.h"
 #include "mesh/base/share.h"
 #include "mesh/format/polymesh.h"
+#include "mesh/spread/spread.h"
 #include "solvers/case/varying.h"
 #include "solvers/dict/keywords.h"
 
@@ -49,6 +50,7 @@ struct field_place {
     const double *centre;      /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes */
     double t;                  /* s */
     const struct share *share; /* the cells of this rank's slice; NULL: every rank reads all cells */
+    const struct spread *spread; /* has the centres of that slice where the mesh is spread over the ranks; else NULL */
 };
 long field_first(const struct field_place *at);  /* the first of the cells that are read */
 long field_ncells(const struct field_place *at); /* how many follow one another from there on */

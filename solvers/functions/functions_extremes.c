@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct reached { /* a cell and its centre, m; made out by a search */
+struct reached { /* a cell and its centre, m; found by a search, in which all ranks take part */
     int cell;
     double x[3];
 };
 struct extremes {
     FILE *file;           /* on the root; opened by the first execution */
     int *lowest;          /* [blocks] the lowest polyMesh cell of each block; made by the first execution */
-    struct reached *spot; /* [fields][2] where the extremes were last; on the root, made likewise */
+    struct reached *spot; /* [fields][2] where the extremes were last; made likewise */
 };
 
 static const char *const modes[] = {"magnitude", NULL};
@@ -113,16 +113,20 @@ static status find_lowest(const struct grid *grid, int **out) {
     return OK;
 }
 
-/* Returns the centre of a cell. */
-static const double *centre_of(const struct function *f, int cell, struct reached *spot) {
-    if (spot->cell != cell) setup_centre(f->setup, cell, spot->x);
+/* Returns the centre of a cell, which every rank names. */
+static const double *place_of(const struct function *f, int cell, struct reached *spot) {
+    if (spot->cell != cell) setup_place(f->setup, cell, spot->x);
     spot->cell = cell;
     return spot->x;
 }
 
-static status open_table(const struct function *f, struct extremes *e) {
+static status begin(const struct function *f, struct extremes *e) {
     TRY(allocate(&e->spot, 2L * f->nfields + 1, sizeof *e->spot, "places"));
     for (int i = 0; i < 2 * f->nfields; i++) e->spot[i].cell = -1;
+    return find_lowest(f->setup->grid, &e->lowest);
+}
+
+static status open_table(const struct function *f, struct extremes *e) {
     TRY(function_open(f, f->setup->start.name, "fieldMinMax.dat", &e->file));
     fprintf(e->file, "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
     return OK;
@@ -132,15 +136,15 @@ static status extremes_execute(struct function *f, const struct moment *now, con
     struct extremes *e = f->own;
     (void)time;
     bool root = comm_root(f->setup->comm);
-    status s = e->lowest ? OK : find_lowest(f->setup->grid, &e->lowest);
+    status s = e->lowest ? OK : begin(f, e);
     TRY(comm_agree(f->setup->comm, s));
     if (root && !e->file) s = open_table(f, e);
     for (int k = 0; k < f->nfields; k++) {
         double v[2];
         int cell[2];
         find_extremes(f, f->field[k], v, cell);
+        const double *a = place_of(f, cell[0], &e->spot[2 * k]), *b = place_of(f, cell[1], &e->spot[2 * k + 1]);
         if (!root || s) continue;
-        const double *a = centre_of(f, cell[0], &e->spot[2 * k]), *b = centre_of(f, cell[1], &e->spot[2 * k + 1]);
         fprintf(e->file, "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
                 quantity_of(f, f->field[k])->name, v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
         s = function_end_row(f, e->file);

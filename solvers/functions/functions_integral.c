@@ -40,7 +40,7 @@ static double sum_block(const struct function *f, int field, int b, int componen
     for (int i = 0; i < block->ncells && own->operation == SUM; i++) total += v[n > 1 ? i : 0];
     const double same = grid->forest ? grid->forest->volume : 0; /* of a lattice's cells */
     for (int i = 0; i < block->ncells && own->operation != SUM; i++)
-        total += (grid->forest ? same : grid_volume(grid, block->cell[i])) * v[n > 1 ? i : 0];
+        total += (grid->forest ? same : grid_volume(grid, b, i)) * v[n > 1 ? i : 0];
     if (n > 1) return total;
     kept[0] = *v;
     return kept[1] = total;
@@ -94,7 +94,7 @@ static status find_volumes(const struct function *f, struct integral *v) {
     for (long i = 0; i < most; i++) v->kept[i] = NAN;
     TRY(allocate(&per_block, grid->nblocks + 1L, sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++)
-        for (int i = 0; i < grid->block[b].ncells; i++) per_block[b] += grid_volume(grid, grid->block[b].cell[i]);
+        for (int i = 0; i < grid->block[b].ncells; i++) per_block[b] += grid_volume(grid, b, i);
     status s = grid_sum(grid, per_block, &v->volume);
     free(per_block);
     return s;
@@ -104,8 +104,9 @@ static status integral_open(const struct function *f, struct integral *v) {
     const struct grid *grid = f->setup->grid;
     double volume = 0, part = 0;
     TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &v->file));
-    for (int i = 0; i < grid->ncells_all; i++) { /* in pieces, which keep the digits of many equal volumes */
-        part += grid_volume(grid, i);
+    if (grid->polyhedra) volume = v->volume;
+    for (int i = 0; grid->forest && i < grid->ncells_all; i++) { /* in pieces, which keep the digits of equal volumes */
+        part += grid->forest->volume;
         if (i % 1000 != 999) continue;
         volume += part;
         part = 0;

@@ -32,7 +32,7 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
     for (int i = 0; i < n; i++) {
         struct spot *p = &s->at[s->n++];
         memcpy(p->x, points + 3 * (long)i, sizeof p->x);
-        grid_locate(f->setup->grid, p->x, &p->block, &p->cell);
+        TRY(grid_locate(f->setup->grid, p->x, &p->block, &p->cell));
         double found = p->block >= 0;
         for (int a = 0; a < 3; a++)
             if (p->x[a] < low[a] || p->x[a] > high[a]) found = 0;

@@ -72,8 +72,10 @@ static void add_states(struct averager *a) {
 }
 
 static status run(struct averager *a) {
-    const int ncells = a->place->mesh->ncells;
-    TRY(quadrature_make(a->place->mesh, a->place->centre, a->dim, a->s->axis, &a->quadrature));
+    const struct spread *spread = a->place->spread;
+    const int ncells = (int)a->s->ncells, base = spread ? spread->base : 0;
+    TRY(quadrature_make(spread ? &spread->home.mesh : a->place->mesh,
+                        spread ? spread->geometry.cell_centre : a->place->centre, a->dim, a->s->axis, &a->quadrature));
     const long room = (long)CHUNK * a->quadrature->most;
     TRY(allocate(&a->x, room, sizeof *a->x, "points of the cells"));
     TRY(allocate(&a->cell, room, sizeof *a->cell, "points of the cells"));
@@ -87,7 +89,7 @@ static status run(struct averager *a) {
     for (int from = 0; from < ncells; from += CHUNK) {
         a->n = 0;
         for (int c = from; c < ncells && c < from + CHUNK; c++) {
-            int points = quadrature_cell(a->quadrature, c, a->x + a->n, a->weight + a->n);
+            int points = quadrature_cell(a->quadrature, base + c, a->x + a->n, a->weight + a->n);
             while (points--) a->cell[a->n++] = c;
         }
         TRY(take_states(a));

@@ -76,7 +76,10 @@ static void largest_gravity(const struct setup *s, const struct sources *q, doub
  * flattest cell; |g|/h is the sum of |g . A| / (2 V) over its faces. The speed of sound alone would let cold gas at
  * rest fall through many cells in its first step. */
 static status find_fall(const struct setup *s, const struct sources *q, double *out) {
-    const struct polymesh *m = s->mesh;
+    const struct spread *spread = s->spread;
+    const struct polymesh *m = spread ? &spread->home.mesh : s->mesh;
+    const double *area = spread ? spread->geometry.face_area : s->face_area,
+                 *volume = spread ? spread->geometry.volume : s->volume;
     const struct lattice *l = s->lattice;
     double g[3], *through = NULL, most = 0;
     largest_gravity(s, q, g);
@@ -85,12 +88,14 @@ static status find_fall(const struct setup *s, const struct sources *q, double *
     if (l) return OK;
     TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
     for (int f = 0; f < m->nfaces; f++) {
-        const double *A = s->face_area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
+        const double *A = area + 3L * f, part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]);
         through[m->owner[f]] += part;
         if (f < m->ninternal) through[m->neighbour[f]] += part;
     }
-    for (int i = 0; i < m->ncells; i++) most = fmax(most, through[i] / (2 * s->volume[i]));
+    for (int i = 0; i < m->ncells; i++)
+        if (!spread || spread->home.whole[i]) most = fmax(most, through[i] / (2 * volume[i]));
     free(through);
+    if (spread) comm_max(s->comm, &most, 1);
     *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
     return OK;
 }
@@ -101,6 +106,11 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     bool moved[3];
     models_move(m, moved);
     TRY(initial_read(s->dir, &s->start, place, s->dim, s->axis, moved, &m->gas, &g->initial));
+    if (!g->initial) { /* layers of grains are computed from all cells */
+        if (s->spread) TRY(comm_agree(s->comm, setup_borrow(s)));
+        const struct field_place whole = {s->mesh, s->centre, s->start.t, NULL, NULL};
+        TRY(initial_read(s->dir, &s->start, &whole, s->dim, s->axis, moved, &m->gas, &g->initial));
+    }
     m->gas.components = s->components = g->initial->components;
     memcpy(s->axis, g->initial->axis, sizeof s->axis);
     models_turn(m, s->components, s->axis);
@@ -133,9 +143,10 @@ static status gas_read_state(struct setup *s) {
     if (g->models->engine && g->models->engine->polyhedral) TRY(setup_complete(s));
     TRY(find_fall(s, &models->source, &g->fall));
     const struct share slices = share_make(s->comm, s->mesh->ncells);
-    const bool sliced = s->lattice && !(g->models->engine && g->models->engine->polyhedral);
-    const struct field_place place = {s->mesh, s->centre, s->start.t, sliced ? &slices : NULL};
+    const bool sliced = s->spread || (s->lattice && !(g->models->engine && g->models->engine->polyhedral));
+    const struct field_place place = {s->mesh, s->centre, s->start.t, sliced ? &slices : NULL, s->spread};
     TRY(read_initial(s, g, &place));
+    const struct field_place whole = {s->mesh, s->centre, s->start.t, NULL, NULL};
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
@@ -152,7 +163,10 @@ static status gas_read_state(struct setup *s) {
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
-    if (s->grid->polyhedra && models->polynomial->degree > 1) TRY(initial_average(g->initial, &place, s->dim, models));
+    if (s->grid->polyhedra && models->polynomial->degree > 1) {
+        const struct field_place *at = g->initial->sliced ? &place : &whole;
+        TRY(field_agree(at, initial_average(g->initial, at, s->dim, models)));
+    }
     initial_drop_fields(g->initial);
     return OK;
 }
@@ -162,6 +176,7 @@ static status gas_start(struct medium *m) {
     struct setup *s = m->setup;
     const struct gas_models *models = &g->models->gas;
     const struct initial *i = g->initial;
+    setup_settle(s);
     if (s->start.step == 0) TRY(scales_check(s, models, i));
     g->limiter.fills = models->alpha_floor > 0;
     TRY(s->grid->forest ? gas_make(s->grid->forest, models, s->mesh->npatches, i->rules, &g->gas)
@@ -179,6 +194,7 @@ static status gas_start(struct medium *m) {
     TRY(gas_totals(g->gas, totals));
     g->first[0] = (struct first_total){"mass", totals[0]};
     g->first[1] = (struct first_total){"energy", totals[1 + s->components]};
+    setup_release(s);
     return totals_resume(s, g->first, 2);
 }
 

@@ -454,18 +454,16 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out) {
     struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL, false};
-    struct field_place whole = *place;
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
     s->npatches = place->mesh->npatches;
     const status e = read_all(&r, moved, s);
-    if (e || (r.layered && s->sliced)) initial_free(s);
-    if (e) return e;
-    whole.share = NULL;
-    if (r.layered && place->share) return initial_read(case_dir, at, &whole, dim, axis, moved, models, out);
-    *out = s;
-    return OK;
+    if (e || (r.layered && s->sliced))
+        initial_free(s);
+    else
+        *out = s;
+    return e;
 }
 
 static status read_rest(struct reader *r, struct initial *s) {

@@ -43,9 +43,10 @@ static status finds_layer(const struct setup *s, const struct instant *at, bool 
 
 static status read_rest(const struct setup *s, const struct instant *at, const struct gas_models *models,
                         struct initial **out) {
-    const struct field_place place = {s->mesh, s->centre, at->t, NULL};
     bool layer;
     TRY(finds_layer(s, at, &layer));
+    if (layer) TRY(setup_borrow(s));
+    const struct field_place place = {s->mesh, s->centre, at->t, NULL, NULL};
     return layer ? initial_rest(s->dir, at, &place, s->dim, s->components, s->axis, models, out) : OK;
 }
 

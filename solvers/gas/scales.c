@@ -62,8 +62,9 @@ static status add_ranks(const struct initial *i, int n, double *const sum[]) {
 static status measure_mass(const struct setup *s, const struct gas_models *models, const struct initial *i,
                            struct scales *q) {
     const struct material *m = &models->material;
+    const long first = i->sliced ? i->share.first : 0;
     for (long c = 0; c < i->ncells; c++) {
-        const double volume = setup_volume(s, c), mass = i->rho[c] * volume;
+        const double volume = setup_volume(s, first + c), mass = i->rho[c] * volume;
         const double width = pow(volume / q->thickness, 1. / s->dim);
         const double number = i->rho[c] / m->mass * pow(width, m->disks ? 2 : 3);
         const double knudsen = free_path(models, i->rho[c]) / q->shortest;

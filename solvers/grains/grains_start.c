@@ -50,14 +50,14 @@ static status take(const struct setup *s, const struct field *f, int component, 
 }
 
 static status check_cells(const struct setup *s, const struct field *f, double most, const char *what) {
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
     for (int i = 0; i < s->mesh->ncells; i++)
         if (!(f->values[i] >= 0 && f->values[i] < most)) return field_fail(f, &place, i, "%s", what);
     return OK;
 }
 
 static status check_velocity(const struct setup *s, const struct field *U) {
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
     bool solved[3] = {false, false, false};
     for (int k = 0; k < s->dim; k++) solved[s->axis[k]] = true;
     for (int x = 0; x < 3; x++)
@@ -84,7 +84,7 @@ static status take_density(const struct setup *s, const struct grains_models *m,
 /* Lays a settledLayer, with its waves, as granularGas does: by the equation of state, if it is hydrostatic. */
 static status lay(const struct setup *s, const struct grains_models *m, const struct layers *l, struct field *density,
                   const struct field *T) {
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
     struct gas_models gas;
     if (!l) return OK;
     TRY(models_equation(m->granular, &gas));
@@ -93,7 +93,7 @@ static status lay(const struct setup *s, const struct grains_models *m, const st
 }
 
 static status read_fields(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
     struct layers *layers[FIELD_COUNT] = {NULL};
     status e = OK;
     for (int i = 0; i < FIELD_COUNT && !e; i++) {

@@ -44,7 +44,7 @@ status outlook_mesh(struct setup *s) {
     const struct polymesh *m = s->mesh;
     struct narrowest n;
     double *face;
-    if (s->lattice) return OK; /* all cells are equal */
+    if (s->lattice || s->mesh->outline) return OK; /* all cells are equal, or were compared (spread_read) */
     TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
     polymesh_face_geometry(m, face, face + 3L * m->nfaces);
     status e = polymesh_narrowest(m, face + 3L * m->nfaces, s->volume, &n);

@@ -69,7 +69,7 @@ static status find_own(const struct setup *s, char name[TIME_NAME]) {
 
 static status read_own(const struct setup *s, struct segregation_flow *f) {
     char path[2 * TIME_PATH], name[TIME_NAME];
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
     TRY(find_own(s, name));
     snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
     if (!field_exists(path)) return OK;

@@ -60,7 +60,7 @@ static int place_of(const struct mixture *x, int cell) {
 
 static status read_phi(struct setup *s, struct mixture *x) {
     char path[2 * TIME_PATH];
-    const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t, NULL};
+    const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t, NULL, NULL};
     const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
     snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.folder);
     TRY(field_read(path, &segregation_phi, &place, &x->field));

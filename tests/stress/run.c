@@ -163,7 +163,7 @@ static status make_polyhedra(struct scene *s) {
     }
     free(face);
     TRY(e);
-    TRY(grid_make(NULL, m, s->centre, s->volume, s->comm, s->models.polynomial->rings, &s->grid));
+    TRY(grid_make(NULL, m, s->centre, s->comm, s->models.polynomial->rings, &s->grid));
     return gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas);
 }
 

@@ -22,8 +22,9 @@ ROOMS = {
     "mesh/base": [],
     "mesh/format": ["mesh/base"],
     "mesh/lattice": ["mesh/base", "mesh/format"],
-    "mesh/polyhedral": ["mesh/base", "mesh/format"],
-    "mesh/grid": ["mesh/base", "mesh/format", "mesh/lattice", "mesh/polyhedral"],
+    "mesh/spread": ["mesh/base", "mesh/format"],
+    "mesh/polyhedral": ["mesh/base", "mesh/format", "mesh/spread"],
+    "mesh/grid": ["mesh/base", "mesh/format", "mesh/lattice", "mesh/spread", "mesh/polyhedral"],
     "libcore/models": ["mesh/base"],
     "libcore/acoustics": ["libcore/models", "mesh/base"],
     "libcore/schemes": ["libcore/models", "mesh/base", "mesh/polyhedral"],
@@ -33,7 +34,7 @@ ROOMS = {
     "libcore/grains": ["libcore/models", "mesh/base"],
     "libcore/segregation": ["libcore/models", "mesh/base"],
     "solvers/dict": ["libcore/models", "mesh/base", "mesh/format"],
-    "solvers/case": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "solvers/dict"],
+    "solvers/case": ["libcore/models", "mesh/base", "mesh/format", "mesh/spread", "mesh/grid", "solvers/dict"],
     "solvers/output": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "solvers/dict", "solvers/case"],
     "solvers/functions": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "solvers/dict", "solvers/case",
                           "solvers/output"],
@@ -51,13 +52,14 @@ ROOMS = {
 LIBRARIES = {
     r"mpi\.h": ["mesh/base/comm.c"],
     r"(p4est|p8est|sc)[_.]": ["mesh/lattice/trees_flat.c", "mesh/lattice/trees_solid.c"],
-    r"metis\.h": ["mesh/polyhedral/polyhedra_halo.c"],
+    r"metis\.h": ["mesh/polyhedral/polyhedra_cut.c"],
     r"petsc": ["libcore/gas/implicit_petsc.c"],
     r"lapacke?\.h": ["libcore/segregation/segregation.c"],
     r"dlfcn\.h": ["solvers/gas/linear.c"],
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
                            "solvers/output/vtk.c"],
-    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamshared.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c"],
+    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamshared.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/slices.c",
+                  "mesh/spread/spread_outline.c"],
 }
 
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.

@@ -40,7 +40,7 @@ static bool begin(struct fixture *x, int kind) {
     free(face), free(area);
     ok(lattice_recognise(x->m, &x->l, why));
     assert_true((x->l == NULL) == (r->noise > 0));
-    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, x->volume, world, 1 + kind % 2, &x->g));
+    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, world, 1 + kind % 2, &x->g));
     assert_true(forest ? x->g->forest && !x->g->polyhedra : x->g->polyhedra && !x->g->forest);
     return true;
 }
@@ -62,8 +62,7 @@ static void blocks_cover_the_mesh_once(void **state) {
         assert_int_equal(g->dim, polymesh_axes(x.m, axis));
         assert_memory_equal(g->axis, axis, (size_t)g->dim * sizeof *axis);
         assert_int_equal(g->ncells_all, x.m->ncells);
-        assert_true(g->nblocks_all >= (s < RECIPES ? 4 : 1) && g->mesh == x.m && g->centre == x.centre &&
-                    g->volume == x.volume);
+        assert_true(g->nblocks_all >= (s < RECIPES ? 4 : 1) && g->mesh == x.m);
         long *seen = calloc((size_t)g->ncells_all + (size_t)g->nblocks_all, sizeof *seen);
         for (int b = 0; b < g->nblocks; b++) {
             seen[g->ncells_all + g->block[b].id]++;
@@ -73,7 +72,7 @@ static void blocks_cover_the_mesh_once(void **state) {
                 seen[cell]++;
                 grid_centre(g, b, i, centre);
                 for (int k = 0; k < 3; k++) assert_true(fabs(centre[k] - x.centre[3 * cell + k]) < 1e-12);
-                assert_true(fabs(grid_volume(g, cell) / x.volume[cell] - 1) < 1e-12);
+                assert_true(fabs(grid_volume(g, b, i) / x.volume[cell] - 1) < 1e-12);
             }
         }
         comm_sum_long(world, seen, g->ncells_all + g->nblocks_all);
@@ -123,7 +122,7 @@ static void sums_have_the_same_bits_on_any_number_of_ranks(void **state) {
 static long find(const struct grid *g, const double point[3]) {
     int block, cell;
     long found[2] = {0};
-    grid_locate(g, point, &block, &cell);
+    ok(grid_locate(g, point, &block, &cell));
     if (block >= 0) {
         found[0] = 1;
         found[1] = g->block[block].cell[cell];
