@@ -29,8 +29,8 @@ struct outline {
     bool closed[3];         /* axes that `empty` patches close */
     unsigned long sum;      /* CRC-32 of points, faces, owner, neighbour */
     long shape[5];          /* cells of each shape (polymesh_shapes) */
-    int **cell;          /* [patches][faces] cell at a face of a patch that is not empty */
-    double **face;       /* [patches][faces][6] its centre (m) and area vector (m^2) */
+    int **cell;             /* [patches][faces] cell at a face of a patch that is not empty */
+    double **face;          /* [patches][faces][6] its centre (m) and area vector (m^2) */
 };
 struct polymesh {
     /* before polymesh_complete npoints is 0, and numbers of faces beyond INT_MAX are INT_MAX */
@@ -102,7 +102,8 @@ const char *polymesh_boundary_file(const struct polymesh *m);
 /* Fails on coordinates so large that volumes would overflow. */
 status polymesh_check_points(const struct polymesh *m);
 
-/* Sets width[ncells] to the V/A of the cells. Finds the narrowest cell. Area and volume are those of polymesh_face_geometry and polymesh_cell_geometry. */
+/* Sets width[ncells] to the V/A of the cells. Finds the narrowest cell. Area and volume are those of
+ * polymesh_face_geometry and polymesh_cell_geometry. */
 void polymesh_widths(const struct polymesh *m, const double *area, const double *volume, double *width);
 status polymesh_narrowest(const struct polymesh *m, const double *area, const double *volume, struct narrowest *out);
 

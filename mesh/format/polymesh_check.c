@@ -20,10 +20,10 @@ static const double MATCH = 1e-4;  /* tolerance of positions for cyclic faces, t
 struct check {
     const struct polymesh *m;
     const struct polymesh_geometry *g;
-    const bool *whole;          /* of a part of a mesh: has a cell all its faces? NULL: each has */
-    const double (*offset)[3];  /* [npatches] from a cyclic patch to its other half, m; NULL: find it */
-    bool axes[3];               /* axes that empty patches close */
-    char *covered; /* [ncells][6] empty faces per axis and side */
+    const bool *whole;         /* of a part of a mesh: has a cell all its faces? NULL: each has */
+    const double (*offset)[3]; /* [npatches] from a cyclic patch to its other half, m; NULL: find it */
+    bool axes[3];              /* axes that empty patches close */
+    char *covered;             /* [ncells][6] empty faces per axis and side */
     long defects;
     char text[TEXT]; /* the first defects */
 };

@@ -16,12 +16,12 @@ struct grid_private {
 
     int *cell;                   /* polyhedral: [nown] cells, block by block */
     const struct polymesh *mesh; /* polyhedral: the mesh, or the part of it in which cells are searched for */
-    struct mesh_part part;            /* of a mesh that is spread: the cells of this rank and those around */
+    struct mesh_part part;       /* of a mesh that is spread: the cells of this rank and those around */
     const double *centre;        /* [cells of that mesh][3] m */
     double *own_centre;          /* those of the part */
-    int *place;            /* [cells of that mesh] where a cell stands in `cell`, -1: on another rank */
-    bool *mine;            /* [cells of the part] is it of this rank? */
-    struct search *search; /* made when it is wanted */
+    int *place;                  /* [cells of that mesh] where a cell stands in `cell`, -1: on another rank */
+    bool *mine;                  /* [cells of the part] is it of this rank? */
+    struct search *search;       /* made when it is wanted */
 };
 
 /* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */

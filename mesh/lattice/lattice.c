@@ -18,10 +18,10 @@ struct search {
     const struct lattice_part *part; /* where m is a part of the mesh; else NULL */
     long ncells;                     /* of the mesh */
     long failed;                     /* where the search ended: at a face, or behind all faces at a cell */
-    double *box;  /* [ncells][6]: low x y z, high x y z */
-    int *side;    /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), or -1 */
-    int *at;      /* [ncells][3] position along the physical axes */
-    bool gone[3]; /* axes that empty patches remove */
+    double *box;                     /* [ncells][6]: low x y z, high x y z */
+    int *side;                       /* [ncells][6] face at physical side 2*axis + (0 low, 1 high), or -1 */
+    int *at;                         /* [ncells][3] position along the physical axes */
+    bool gone[3];                    /* axes that empty patches remove */
     double low[3], extent[3], width[3];
     int n[3];
     int *cell; /* [n0*n1*n2] cell at a place of the grid, by physical axes, or -1 */

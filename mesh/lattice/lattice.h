@@ -32,9 +32,9 @@ status lattice_recognise(const struct polymesh *m, struct lattice **out, char wh
 struct lattice_part { /* a part of a mesh that is spread over the ranks: some cells with all their faces */
     const struct comm *comm;
     const struct polymesh *mesh;
-    const bool *whole;       /* [cells of the part] the cells that it is about */
-    const int *cell, *face;  /* their numbers in the whole mesh */
-    long ncells, nfaces;     /* of that */
+    const bool *whole;      /* [cells of the part] the cells that it is about */
+    const int *cell, *face; /* their numbers in the whole mesh */
+    long ncells, nfaces;    /* of that */
 };
 /* Finds out, without the whole mesh on any rank, that a mesh cannot be a lattice; why[] then says the reason that
  * lattice_recognise would say. Where *ruled_out is false the mesh may be one. Collective. */

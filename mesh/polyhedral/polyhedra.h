@@ -81,8 +81,8 @@ struct polyhedra {
     int *corner_first;  /* [corners + 1] into corner_member */
     int *corner_member; /* index into the cell's stencil */
 
-    /* Blocks: a space-filling curve is cut into blocks of about 500 cells, the same for any number of ranks; METIS deals
-     * them. */
+    /* Blocks: a space-filling curve is cut into blocks of about 500 cells, the same for any number of ranks; METIS
+     * deals them. */
     int nblocks, nblocks_all;
     int *block_id;    /* [nblocks] */
     int *block_start; /* [nblocks + 1] into block_cell */

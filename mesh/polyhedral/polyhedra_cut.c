@@ -14,8 +14,8 @@ enum { BLOCK = 500, SEED = 1, HALF = 31, BINS = 1 << 16, BIN_BITS = 16, SENT = 3
 
 /* ---- the curve --------------------------------------------------------------------------------------------------- */
 
-/* Returns the place on Hilbert's curve of a point of a grid of 2^bits cells a side (J. Skilling, Programming the Hilbert
- * curve, AIP Conf. Proc. 707, 381, 2004). */
+/* Returns the place on Hilbert's curve of a point of a grid of 2^bits cells a side (J. Skilling, Programming the
+ * Hilbert curve, AIP Conf. Proc. 707, 381, 2004). */
 static uint64_t hilbert(uint32_t x[3], int dim, int bits) {
     if (dim == 1) return x[0];
     for (uint32_t q = (uint32_t)1 << (bits - 1); q > 1; q >>= 1)
@@ -73,8 +73,8 @@ static int by_key(const void *a, const void *b) {
 
 struct sorting {
     const struct cut_mesh *m;
-    long *before;   /* [BINS + 1] cells of all ranks on the curve before a bin */
-    uint64_t *key;  /* [cells of the slice] */
+    long *before;          /* [BINS + 1] cells of all ranks on the curve before a bin */
+    uint64_t *key;         /* [cells of the slice] */
     int *count, *arriving; /* [ranks] ints */
     int *out, *in;
     struct place *place;
@@ -281,14 +281,14 @@ static status graph_cut(const struct graph *g, int parts, int *part) {
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = SEED;
     options[METIS_OPTION_NUMBERING] = 0;
-    const int result = METIS_PartGraphRecursive(&n, &constraints, g->start, g->to, NULL, NULL, g->weight,
-                                                &nparts, NULL, NULL, options, &cut, part);
+    const int result = METIS_PartGraphRecursive(&n, &constraints, g->start, g->to, NULL, NULL, g->weight, &nparts, NULL,
+                                                NULL, options, &cut, part);
     return result == METIS_OK
                ? OK
                : fail(ERR_SYSTEM, "METIS cannot cut a graph of %d into %d: error %d", g->n, parts, result);
 }
 
-/* Gives each rank without a block one of the rank that has most; with fewer blocks than ranks some stay without. */
+/* Gives each rank without a block one of the rank that has most. */
 static status fill_ranks(int nblocks, int ranks, int *rank_of) {
     int *count;
     TRY(allocate(&count, ranks, sizeof *count, "the ranks"));
@@ -297,7 +297,7 @@ static status fill_ranks(int nblocks, int ranks, int *rank_of) {
         int most = 0, b = 0;
         for (int i = 1; i < ranks; i++)
             if (count[i] > count[most]) most = i;
-        if (count[r] || count[most] < 2) continue;
+        if (count[r]) continue;
         while (rank_of[b] != most) b++;
         rank_of[b] = r;
         count[most]--;
@@ -309,6 +309,8 @@ static status fill_ranks(int nblocks, int ranks, int *rank_of) {
 
 static status cut_pairs(const struct cut_mesh *m, int ranks, long n, struct pair *pair, int *rank_of) {
     struct graph g = {0};
+    for (int b = 0; b < m->nblocks; b++) rank_of[b] = b;
+    if (m->nblocks <= ranks) return OK; /* some ranks stay without */
     n = join_pairs(pair, n);
     status s = graph_make(m->nblocks, n, pair, &g);
     if (!s) s = graph_cut(&g, ranks, rank_of);

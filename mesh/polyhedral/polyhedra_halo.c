@@ -23,7 +23,8 @@ static status find_cells(const struct polyhedra *m, int n, int *cell) {
     for (int i = 0; i < m->nown; i++) name[i] = (struct name){m->cell[i], i};
     if (m->nown) qsort(name, (size_t)m->nown, sizeof *name, by_name);
     for (int i = 0; i < n; i++) {
-        const struct name wanted = {cell[i], 0}, *found = bsearch(&wanted, name, (size_t)m->nown, sizeof *name, by_name);
+        const struct name wanted = {cell[i], 0},
+                          *found = bsearch(&wanted, name, (size_t)m->nown, sizeof *name, by_name);
         cell[i] = found->local; /* its rank was asked for it */
     }
     free(name);

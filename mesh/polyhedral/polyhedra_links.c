@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A polyMesh, or a part of it, as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves join, which
- * images a periodic domain has. */
+/* A polyMesh, or a part of it, as cells and links, for polyhedral meshes: which axes are solved, how cyclic halves
+ * join, which images a periodic domain has. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -13,12 +13,13 @@ enum {
     MOST_IMAGES = 8192 /* images of a periodic domain that MOST_RINGS crossings of cyclic patches can reach */
 };
 
-/* The mesh, or the part of it that a rank has, as cells and links. A link is a solved face (not a face of an empty patch);
- * the two faces of a cyclic pair are one link. Vectors are in computational axes but for face_centre and face_area. */
+/* The mesh, or the part of it that a rank has, as cells and links. A link is a solved face (not a face of an empty
+ * patch); the two faces of a cyclic pair are one link. Vectors are in computational axes but for face_centre and
+ * face_area. */
 struct links {
-    const struct polymesh *all;  /* the whole mesh: its counts and patches */
-    const struct polymesh *mesh; /* the arrays: of all, or of the part */
-    const struct mesh_part *part;     /* NULL: this rank has the whole mesh */
+    const struct polymesh *all;   /* the whole mesh: its counts and patches */
+    const struct polymesh *mesh;  /* the arrays: of all, or of the part */
+    const struct mesh_part *part; /* NULL: this rank has the whole mesh */
     int dim, axis[3];
     bool gone[3];                    /* is the physical axis empty? */
     double middle[3], extent;        /* centre of the mesh's box along x y z, its longest side, m */
@@ -65,9 +66,9 @@ struct cut_mesh { /* what is cut: of a mesh that is spread, the part that a rank
     double low[3], high[3]; /* m */
     int nblocks;            /* cut_cells sets it */
 };
-struct cut {       /* the mesh in blocks, the blocks on ranks */
-    int nblocks;   /* number of blocks of all ranks */
-    int *rank_of;  /* [nblocks] */
+struct cut {      /* the mesh in blocks, the blocks on ranks */
+    int nblocks;  /* number of blocks of all ranks */
+    int *rank_of; /* [nblocks] */
     struct share cells;
     int *block; /* [cells of the slice] */
 };

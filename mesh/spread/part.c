@@ -42,8 +42,8 @@ static status take_faces(long n, const struct arrival *face, const int *records,
     struct polymesh *m = &p->mesh;
     long corners = 0;
     for (long i = 0; i < n; i++) corners += records[face[i].at + 3];
-    if (corners > INT_MAX) return fail(ERR_SYSTEM, "the faces of a rank have %ld corners; at most %d can be counted",
-                                       corners, INT_MAX);
+    if (corners > INT_MAX)
+        return fail(ERR_SYSTEM, "the faces of a rank have %ld corners; at most %d can be counted", corners, INT_MAX);
     m->nfaces = (int)n;
     TRY(allocate(&p->face, n, sizeof *p->face, "the faces of a part"));
     TRY(allocate(&m->face_start, n + 1, sizeof *m->face_start, "the faces of a part"));
@@ -119,7 +119,7 @@ long part_cell(const struct mesh_part *p, int cell) {
 
 void part_free(struct mesh_part *p) {
     struct polymesh *m = &p->mesh;
-    void *const all[] = {p->cell,        p->face,  p->point,     p->whole, m->points,
+    void *const all[] = {p->cell,       p->face,        p->point, p->whole,     m->points,
                          m->face_start, m->face_points, m->owner, m->neighbour, m->patch};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     *p = (struct mesh_part){.mesh.nfaces = 0};

@@ -9,9 +9,9 @@
 #include "mesh/format/polymesh.h"
 
 struct mesh_part {
-    struct polymesh mesh;      /* names of patches are borrowed */
-    int *cell, *face, *point;  /* numbers in the whole mesh, ascending */
-    bool *whole;               /* [cells] are all faces of the cell here? The others are only beyond faces of such cells */
+    struct polymesh mesh;     /* names of patches are borrowed */
+    int *cell, *face, *point; /* numbers in the whole mesh, ascending */
+    bool *whole; /* [cells] are all faces of the cell here? The others are only beyond faces of such cells */
 };
 /* A face on its way is: number, owner, neighbour (-1: none), number of corners, corners; by numbers in the whole
  * mesh. */

@@ -16,8 +16,8 @@
 
 enum {
     PATH = 4096,
-    WINDOW = 1 << 20,         /* bytes of text that the root holds at a time */
-    MOST_CORNERS = 1 << 12,   /* of a face of an ascii list */
+    WINDOW = 1 << 20,                 /* bytes of text that the root holds at a time */
+    MOST_CORNERS = 1 << 12,           /* of a face of an ascii list */
     ROOM = WINDOW + 8 * MOST_CORNERS, /* bytes of a message: a window, and an entry beyond it */
     DONE = 0,
     UNUSUAL = -1 /* in place of such a number of bytes */
@@ -127,8 +127,9 @@ static status look(struct reader *r, const char *class_name) {
     r->list.usual = read_head(r, class_name, r->window, r->size);
     r->next = (size_t)r->list.at;
     if (r->list.usual && r->list.count >= INT_MAX)
-        return fail(ERR_INPUT, "%s: %ld entries; labels of 32 bits, which meshes have here, count at most %d: give a "
-                               "coarser mesh, or a union of boxes as system/blockMeshDict",
+        return fail(ERR_INPUT,
+                    "%s: %ld entries; labels of 32 bits, which meshes have here, count at most %d: give a "
+                    "coarser mesh, or a union of boxes as system/blockMeshDict",
                     r->path, r->list.count, INT_MAX - 1);
     return OK;
 }
@@ -275,7 +276,10 @@ static bool next_entry(struct reader *r, enum entry kind, struct bytes *out, sta
         if (!whole) return false;
         end = kind == POINT ? read_point(p, v.x) : kind == LABEL ? read_label(p, &v.label) : read_face(p, v.face);
         if (!end) return false;
-        *e = add(out, &v, kind == POINT ? sizeof v.x : kind == LABEL ? sizeof(int) : (1 + (size_t)v.face[0]) * sizeof(int));
+        *e = add(out, &v,
+                 kind == POINT   ? sizeof v.x
+                 : kind == LABEL ? sizeof(int)
+                                 : (1 + (size_t)v.face[0]) * sizeof(int));
         r->next = (size_t)(end - r->window);
         return !*e;
     }
@@ -483,7 +487,9 @@ static bool after(const int *pair, const int *before) {
 static status sound_cells(struct slices *s, bool *good) {
     const struct comm *c = s->faces.comm;
     const long n = s->faces.end - s->faces.first, left = s->ninternal - s->faces.first,
-               inner = left < 0 ? 0 : left < n ? left : n;
+               inner = left < 0   ? 0
+                       : left < n ? left
+                                  : n;
     int ends[4] = {-1, -1, -1, -1}, *count = NULL, *all;
     double most = -1;
     const int size = comm_size(c);

@@ -10,8 +10,9 @@ struct slices {
     struct share points, faces;
     long ninternal, ncells; /* of the whole mesh */
     double *point;          /* [points of the slice][3] m */
-    int *start, *corner;    /* [faces of the slice + 1] into corner, from 0 on; points by their numbers in the whole mesh */
-    int first_corner;       /* corners of the faces before the slice */
+    int *start,
+        *corner;      /* [faces of the slice + 1] into corner, from 0 on; points by their numbers in the whole mesh */
+    int first_corner; /* corners of the faces before the slice */
     int *owner, *neighbour; /* [faces of the slice] cells; neighbour: -1 on the boundary */
 };
 /* Reads the slice of each rank. Plain binary lists each rank reads by itself; ascii and zipped ones the root reads in

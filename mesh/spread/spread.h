@@ -10,9 +10,9 @@
 struct spread {
     const struct comm *comm;
     struct share cells, points;
-    double *point;    /* [points of the slice][3] m */
-    struct mesh_part home; /* the cells of the slice, which are whole there, and those beside them */
-    int base;         /* the number in `home` of the first cell of the slice; the others follow */
+    double *point;                     /* [points of the slice][3] m */
+    struct mesh_part home;             /* the cells of the slice, which are whole there, and those beside them */
+    int base;                          /* the number in `home` of the first cell of the slice; the others follow */
     struct polymesh_geometry geometry; /* of home; of cells that are not whole it has centres alone */
     int *cell_start, *cell_face;       /* polymesh_cell_faces of home */
 };

@@ -11,7 +11,10 @@
 
 static const double LEAST_RATIO = 1e-3; /* below it polymesh_narrowest looks for the median, which needs all cells */
 
-enum { ARRAYS = 5, FACE = 9 }; /* arrays of a checksum; numbers of a face on its way: patch, place, cell, centre, area */
+enum {
+    ARRAYS = 5,
+    FACE = 9
+}; /* arrays of a checksum; numbers of a face on its way: patch, place, cell, centre, area */
 
 /* ---- the checksum ------------------------------------------------------------------------------------------------ */
 
@@ -19,7 +22,9 @@ enum { ARRAYS = 5, FACE = 9 }; /* arrays of a checksum; numbers of a face on its
  * its faces end. */
 static status sum_slices(const struct slices *s, double sum[ARRAYS], double bytes[ARRAYS]) {
     const long n = s->faces.end - s->faces.first, left = s->ninternal - s->faces.first,
-               inner = left < 0 ? 0 : left < n ? left : n;
+               inner = left < 0   ? 0
+                       : left < n ? left
+                                  : n;
     const long none = s->faces.first > 0; /* the first rank begins with a 0 */
     int *start;
     TRY(allocate(&start, n + 1, sizeof *start, "a checksum"));
@@ -187,9 +192,9 @@ static status check(const struct spread *s, const struct polymesh *m, bool *soun
     }
     for (long i = s->base; i < s->base + s->cells.end - s->cells.first; i++)
         *sound &= s->cell_start[i + 1] - s->cell_start[i] >= 4;
-    status e = *sound ? polymesh_check_part(&s->home.mesh, &s->geometry, s->home.whole, o->closed,
-                                            (const double(*)[3])offset)
-                      : OK;
+    status e =
+        *sound ? polymesh_check_part(&s->home.mesh, &s->geometry, s->home.whole, o->closed, (const double(*)[3])offset)
+               : OK;
     free(offset);
     if (e && status_kind(e) == ERR_SYSTEM) return e;
     *sound &= !e;

@@ -9,7 +9,8 @@
 
 /* Finds the CRC-32 of the arrays of the whole mesh (polymesh_checksum) from the slices. Collective. */
 status outline_sum(const struct slices *s, unsigned long *out);
-/* Fills the rest of the outline, and checks the mesh: *sound is false on all ranks where it has a defect. Collective. */
+/* Fills the rest of the outline, and checks the mesh: *sound is false on all ranks where it has a defect. Collective.
+ */
 status outline_make(const struct spread *s, struct polymesh *m, bool *sound);
 
 #endif

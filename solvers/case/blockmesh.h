@@ -12,8 +12,8 @@ enum { MESH_PATH = 4096 };
 struct case_mesh {
     struct polymesh *mesh;
     struct spread *spread; /* NULL: each rank has the mesh */
-    char path[MESH_PATH]; /* of the folder or file it was read from */
-    bool older;           /* is that the polyMesh, and was system/blockMeshDict changed after it? */
+    char path[MESH_PATH];  /* of the folder or file it was read from */
+    bool older;            /* is that the polyMesh, and was system/blockMeshDict changed after it? */
 };
 /* Reads the mesh of the case in `dir`; a polyMesh is still to be checked (polymesh_check). Both being there, the
  * polyMesh counts, as in OpenFOAM. Local. */

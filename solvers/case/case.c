@@ -275,8 +275,8 @@ double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
     const double copies = s->mesh->outline ? 1.2 : comm_size(s->comm); /* of a mesh that is spread, with its halos */
     double mesh = s->mesh->boxes && !s->mesh->points ? 0 : points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
-    const bool sliced =
-        s->grid && (s->grid->forest || s->mesh->outline) && !s->medium->type->whole; /* the ranks share the fields of the start */
+    const bool sliced = s->grid && (s->grid->forest || s->mesh->outline) &&
+                        !s->medium->type->whole; /* the ranks share the fields of the start */
     const double fields = cells * 8 * 12 * (sliced ? 1 : comm_size(s->comm));
     return mesh * copies + fields + s->medium->type->memory(s->medium);
 }

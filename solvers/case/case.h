@@ -23,11 +23,11 @@ struct setup { /* the same on every rank, but for the grid */
     struct warnings warnings;
     struct polymesh *mesh;
     char mesh_path[TIME_PATH]; /* of the folder or file that says it */
-    struct spread *spread; /* of a mesh that is spread over the ranks, until setup_release; else NULL */
+    struct spread *spread;     /* of a mesh that is spread over the ranks, until setup_release; else NULL */
     /* [ncells][3] m, [ncells] m^3: of the cells. On lattices, and of a mesh that is spread, they are there after
      * setup_complete, and centres of a polyMesh until setup_grid, too; setup_volume and setup_centre do without. */
     double *centre, *volume;
-    bool wanted; /* has someone asked for them for the whole run? */
+    bool wanted;       /* has someone asked for them for the whole run? */
     double first[3];   /* m: the centre of cell 0, for axes of one cell */
     double *face_area; /* [nfaces][3] m^2 of a mesh that is no lattice, as polymesh_face_geometry; NULL once the state
                         * is read */

@@ -47,9 +47,9 @@ struct field {
 /* The mesh, geometry and time (for expressions) that a field is read for, and the cells whose values are read. */
 struct field_place {
     const struct polymesh *mesh;
-    const double *centre;      /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes */
-    double t;                  /* s */
-    const struct share *share; /* the cells of this rank's slice; NULL: every rank reads all cells */
+    const double *centre;        /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes */
+    double t;                    /* s */
+    const struct share *share;   /* the cells of this rank's slice; NULL: every rank reads all cells */
     const struct spread *spread; /* has the centres of that slice where the mesh is spread over the ranks; else NULL */
 };
 long field_first(const struct field_place *at);  /* the first of the cells that are read */

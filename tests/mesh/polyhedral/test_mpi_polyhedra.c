@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Polyhedra on all ranks against the same ones made by each rank alone: the same lists and the same bits for every
- * cell, face, ghost and mirror; ghosts filled with the values of their cells. */
+/* Polyhedra on all ranks, of a mesh that each rank has and of one that is spread over them, against the same ones made
+ * by each rank alone: the same lists and the same bits for every cell, face, ghost and mirror; ghosts filled with the
+ * values of their cells. */
+#define _GNU_SOURCE /* mkdtemp */
+#include "mesh/format/files.h"
 #include "mesh/polyhedral/polyhedra.h"
+#include "mesh/spread/spread.h"
 
 #include "tests/mesh/polyhedral/cells.h"
 
 static struct comm *world, *alone;
+static char folder[64];
 
 static const struct cells_recipe recipes[] = {
     {"line", 1, BOXES, {2100, 1, 1}, {0, 1, 2}, 0.3, {false}},
@@ -22,14 +27,33 @@ enum { RECIPES = sizeof recipes / sizeof *recipes };
 
 struct fixture {
     const struct cells_recipe *r;
-    struct polymesh *mesh;
+    struct polymesh *mesh, *outline; /* outline: of the mesh that is spread, or NULL */
+    struct mesh_part part;
     struct polyhedra *m, *whole;
     int *number; /* [ncells] of the cells in `whole` */
 };
 
+/* Writes the mesh, in one of four formats, and makes polyhedra of what the ranks read of it. */
+static void begin_spread(struct fixture *x, int rings, int form) {
+    const struct foam_format format = {.binary = form % 2, .compress = form / 2, .precision = 17};
+    struct spread *spread;
+    ok(comm_agree(world, comm_root(world) ? polymesh_write(x->mesh, folder, &format) : OK));
+    ok(spread_read(folder, world, &spread, &x->outline));
+    if (!spread) fail_msg("%s: form %d is not read in slices", x->r->name, form);
+    ok(polyhedra_make_spread(x->outline, spread, rings, &x->part, &x->m));
+    assert_int_equal(polymesh_checksum(x->outline), polymesh_checksum(x->mesh));
+    spread_free(spread);
+    ok(comm_agree(world, OK)); /* before the root writes another one */
+}
+
+/* The second time round, recipes are spread. */
 static struct fixture begin(int recipe, int rings) {
-    struct fixture x = {.r = &recipes[recipe], .mesh = cells_make(&recipes[recipe])};
-    ok(polyhedra_make(x.mesh, world, rings, &x.m));
+    const struct cells_recipe *r = &recipes[recipe % RECIPES];
+    struct fixture x = {.r = r, .mesh = cells_make(r)};
+    if (recipe < RECIPES)
+        ok(polyhedra_make(x.mesh, world, rings, &x.m));
+    else
+        begin_spread(&x, rings, recipe % 4);
     ok(polyhedra_make(x.mesh, alone, rings, &x.whole));
     x.number = calloc((size_t)x.mesh->ncells, sizeof *x.number);
     for (int i = 0; i < x.whole->nown; i++) x.number[x.whole->cell[i]] = i;
@@ -40,7 +64,9 @@ static void end(struct fixture *x) {
     free(x->number);
     polyhedra_free(x->m);
     polyhedra_free(x->whole);
+    part_free(&x->part);
     polymesh_free(x->mesh);
+    polymesh_free(x->outline);
 }
 
 /* Lines of the two polyhedra at places i and j: the same bits. */
@@ -115,7 +141,7 @@ static void check_faces(const struct fixture *x, int i, int j) {
 
 static void lists_and_bits_are_those_of_one_rank(void **state) {
     (void)state;
-    for (int r = 0; r < RECIPES; r++) {
+    for (int r = 0; r < 2 * RECIPES; r++) {
         struct fixture x = begin(r, 2 - r % 2);
         const struct polyhedra *m = x.m;
         long cells = m->nown;
@@ -131,7 +157,7 @@ static void lists_and_bits_are_those_of_one_rank(void **state) {
 
 static void inner_cells_read_nothing_remote(void **state) {
     (void)state;
-    for (int r = 0; r < RECIPES; r++) {
+    for (int r = 0; r < 2 * RECIPES; r++) {
         struct fixture x = begin(r, 1 + r % 2);
         const struct polyhedra *m = x.m;
         for (int i = 0; i < m->nown; i++) {
@@ -161,7 +187,7 @@ static double value(int cell, int v, int round) {
 
 static void ghosts_get_the_values_of_their_cells(void **state) {
     (void)state;
-    for (int r = 0; r < RECIPES; r++) {
+    for (int r = 0; r < 2 * RECIPES; r++) {
         struct fixture x = begin(r, 2);
         struct polyhedra *m = x.m;
         double *data[POLYHEDRA_VARIABLES];
@@ -184,7 +210,7 @@ static void ghosts_get_the_values_of_their_cells(void **state) {
 
 static void blocks_are_those_of_one_rank(void **state) {
     (void)state;
-    for (int r = 0; r < RECIPES; r++) {
+    for (int r = 0; r < 2 * RECIPES; r++) {
         struct fixture x = begin(r, 1);
         const struct polyhedra *m = x.m, *w = x.whole;
         long nblocks = m->nblocks;
@@ -208,6 +234,19 @@ static void blocks_are_those_of_one_rank(void **state) {
     }
 }
 
+static int make_folder(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/haffXXXXXX");
+    const bool made = !comm_root(world) || mkdtemp(folder);
+    comm_broadcast(world, folder, sizeof folder);
+    return made ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    return comm_root(world) ? folder_remove(folder) : 0;
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (!s) s = comm_alone(&alone);
@@ -218,7 +257,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(ghosts_get_the_values_of_their_cells),
         cmocka_unit_test(blocks_are_those_of_one_rank),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests(tests, make_folder, remove_folder);
     comm_alone_free(alone);
     comm_finish(world);
     return failed;
