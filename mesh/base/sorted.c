@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-enum { DIGITS = 1 << 16 };
+enum { DIGITS = 1 << 16, SPARSE = 8 };
 
 static void sort_by(int shift, const int *from, long n, long *next, int *to) {
     for (int d = 0; d <= DIGITS; d++) next[d] = 0;
@@ -39,4 +39,15 @@ long sorted_find(const int *v, long n, int x) {
             high = middle;
     }
     return low < n && v[low] == x ? low : -1;
+}
+
+/* Looks names up in a table where they lie so dense that it is small, else in the list. */
+status sorted_places(const int *v, long n, int *names, long m) {
+    int *table = NULL;
+    const long range = n ? (long)v[n - 1] - v[0] + 1 : 0;
+    if (range <= SPARSE * n) TRY(allocate(&table, range, sizeof *table, "a list of names"));
+    for (long i = 0; table && i < n; i++) table[v[i] - v[0]] = (int)i;
+    for (long i = 0; i < m; i++) names[i] = table ? table[names[i] - v[0]] : (int)sorted_find(v, n, names[i]);
+    free(table);
+    return OK;
 }

@@ -9,5 +9,7 @@
 status sorted_make(int *v, long *n);
 /* Where x stands in v[n], or -1. */
 long sorted_find(const int *v, long n, int x);
+/* Replaces names[m], which all stand in v[n], by their places there. */
+status sorted_places(const int *v, long n, int *names, long m);
 
 #endif

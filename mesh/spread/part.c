@@ -68,11 +68,10 @@ static status rename_all(int *v, long n, int *w, long m, int **list, long *count
     if (m) memcpy(*list + n, w, (size_t)m * sizeof *w);
     *count = n + m;
     TRY(sorted_make(*list, count));
-    for (long i = 0; i < n; i++) v[i] = (int)sorted_find(*list, *count, v[i]);
-    for (long i = 0; i < m; i++) w[i] = (int)sorted_find(*list, *count, w[i]);
     int *less = realloc(*list, (size_t)(*count + 1) * sizeof *less);
     if (less) *list = less;
-    return OK;
+    TRY(sorted_places(*list, *count, v, n));
+    return sorted_places(*list, *count, w, m);
 }
 
 /* Finds which faces of the part belong to each patch. */
