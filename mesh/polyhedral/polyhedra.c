@@ -503,8 +503,8 @@ static status join_part(struct polyhedra *m, struct work *w, const struct polyme
     return s;
 }
 
-/* Adds members of stencils that are not whole to the known cells; *lacks: has any rank such members? */
-static status know_members(struct polyhedra *m, struct work *w, struct known *k, bool *lacks) {
+/* Adds members of stencils that are not whole to the known cells; *lacks: has this rank such members? */
+static status know_members(const struct work *w, struct known *k, bool *lacks) {
     int *cell = NULL;
     long n = 0;
     TRY(allocate(&cell, w->nghosts, sizeof *cell, "the cells around those of a rank"));
@@ -513,7 +513,6 @@ static status know_members(struct polyhedra *m, struct work *w, struct known *k,
     const status s = know(k, n, cell);
     free(cell);
     *lacks = n > 0;
-    (void)m;
     return s;
 }
 
@@ -537,7 +536,7 @@ static status fetch_cells(struct polyhedra *m, struct work *w, const struct poly
         bool lacks = false;
         TRY(join_part(m, w, all, k));
         status s = list_cells(m, w, rings);
-        if (!s) s = know_members(m, w, k, &lacks);
+        if (!s) s = know_members(w, k, &lacks);
         TRY(comm_agree(m->comm, s));
         lacking = lacks;
         comm_max(m->comm, &lacking, 1);

@@ -92,13 +92,13 @@ struct polyhedra {
     struct polyhedra_private *hidden; /* the plan of the ghost exchange */
 };
 
-/* Makes the polyhedra of mesh m with stencils of 1 or 2 rings. Where the mesh is spread over the ranks `spread` has it,
- * and *part gets my cells and those around them, which the caller frees, also after an error; else every rank holds the
- * whole polyMesh. A stencil grows by
- * further rings until it has 2 (rings 1) or 1.5 (rings 2) times as many members as a polynomial of degree `rings` has
+/* Makes the polyhedra of mesh m, which every rank holds, with stencils of 1 or 2 rings. A stencil grows by further
+ * rings until it has 2 (rings 1) or 1.5 (rings 2) times as many members as a polynomial of degree `rings` has
  * coefficients (without the constant), or the mesh ends. Quadrature is of order 1 for rings 1, 3 for rings 2. Refuses
  * (ERR_INPUT, with cell or face and place) a mesh that finite volumes cannot use. Collective. */
 status polyhedra_make(const struct polymesh *m, const struct comm *c, int rings, struct polyhedra **out);
+/* Makes the same of a mesh that is spread over the ranks; m is its outline. *part gets the cells of this rank and those
+ * around them that stencils take; the caller frees it, also after an error. Collective. */
 struct spread;
 struct mesh_part;
 status polyhedra_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct mesh_part *part,

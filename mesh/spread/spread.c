@@ -12,7 +12,6 @@
 
 /* Faces for each rank; they are counted first and then written. */
 struct post {
-    const struct comm *comm;
     bool counts;
     int *count; /* [ranks] ints for each rank */
     long *next; /* [ranks] where the next one goes */
@@ -36,7 +35,7 @@ typedef void poster(struct post *p, void *context);
 
 /* Sends what `put` posts, and receives what comes. */
 static status deliver(const struct comm *c, poster *put, void *context, int **in, long *ints) {
-    struct post p = {.comm = c, .counts = true};
+    struct post p = {.counts = true};
     const int size = comm_size(c);
     int *arriving = NULL;
     *in = NULL;
@@ -68,7 +67,8 @@ struct dealing {
     double *other; /* [faces of the slice] owner of the other half of a cyclic face; -1: the face is not cyclic */
 };
 
-/* Calls take with each face of the slice that is on a cyclic patch, and the number of its other half. */
+/* Lists the faces of the slice that are on cyclic patches, by their places in the slice, and the numbers of their other
+ * halves; counts them alone if face is NULL. */
 static long list_halves(const struct dealing *d, int *face, int *half) {
     const struct share *f = &d->slices->faces;
     long n = 0;
@@ -156,7 +156,6 @@ static status deal(struct spread *s, const struct polymesh *all, const struct sl
 
 struct asking { /* what the ranks ask this one for */
     const struct spread *spread;
-    const struct polymesh *all;
     int *cell, *count; /* cells by the ranks that ask for them; [ranks] how many */
     int *sent;         /* [faces of home] the rank that a face was posted to last, and one, with the sign of the pass */
 };
@@ -197,7 +196,7 @@ static void post_cells(struct post *p, void *context) {
 }
 
 status spread_part(const struct spread *s, const struct polymesh *all, long n, const int *cell, struct mesh_part *out) {
-    struct asking a = {.spread = s, .all = all};
+    struct asking a = {.spread = s};
     const int size = comm_size(s->comm);
     int *count = NULL, *records = NULL;
     long ints = 0;

@@ -3,9 +3,10 @@
 """Peak memory of each rank (VmHWM) of a whole run: start from expressions, two steps, a written time, and again from that time.
 
     tests/bench/memory.py N0 N1 N2 [-ranks 1 2 4 8] [-format binary|ascii] [-bin FOLDER]
+    tests/bench/memory.py -triangles N [-reconstruct NAME] ...
 
-A box of N0 x N1 x N2 cells (N2 = 1: 2D) from system/blockMeshDict, gas with cooling and gravity, an inlet. Prints for each number
-of ranks the largest VmHWM of a rank in MB, in bytes a cell of that rank's share, and its ratio to that of one rank over N."""
+A box of N0 x N1 x N2 cells (N2 = 1: 2D) from system/blockMeshDict, gas with cooling and gravity, an inlet; or the unit square in
+about N triangles, from a constant/polyMesh in that format that gmsh made. Prints for each number of ranks the largest VmHWM of a rank in MB, in bytes a cell of that rank's share, and its ratio to that of one rank over N."""
 import argparse
 import os
 import resource
@@ -28,6 +29,38 @@ boundary
     sides  { type %s; faces ((0 3 2 1) (4 5 6 7)); }
 );
 """
+
+
+SQUARE = """
+h = %.9g;
+Point(1) = {0, 0, 0, h};   Point(2) = {1, 0, 0, h};   Point(3) = {1, 1, 0, h};   Point(4) = {0, 1, 0, h};
+Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};
+Curve Loop(1) = {1:4};   Plane Surface(1) = {1};
+Physical Curve("inlet") = {4};   Physical Curve("outlet") = {2};   Physical Curve("walls") = {1, 3};
+Physical Surface("gas") = {1};
+"""
+
+
+def triangles(case, n, form, programs):
+    """Replaces the mesh of a case by about n triangles; returns how many there are."""
+    geo, msh = os.path.join(case, "mesh.geo"), os.path.join(case, "mesh.msh")
+    with open(geo, "w") as f:
+        f.write(SQUARE % (4 / (3 ** 0.5 * n)) ** 0.5)
+    subprocess.run(["gmsh", "-2", "-v", "2", "-bin", geo, "-o", msh], check=True)
+    os.remove(os.path.join(case, "system", "blockMeshDict"))
+    with open(os.path.join(case, "system", "meshDict"), "w") as f:
+        f.write('FoamFile { version 2.0; format ascii; class dictionary; object meshDict; }\n'
+                'patches { back { type empty; } front { type empty; } }\n')
+    done = subprocess.run([os.path.join(programs, "gmshToCase"), msh, "-case", case, "-" + form], check=True, capture_output=True,
+                          text=True)
+    os.remove(msh)
+    for name in ("rho", "p", "U"):
+        path = os.path.join(case, "0.orig", name)
+        with open(path) as f:
+            text = f.read()
+        with open(path, "w") as f:
+            f.write(text.replace("sides {", '"back|front" {'))
+    return int(next(line for line in done.stdout.splitlines() if line.startswith("cells")).split()[1].rstrip(":"))
 
 
 def make(case, n, form):
@@ -72,19 +105,36 @@ def main():
     if sys.argv[1:2] == ["-child"]:
         return child(*sys.argv[2:5])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("n", type=int, nargs=3)
+    parser.add_argument("n", type=int, nargs="*")
+    parser.add_argument("-triangles", type=int)
+    parser.add_argument("-reconstruct", help="polyReconstruct of fvSchemes")
     parser.add_argument("-ranks", type=int, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("-format", default="binary")
     parser.add_argument("-bin", default=os.environ.get("HAFF_BIN", os.path.join(HERE, "build", "bin")))
     a = parser.parse_args()
-    cells, first = a.n[0] * a.n[1] * a.n[2], {}
+    if len(a.n) != (0 if a.triangles else 3):
+        parser.error("give three numbers of cells, or -triangles N")
+    first = {}
     for key, value in {"OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1"}.items():
         os.environ.setdefault(key, value)
-    print("ranks  start: MB, B/cell, ratio   restart: MB, B/cell, ratio")
+    with tempfile.TemporaryDirectory() as whole:
+        mesh = os.path.join(whole, "mesh")
+        make(mesh, a.n or (1, 1, 1), a.format)
+        cells = triangles(mesh, a.triangles, a.format, a.bin) if a.triangles else a.n[0] * a.n[1] * a.n[2]
+        if a.reconstruct:
+            with open(os.path.join(mesh, "system", "fvSchemes"), "a") as f:
+                f.write(f"polyReconstruct {a.reconstruct};\n")
+        measure(a, mesh, cells, first)
+    return 0
+
+
+def measure(a, mesh, cells, first):
+    """Prints the table."""
+    print(f"{cells} cells\nranks  start: MB, B/cell, ratio   restart: MB, B/cell, ratio")
     for ranks in a.ranks:
         with tempfile.TemporaryDirectory() as folder:
             case = os.path.join(folder, "box")
-            make(case, a.n, a.format)
+            shutil.copytree(mesh, case)
             row = f"{ranks:5d}"
             for run in ("start", "restart"):
                 most = 1024 * max(peaks(os.path.join(a.bin, "granularGas"), case, ranks))
@@ -96,7 +146,6 @@ def main():
                 with open(path, "w") as f:
                     f.write(text.replace("endTime 2e-7", "endTime 4e-7"))
         print(row, flush=True)
-    return 0
 
 
 if __name__ == "__main__":
