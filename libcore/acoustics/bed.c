@@ -6,7 +6,7 @@
 
 status bed_make(struct bed *b) {
     TRY(allocate(&b->lines, 1, sizeof *b->lines, "the bed"));
-    return multigrid_make(b->comm, &b->multigrid);
+    return comm_size(b->comm) > 1 ? bed_deal_make(b) : multigrid_make(b->comm, &b->multigrid);
 }
 
 static void free_lines(struct bed *b) {
@@ -30,17 +30,20 @@ void bed_free(struct bed *b) {
     free(b->lines);
     multigrid_free(b->multigrid);
     bed_halo_free(b->halo);
+    bed_deal_free(b->deal);
 }
 
-/* Deals the lines of cells, each of n numbers, from one memory; returns how many there are. */
+/* Deals the lines of cells, each of n numbers, from one memory; returns how many there are. Cells that others work on
+ * have U alone. */
 static int deal_cells(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
     double **single[] = {&x->rho,   &x->eps,      &x->p,        &x->c,      &x->root,
                          &x->slack, &x->residual, &x->diagonal, &x->change, &x->growth};
+    for (int v = 0; v < b->components + 2; v++) b->U[v] = memory + used++ * n;
+    if (b->deal) return used;
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
     for (int v = 0; v < b->components + 2; v++) {
-        b->U[v] = memory + used++ * n;
         x->after[v] = memory + used++ * n;
         for (int k = 0; k < b->dim; k++) x->slope[k][v] = memory + used++ * n;
     }
@@ -51,13 +54,14 @@ static int deal_cells(struct bed *b, double *memory, long n) {
 static int deal_faces(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
-    double **single[] = {&x->drift, &x->give,    &x->beyond,  &x->U,          &x->p_face,    &x->P[0],
-                         &x->P[1],  &x->heat[0], &x->heat[1], &b->balance[0], &b->balance[1]};
-    for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
+    double **single[] = {&x->drift, &x->give, &x->beyond,  &x->U,      &x->p_face,
+                         &x->P[0],  &x->P[1], &x->heat[0], &x->heat[1]};
+    for (int side = 0; side < 2; side++) b->balance[side] = memory + used++ * n;
     for (int v = 0; v < b->components + 2; v++) {
         b->kept[v] = memory + used++ * n;
         b->outside[v] = memory + used++ * n;
     }
+    for (size_t i = 0; i < sizeof single / sizeof *single && !b->deal; i++) *single[i] = memory + used++ * n;
     return used;
 }
 
@@ -171,6 +175,8 @@ double bed_energy_near(const struct bed *b, int cell) {
 }
 
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    if (b->deal) return bed_deal_step(b, dt, gravity, done);
+    b->worked = b->cells;
     find_primitives(b);
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;

@@ -66,6 +66,7 @@ struct bed_shapes {
 struct bed_lines; /* the work memory */
 struct multigrid;
 struct bed_halo;
+struct bed_deal;
 struct bed {
     /* Set once, before bed_make: */
     const struct eos *eos;
@@ -75,10 +76,12 @@ struct bed {
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     const struct bed_shapes *shapes;
     double limit; /* kg/m^3: densities stay below it */
+    double share; /* what a cell of the mesh takes in the rest of a step, of what a cell of the bed takes in addition */
 
     /* The cells of this rank, block by block (tile by tile), then ghosts: cells of other ranks. Set by the caller after
      * bed_size whenever the set changes. */
     int blocks, cells, ghosts, faces;
+    long moving; /* cells of this rank's mesh that the rest of a step has to do with: who has less works on more */
     int *first, *number; /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
     int *body, *shape;   /* [cells + ghosts], [faces] shapes */
     int *left, *right;   /* [faces] cell or ghost on either side; -1: none of the bed */
@@ -96,12 +99,14 @@ struct bed {
 
     /* Results of bed_step */
     int newton, linear, lifted; /* iterations of Newton's method, of its linear solver; cells of this rank lifted */
+    int worked;                 /* cells that this rank has advanced, its own or others' */
     double *lift, *work;        /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
     double *pushed;             /* [blocks] of bed_push */
 
     struct bed_lines *lines;
     struct multigrid *multigrid;
-    struct bed_halo *halo; /* the messages between the ranks; NULL: there is one */
+    struct bed_halo *halo; /* messages from and to ghosts; NULL: none are sent */
+    struct bed_deal *deal; /* who works on which cells (bed_deal.c); NULL: this rank on all that it lists */
     bool linked, laid;     /* are the links listed, and laid out by the multigrid, for the present set? */
     long room[4];          /* blocks, cells with ghosts, faces, entries of face_of_cell that the memory has room for */
 };
@@ -116,7 +121,8 @@ status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int
 status bed_number(struct bed *b, int cells, long *first);
 status bed_link(struct bed *b, const double *number);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
- * be done again with a shorter dt; then U is lost. Collective. */
+ * be done again with a shorter dt; then U is lost. The ranks deal the cells among each other, by whole blocks
+ * (bed_deal.c). Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* Computes, after a step, the fluxes of rho, rho u and E through a face from left to right, per area and time. On a
  * wall they are without `balance`, which stands for the pressure that the wall carries. */

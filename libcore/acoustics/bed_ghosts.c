@@ -11,8 +11,8 @@ struct parcel {    /* one number on its way */
 };
 
 struct bed_halo {
-    int *count, *first; /* [ranks], [ranks + 1] cells of each rank; numbers of their first ones over all ranks */
-    int parcels;        /* that go out; as many come in */
+    const int *first; /* [ranks + 1] numbers of the ranks' first cells over all ranks */
+    int parcels;      /* that go out; as many come in */
     struct parcel *out, *in;
     int links, *start; /* [links + 1] first parcels of each link, alike in `out` and `in` */
     struct comm_link *link;
@@ -44,25 +44,7 @@ static void forget(struct bed_halo *h) {
 void bed_halo_free(struct bed_halo *h) {
     if (!h) return;
     forget(h);
-    free(h->count);
     free(h);
-}
-
-status bed_number(struct bed *b, int cells, long *first) {
-    const int ranks = comm_size(b->comm);
-    struct bed_halo *h = b->halo;
-    *first = 0;
-    if (ranks == 1) return OK;
-    if (!h) {
-        status s = allocate(&h, 1, sizeof *h, "the bed");
-        if (!s) s = allocate(&h->count, 2L * ranks + 1, sizeof(int), "the bed");
-        b->halo = h;
-        TRY(comm_agree(b->comm, s));
-        h->first = h->count + ranks;
-    }
-    TRY(comm_share_count(b->comm, cells, h->count, h->first));
-    *first = h->first[comm_rank(b->comm)];
-    return OK;
 }
 
 static int owner_of(const struct bed_halo *h, int ranks, int number) {
@@ -98,10 +80,12 @@ static int count_faces(const struct bed *b) {
     return n;
 }
 
-static status link_here(struct bed *b, const double *number) {
-    struct bed_halo *h = b->halo;
+static status link_here(struct bed *b, const int *first, const double *number) {
     const int n = count_faces(b), lines = b->components + 2;
+    if (!b->halo) TRY(allocate(&b->halo, 1, sizeof *b->halo, "the bed"));
+    struct bed_halo *h = b->halo;
     forget(h);
+    h->first = first;
     TRY(allocate(&h->out, 2L * n, sizeof *h->out, "the bed"));
     TRY(allocate(&h->start, n + 1L, sizeof *h->start, "the bed"));
     TRY(allocate(&h->link, n, sizeof *h->link, "the bed"));
@@ -119,8 +103,8 @@ static status link_here(struct bed *b, const double *number) {
     return comm_exchange_make(b->comm, h->links, h->link, &h->exchange);
 }
 
-status bed_link(struct bed *b, const double *number) {
-    return comm_size(b->comm) > 1 ? comm_agree(b->comm, link_here(b, number)) : OK;
+status bed_halo_link(struct bed *b, const int *first, const double *number) {
+    return comm_agree(b->comm, link_here(b, first, number));
 }
 
 void bed_fill(const struct bed *b, int n, double *const *line) {

@@ -81,6 +81,14 @@ ALWAYS_INLINE double bed_drift(const struct bed *b, double *const *u, double dt,
  * one rank, where halo is NULL. */
 void bed_fill(const struct bed *b, int n, double *const *line);
 void bed_halo_free(struct bed_halo *h);
+/* Learns of the ghosts, of which each lies across a face of a cell: number[ghosts] over all ranks, of which
+ * first[rank] is the first on each rank. Collective. */
+status bed_halo_link(struct bed *b, const int *first, const double *number);
+/* bed_deal.c. b->deal stays NULL on one rank; else a bed's step is that of the cells that ranks are dealt of it. */
+status bed_deal_make(struct bed *b);
+void bed_deal_free(struct bed_deal *d);
+status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
+void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);
 /* Finds p, U and root of the step; *done as bed_step. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that

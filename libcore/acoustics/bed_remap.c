@@ -118,6 +118,7 @@ void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]) {
     const struct bed_lines *x = b->lines;
     const int last = b->components + 1;
     for (int v = 0; v <= last; v++) flux[v] = b->kept[v][face];
+    if (b->deal) return;
     const bool carries = b->balanced && b->kind[face] == BED_WALL;
     const double p = x->p_face[face] - (carries ? b->balance[b->left[face] < 0][face] : 0);
     for (int k = 0; k < b->dim; k++) flux[k + 1] += p * b->shapes->normal[k][b->shape[face]];

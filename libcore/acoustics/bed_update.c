@@ -253,6 +253,10 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
 /* Sums the forces that move_cell adds to those of p_f by taking p_f - P: the weight, as sum_f A n (x_f - x) = V, and
  * `balance`. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
+    if (b->deal) {
+        bed_deal_push(b, dt, gravity, axis);
+        return;
+    }
     for (int block = 0; block < b->blocks; block++) {
         b->pushed[block] = 0;
         for (int i = b->first[block]; i < b->first[block + 1]; i++) {

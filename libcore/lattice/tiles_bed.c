@@ -16,7 +16,7 @@ struct tiles_bed {
     double **listed; /* [ntiles] of [size]: the parts for which the bed was listed */
     /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
     double **fluxes;
-    struct seat *seat; /* [cells], then [ghosts], then [faces] */
+    struct seat *seat, *face; /* [cells], then [ghosts]; [faces] */
     long room;
     /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
     struct bed_shapes shapes;
@@ -226,67 +226,94 @@ void tiles_bed_include(struct gas *g, double thin, double rate) {
 
 /* ---- the lists ---- */
 
+/* A block of the bed is what lies in so many rows of a tile along the last axis: it is what ranks are dealt. */
+enum { BLOCK_ROWS = 8 };
+
+static int blocks_of_tile(const struct gas *g, int tile) {
+    return g->dim > 1 ? (g->forest->tile[tile].n[g->dim - 1] + BLOCK_ROWS - 1) / BLOCK_ROWS : 1;
+}
+
+/* A number over all ranks: no tile has as many rows as its memory has room for. */
+static int block_number(const struct forest *f, int tile, int block) {
+    const int room = (int)(f->size / f->stride[f->dim - 1]) / BLOCK_ROWS + 1;
+    return f->tile[tile].id * room + block;
+}
+
 struct listing { /* counts or lists the cells of a tile */
+    const struct gas *g;
     const double *part;
-    double *number; /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
-    struct seat *seat;
-    int tile, count;
+    double *number;           /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
+    struct seat *seat, *face; /* [cells], then [ghosts]; [faces] */
+    int tile, count, frozen, block,
+        *block_end; /* block_end: the cells up to the end of each block; NULL: are not counted */
     double first;
 };
 
 static void list_visit(void *listing, long offset, int n) {
     struct listing *l = listing;
+    const struct forest *f = l->g->forest;
+    const long row = l->g->dim > 1 ? (offset - f->first) / f->stride[l->g->dim - 1] : 0;
     for (int i = 0; i < n; i++) {
         if (!(l->part[offset + i] > 0)) continue;
         if (l->number) l->number[offset + i] = l->first + l->count;
         if (l->seat) l->seat[l->count] = (struct seat){l->tile, offset + i};
         l->count++;
+        l->frozen += l->part[offset + i] >= BED_FROZEN;
     }
+    if (l->block_end) l->block_end[l->block + row / BLOCK_ROWS] = l->count;
 }
 
-static int count_cells(const struct gas *g, int *blocks) {
+static int count_cells(const struct gas *g, int *blocks, long *moving) {
     const struct forest *f = g->forest;
-    struct listing l = {0};
+    struct listing l = {.g = g};
     *blocks = 0;
+    *moving = 0;
     for (int t = 0; t < f->ntiles; t++) {
+        const int *n = f->tile[t].n;
+        *moving += (long)n[0] * n[1] * n[2];
         if (!g->tiles->bed->holds[t]) continue;
         l.part = g->dense->part[t];
         runs_visit(f, &f->tile[t], 0, list_visit, &l);
-        ++*blocks;
+        *blocks += blocks_of_tile(g, t);
     }
+    *moving -= l.frozen;
     return l.count;
 }
 
-static status make_seats(struct gas *g, long n) {
+static status make_seats(struct gas *g, long cells, long faces) {
     struct tiles_bed *b = g->tiles->bed;
-    if (n <= b->room) return OK;
-    free(b->seat);
-    b->seat = NULL;
-    b->room = n + n / 2;
-    return allocate(&b->seat, b->room, sizeof *b->seat, "the bed");
+    const long n = cells + 2 * faces; /* ghosts are as many as faces at most */
+    if (n > b->room) {
+        free(b->seat);
+        b->seat = NULL;
+        b->room = n + n / 2;
+        TRY(allocate(&b->seat, b->room, sizeof *b->seat, "the bed"));
+    }
+    b->face = b->seat + cells + faces;
+    return OK;
 }
 
 /* Numbers the cells in line 0 of W from 1 on, ghosts too. */
 static void number_cells(struct gas *g, double first) {
     const struct forest *f = g->forest;
     struct bed *bed = &g->dense->bed;
-    struct listing l = {.first = first};
-    int block = 0;
+    struct listing l = {.g = g, .first = first, .block_end = bed->first + 1};
+    bed->first[0] = 0;
     for (int t = 0; t < f->ntiles; t++) {
+        const int blocks = blocks_of_tile(g, t);
         memset(g->W.block[t], 0, (size_t)f->size * sizeof(double));
         if (!g->tiles->bed->holds[t]) continue;
-        bed->first[block] = l.count;
-        bed->number[block++] = f->tile[t].id;
+        for (int i = 0; i < blocks; i++) bed->number[l.block + i] = block_number(f, t, i);
         l.part = g->dense->part[t];
         l.number = g->W.block[t];
         runs_visit(f, &f->tile[t], 0, list_visit, &l);
+        l.block += blocks;
     }
-    bed->first[block] = l.count;
     forest_fill_layers(g->forest, 1, 1, g->W.block);
 }
 
 static void seat_cells(struct gas *g, struct seat *seat) {
-    struct listing l = {.seat = seat};
+    struct listing l = {.g = g, .seat = seat};
     for (l.tile = 0; l.tile < g->forest->ntiles; l.tile++) {
         l.part = g->dense->part[l.tile];
         if (g->tiles->bed->holds[l.tile]) runs_visit(g->forest, &g->forest->tile[l.tile], 0, list_visit, &l);
@@ -310,20 +337,18 @@ static int patch_beyond(const struct gas *g, struct seat s, int axis, bool above
 struct weaving { /* faces and ghosts being listed */
     struct gas *g;
     double first; /* number of this rank's first cell */
-    int ghosts, faces;
-    bool count; /* are they counted only? */
 };
 
 /* The bed's index of the neighbour of cell i: a cell, a ghost that is made, or -1; beyond patches numbers are 0. */
 static int neighbour_of(struct weaving *w, int i, int axis, bool above) {
-    const struct bed *bed = &w->g->dense->bed;
+    struct bed *bed = &w->g->dense->bed;
     const struct seat s = w->g->tiles->bed->seat[i];
     const long at = s.at + (above ? 1 : -1) * w->g->forest->stride[axis];
     const double number = w->g->W.block[s.tile][at];
     if (number == 0) return -1;
     if (number >= w->first && number < w->first + bed->cells) return (int)(number - w->first);
-    if (!w->count) w->g->tiles->bed->seat[bed->cells + w->ghosts] = (struct seat){s.tile, at};
-    return bed->cells + w->ghosts++;
+    w->g->tiles->bed->seat[bed->cells + bed->ghosts] = (struct seat){s.tile, at};
+    return bed->cells + bed->ghosts++;
 }
 
 static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int neighbour) {
@@ -341,30 +366,25 @@ static int side_entry(const struct bed *bed, int cell, int axis, bool above) {
 static void add_face(struct weaving *w, int i, int axis, bool above, int neighbour) {
     struct bed *bed = &w->g->dense->bed;
     const struct seat s = w->g->tiles->bed->seat[i];
-    const int f = w->faces++;
-    if (w->count) return;
+    const int f = bed->faces++;
     bed->left[f] = above ? i : neighbour;
     bed->right[f] = above ? neighbour : i;
     bed->kind[f] = (unsigned char)kind_of(w->g, s, axis, above, neighbour);
     bed->shape[f] = axis;
     bed->face_of_cell[side_entry(bed, i, axis, above)] = above ? f : ~f;
     if (neighbour >= 0 && neighbour < bed->cells) bed->face_of_cell[side_entry(bed, neighbour, axis, false)] = ~f;
-    w->g->tiles->bed->seat[bed->cells + bed->ghosts + f] =
-        (struct seat){s.tile, above ? s.at : s.at - w->g->forest->stride[axis]};
+    w->g->tiles->bed->face[f] = (struct seat){s.tile, above ? s.at : s.at - w->g->forest->stride[axis]};
 }
 
 /* Makes the face above each cell, and that below where no cell of this rank makes it. */
 static void weave(struct weaving *w) {
     struct bed *bed = &w->g->dense->bed;
-    w->ghosts = w->faces = 0;
+    bed->ghosts = bed->faces = 0;
     for (int k = 0; k < bed->dim; k++)
         for (int i = 0; i < bed->cells; i++) {
             add_face(w, i, k, true, neighbour_of(w, i, k, true));
-            const int before = w->ghosts, below = neighbour_of(w, i, k, false);
-            if (below < 0 || below >= bed->cells)
-                add_face(w, i, k, false, below);
-            else
-                w->ghosts = before;
+            const int below = neighbour_of(w, i, k, false);
+            if (below < 0 || below >= bed->cells) add_face(w, i, k, false, below);
         }
 }
 
@@ -379,10 +399,10 @@ static status make_fluxes(struct gas *g) {
 static status list_here(struct gas *g) {
     struct bed *bed = &g->dense->bed;
     int blocks;
-    const int cells = count_cells(g, &blocks);
+    const int cells = count_cells(g, &blocks, &bed->moving);
     const long faces = (long)g->dim * cells * 2;
     TRY(make_fluxes(g));
-    TRY(make_seats(g, cells + 2 * faces));
+    TRY(make_seats(g, cells, faces));
     return bed_size(bed, blocks, cells, (int)faces, (int)faces, (int)faces);
 }
 
@@ -420,16 +440,12 @@ status tiles_bed_list(struct gas *g) {
     if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, list_here(g)));
     TRY(bed_number(bed, bed->cells, &first));
-    struct weaving w = {.g = g, .first = (double)first + 1, .count = true};
+    struct weaving w = {.g = g, .first = (double)first + 1};
     number_cells(g, w.first);
     seat_cells(g, g->tiles->bed->seat);
     weave(&w);
-    bed->ghosts = w.ghosts;
-    bed->faces = w.faces;
     for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
     for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
-    w.count = false;
-    weave(&w);
     seat = g->tiles->bed->seat + bed->cells;
     for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = g->W.block[seat[i].tile][seat[i].at] - 1;
     return bed_link(bed, bed->U[0]);
@@ -446,7 +462,7 @@ static bool same_state(const struct gas *g, const double *U, long a, long b) {
 
 static void take_beyond(struct gas *g, const struct state *from) {
     struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    const struct seat *seat = g->tiles->bed->face;
     for (int f = 0; f < bed->faces; f++) {
         const double *U = from->block[seat[f].tile];
         const long below = seat[f].at, above = below + g->forest->stride[bed->shape[f]];
@@ -483,7 +499,7 @@ void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH
 
 void tiles_bed_keep(struct gas *g, double weight) {
     struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    const struct seat *seat = g->tiles->bed->face;
     for (int f = 0; f < bed->faces; f++) {
         if (bed->kind[f] != BED_KEPT) continue;
         const long line = (long)bed->shape[f] * g->nvar;
@@ -506,7 +522,7 @@ long tiles_bed_put(struct gas *g, const struct state *to) {
 
 void tiles_tally_bed(struct gas *g, double dt) {
     const struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat + bed->cells + bed->ghosts;
+    const struct seat *seat = g->tiles->bed->face;
     for (int f = 0; f < bed->faces; f++) {
         const bool high = bed->left[f] >= 0;
         const int axis = bed->shape[f];
@@ -521,7 +537,11 @@ void tiles_tally_bed(struct gas *g, double dt) {
 
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
     int block = 0;
-    for (int t = 0; t < g->forest->ntiles; t++) raised[t] = g->tiles->bed->holds[t] ? per_block[block++] : 0;
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        raised[t] = 0;
+        if (!g->tiles->bed->holds[t]) continue;
+        for (int i = blocks_of_tile(g, t); i > 0; i--) raised[t] += per_block[block++];
+    }
 }
 
 /* ---- in the stages ---- */

@@ -1,0 +1,458 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The deal of a bed. A bed lies where gravity puts it, perhaps in the tiles of one rank. So its blocks are dealt to all
+ * ranks by the number of their cells, whoever owns the cells of the mesh: each rank is home to the cells of its own
+ * mesh, and works on those that it is dealt, which are a bed of their own with ghosts of their own. Lists go out from
+ * home when the set has changed, states in every step; results come back. As blocks stay whole the bits of a step do
+ * not depend on the deal. A face between the cells of two homes is there twice, also if one rank works on both cells.
+ */
+#include "libcore/acoustics/bed_private.h"
+
+#include <stdlib.h>
+
+/* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS };
+
+/* What a cell of the bed takes its home, of what it takes the rank that works on it: measured in cases/heap2D. */
+static const double HOME = 0.2;
+
+struct bed_deal {
+    struct bed worker;                 /* the cells that this rank is dealt */
+    int *cell_first;                   /* [ranks + 1] numbers of the homes' first cells over all ranks */
+    int *work_first;                   /* [ranks + 1] numbers of the first cells that each rank works on */
+    int *scratch;                      /* [ranks] */
+    int *block_count, *block_first;    /* [ranks], [ranks + 1] blocks of the homes */
+    int *count_out, *count_in;         /* [ranks] lengths of messages */
+    int (*out)[COUNTS], (*in)[COUNTS]; /* [ranks] what this home deals to each rank; what each home deals here */
+    int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who works on it */
+    double *load, *quota;              /* [ranks] of each rank; the cells that it shall work on */
+    int *face;                         /* [sum of out[FACES]] this home's faces in the order in which they go out */
+    double *message_out, *message_in;  /* of a step */
+    struct bed_shapes shapes;          /* of worker, unless cells are boxes: a shape for each cell and each face */
+    double *geometry;                  /* their memory */
+};
+
+static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
+    int sum = 0;
+    for (int r = 0; r < comm_size(b->comm); r++) sum += count[r][what];
+    return sum;
+}
+
+/* Forgets what belongs to one set of cells. */
+static void forget(struct bed_deal *d) {
+    void *memory[] = {d->size, d->face, d->message_out, d->geometry};
+    for (size_t i = 0; i < sizeof memory / sizeof *memory; i++) free(memory[i]);
+    d->size = d->face = NULL;
+    d->message_out = d->geometry = NULL;
+}
+
+void bed_deal_free(struct bed_deal *d) {
+    if (!d) return;
+    forget(d);
+    bed_free(&d->worker);
+    free(d->cell_first);
+    free(d->out);
+    free(d->load);
+    free(d);
+}
+
+status bed_deal_make(struct bed *b) {
+    const int ranks = comm_size(b->comm);
+    struct bed_deal *d;
+    TRY(allocate(&d, 1, sizeof *d, "the bed"));
+    d->worker = *b;
+    d->worker.lines = NULL;
+    b->deal = d;
+    TRY(allocate(&d->cell_first, 7L * ranks + 3, sizeof(int), "the bed"));
+    d->work_first = d->cell_first + ranks + 1;
+    d->block_first = d->work_first + ranks + 1;
+    d->scratch = d->block_first + ranks + 1;
+    d->block_count = d->scratch + ranks;
+    d->count_out = d->block_count + ranks;
+    d->count_in = d->count_out + ranks;
+    TRY(allocate(&d->out, 2L * ranks, sizeof *d->out, "the bed"));
+    TRY(allocate(&d->load, 2L * ranks, sizeof(double), "the bed"));
+    d->in = d->out + ranks;
+    d->quota = d->load + ranks;
+    TRY(allocate(&d->worker.lines, 1, sizeof *d->worker.lines, "the bed"));
+    return multigrid_make(b->comm, &d->worker.multigrid);
+}
+
+status bed_number(struct bed *b, int cells, long *first) {
+    *first = 0;
+    if (!b->deal) return OK;
+    TRY(comm_share_count(b->comm, cells, b->deal->scratch, b->deal->cell_first));
+    *first = b->deal->cell_first[comm_rank(b->comm)];
+    return OK;
+}
+
+/* ---- the lists ---- */
+
+/* Finds the quotas, which with the loads shall make all ranks alike; ranks with more than that get none. */
+static void find_quotas(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const int ranks = comm_size(b->comm);
+    double level = HUGE_VAL, before;
+    for (int r = 0; r < ranks; r++) {
+        d->scratch[r] = 1;
+        d->count_out[r] = r;
+    }
+    const double load = b->share * (double)b->moving + HOME * b->cells;
+    comm_share(b->comm, &load, d->scratch, d->count_out, d->load);
+    do {
+        double sum = d->cell_first[ranks];
+        int sharing = 0;
+        before = level;
+        for (int r = 0; r < ranks; r++)
+            if (d->load[r] < before) {
+                sum += d->load[r];
+                sharing++;
+            }
+        level = sum / sharing;
+    } while (level < before);
+    for (int r = 0; r < ranks; r++) d->quota[r] = larger(level - d->load[r], 0);
+}
+
+/* Learns of the blocks of all ranks. */
+static status share_blocks(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    TRY(comm_share_count(b->comm, b->blocks, d->block_count, d->block_first));
+    const int blocks = d->block_first[comm_size(b->comm)];
+    TRY(comm_agree(b->comm, allocate(&d->size, 3L * blocks + 1, sizeof(int), "the bed")));
+    d->number = d->size + blocks;
+    d->rank = d->number + blocks;
+    for (int i = 0; i < b->blocks; i++) d->rank[i] = b->first[i + 1] - b->first[i];
+    comm_share_int(b->comm, d->rank, d->block_count, d->block_first, d->size);
+    comm_share_int(b->comm, b->number, d->block_count, d->block_first, d->number);
+    return OK;
+}
+
+/* Deals the blocks of all ranks in the order of their homes, each to the rank whose quota its middle lies in. */
+static void deal_blocks(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const int ranks = comm_size(b->comm);
+    double end = d->quota[0];
+    int r = 0, before = 0;
+    d->work_first[0] = 0;
+    for (int j = 0; j < d->block_first[ranks]; before += d->size[j++]) {
+        for (; r < ranks - 1 && before + 0.5 * d->size[j] > end; end += d->quota[r]) d->work_first[++r] = before;
+        d->rank[j] = r;
+    }
+    while (r < ranks) d->work_first[++r] = before;
+}
+
+/* Lists the faces that go out, each once for every rank that works on one of its cells, and counts what goes out.
+ * place[faces]: place of each face among those that its last rank gets. entry[entries]: face_of_cell by these. */
+static void list_out(struct bed *b, int *place, int *entry) {
+    struct bed_deal *d = b->deal;
+    const int first = d->block_first[comm_rank(b->comm)];
+    int *rank = place + b->faces, faces = 0;
+    memset(d->out, 0, (size_t)comm_size(b->comm) * sizeof *d->out);
+    for (int f = 0; f < b->faces; f++) rank[f] = -1;
+    for (int block = 0; block < b->blocks; block++) {
+        const int to = d->rank[first + block], begin = b->face_start[b->first[block]];
+        int *count = d->out[to];
+        count[BLOCKS]++;
+        count[CELLS] += b->first[block + 1] - b->first[block];
+        for (int j = begin; j < b->face_start[b->first[block + 1]]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            count[ENTRIES]++;
+            if (rank[s.face] != to) {
+                rank[s.face] = to;
+                place[s.face] = count[FACES]++;
+                d->face[faces++] = s.face;
+                count[OUTER] += b->kind[s.face] != BED_INNER;
+            }
+            entry[j] = s.right ? ~place[s.face] : place[s.face];
+        }
+    }
+}
+
+/* Copies n numbers from a line to a message, or back; returns the place behind them in the message. */
+static double *move(double *line, long n, double *message, bool out) {
+    memcpy(out ? message : line, out ? line : message, (size_t)n * sizeof *line);
+    return message + n;
+}
+
+/* Sends per[what] numbers of each thing from home to those who work on it, or back. */
+static void send(const struct bed *b, const int per[COUNTS], bool back) {
+    const struct bed_deal *d = b->deal;
+    for (int r = 0; r < comm_size(b->comm); r++) {
+        d->count_out[r] = d->count_in[r] = 0;
+        for (int k = 0; k < COUNTS; k++) {
+            d->count_out[r] += per[k] * (back ? d->in : d->out)[r][k];
+            d->count_in[r] += per[k] * (back ? d->out : d->in)[r][k];
+        }
+    }
+    comm_trade(b->comm, d->message_out, d->count_out, d->message_in, d->count_in);
+}
+
+/* Numbers that the lists have of a cell and of a face: of boxes no geometry. */
+static int of_cell(const struct bed *b) {
+    return b->shapes->boxes ? 1 : 2;
+}
+static int of_face(const struct bed *b) {
+    return b->shapes->boxes ? 4 : 6 + 3 * b->dim;
+}
+
+/* Calls the lines of the geometry of a face one after the other: 3 + 3 dim. */
+static int face_lines(const struct bed_shapes *s, int dim, double *line[3 + 3 * MAX_DIM]) {
+    int n = 0;
+    line[n++] = s->area;
+    for (int side = 0; side < 2; side++) line[n++] = s->depth[side];
+    for (int k = 0; k < dim; k++) {
+        line[n++] = s->normal[k];
+        for (int side = 0; side < 2; side++) line[n++] = s->arm[side][k];
+    }
+    return n;
+}
+
+static double *write_face(const struct bed *b, int face, const double *number, double *to) {
+    const int side[2] = {b->left[face], b->right[face]}, first = b->deal->cell_first[comm_rank(b->comm)];
+    double *line[3 + 3 * MAX_DIM];
+    for (int i = 0; i < 2; i++)
+        *to++ = side[i] < 0 ? -1 : side[i] < b->cells ? first + side[i] : number[side[i] - b->cells];
+    *to++ = b->kind[face];
+    if (b->shapes->boxes) {
+        *to++ = b->shape[face];
+        return to;
+    }
+    for (int i = 0, n = face_lines(b->shapes, b->dim, line); i < n; i++) *to++ = line[i][b->shape[face]];
+    return to;
+}
+
+static void write_lists(const struct bed *b, const int *entry, const double *number) {
+    const struct bed_deal *d = b->deal;
+    const int *face = d->face;
+    double *to = d->message_out;
+    for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
+        const int end = cell + d->out[r][CELLS];
+        for (int i = cell; i < end; i++) {
+            *to++ = b->face_start[i + 1] - b->face_start[i];
+            if (!b->shapes->boxes) *to++ = b->shapes->volume[b->body[i]];
+        }
+        for (int j = b->face_start[cell]; j < b->face_start[end]; j++) *to++ = entry[j];
+        for (int k = 0; k < d->out[r][FACES]; k++) to = write_face(b, *face++, number, to);
+        cell = end;
+    }
+}
+
+/* Counts the ends of faces that are cells of other ranks. */
+static int count_ghosts(const struct bed *b) {
+    const struct bed_deal *d = b->deal;
+    const int me = comm_rank(b->comm), low = d->work_first[me], high = d->work_first[me + 1];
+    const double *from = d->message_in;
+    int ghosts = 0;
+    for (int r = 0; r < comm_size(b->comm); r++) {
+        from += of_cell(b) * d->in[r][CELLS] + d->in[r][ENTRIES];
+        for (int k = 0; k < d->in[r][FACES]; k++, from += of_face(b))
+            for (int i = 0; i < 2; i++) ghosts += from[i] >= 0 && (from[i] < low || from[i] >= high);
+    }
+    return ghosts;
+}
+
+/* Makes the shapes of the worker's cells and faces. */
+static status make_geometry(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    const long cells = (long)w->cells + w->ghosts;
+    double *next;
+    w->shapes = b->shapes;
+    w->balanced = b->balanced;
+    if (b->shapes->boxes) return OK;
+    w->shapes = &d->shapes;
+    TRY(allocate(&d->geometry, cells + (3L + 3 * b->dim) * w->faces, sizeof(double), "the bed"));
+    d->shapes.volume = d->geometry;
+    next = d->geometry + cells;
+    d->shapes.area = next;
+    for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += w->faces;
+    for (int k = 0; k < b->dim; k++) {
+        d->shapes.normal[k] = next += w->faces;
+        for (int side = 0; side < 2; side++) d->shapes.arm[side][k] = next += w->faces;
+    }
+    return OK;
+}
+
+/* Reads a face of the worker; each end that is a cell of another rank is a ghost of its own. number[ghosts]: their
+ * numbers, of which `ghosts` are known. */
+static const double *read_face(struct bed *w, const int range[2], int face, int *ghosts, double *number,
+                               const double *from) {
+    int *const side[2] = {w->left + face, w->right + face};
+    double *line[3 + 3 * MAX_DIM];
+    for (int i = 0; i < 2; i++, from++) {
+        const int name = (int)*from;
+        *side[i] = name < 0 ? -1 : name - range[0];
+        if (name < 0 || (name >= range[0] && name < range[1])) continue;
+        number[*ghosts] = name;
+        *side[i] = w->cells + (*ghosts)++;
+    }
+    w->kind[face] = (unsigned char)*from++;
+    w->shape[face] = w->shapes->boxes ? (int)*from++ : face;
+    if (w->shapes->boxes) return from;
+    for (int i = 0, n = face_lines(w->shapes, w->dim, line); i < n; i++) line[i][face] = *from++;
+    return from;
+}
+
+static void read_lists(struct bed *b, double *number) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    const double *from = d->message_in;
+    int cell = 0, entry = 0, face = 0, ghosts = 0;
+    for (int r = 0; r < comm_size(b->comm); r++) {
+        const int end = cell + d->in[r][CELLS], last = entry + d->in[r][ENTRIES], before = face;
+        for (int at = entry; cell < end; cell++) {
+            w->face_start[cell] = at;
+            at += (int)*from++;
+            w->body[cell] = b->shapes->boxes ? 0 : cell;
+            if (!b->shapes->boxes) w->shapes->volume[cell] = *from++;
+        }
+        for (; entry < last; entry++) {
+            const int at = (int)*from++;
+            w->face_of_cell[entry] = at < 0 ? ~(before + ~at) : before + at;
+        }
+        for (; face < before + d->in[r][FACES]; face++)
+            from = read_face(w, d->work_first + comm_rank(b->comm), face, &ghosts, number, from);
+    }
+    w->face_start[cell] = entry;
+    for (int i = w->cells; i < w->cells + w->ghosts; i++) w->body[i] = b->shapes->boxes ? 0 : i;
+}
+
+static void read_blocks(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    const int me = comm_rank(b->comm);
+    int n = 0;
+    w->first[0] = 0;
+    for (int j = 0; j < d->block_first[comm_size(b->comm)]; j++) {
+        if (d->rank[j] != me) continue;
+        w->number[n++] = d->number[j];
+        w->first[n] = w->first[n - 1] + d->size[j];
+    }
+}
+
+/* Makes room for messages: those of the lists, of states and of results. */
+static status make_messages(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const int most[COUNTS] = {[CELLS] = b->components + 2,
+                              [ENTRIES] = 1,
+                              [FACES] = of_face(b),
+                              [OUTER] = 2 * (b->components + 2) + 1,
+                              [BLOCKS] = 2};
+    long out = 0, in = 0;
+    for (int k = 0; k < COUNTS; k++) {
+        out += (long)most[k] * sum_of(b, d->out, k);
+        in += (long)most[k] * sum_of(b, d->in, k);
+    }
+    TRY(allocate(&d->message_out, 2 * (out + in), sizeof(double), "the bed"));
+    d->message_in = d->message_out + out + in;
+    return OK;
+}
+
+static status make_lists(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    TRY(bed_size(w, sum_of(b, d->in, BLOCKS), sum_of(b, d->in, CELLS), count_ghosts(b), sum_of(b, d->in, FACES),
+                 sum_of(b, d->in, ENTRIES)));
+    return make_geometry(b);
+}
+
+static status deal_out(struct bed *b, int *scratch, const double *number) {
+    struct bed_deal *d = b->deal;
+    const int ranks = comm_size(b->comm);
+    int *const entry = scratch + 2 * b->faces;
+    list_out(b, scratch, entry);
+    for (int r = 0; r < ranks; r++) d->count_out[r] = d->count_in[r] = COUNTS;
+    comm_trade_int(b->comm, d->out[0], d->count_out, d->in[0], d->count_in);
+    TRY(comm_agree(b->comm, make_messages(b)));
+    write_lists(b, entry, number);
+    send(b, (int[COUNTS]){[CELLS] = of_cell(b), [ENTRIES] = 1, [FACES] = of_face(b)}, false);
+    TRY(comm_agree(b->comm, make_lists(b)));
+    read_blocks(b);
+    read_lists(b, d->worker.U[0]);
+    TRY(bed_halo_link(&d->worker, d->work_first, d->worker.U[0]));
+    if (!b->shapes->boxes) bed_fill(&d->worker, 1, &d->shapes.volume);
+    return OK;
+}
+
+status bed_link(struct bed *b, const double *number) {
+    struct bed_deal *d = b->deal;
+    int *scratch = NULL;
+    if (!d) return OK;
+    forget(d);
+    TRY(share_blocks(b));
+    find_quotas(b);
+    deal_blocks(b);
+    const long sides = b->face_start[b->cells];
+    status s = allocate(&d->face, 2L * sides, sizeof(int), "the bed");
+    if (!s) s = allocate(&scratch, 2L * b->faces + sides, sizeof(int), "the bed");
+    s = comm_agree(b->comm, s);
+    if (!s) s = deal_out(b, scratch, number);
+    free(scratch);
+    return s;
+}
+
+/* ---- states and results ---- */
+
+/* Moves what a step starts from, or its results, between a message and a bed: that of home, whose faces `face` lists,
+ * or the worker's, face NULL. n: what goes to, or comes from, each rank. */
+static void move_all(struct bed *b, int (*n)[COUNTS], const int *face, bool results, double *at, bool out) {
+    const int last = b->components + 1;
+    for (int r = 0, cell = 0, block = 0, before = 0; r < comm_size(b->comm); r++) {
+        for (int v = 0; v <= last; v++) at = move(b->U[v] + cell, n[r][CELLS], at, out);
+        for (int i = before; i < before + n[r][FACES]; i++) {
+            const int f = face ? face[i] : i;
+            for (int side = 0; side < 2 && b->balanced && !results; side++) at = move(b->balance[side] + f, 1, at, out);
+            if (b->kind[f] == BED_INNER) continue;
+            double kind = b->kind[f];
+            if (!results) at = move(&kind, 1, at, out);
+            b->kind[f] = (unsigned char)kind;
+            for (int v = 0; v <= last && !results; v++) at = move(b->outside[v] + f, 1, at, out);
+            for (int v = 0; v <= last; v++) at = move(b->kept[v] + f, 1, at, out);
+        }
+        if (results) at = move(b->lift + block, n[r][BLOCKS], at, out);
+        if (results) at = move(b->work + block, n[r][BLOCKS], at, out);
+        cell += n[r][CELLS];
+        block += n[r][BLOCKS];
+        before += n[r][FACES];
+    }
+}
+
+/* Takes the results home, where the fluxes through faces go to the lines of `kept`. */
+static void take_results(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    const int variables = b->components + 2;
+    for (int f = 0; f < w->faces; f++) {
+        double flux[MAX_VAR];
+        if (w->kind[f] == BED_INNER) continue;
+        bed_face_flux(w, f, flux);
+        for (int v = 0; v < variables; v++) w->kept[v][f] = flux[v];
+    }
+    move_all(w, d->in, NULL, true, d->message_out, true);
+    send(b, (int[COUNTS]){[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}, true);
+    move_all(b, d->out, d->face, true, d->message_in, false);
+}
+
+status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    struct bed_deal *d = b->deal;
+    struct bed *w = &d->worker;
+    const int variables = b->components + 2;
+    w->balanced = b->balanced;
+    move_all(b, d->out, d->face, false, d->message_out, true);
+    send(b, (int[COUNTS]){[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}, false);
+    move_all(w, d->in, NULL, false, d->message_in, false);
+    TRY(bed_step(w, dt, gravity, done));
+    b->newton = w->newton;
+    b->linear = w->linear;
+    b->lifted = w->lifted;
+    b->worked = w->worked;
+    if (*done) take_results(b);
+    return OK;
+}
+
+void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
+    struct bed_deal *d = b->deal;
+    bed_push(&d->worker, dt, gravity, axis);
+    memcpy(d->message_out, d->worker.pushed, (size_t)d->worker.blocks * sizeof(double));
+    send(b, (int[COUNTS]){[BLOCKS] = 1}, true);
+    memcpy(b->pushed, d->message_in, (size_t)b->blocks * sizeof(double));
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A bed of boxes or of triangles, for tests. */
+#ifndef TESTS_BOX_BED_H
+#define TESTS_BOX_BED_H
+
+#include "libcore/acoustics/bed_private.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "tests/checks.h" /* last: cmocka.h defines fail() */
+
+struct box { /* a bed of n[0] x n[1] boxes, or pairs of triangles, in a box of walls, or periodic along x */
+    struct material material;
+    struct bed bed;
+    int n[2];
+    bool periodic, triangles;
+    double width;
+    struct bed_shapes shapes;
+    double *memory, (*centre)[2]; /* [cells] of triangles */
+};
+
+static inline void make_shapes(struct box *x, int cells, int faces) {
+    struct bed_shapes *s = &x->shapes;
+    double **lines[] = {&s->area,      &s->depth[0],  &s->depth[1],  &s->normal[0], &s->normal[1],
+                        &s->arm[0][0], &s->arm[0][1], &s->arm[1][0], &s->arm[1][1]};
+    *s = (struct bed_shapes){.boxes = !x->triangles};
+    s->volume = x->memory = calloc((size_t)(cells + 9 * faces), sizeof(double));
+    assert_non_null(x->memory);
+    for (int i = 0; i < 9; i++) *lines[i] = x->memory + cells + i * faces;
+    x->centre = calloc((size_t)cells, sizeof *x->centre);
+    assert_non_null(x->centre);
+}
+
+/* The faces of boxes along an axis: the lower ones of each line of cells, then one above each cell. */
+static inline int link_boxes(struct box *x, int axis, int faces) {
+    struct bed *b = &x->bed;
+    const int n = x->n[axis], step = axis ? x->n[0] : 1;
+    const bool periodic = x->periodic && axis == 0;
+    for (int i = 0; i < b->cells; i++)
+        for (int above = i / step % n > 0 || periodic; above < 2; above++) {
+            const bool end = i / step % n == n - 1 && above;
+            const int other = !above || (end && !periodic) ? -1 : end ? i - (n - 1) * step : i + step, f = faces++;
+            b->left[f] = above ? i : -1;
+            b->right[f] = above ? other : i;
+            b->kind[f] = above && other >= 0 ? BED_INNER : BED_WALL;
+            b->shape[f] = axis;
+            b->face_of_cell[2 * (b->dim * i + axis) + above] = above ? f : ~f;
+            if (above && other >= 0) b->face_of_cell[2 * (b->dim * other + axis)] = ~f;
+        }
+    return faces;
+}
+
+static inline int make_boxes(struct box *x) {
+    struct bed_shapes *s = &x->shapes;
+    int faces = 0;
+    for (int i = 0; i < x->bed.cells; i++) x->bed.body[i] = 0;
+    for (int i = 0; i <= x->bed.cells; i++) x->bed.face_start[i] = 2 * x->bed.dim * i;
+    s->volume[0] = x->width * x->width;
+    for (int k = 0; k < x->bed.dim; k++) {
+        s->area[k] = x->width;
+        s->normal[k][k] = 1;
+        for (int side = 0; side < 2; side++) {
+            s->depth[side][k] = 0.5 * x->width;
+            s->arm[side][k][k] = side ? -0.5 * x->width : 0.5 * x->width;
+        }
+        faces = link_boxes(x, k, faces);
+    }
+    return faces;
+}
+
+/* Finds the face whose middle is at m, along x perhaps a period away; -1: there is none. */
+static inline int face_at(const struct box *x, const double (*middle)[2], int faces, const double m[2]) {
+    const double period = x->n[0] * x->width;
+    for (int f = 0; f < faces; f++) {
+        const double off = fabs(middle[f][0] - m[0]);
+        if (fabs(middle[f][1] - m[1]) < 1e-9 && (off < 1e-9 || (x->periodic && fabs(off - period) < 1e-9))) return f;
+    }
+    return -1;
+}
+
+/* Adds the edge from a to b of a triangle with the centre c. */
+static inline int add_edge(struct box *x, double (*middle)[2], int *faces, int cell, const double a[2],
+                           const double b[2], const double c[2]) {
+    struct bed_shapes *s = &x->shapes;
+    const double m[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
+    int f = face_at(x, (const double(*)[2])middle, *faces, m);
+    const bool right = f >= 0;
+    if (!right) {
+        f = (*faces)++;
+        memcpy(middle[f], m, sizeof m);
+        s->area[f] = hypot(b[0] - a[0], b[1] - a[1]);
+        s->normal[0][f] = (b[1] - a[1]) / s->area[f];
+        s->normal[1][f] = (a[0] - b[0]) / s->area[f];
+        x->bed.shape[f] = f;
+        x->bed.kind[f] = BED_WALL;
+    }
+    for (int k = 0; k < 2; k++) s->arm[right][k][f] = m[k] - c[k];
+    s->depth[right][f] = fabs((m[0] - c[0]) * s->normal[0][f] + (m[1] - c[1]) * s->normal[1][f]);
+    if (right) x->bed.kind[f] = BED_INNER;
+    x->bed.left[f] = right ? x->bed.left[f] : cell;
+    x->bed.right[f] = right ? cell : -1;
+    return right ? ~f : f;
+}
+
+/* Two triangles a box, whose diagonals alternate. The inner points of the grid are moved, alike in every period. */
+static inline int make_triangles(struct box *x) {
+    static const int corner[2][2][3] = {{{0, 1, 3}, {0, 3, 2}}, {{0, 1, 2}, {1, 3, 2}}};
+    struct bed *b = &x->bed;
+    double(*middle)[2] = calloc((size_t)(3 * b->cells), sizeof *middle);
+    int faces = 0;
+    assert_non_null(middle);
+    for (int i = 0; i < b->cells; i++) {
+        const int box = i / 2, at[2] = {box % x->n[0], box / x->n[0]}, *use = corner[(at[0] + at[1]) % 2][i % 2];
+        double p[3][2], *c = x->centre[i];
+        for (int j = 0; j < 3; j++) {
+            const int place[2] = {at[0] + use[j] % 2, at[1] + use[j] / 2};
+            const bool inner = place[1] > 0 && place[1] < x->n[1] && place[0] % x->n[0] > 0;
+            for (int k = 0; k < 2; k++) {
+                p[j][k] = x->width * (place[k] + (inner ? 0.15 * sin(7 * place[0] + 3 * place[1] + k) : 0));
+                c[k] += p[j][k] / 3;
+            }
+        }
+        b->body[i] = i;
+        b->face_start[i] = 3 * i;
+        for (int j = 0; j < 3; j++)
+            b->face_of_cell[3 * i + j] = add_edge(x, middle, &faces, i, p[j], p[(j + 1) % 3], c);
+        x->shapes.volume[i] =
+            0.5 * ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]));
+    }
+    b->face_start[b->cells] = 3 * b->cells;
+    free(middle);
+    return faces;
+}
+
+/* Beyond walls the arms are those of mirror images. */
+static inline void make_mirrors(struct box *x) {
+    struct bed_shapes *s = &x->shapes;
+    for (int f = 0; f < x->bed.faces && x->triangles; f++) {
+        if (x->bed.right[f] >= 0) continue;
+        for (int k = 0; k < 2; k++) s->arm[1][k][f] = s->arm[0][k][f] - 2 * s->depth[0][f] * s->normal[k][f];
+        s->depth[1][f] = s->depth[0][f];
+    }
+}
+
+static inline void box_make(struct box *x, const struct comm *comm, const char *eos, double e, int nx, int ny,
+                            double width, bool periodic, bool triangles) {
+    const struct eos *row = eos_find(eos);
+    *x = (struct box){.n = {nx, ny}, .periodic = periodic, .triangles = triangles, .width = width};
+    x->material = (struct material){.diameter = 1,
+                                    .mass = 1,
+                                    .restitution = e,
+                                    .gamma = 5. / 3,
+                                    .alpha_max = 0.64,
+                                    .freezing = 0.49,
+                                    .smoothing = 0.01,
+                                    .disks = row->disks};
+    if (row->disks) x->material.gamma = 2;
+    const int dim = ny > 1 ? 2 : 1, cells = nx * ny * (triangles ? 2 : 1), sides = cells * (triangles ? 3 : 2 * dim);
+    x->bed = (struct bed){.eos = row,
+                          .material = &x->material,
+                          .comm = comm,
+                          .dim = dim,
+                          .components = dim,
+                          .shapes = &x->shapes,
+                          .limit = density_limit(row, &x->material),
+                          .params = {.dense = 0.9, .gain = 4, .governor = 1, .soft = 0.2, .keep = 0.05}};
+    make_shapes(x, cells, sides);
+    ok(bed_make(&x->bed));
+    ok(bed_size(&x->bed, ny, cells, 0, sides, sides)); /* room for blocks of rows */
+    x->bed.blocks = 1;
+    x->bed.faces = triangles ? make_triangles(x) : make_boxes(x);
+    make_mirrors(x);
+    x->bed.first[0] = x->bed.number[0] = 0;
+    x->bed.first[1] = cells;
+}
+
+static inline void box_free(struct box *x) {
+    bed_free(&x->bed);
+    free(x->memory);
+    free(x->centre);
+}
+
+static inline double volume_of(const struct box *x, int i) {
+    return x->shapes.volume[x->bed.body[i]];
+}
+
+static inline void set(struct box *x, int i, double alpha, double T, double u, double v) {
+    double **U = x->bed.U;
+    const double rho = alpha / packing_per_density(&x->material);
+    const int last = x->bed.dim + 1;
+    U[0][i] = rho;
+    U[1][i] = rho * u;
+    if (last > 2) U[2][i] = rho * v;
+    U[last][i] = rho * (eps_of(&x->material, T) + 0.5 * (u * u + v * v));
+}
+
+#endif

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A bed that is dealt to ranks (libcore/acoustics/bed_deal.c): whoever is home to its cells, the bits of one rank, and
+ * each rank works on its share. */
+#include "tests/libcore/acoustics/box_bed.h"
+
+enum { ROWS = 2, STEPS = 3 };
+
+static struct comm *world, *alone;
+
+static double chance(unsigned *seed) {
+    *seed = *seed * 1664525u + 1013904223u;
+    return (*seed >> 8) / 16777216.;
+}
+
+/* Cuts the cells of a box into blocks of ROWS rows, the last one of what is left. Blocks bear odd numbers. */
+static void cut(struct box *x, int rows) {
+    struct bed *b = &x->bed;
+    const int each = b->cells / rows * ROWS;
+    b->blocks = 0;
+    for (int at = 0; at < b->cells; at += each) {
+        b->number[b->blocks] = 2 * b->blocks + 1;
+        b->first[b->blocks++] = at;
+    }
+    b->first[b->blocks] = b->cells;
+}
+
+/* Turns walls into open faces and kept ones, with gas beyond. */
+static void open_walls(struct box *x, unsigned *seed) {
+    static const enum bed_kind kind[] = {BED_WALL, BED_HELD, BED_FREE, BED_KEPT};
+    struct bed *b = &x->bed;
+    b->balanced = x->triangles;
+    for (int f = 0; f < b->faces; f++) {
+        const int inside = b->left[f] < 0 ? b->right[f] : b->left[f];
+        for (int side = 0; side < 2; side++) b->balance[side][f] = 1e-4 * (chance(seed) - 0.5);
+        if (b->kind[f] == BED_INNER) continue;
+        b->kind[f] = (unsigned char)kind[f % 4];
+        for (int v = 0; v < b->dim + 2; v++) {
+            b->outside[v][f] = b->U[v][inside] * (v == 0 || v > b->dim ? 0.9 : 1);
+            b->kept[v][f] = v == 0 || v > b->dim ? 0 : 1e-3 * x->shapes.normal[v - 1][b->shape[f]];
+        }
+    }
+}
+
+/* Which rank is home to block j of n: by `way` the last one to all, each to every other one, or each to a part. */
+static int home_of(int way, int j, int n) {
+    const int ranks = comm_size(world);
+    return way == 0 ? ranks - 1 : way == 1 ? j % ranks : j * ranks / n;
+}
+
+struct part { /* the cells of a box that this rank is home to */
+    struct bed bed;
+    int *cell, *face; /* of the box, by those of the part */
+};
+
+/* Numbers the cells over all ranks in the order of their homes. */
+static void number_all(const struct box *x, int way, int *number) {
+    const struct bed *b = &x->bed;
+    int next = 0;
+    for (int r = 0; r < comm_size(world); r++)
+        for (int j = 0; j < b->blocks; j++)
+            for (int i = b->first[j]; i < b->first[j + 1] && home_of(way, j, b->blocks) == r; i++) number[i] = next++;
+}
+
+/* The place of a cell of the box in the part: among its own cells, or as a ghost that is made; -1: it is none. */
+static int place_of(struct part *p, const int *number, long first, int cell) {
+    struct bed *b = &p->bed;
+    if (cell < 0) return -1;
+    if (number[cell] >= first && number[cell] < first + b->cells) return (int)(number[cell] - first);
+    b->U[0][b->cells + b->ghosts] = number[cell];
+    b->body[b->cells + b->ghosts] = 0;
+    return b->cells + b->ghosts++;
+}
+
+/* Lists the faces of this rank's cells. */
+static void list_faces(struct part *p, const struct box *x, const int *number, long first) {
+    struct bed *b = &p->bed;
+    int *place = calloc((size_t)x->bed.faces, sizeof *place), entry = 0;
+    assert_non_null(place);
+    b->faces = b->ghosts = 0;
+    for (int i = 0; i < b->cells; i++) {
+        const int c = p->cell[i];
+        b->face_start[i] = entry;
+        b->body[i] = x->bed.body[c];
+        for (int j = x->bed.face_start[c]; j < x->bed.face_start[c + 1]; j++) {
+            const int listed = x->bed.face_of_cell[j], of = listed < 0 ? ~listed : listed;
+            if (place[of] == 0) {
+                const int f = b->faces++;
+                p->face[f] = of;
+                place[of] = f + 1;
+                b->left[f] = place_of(p, number, first, x->bed.left[of]);
+                b->right[f] = place_of(p, number, first, x->bed.right[of]);
+                b->kind[f] = x->bed.kind[of];
+                b->shape[f] = x->bed.shape[of];
+            }
+            b->face_of_cell[entry++] = listed < 0 ? ~(place[of] - 1) : place[of] - 1;
+        }
+    }
+    b->face_start[b->cells] = entry;
+    free(place);
+}
+
+/* Lists the part, and deals it. */
+static void part_lists(struct part *p, const struct box *x, int way) {
+    const struct bed *whole = &x->bed;
+    const int sides = whole->face_start[whole->cells];
+    struct bed *b = &p->bed;
+    long first;
+    int *number = malloc((size_t)whole->cells * sizeof *number), cells = 0;
+    ok(bed_size(b, whole->blocks, whole->cells, sides, sides, sides));
+    b->blocks = 0;
+    for (int j = 0; j < whole->blocks; j++) {
+        if (home_of(way, j, whole->blocks) != comm_rank(world)) continue;
+        b->number[b->blocks] = whole->number[j];
+        b->first[b->blocks++] = cells;
+        for (int i = whole->first[j]; i < whole->first[j + 1]; i++) p->cell[cells++] = i;
+    }
+    b->first[b->blocks] = b->cells = cells;
+    b->balanced = whole->balanced;
+    number_all(x, way, number);
+    ok(bed_number(b, cells, &first));
+    list_faces(p, x, number, first);
+    ok(bed_link(b, b->U[0] + cells));
+    free(number);
+}
+
+static void part_make(struct part *p, const struct box *x, int way) {
+    const struct bed *whole = &x->bed;
+    p->cell = malloc((size_t)whole->cells * sizeof *p->cell);
+    p->face = malloc((size_t)whole->faces * sizeof *p->face);
+    p->bed = (struct bed){.eos = whole->eos,
+                          .material = whole->material,
+                          .comm = world,
+                          .params = whole->params,
+                          .dim = whole->dim,
+                          .components = whole->components,
+                          .shapes = whole->shapes,
+                          .limit = whole->limit};
+    ok(bed_make(&p->bed));
+    part_lists(p, x, way);
+}
+
+static void part_free(struct part *p) {
+    bed_free(&p->bed);
+    free(p->cell);
+    free(p->face);
+}
+
+static void give(struct part *p, const struct bed *whole) {
+    struct bed *b = &p->bed;
+    for (int v = 0; v < b->dim + 2; v++) {
+        for (int i = 0; i < b->cells; i++) b->U[v][i] = whole->U[v][p->cell[i]];
+        for (int f = 0; f < b->faces; f++) {
+            b->outside[v][f] = whole->outside[v][p->face[f]];
+            b->kept[v][f] = whole->kept[v][p->face[f]];
+        }
+    }
+    for (int f = 0; f < b->faces; f++)
+        for (int side = 0; side < 2; side++) b->balance[side][f] = whole->balance[side][p->face[f]];
+}
+
+static void assert_bits(double a, double b) {
+    assert_memory_equal(&a, &b, sizeof a);
+}
+
+static void compare(struct part *p, struct bed *whole, double dt, const double gravity[MAX_DIM]) {
+    struct bed *b = &p->bed;
+    double mine[MAX_VAR], others[MAX_VAR];
+    long sum = b->lifted;
+    assert_int_equal(b->newton, whole->newton);
+    assert_int_equal(b->linear, whole->linear);
+    comm_sum_long(world, &sum, 1);
+    assert_int_equal(sum, whole->lifted);
+    for (int v = 0; v < b->dim + 2; v++)
+        for (int i = 0; i < b->cells; i++) assert_bits(b->U[v][i], whole->U[v][p->cell[i]]);
+    for (int f = 0; f < b->faces; f++) {
+        if (b->kind[f] == BED_INNER || b->kind[f] == BED_KEPT) continue;
+        bed_face_flux(b, f, mine);
+        bed_face_flux(whole, p->face[f], others);
+        for (int v = 0; v < b->dim + 2; v++) assert_bits(mine[v], others[v]);
+    }
+    bed_push(b, dt, gravity, 1);
+    bed_push(whole, dt, gravity, 1);
+    for (int j = 0; j < b->blocks; j++) {
+        const int of = (b->number[j] - 1) / 2;
+        assert_bits(b->lift[j], whole->lift[of]);
+        assert_bits(b->work[j], whole->work[of]);
+        assert_bits(b->pushed[j], whole->pushed[of]);
+    }
+}
+
+/* No rank works on more than its share, but for a block: together with what home takes, a fifth of each cell. */
+static void assert_shared(const struct bed *b, const struct bed *whole) {
+    const int ranks = comm_size(world), block = whole->first[1];
+    long worked = b->worked;
+    assert_true(ranks == 1 || worked <= 1.2 * whole->cells / ranks + block);
+    comm_sum_long(world, &worked, 1);
+    assert_int_equal(worked, whole->cells);
+}
+
+static void fill(struct box *x, unsigned *seed) {
+    for (int i = 0; i < x->bed.cells; i++)
+        set(x, i, 0.58 + 0.05 * chance(seed), 1e-3 * (1 + chance(seed)), 0.02 * (chance(seed) - 0.5),
+            0.02 * (chance(seed) - 0.5));
+}
+
+/* Some steps of a box by the parts of all ranks and by one rank alone. Returns how many could be made. */
+static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, int way) {
+    const double gravity[MAX_DIM] = {-1, -9.81};
+    unsigned seed = 11;
+    struct box x;
+    struct part p;
+    int made = 0;
+    box_make(&x, alone, "TorquatoSpheres", 0.9, nx, ny, 0.5, periodic, triangles);
+    cut(&x, ny);
+    fill(&x, &seed);
+    open_walls(&x, &seed);
+    part_make(&p, &x, way);
+    for (int step = 0; step < STEPS; step++) {
+        const double dt = 2e-3 * (1 + step);
+        bool done, alike;
+        open_walls(&x, &seed);
+        give(&p, &x.bed);
+        ok(bed_step(&p.bed, dt, gravity, &alike));
+        ok(bed_step(&x.bed, dt, gravity, &done));
+        assert_true(alike == done);
+        if (!done) break;
+        compare(&p, &x.bed, dt, gravity);
+        assert_shared(&p.bed, &x.bed);
+        made++;
+    }
+    part_free(&p);
+    box_free(&x);
+    return made;
+}
+
+static void test_a_dealt_bed_has_the_bits_of_one_rank(void **state) {
+    (void)state;
+    for (int way = 0; way < 3; way++) {
+        assert_int_equal(steps_beside_one_rank(20, 30, false, false, way), STEPS);
+        assert_int_equal(steps_beside_one_rank(2, 40, true, false, way), STEPS);
+        assert_int_equal(steps_beside_one_rank(1, 16, true, false, way), STEPS);
+        assert_int_equal(steps_beside_one_rank(14, 17, false, true, way), STEPS);
+        assert_int_equal(steps_beside_one_rank(16, 12, true, true, way), STEPS);
+    }
+}
+
+/* The set changes: another one is dealt, and the first one again. */
+static void test_another_set_is_dealt_anew(void **state) {
+    const double gravity[MAX_DIM] = {-1, -9.81};
+    unsigned seed = 5;
+    struct box x;
+    struct part p;
+    bool done;
+    (void)state;
+    box_make(&x, alone, "TorquatoSpheres", 0.9, 20, 30, 0.5, false, false);
+    cut(&x, 30);
+    fill(&x, &seed);
+    open_walls(&x, &seed);
+    part_make(&p, &x, 0);
+    for (int way = 1; way < 4; way++) {
+        part_lists(&p, &x, way % 3);
+        open_walls(&x, &seed);
+        give(&p, &x.bed);
+        ok(bed_step(&p.bed, 2e-3, gravity, &done));
+        ok(bed_step(&x.bed, 2e-3, gravity, &done));
+        assert_true(done);
+        compare(&p, &x.bed, 2e-3, gravity);
+    }
+    part_free(&p);
+    box_free(&x);
+}
+
+static int start(void **state) {
+    int argc = 0;
+    char **argv = NULL;
+    (void)state;
+    ok(comm_start(&argc, &argv, &world));
+    ok(comm_alone(&alone));
+    return 0;
+}
+static int finish(void **state) {
+    (void)state;
+    comm_alone_free(alone);
+    comm_finish(world);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_dealt_bed_has_the_bits_of_one_rank),
+        cmocka_unit_test(test_another_set_is_dealt_anew),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}
