@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse and short forms of the cases settlingColumn, heap2D and hopper, with implicit acoustics: as many steps as the flow needs, the
 centre of mass of explicit steps, mass, packing as a bound, and the same bits on two ranks, after a restart and under a budget."""
+import os
+import random
 import re
+import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 import numpy as np
@@ -10,6 +16,7 @@ from tests.cases import harness, runs
 from tests.cases.runtime import test_energyBudget as audit
 
 PACKING = 0.64
+GAS = os.path.join(harness.BIN, "granularGas")
 
 
 class Dense:
@@ -108,6 +115,61 @@ class Heap(Dense, harness.Folder, unittest.TestCase):
 class Hopper(Dense, harness.Folder, unittest.TestCase):
     name, cells, end, most, less, near, closed = "hopper", 24, 0.06, 750, 5, 6e-5, False
     shipped = 32, 0.06
+
+
+class Dealt(harness.Folder, unittest.TestCase):
+    """The bed of heap2D, which ranks deal among each other, also to those that have no cells of the mesh."""
+
+    def make(self, end):
+        case = harness.copy("heap2D", self.folder)
+        harness.mesh(case, 64)
+        harness.edit(case, "system/controlDict", endTime=end, writeInterval=0.01)
+        return case
+
+    @staticmethod
+    def ranks_of(case):
+        """The processes that run the case."""
+        found = []
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                with open(f"/proc/{pid}/cmdline", "rb") as f:
+                    words = f.read().decode().split("\0")
+            except OSError:
+                continue
+            if words[0] == GAS and case in words:
+                found.append(int(pid))
+        return found
+
+    def killed(self, case, ranks):
+        """Runs the case until 0.02 s are written, and kills one of its ranks in a later step."""
+        run = subprocess.Popen([os.path.join(harness.BIN, "mpirun"), "-np", str(ranks), GAS, "-case", case], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+        for line in run.stdout:
+            if "written: 0.02" in line:
+                break
+        time.sleep(0.05 * random.random())
+        pids = self.ranks_of(case)
+        self.assertEqual(len(pids), ranks)
+        os.kill(random.choice(pids), signal.SIGKILL)
+        run.communicate(timeout=60)
+        self.assertNotEqual(run.returncode, 0)
+        for later in runs.times(case):
+            if float(later) > 0.02:
+                shutil.rmtree(os.path.join(case, later))
+
+    def test_killed_while_dealt(self):
+        """A rank is killed; taken up from what was written, on as many ranks, the run has the bits of one rank that went on."""
+        whole = self.make(0.03)
+        log = harness.program("granularGas", "-case", whole).stdout
+        self.assertGreater(sum(map(int, re.findall(r"implicit acoustics: (\d+) steps", log))), 100)
+        for ranks in (1, 2, 3, 8):
+            with self.subTest(ranks=ranks):
+                case = self.make(1.0)
+                self.killed(case, ranks)
+                harness.edit(case, "system/controlDict", endTime=0.03)
+                log = harness.program("granularGas", "-case", case, ranks=ranks).stdout
+                self.assertIn("implicit acoustics", log)
+                runs.same(self, runs.contents(whole + "/0.03"), runs.contents(case + "/0.03"))
 
 
 if __name__ == "__main__":
