@@ -195,4 +195,10 @@ static inline void set(struct box *x, int i, double alpha, double T, double u, d
     U[last][i] = rho * (eps_of(&x->material, T) + 0.5 * (u * u + v * v));
 }
 
+/* A number in 0 .. 1 that looks random. */
+static inline double chance(unsigned *seed) {
+    *seed = *seed * 1664525u + 1013904223u;
+    return (*seed >> 8) / 16777216.;
+}
+
 #endif

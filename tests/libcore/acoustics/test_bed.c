@@ -101,12 +101,6 @@ static void test_gas_on_triangles_at_rest_stays_so(void **state) {
     box_free(&x);
 }
 
-/* A number in 0 .. 1 that looks random. */
-static double chance(unsigned *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (*seed >> 8) / 16777216.;
-}
-
 /* Gas of any packing and temperature that rushes about, with steps far beyond that of sound: if a step succeeds, all is
  * admissible; mass, momentum and energy of a periodic box are conserved but for what lifting added. */
 static void test_bounds_and_conservation_at_any_step(void **state) {

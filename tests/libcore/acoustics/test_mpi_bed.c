@@ -7,11 +7,6 @@ enum { ROWS = 2, STEPS = 3 };
 
 static struct comm *world, *alone;
 
-static double chance(unsigned *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (*seed >> 8) / 16777216.;
-}
-
 /* Cuts the cells of a box into blocks of ROWS rows, the last one of what is left. Blocks bear odd numbers. */
 static void cut(struct box *x, int rows) {
     struct bed *b = &x->bed;
