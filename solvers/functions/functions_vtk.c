@@ -82,7 +82,7 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
     bool root = comm_root(s->comm);
     status e = OK;
     if (v->pieces) return write_pieces(f, now, time);
-    if (root && s->mesh->boxes) e = setup_complete(s); /* of other meshes the faces are there */
+    if (root) e = polymesh_complete(s->mesh); /* its geometry is not asked for */
     if (root && !e && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
     if (root && !e && !v->values) e = allocate(&v->values, 3 * n * f->nfields, sizeof(double), "VTK fields");
     TRY(comm_agree(s->comm, e));
