@@ -42,31 +42,6 @@ static int rank_of(const struct work *w, int cell) {
     return w->cut.rank_of[w->block_of[cell]];
 }
 
-/* Orders the cells of each block breadth first from its lowest cell, so that neighbours stand near each other. */
-static status order_blocks(const struct polyhedra *m, struct work *w) {
-    const struct links *l = &w->links;
-    int *queue, in = 0, image;
-    bool *done;
-    TRY(allocate(&queue, m->nown, sizeof *queue, "the order of the cells"));
-    const status s = allocate(&done, l->mesh->ncells, sizeof *done, "the order of the cells");
-    for (int b = 0; !s && b < m->nblocks; b++)
-        for (int k = m->block_start[b], out = in; k < m->block_start[b + 1]; k++) {
-            if (done[w->mine[k]]) continue;
-            done[w->mine[k]] = true;
-            for (queue[in++] = w->mine[k]; out < in; out++)
-                for (int c = queue[out], i = l->cell_start[c]; i < l->cell_start[c + 1]; i++) {
-                    int to = links_cross(l, l->cell_link[i], 0, &image);
-                    if (to < 0 || done[to] || w->block_of[to] != m->block_id[b]) continue;
-                    done[to] = true;
-                    queue[in++] = to;
-                }
-        }
-    if (!s && m->nown) memcpy(w->mine, queue, (size_t)m->nown * sizeof *queue);
-    free(queue);
-    free(done);
-    return s;
-}
-
 static void add_ghost(struct work *w, int cell, int kind) {
     w->local[cell] = kind;
     w->ghost[w->nghosts++] = (struct ghost){kind, rank_of(w, cell), cell};
@@ -379,7 +354,7 @@ static status take_mine(struct polyhedra *m, struct work *w) {
     }
     const status s = take_blocks(m, w, mine, block);
     free(block);
-    return s ? s : order_blocks(m, w);
+    return s;
 }
 
 static status make_whole(struct polyhedra *m, const struct polymesh *mesh, struct work *w, int rings) {
@@ -553,8 +528,7 @@ static status make_spread(struct polyhedra *m, const struct polymesh *all, struc
     if (!s) s = fetch_cells(m, w, all, rings, &k);
     free(k.cell);
     TRY(s);
-    s = order_blocks(m, w);
-    return comm_agree(m->comm, s ? s : make_local(m, w, rings));
+    return comm_agree(m->comm, make_local(m, w, rings));
 }
 
 static status make(const struct polymesh *mesh, const struct comm *c, int rings, struct work *w,
