@@ -15,12 +15,11 @@
 #include <unistd.h>
 
 #include <cmocka.h> /* last: it needs the standard headers */
-#undef fail         /* its macro; here fail makes a status */
+
+#include "tests/mesh/shared_folder.h"
+#undef fail /* its macro; here fail makes a status */
 
 enum { MOST = 40000 }; /* entries: more than the root gets or reads at a time */
-
-static struct comm *world;
-static char folder[64];
 
 static double value(long entry, int component) {
     return 1 / (1 + 3. * (double)entry + component);
@@ -158,25 +157,6 @@ static void other_texts(void **state) {
         source_free(source);
         assert_null(comm_agree(world, OK));
     }
-}
-
-static int make_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/haffXXXXXX");
-    const bool made = !comm_root(world) || mkdtemp(folder);
-    comm_broadcast(world, folder, sizeof folder);
-    return made ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    static const char *const names[] = {"f", "g", "t", "f.gz", "g.gz"};
-    for (int i = 0; i < 5 && comm_root(world); i++) {
-        char path[128];
-        path_of(names[i], path);
-        (void)unlink(path);
-    }
-    return comm_root(world) ? rmdir(folder) : 0;
 }
 
 int main(int argc, char **argv) {

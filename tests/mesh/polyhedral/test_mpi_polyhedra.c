@@ -3,14 +3,13 @@
  * by each rank alone: the same lists and the same bits for every cell, face, ghost and mirror; ghosts filled with the
  * values of their cells. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "mesh/format/files.h"
 #include "mesh/polyhedral/polyhedra.h"
 #include "mesh/spread/spread.h"
 
 #include "tests/mesh/polyhedral/cells.h"
+#include "tests/mesh/shared_folder.h"
 
-static struct comm *world, *alone;
-static char folder[64];
+static struct comm *alone;
 
 static const struct cells_recipe recipes[] = {
     {"line", 1, BOXES, {2100, 1, 1}, {0, 1, 2}, 0.3, {false}},
@@ -232,19 +231,6 @@ static void blocks_are_those_of_one_rank(void **state) {
         if (comm_size(world) == 2 && m->nblocks_all % 2 == 0) assert_true(most < 1.1 * x.mesh->ncells / 2);
         end(&x);
     }
-}
-
-static int make_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/haffXXXXXX");
-    const bool made = !comm_root(world) || mkdtemp(folder);
-    comm_broadcast(world, folder, sizeof folder);
-    return made ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    return comm_root(world) ? folder_remove(folder) : 0;
 }
 
 int main(int argc, char **argv) {

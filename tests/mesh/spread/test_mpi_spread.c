@@ -2,14 +2,11 @@
 /* Meshes spread over the ranks: what every rank knows of them is what the whole mesh says; parts are those of the whole
  * mesh; what is wrong with a mesh is found in its slices, too; meshes that are no lattices are told by their slices. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "mesh/format/files.h"
 #include "mesh/lattice/lattice.h"
 #include "mesh/spread/spread.h"
 
 #include "tests/mesh/polyhedral/cells.h"
-
-static struct comm *world;
-static char folder[64];
+#include "tests/mesh/shared_folder.h"
 
 static const struct cells_recipe recipes[] = {
     {"triangles in x and z, periodic", 2, PRISMS, {20, 16, 1}, {0, 2, 1}, 0.2, {true, true}},
@@ -286,19 +283,6 @@ static void slices_tell_what_is_no_lattice(void **state) {
         spread_free(s);
         ok(comm_agree(world, OK));
     }
-}
-
-static int make_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/haffXXXXXX");
-    const bool made = !comm_root(world) || mkdtemp(folder);
-    comm_broadcast(world, folder, sizeof folder);
-    return made ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    return comm_root(world) ? folder_remove(folder) : 0;
 }
 
 int main(int argc, char **argv) {
