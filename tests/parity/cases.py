@@ -39,7 +39,6 @@ for key, value in {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIR
 
 from tests.cases import harness, runs  # noqa: E402
 from tests.cases.gas import test_limiter  # noqa: E402
-from tests.cases.harness import boxes  # noqa: E402
 
 CONTROL, SCHEMES, SOLUTION, GAS = "system/controlDict", "system/fvSchemes", "system/fvSolution", "constant/granularProperties"
 BLOCK = 1024  # bytes of a file that is not text, whose checksum is saved
