@@ -13,7 +13,7 @@ from tests.cases import harness, runs
 from tests.cases.runtime import test_blockMesh as meshes
 
 PEAK = "import resource, subprocess, sys; subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True); " \
-       "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+       "print('', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, '')"  # spaces: mpirun may part a line from its end
 FORMATS = {"binary": "writeFormat binary;", "ascii": "writeFormat ascii; writePrecision 17;",
            "binaryZipped": "writeFormat binary; writeCompression on;", "asciiZipped": "writeFormat ascii; writeCompression on;"}
 
