@@ -102,17 +102,24 @@ static status find_planes(struct cutter *c) {
     return OK;
 }
 
-/* Returns the most cells that a tile shall have along axis k. 3, 5 or 7 tiles cannot be dealt evenly to two ranks; then
- * those of an even lattice are cut in two along the last axis, which leaves their rows as long as they are. */
-static int most_along(const struct lattice *l, int k, int tile_size) {
+/* 3, 5 or 7 tiles cannot be dealt evenly to two ranks; then those of an even lattice are cut in two along the last
+ * axis, which leaves their rows as long as they are. Returns into how many pieces that axis is cut then, else 0. */
+static int halves(const struct lattice *l, int tile_size) {
+    const int last = l->dim - 1;
     int tiles = 1, pieces = 1;
     for (int a = 0; a < l->dim; a++) {
         pieces = l->uniform[a] ? 1 : (l->n[a] + tile_size - 1) / tile_size; /* in the end of the last axis */
         tiles *= pieces;
     }
-    const bool uneven = tiles % 2 == 1 && tiles >= 3 && tiles <= 7, last = k > 0 && k == l->dim - 1;
-    const bool thick = !l->uniform[k] && l->n[k] / (2 * pieces) >= 4 * GHOSTS;
-    return l->even && uneven && last && thick ? (l->n[k] + 2 * pieces - 1) / (2 * pieces) : tile_size;
+    const bool uneven = tiles % 2 == 1 && tiles >= 3 && tiles <= 7;
+    const bool thick = last > 0 && !l->uniform[last] && l->n[last] / (2 * pieces) >= 4 * GHOSTS;
+    return l->even && uneven && thick ? 2 * pieces : 0;
+}
+
+/* Returns the most cells that a tile shall have along axis k. */
+static int most_along(const struct lattice *l, int k, int tile_size) {
+    const int pieces = k == l->dim - 1 ? halves(l, tile_size) : 0;
+    return pieces ? (l->n[k] + pieces - 1) / pieces : tile_size;
 }
 
 enum { VECTOR = 8 }; /* numbers that a sweep works on at once */
@@ -163,15 +170,19 @@ static int by_key(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Numbers the solid blocks along the curve; seat[id] is a block's place in their grid. */
-static void number_blocks(struct forest_private *h, const struct cutter *c, struct seat *seat) {
-    const int *pieces = h->pieces;
+/* Numbers the solid blocks along the curve, which runs through one half of a lattice cut in two before the other, so
+ * that each of two ranks gets a half; seat[id] is a block's place in their grid. */
+static void number_blocks(struct forest_private *h, const struct cutter *c, int tile_size, struct seat *seat) {
+    const int *pieces = h->pieces, last = c->l->dim - 1;
+    const bool half = halves(c->l, tile_size) > 0;
     for (int p[3] = {0}; p[2] < pieces[2]; p[2]++)
         for (p[1] = 0; p[1] < pieces[1]; p[1]++)
             for (p[0] = 0; p[0] < pieces[0]; p[0]++) {
                 int low[3] = {h->start[0][p[0]], h->start[1][p[1]], h->start[2][p[2]]};
                 h->id[at(pieces, p)] = -1;
-                if (lattice_cell(c->l, low) >= 0) seat[h->nblocks++] = (struct seat){morton(p), {p[0], p[1], p[2]}};
+                if (lattice_cell(c->l, low) < 0) continue;
+                const uint64_t above = half && 2 * p[last] >= pieces[last];
+                seat[h->nblocks++] = (struct seat){above << 63 | morton(p), {p[0], p[1], p[2]}};
             }
     qsort(seat, (size_t)h->nblocks, sizeof *seat, by_key);
     for (int b = 0; b < h->nblocks; b++) h->id[at(pieces, seat[b].piece)] = b;
@@ -248,13 +259,13 @@ static status check_thickness(const struct forest_private *h, const struct cutte
     return OK;
 }
 
-static status make_tiles(struct forest_private *h, const struct cutter *c) {
+static status make_tiles(struct forest_private *h, const struct cutter *c, int tile_size) {
     long places = (long)h->pieces[0] * h->pieces[1] * h->pieces[2];
     TRY(allocate(&h->id, places, sizeof *h->id, "the grid of blocks"));
     struct seat *seat;
     int *tile_of = NULL;
     TRY(allocate(&seat, places, sizeof *seat, "the curve of the tiles"));
-    number_blocks(h, c, seat);
+    number_blocks(h, c, tile_size, seat);
     status s = allocate(&h->block, h->nblocks, sizeof *h->block, "the blocks");
     if (!s) s = allocate(&h->all, h->nblocks, sizeof *h->all, "the tiles");
     if (!s) s = allocate(&tile_of, h->nblocks, sizeof *tile_of, "the tiles");
@@ -272,7 +283,7 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
     for (int k = 0; k < 3; k++) h->n[k] = l->n[k];
     status s = find_planes(&c);
     for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, most_along(l, k, tile_size));
-    if (!s) s = make_tiles(h, &c);
+    if (!s) s = make_tiles(h, &c, tile_size);
     for (int k = 0; k < 3; k++) free(c.plane[k]);
     return s;
 }

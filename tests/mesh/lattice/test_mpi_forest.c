@@ -267,6 +267,26 @@ static void derivatives_stay_beyond_sides_of_their_axis(void **state) {
     }
 }
 
+/* The list of all tiles shows what each of two ranks would have, on any number of ranks. */
+static void a_lattice_cut_in_two_is_dealt_by_halves(void **state) {
+    (void)state;
+    int cut = 0;
+    for (int s = 0; s < SCENES; s++) {
+        const struct scene *scene = &scenes[s];
+        const int last = scene->dim - 1;
+        struct fixture x;
+        if (!scene->even || !strstr(scene->name, "else")) continue;
+        begin(&x, scene, 1);
+        for (int id = 0; id < x.f->ntiles_all; id++)
+            if ((x.f->hidden->all[id].low[last] >= scene->n[last] / 2) != (id >= x.f->ntiles_all / 2))
+                fail_msg("%s: tile %d begins at %d of %d", scene->name, id, x.f->hidden->all[id].low[last],
+                         scene->n[last]);
+        end(&x);
+        cut++;
+    }
+    assert_int_equal(cut, 3);
+}
+
 static void only_remote_tiles_wait_for_finish(void **state) {
     (void)state;
     struct fixture x;
@@ -551,6 +571,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ghost_layers_hold_the_cells_beyond),
         cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
+        cmocka_unit_test(a_lattice_cut_in_two_is_dealt_by_halves),
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),
         cmocka_unit_test(rows_fill_vectors),
