@@ -8,8 +8,10 @@
 
 struct comm;
 
-/* comm_start calls MPI_Init (once per program) and makes the communicator of all ranks; comm_finish frees it and calls
- * MPI_Finalize. */
+/* comm_start makes the communicator of all ranks (once per program), comm_finish frees it. MPI starts where a launcher
+ * has started the process, which the environment tells; a process that is alone starts MPI when a library asks for
+ * comm_handle, as a rule never. If the environment of several ranks told nothing, each would be alone, and the case's
+ * lock (solvers/case/lock.h) refuses all but one. */
 status comm_start(int *argc, char ***argv, struct comm **out);
 void comm_finish(struct comm *c);
 /* Makes a communicator of this rank alone, for work that it does without the others. comm_alone_free frees it, before
@@ -25,7 +27,7 @@ void comm_alone_free(struct comm *c);
 int comm_rank(const struct comm *c);
 int comm_size(const struct comm *c);
 bool comm_root(const struct comm *c);    /* is this rank 0? */
-void *comm_handle(const struct comm *c); /* pointer to the MPI_Comm, for the libraries of mesh/ (p4est) */
+void *comm_handle(const struct comm *c); /* pointer to the MPI_Comm, for libraries (p4est, PETSc); starts MPI */
 
 /* Replace value[n] by the minimum (maximum, sum) over all ranks, element by element. */
 void comm_min(const struct comm *c, double *value, int n);

@@ -35,7 +35,7 @@ void trees_deal(const struct trees_tile *all, int nall, int ranks, int *start) {
     while (rank <= ranks) start[rank++] = nall;
 }
 
-/* Deals the tiles without p4est, which needs all ranks. */
+/* Deals the tiles without p4est, which needs all ranks, and MPI. */
 static status deal_alone(struct trees *t, const struct comm *c, const struct trees_tile *all, int nall) {
     const int rank = comm_rank(c);
     TRY(allocate(&t->start, comm_size(c) + 1L, sizeof *t->start, "the first tiles of the ranks"));
@@ -49,7 +49,7 @@ status trees_make(const struct comm *c, int dim, const struct trees_tile *all, i
     struct trees *t = NULL;
     *out = NULL;
     TRY(comm_agree(c, allocate(&t, 1, sizeof *t, "the trees of the forest")));
-    if (!comm_pretends(c)) t->engine = dim < 3 ? &trees_flat : &trees_solid;
+    if (comm_size(c) > 1 && !comm_pretends(c)) t->engine = dim < 3 ? &trees_flat : &trees_solid;
     status s = t->engine ? t->engine->start(t, c, all, nall) : deal_alone(t, c, all, nall);
     if (s) {
         trees_free(t);

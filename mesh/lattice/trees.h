@@ -12,7 +12,7 @@ struct trees_tile {   /* one tile; every rank has the list of all */
 };
 struct trees_engine;
 struct trees {
-    const struct trees_engine *engine; /* NULL: the ranks are not there (comm_pretend) */
+    const struct trees_engine *engine; /* NULL: this rank is alone, or the others are not there (comm_pretend) */
     int first, count;                  /* my tiles: ids first .. first + count - 1 */
     int *start;                        /* [ranks + 1] the first tile of each rank */
     struct trees_state *state;
