@@ -19,17 +19,27 @@ static status line_check(const struct segregation_line *l, enum segregation_clos
     return fail(ERR_INPUT, "closures other than conservative need values on the walls");
 }
 
+/* Is the central flux monotone on all faces? */
+static bool is_resolved(const struct segregation *s) {
+    for (int i = 1; i < s->line.n; i++)
+        if (segregation_coarse(s, i)) return false;
+    return true;
+}
+
 static void shape(struct segregation *s) {
     const struct segregation_line *l = &s->line;
     s->thinnest = HUGE_VAL;
     for (int i = 0; i < l->n; i++) {
         s->width[i] = l->face[i + 1] - l->face[i];
         s->thinnest = smaller(s->width[i], s->thinnest);
+        s->fastest = larger(fabs(l->speed[i]), s->fastest);
     }
     for (int i = 1; i < l->n; i++) {
         s->nearness[i] = 1 / (l->node[i] - l->node[i - 1]);
         s->share[i] = (l->face[i] - l->node[i - 1]) * s->nearness[i];
     }
+    if (!l->law) memcpy(s->diffusivity, l->diffusivity, (size_t)(l->n + 1) * sizeof(double));
+    s->resolved = is_resolved(s);
 }
 
 status segregation_make(const struct segregation_line *line, const struct segregation_scheme *scheme,
@@ -155,10 +165,22 @@ void segregation_rows(struct segregation *s, double dt, const double *phi, const
     segregation_line_rows(s->line.n, dt, s->width, phi, found, s->flux, s->upward, s->downward, &s->matrix);
 }
 
+/* The rows that need no interchange, as a rule all, are eliminated here, with the operations and the bits of LAPACK's
+ * dgtsv, which keeps its sums in memory from row to row; dgtsv takes what follows from the first row that needs one. */
 bool segregation_solve(struct segregation *s) {
     struct tridiagonal *m = &s->matrix;
     const int n = s->line.n;
-    return LAPACKE_dgtsv_work(LAPACK_COL_MAJOR, n, 1, m->below, m->diagonal, m->above, m->right, n) == 0;
+    double *restrict diagonal = m->diagonal, *restrict right = m->right, d = diagonal[0], x = right[0];
+    int i = 0;
+    for (; i < n - 1 && fabs(d) >= fabs(m->below[i]) && d != 0; i++) {
+        const double factor = m->below[i] / d;
+        diagonal[i + 1] = d = diagonal[i + 1] - factor * m->above[i];
+        right[i + 1] = x = right[i + 1] - factor * x;
+    }
+    if (LAPACKE_dgtsv_work(LAPACK_COL_MAJOR, n - i, 1, m->below + i, diagonal + i, m->above + i, right + i, n - i))
+        return false;
+    for (x = right[i--]; i >= 0; i--) right[i] = x = (right[i] - m->above[i] * x) / diagonal[i];
+    return true;
 }
 
 /* Makes the row of a wall from closure (5) or (7), at the new time as in the paper: c0 phi0 + c1 phi1 + c2 phi2 of the
@@ -186,7 +208,7 @@ static void close_wall(struct segregation *s, bool top, const double *found) {
 
 /* Returns the largest |x|; not a number if one of them is none. */
 KERNEL static double largest_magnitude(int n, const double *restrict x) {
-    enum { LANES = 8 };
+    enum { LANES = 32 }; /* as many as hide the latency of a maximum */
     double most[LANES] = {0}, none[LANES] = {0};
     int i = 0;
     for (; i + LANES <= n; i += LANES)
@@ -208,7 +230,7 @@ KERNEL static double largest_magnitude(int n, const double *restrict x) {
 /* Returns the factor c such that Newton's iteration leaves a residual of at most c change^2 in the balance, which is
  * quadratic. */
 static double leftover(const struct segregation *s, double dt, double late) {
-    return 2 * late * late * dt * largest_magnitude(s->line.n, s->line.speed) / s->thinnest;
+    return 2 * late * late * dt * s->fastest / s->thinnest;
 }
 
 /* Iterates s->found; returns false if it did not settle. The paper's criterion: the last change is below tolerance *
@@ -235,21 +257,16 @@ static bool settle(struct segregation *s, double dt, double late, const double *
 }
 
 /* Returns by how much phi exceeds 0 .. 1 at most. */
-static double beyond(int n, const double *phi) {
-    double least = 0, most = 1;
-    for (int i = 0; i < n; i++) {
-        least = smaller(phi[i], least);
-        most = larger(phi[i], most);
-    }
-    return larger(-least, most - 1);
+KERNEL static double excess_of(int n, const double *restrict phi) {
+    enum { LANES = 32 };
+    double most[LANES] = {0};
+    int i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (int k = 0; k < LANES; k++) most[k] = larger(larger(-phi[i + k], phi[i + k] - 1), most[k]);
+    for (int k = 0; i < n; i++, k++) most[k] = larger(larger(-phi[i], phi[i] - 1), most[k]);
+    for (int k = 1; k < LANES; k++) most[0] = larger(most[0], most[k]);
+    return most[0];
 }
-/* Is the central flux monotone on all faces? */
-static bool resolved(const struct segregation *s) {
-    for (int i = 1; i < s->line.n; i++)
-        if (segregation_coarse(s, i)) return false;
-    return true;
-}
-
 /* Moves round-off beyond 0 or 1 to the next cell, and from the last one back. */
 static void round_off(const struct segregation *s, double *phi) {
     const int n = s->line.n;
@@ -269,17 +286,17 @@ static void round_off(const struct segregation *s, double *phi) {
 /* Makes one step with the flux at (1 - late) phi + late phi': late 1/2 is Crank-Nicolson, 1 implicit Euler. */
 static status step(struct segregation *s, double dt, double late, double *phi) {
     const bool bounds = s->scheme.closure == SEGREGATION_CONSERVATIVE && !s->scheme.unbounded;
-    if (!s->line.law) memcpy(s->diffusivity, s->line.diffusivity, (size_t)(s->line.n + 1) * sizeof(double));
     bool settled = settle(s, dt, late, phi);
     if (!settled && !bounds)
         return fail(ERR_STATE, "the iteration has not settled after %d rounds; a smaller deltaT helps", s->scheme.most);
     s->counts.steps++;
-    double out = bounds ? beyond(s->line.n, s->found) : 0;
-    if (bounds && (!settled || out > SEGREGATION_ROUND || !resolved(s))) {
+    if (s->line.law) s->resolved = is_resolved(s);
+    double out = bounds ? excess_of(s->line.n, s->found) : 0;
+    if (bounds && (!settled || out > SEGREGATION_ROUND || !s->resolved)) {
         s->counts.unsolved += !settled;
         take_flux(s, late, phi);
         TRY(segregation_bound(s, dt, phi, s->found));
-        out = beyond(s->line.n, s->found);
+        out = excess_of(s->line.n, s->found);
     }
     if (out > 0) round_off(s, s->found);
     memcpy(phi, s->found, (size_t)s->line.n * sizeof *phi);

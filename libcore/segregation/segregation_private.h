@@ -15,11 +15,13 @@ struct segregation {
     struct segregation_scheme scheme;
     struct segregation_counts counts;
     double thinnest; /* width of the thinnest cell, m */
+    double fastest;  /* largest |f|, m/s */
+    bool resolved;   /* is the central flux monotone on all faces, at the last step's D? */
     double *room;    /* holds all arrays of double */
     double *width;   /* [n] */
     /* [n + 1] weight of the node above in a face's values; 1 / distance of the face's two nodes, 1/m */
     double *share, *nearness;
-    double *diffusivity;       /* [n + 1] m^2/s, of this step */
+    double *diffusivity;       /* [n + 1] m^2/s, of this step where a law gives it */
     double *flux;              /* [n + 1] m/s, mean over the step; always 0 at the walls */
     double *upward, *downward; /* [n + 1] derivatives of the flux to phi' below and above the face; 0 at the walls */
     double *mean;              /* [n] P, at which the flux is taken */

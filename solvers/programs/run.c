@@ -17,6 +17,8 @@
 #include <stdio.h>
 #include <string.h>
 
+static const double LOOK = 0.05; /* s, clock: how often controlDict is looked at if steps are shorter */
+
 struct run {
     struct setup *setup;
     struct functions *functions;
@@ -28,6 +30,7 @@ struct run {
     bool planned;        /* is it that? */
     double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
+    double looked;       /* s, clock: when controlDict was last looked at */
     long cut;            /* steps of a fixed deltaT that the time scheme had to cut */
     bool stop;
 };
@@ -198,15 +201,19 @@ static void read_again(struct run *r) {
 struct word {
     double signal, log, changed, cpu, clock;
 };
-static struct word root_says(const struct run *r) {
+static struct word root_says(struct run *r) {
     const struct setup *s = r->setup;
     struct word w = {.signal = is_asked()};
     if (comm_root(s->comm)) {
+        const double clock = clock_now();
         long steps = r->now.step - s->start.step, every = s->control->log_interval;
-        w.clock = clock_now() - r->progress.start_clock;
+        w.clock = clock - r->progress.start_clock;
         w.cpu = cpu_now();
-        w.log = steps <= 3 || (every ? r->now.step % every == 0 : clock_now() - r->progress.last_log > 1);
-        w.changed = s->control->modifiable && control_changed(s->control, s->dir);
+        w.log = steps <= 3 || (every ? r->now.step % every == 0 : clock - r->progress.last_log > 1);
+        if (s->control->modifiable && clock - r->looked > LOOK) {
+            w.changed = control_changed(s->control, s->dir);
+            r->looked = clock;
+        }
     }
     comm_max(s->comm, &w.signal, 5);
     return w;

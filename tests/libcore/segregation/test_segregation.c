@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Segregation on a line: the paper's tables, exact solutions with and without diffusion, bounds, mass, adaptive steps.
  */
-#include "libcore/segregation/segregation.h"
+#include "libcore/segregation/segregation_private.h"
 
 #include "tests/checks.h" /* after what it would hide */
 #include "tests/libcore/oracle.h"
@@ -433,6 +433,38 @@ static void adaptive_steps(void **state) {
     assert_memory_equal(kept, l->phi, sizeof kept);
 }
 
+/* Solves a system whose rows from `pivot` on want to be interchanged with the next ones, and returns the largest
+ * residual, as a share of the largest unknown. */
+static double residual_of(struct segregation *s, int pivot) {
+    enum { N = 40 };
+    struct tridiagonal *m = &s->matrix;
+    double below[N], diagonal[N], above[N], right[N], worst = 0, largest = 0;
+    for (int i = 0; i < N; i++) {
+        m->below[i] = below[i] = -1 + 0.3 * cos(i);
+        m->above[i] = above[i] = -1.2 + 0.2 * sin(5 * i);
+        m->diagonal[i] = diagonal[i] = (i >= pivot ? 0.01 : 1) * (2.7 + 0.1 * cos(2 * i));
+        m->right[i] = right[i] = sin(3.7 * i) + 0.1 * i;
+    }
+    assert_true(segregation_solve(s));
+    const double *x = m->right;
+    for (int i = 0; i < N; i++) {
+        const double left = (i > 0 ? below[i - 1] * x[i - 1] : 0) + (i < N - 1 ? above[i] * x[i + 1] : 0);
+        worst = fmax(worst, fabs(diagonal[i] * x[i] + left - right[i]));
+        largest = fmax(largest, fabs(x[i]));
+    }
+    return worst / largest;
+}
+static void interchanged_rows(void **state) {
+    (void)state;
+    struct line *l = &the_line;
+    line_make(l, 40, -1, 0.1, &newton);
+    for (int pivot = 0; pivot <= 40; pivot++) assert_near(residual_of(l->s, pivot), 0, 1e-14);
+    for (int i = 0; i < 40; i++) /* the first two rows are the same */
+        l->s->matrix.below[i] = l->s->matrix.diagonal[i] = l->s->matrix.above[i] = i < 2;
+    assert_false(segregation_solve(l->s));
+    segregation_free(l->s);
+}
+
 static void bad_lines(void **state) {
     (void)state;
     struct line *l = &the_line;
@@ -467,7 +499,8 @@ int main(void) {
         cmocka_unit_test(cells_of_a_mesh),    cmocka_unit_test(diffusivity_of_phi),
         cmocka_unit_test(gray_thornton),      cmocka_unit_test(sharp_fronts),
         cmocka_unit_test(bounds_that_rest),   cmocka_unit_test(exponential_stress),
-        cmocka_unit_test(adaptive_steps),     cmocka_unit_test(bad_lines),
+        cmocka_unit_test(adaptive_steps),     cmocka_unit_test(interchanged_rows),
+        cmocka_unit_test(bad_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
