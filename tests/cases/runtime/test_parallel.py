@@ -57,6 +57,32 @@ class Ranks(harness.Folder, unittest.TestCase):
         runs.same(self, runs.results(case), runs.results(copy))
 
 
+class Alone(harness.Folder, unittest.TestCase):
+    """A process that no launcher has started is alone, and starts no MPI."""
+
+    def test_start_without_mpi(self):
+        """The table of messages is written where MPI ends."""
+        case = runs.make(os.path.join(self.folder, "alone"), (40, 1, 1), 0.01)
+        table = os.path.join(self.folder, "messages.csv")
+        counted = {**os.environ, "LD_PRELOAD": os.path.join(harness.BIN, "haffmessages.so"), "HAFF_MESSAGES": table}
+        solver = [os.path.join(harness.BIN, "granularGas"), "-case", case]
+        subprocess.run(solver, env=counted, check=True, capture_output=True)
+        self.assertFalse(os.path.exists(table))
+        shutil.rmtree(os.path.join(case, "0.01"))
+        subprocess.run([os.path.join(harness.BIN, "mpirun"), "-np", "1", *solver], env=counted, check=True, capture_output=True)
+        self.assertTrue(os.path.exists(table))
+
+    def test_unknown_launcher(self):
+        """Two processes whose environment tells of no launcher are two runs of one case, of which the lock refuses one."""
+        case = runs.make(os.path.join(self.folder, "unknown"), (200, 90, 1), 1e3)
+        named = ("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_LOCAL_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE")
+        silent = [word for name in named for word in ("-u", name)]
+        solver = ["timeout", "-s", "TERM", "5", os.path.join(harness.BIN, "granularGas"), "-case", case]
+        done = subprocess.run(["mpirun", "-np", "2", "env", *silent, *solver], capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual(done.stderr.count("another run"), 1, done.stderr)
+
+
 @unittest.skipUnless(shutil.which("decomposePar"), "OpenFOAM is not installed")
 class Processors(harness.Folder, unittest.TestCase):
     """A periodic box with nonuniform values on a patch, on three ranks."""
