@@ -307,7 +307,7 @@ static status line_step(void *line, double dt, double late, double *phi) {
     return step(line, dt, late, phi);
 }
 static struct segregation_steps steps_of(struct segregation *s) {
-    return (struct segregation_steps){s, line_step, s->line.n, s->width, s->before, s->whole, s->halves};
+    return (struct segregation_steps){s, line_step, s->line.n, NULL, s->width, s->before, s->whole, s->halves};
 }
 
 status segregation_step(struct segregation *s, double dt, bool damped, double *phi) {

@@ -15,7 +15,6 @@ struct lines {
     long cell_next, face_next; /* stride from line to line */
 };
 
-/* Computes the Jacobian of the flux at phi: `up` to the cell below a face, `down` to the one above. */
 KERNEL static void assemble_lines(long count, double per_width, const double *restrict a, const double *restrict b,
                                   const double *restrict u, const double *restrict f, const double *restrict D,
                                   double *restrict up, double *restrict down) {
@@ -25,25 +24,51 @@ KERNEL static void assemble_lines(long count, double per_width, const double *re
         down[i] = 0.5 * (u[i] + f[i] * (1 - 2 * b[i])) - g;
     }
 }
+void segregation_assemble(long count, double per_width, const double *below, const double *above, const double *u,
+                          const double *f, const double *D, double *up, double *down) {
+    assemble_lines(count, per_width, below, above, u, f, D, up, down);
+}
+
 /* Solves LINES tridiagonal systems abreast by Thomas' elimination without pivots. */
-KERNEL static void eliminate_lines(long n, double part, const double *restrict ease, const double *restrict up,
+KERNEL static void eliminate_first(double part, const double *restrict ease, const double *restrict up,
                                    const double *restrict down, double *restrict above, double *restrict right) {
     for (int c = 0; c < LINES; c++) {
         double k = part * ease[c], inverse = 1 / (1 + k * (up[LINES + c] - down[c]));
         above[c] = k * down[LINES + c] * inverse;
         right[c] *= inverse;
     }
-    for (long i = 1; i < n; i++) {
-        const double *restrict u = up + i * LINES, *restrict d = down + i * LINES;
-        for (int c = 0; c < LINES; c++) {
-            double k = part * ease[i * LINES + c], below = -k * u[c];
-            double pivot = (1 + k * (u[LINES + c] - d[c])) - below * above[(i - 1) * LINES + c], inverse = 1 / pivot;
-            above[i * LINES + c] = k * d[LINES + c] * inverse;
-            right[i * LINES + c] = (right[i * LINES + c] - below * right[(i - 1) * LINES + c]) * inverse;
-        }
+}
+KERNEL static void eliminate_row(double part, const double *restrict ease, const double *restrict up,
+                                 const double *restrict down, const double *restrict above_before,
+                                 const double *restrict right_before, double *restrict above, double *restrict right) {
+    for (int c = 0; c < LINES; c++) {
+        double k = part * ease[c], below = -k * up[c];
+        double pivot = (1 + k * (up[LINES + c] - down[c])) - below * above_before[c], inverse = 1 / pivot;
+        above[c] = k * down[LINES + c] * inverse;
+        right[c] = (right[c] - below * right_before[c]) * inverse;
     }
-    for (long i = n - 2; i >= 0; i--)
-        for (int c = 0; c < LINES; c++) right[i * LINES + c] -= above[i * LINES + c] * right[(i + 1) * LINES + c];
+}
+void segregation_forward(long n, double part, const double *ease, const double *up, const double *down,
+                         const double *before, double *above, double *right) {
+    if (before)
+        eliminate_row(part, ease, up, down, before, before + LINES, above, right);
+    else
+        eliminate_first(part, ease, up, down, above, right);
+    for (long i = LINES; i < n * LINES; i += LINES)
+        eliminate_row(part, ease + i, up + i, down + i, above + i - LINES, right + i - LINES, above + i, right + i);
+}
+KERNEL static void solve_row(const double *restrict above, const double *restrict behind, double *restrict right) {
+    for (int c = 0; c < LINES; c++) right[c] -= above[c] * behind[c];
+}
+void segregation_backward(long n, const double *above, const double *behind, double *right) {
+    const long last = (n - 1) * LINES;
+    if (behind) solve_row(above + last, behind, right + last);
+    for (long i = last - LINES; i >= 0; i -= LINES) solve_row(above + i, right + i + LINES, right + i);
+}
+static void eliminate_lines(long n, double part, const double *ease, const double *up, const double *down,
+                            double *above, double *right) {
+    segregation_forward(n, part, ease, up, down, NULL, above, right);
+    segregation_backward(n, above, NULL, right);
 }
 
 /* Solves lines whose last cells border on the first ones (Sherman & Morrison). up and down of the seam stand in front
@@ -147,7 +172,11 @@ static void central_step(struct segregation_field *s, double dt, double late, co
     segregation_take_flux(s, false, phi, s->flux);
     memset(s->change, 0, (size_t)s->cells * sizeof *s->change);
     segregation_subtract(s, dt, s->flux, s->change);
-    for (int k = 0; k < s->lattice.dim; k++) solve_axis(s, dt, late, k, phi);
+    for (int k = 0; k < s->lattice.dim; k++)
+        if (joined(s, k, false) || joined(s, k, true))
+            segregation_solve_slabs(s, dt, late, phi);
+        else
+            solve_axis(s, dt, late, k, phi);
     memcpy(s->next, phi, (size_t)s->cells * sizeof *phi);
     segregation_subtract(s, dt, s->flux, s->next);
 }
@@ -160,15 +189,17 @@ KERNEL static void face_means(long n, const double *restrict below, const double
 /* Sets D from the law at phi. */
 static void take_law(struct segregation_field *s, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
+    slab_swap(&s->slab, phi, phi + s->cells - s->stride[l->dim - 1]);
     for (int k = 0; k < l->dim; k++) {
         const long across = s->stride[k], n = l->n[k] * across;
         double *at = s->part[k];
         for (long outer = 0; outer < outer_count(s, k); outer++) {
             const double *cells = phi + outer * n;
             double *low = at + outer * (n + across);
+            const double *end = cells + n - across;
             face_means(n - across, cells, cells + across, low + across);
-            face_means(across, cells, l->cyclic[k] ? cells + n - across : cells, low);
-            face_means(across, cells + n - across, l->cyclic[k] ? cells : cells + n - across, low + n);
+            face_means(across, cells, joined(s, k, false) ? s->slab.below : l->cyclic[k] ? end : cells, low);
+            face_means(across, end, joined(s, k, true) ? s->slab.above : l->cyclic[k] ? cells : end, low + n);
             for (long i = 0; i < across && l->fixed[k]; i++) {
                 const long face = outer * (n + across) + i;
                 if (l->fixed[k][face]) at[face] = l->value[k][face];
@@ -181,7 +212,7 @@ static void take_law(struct segregation_field *s, const double *phi) {
 }
 
 static status step(struct segregation_field *s, double dt, double late, double *phi) {
-    double least = 0, most = 1, none = 0;
+    double under = 0, most = 1, none = 0;
     if (s->lattice.law) {
         take_law(s, phi);
         central_step(s, dt, late, phi);
@@ -190,13 +221,15 @@ static status step(struct segregation_field *s, double dt, double late, double *
     }
     central_step(s, dt, late, phi);
     for (long c = 0; c < s->cells; c++) {
-        least = smaller(s->next[c], least);
+        under = larger(-s->next[c], under);
         most = larger(s->next[c], most);
         none += 0 * s->next[c];
     }
-    if (!(none == 0)) return fail(ERR_STATE, "the step of %g s is too long for the lines' systems", dt);
+    double worst[3] = {under, most, !(none == 0)};
+    slab_max(&s->slab, worst, 3);
+    if (worst[2] > 0) return fail(ERR_STATE, "the step of %g s is too long for the lines' systems", dt);
     s->counts.steps++;
-    if (s->coarse || least < -ROUND || most > 1 + ROUND) segregation_bound_lattice(s, dt, phi);
+    if (s->coarse || worst[0] > ROUND || worst[1] > 1 + ROUND) segregation_bound_lattice(s, dt, phi);
     for (long c = 0; c < s->cells; c++) phi[c] = smaller(larger(s->next[c], 0), 1); /* round-off */
     return OK;
 }
@@ -205,7 +238,8 @@ static status lattice_step(void *lattice, double dt, double late, double *phi) {
     return step(lattice, dt, late, phi);
 }
 static struct segregation_steps steps_of(struct segregation_field *s) {
-    return (struct segregation_steps){s, lattice_step, s->cells, s->lattice.capacity, s->before, s->whole, s->halves};
+    return (struct segregation_steps){s,         lattice_step, s->cells, &s->slab, s->lattice.capacity,
+                                      s->before, s->whole,     s->halves};
 }
 
 status segregation_field_step(struct segregation_field *s, double dt, bool damped, double *phi) {
@@ -242,6 +276,11 @@ static void find_rates(struct segregation_field *s) {
         s->rate = larger(s->rate, flow);
         s->advance_rate = larger(s->advance_rate, flow + spread);
     }
+    double most[3] = {s->rate, s->advance_rate, s->coarse};
+    slab_max(&s->slab, most, 3);
+    s->rate = most[0];
+    s->advance_rate = most[1];
+    s->coarse = most[2] > 0;
 }
 
 static status make_room(struct segregation_field *s) {
@@ -285,7 +324,11 @@ status segregation_field_make(const struct segregation_lattice *lattice, struct 
         s->cells *= lattice->n[k];
     }
     for (int k = 0; k < lattice->dim; k++) s->faces[k] = s->cells / lattice->n[k] * (lattice->n[k] + 1);
+    const int last = lattice->dim - 1;
     status e = make_room(s);
+    if (lattice->comm) e = comm_agree(lattice->comm, e);
+    if (!e) e = slab_make(lattice->comm, lattice->cyclic[last], s->stride[last], &s->slab);
+    if (!e) e = slab_make(lattice->comm, lattice->cyclic[last], s->stride[last], &s->low_slab);
     if (e) {
         segregation_field_free(s);
         return e;
@@ -298,12 +341,16 @@ status segregation_field_make(const struct segregation_lattice *lattice, struct 
 
 void segregation_field_free(struct segregation_field *s) {
     if (!s) return;
+    slab_free(&s->slab);
+    slab_free(&s->low_slab);
     free(s->room);
     free(s->watched);
     free(s);
 }
 struct segregation_lattice_counts segregation_field_counts(const struct segregation_field *s) {
-    return s->counts;
+    struct segregation_lattice_counts all = s->counts;
+    if (s->slab.comm) comm_sum_long(s->slab.comm, &all.corrected, 1);
+    return all;
 }
 double segregation_field_rate(const struct segregation_field *s) {
     return s->rate;

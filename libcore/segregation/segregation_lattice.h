@@ -19,11 +19,16 @@
 #define LIBCORE_SEGREGATION_LATTICE_H
 
 #include "libcore/models/kernel.h"
-#include "mesh/base/status.h"
+#include "mesh/base/comm.h"
 
 struct segregation_lattice { /* borrowed, with its arrays; cells: axis 0 fastest */
     int dim, n[MAX_DIM];     /* cells along each axis, at least 2; 1 beyond dim */
-    double width[MAX_DIM];   /* m */
+    /* NULL: n counts all cells. Else the lattice, of two or three axes, is cut across its last axis into slabs
+     * (slab.h), one a rank: there n counts the layers of this rank, at least 1, and all arrays are of its cells and
+     * their faces. Faces between two ranks are on both. All functions are collective then. The results have the same
+     * bits on any number of ranks. */
+    const struct comm *comm;
+    double width[MAX_DIM]; /* m */
     /* Velocity m/s, percolation velocity m/s, diffusivity m^2/s on the faces of axis k, n[k] + 1 along it. */
     const double *u[MAX_DIM], *f[MAX_DIM], *D[MAX_DIM];
     /* On which faces of the boundary is phi given, and as what? `fixed` NULL: on none. On the others phi is that of the

@@ -12,7 +12,8 @@ bool segregation_beside_coarse(const struct segregation_field *s, int k, long ce
     const double enough = 2 / l->width[k];
     bool low = fabs(l->u[k][sides.low]) + fabs(l->f[k][sides.low]) > enough * l->D[k][sides.low];
     bool high = fabs(l->u[k][sides.high]) + fabs(l->f[k][sides.high]) > enough * l->D[k][sides.high];
-    return (low && (i > 0 || l->cyclic[k])) || (high && (i < l->n[k] - 1 || l->cyclic[k]));
+    return (low && (i > 0 || l->cyclic[k] || joined(s, k, false))) ||
+           (high && (i < l->n[k] - 1 || l->cyclic[k] || joined(s, k, true)));
 }
 
 /* Computes the low fluxes, the mean of as many monotone steps as dt needs, and their phi in s->low. */
@@ -37,19 +38,32 @@ static void widen(double *least, double *most, double a, double b) {
 static void widen_by_given(const struct segregation_lattice *l, int k, long face, double *least, double *most) {
     if (fixed_on(l, k, face)) widen(least, most, l->value[k][face], l->value[k][face]);
 }
+/* Widens the range by both times at the neighbour of a cell, number i along axis k, in one direction. */
+static void widen_by_neighbour(const struct segregation_field *s, int k, bool high, long c, long i, const double *phi,
+                               double *least, double *most) {
+    const struct segregation_lattice *l = &s->lattice;
+    const long across = s->stride[k], end = high ? l->n[k] - 1 : 0, step = high ? across : -across;
+    if (i == end && joined(s, k, high)) {
+        const long at = c % across;
+        widen(least, most, (high ? s->slab.above : s->slab.below)[at],
+              (high ? s->low_slab.above : s->low_slab.below)[at]);
+        return;
+    }
+    /* On the boundary the cell itself stands for its neighbour. */
+    const long other = i != end ? c + step : wraps(s, k) ? c - (l->n[k] - 1) * step : c;
+    widen(least, most, phi[other], s->low[other]);
+}
 static void find_bounds(struct segregation_field *s, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
+    const long end = s->cells - s->stride[l->dim - 1];
     long i[MAX_DIM] = {0};
+    slab_swap(&s->slab, phi, phi + end);
+    slab_swap(&s->low_slab, s->low, s->low + end);
     for (long c = 0; c < s->cells; c++) {
         double least = 1, most = 0;
         widen(&least, &most, phi[c], s->low[c]);
         for (int k = 0; k < l->dim && s->sharp[c]; k++) {
-            /* 0: the cell itself stands for its neighbour */
-            const long around = l->cyclic[k] ? (l->n[k] - 1) * s->stride[k] : 0;
-            const long below = i[k] > 0 ? c - s->stride[k] : c + around;
-            const long above = i[k] < l->n[k] - 1 ? c + s->stride[k] : c - around;
-            widen(&least, &most, phi[below], s->low[below]);
-            widen(&least, &most, phi[above], s->low[above]);
+            for (int high = 0; high < 2; high++) widen_by_neighbour(s, k, high, c, i[k], phi, &least, &most);
             if (i[k] == 0) widen_by_given(l, k, sides_of(s, k, c).low, &least, &most);
             if (i[k] == l->n[k] - 1) widen_by_given(l, k, sides_of(s, k, c).high, &least, &most);
         }
@@ -87,11 +101,18 @@ static double limited(const struct segregation_field *s, double dt, long c) {
     return out;
 }
 
-/* Makes the shares on both copies of a seam's faces equal: the smaller one holds. */
+/* Makes the shares on both copies of faces equal, of a seam's and of those between ranks: the smaller one holds. */
 static void join_parts(struct segregation_field *s) {
+    const int last = s->lattice.dim - 1;
+    double *first_part = s->part[last], *last_part = first_part + s->faces[last] - s->stride[last];
+    slab_swap(&s->slab, first_part, last_part);
+    for (long i = 0; i < s->stride[last] && joined(s, last, false); i++)
+        first_part[i] = smaller(first_part[i], s->slab.below[i]);
+    for (long i = 0; i < s->stride[last] && joined(s, last, true); i++)
+        last_part[i] = smaller(last_part[i], s->slab.above[i]);
     for (int k = 0; k < s->lattice.dim; k++) {
         const long across = s->stride[k], n = s->lattice.n[k] * across;
-        for (long outer = 0; s->lattice.cyclic[k] && outer < outer_count(s, k); outer++)
+        for (long outer = 0; wraps(s, k) && outer < outer_count(s, k); outer++)
             for (long i = 0; i < across; i++) {
                 double *low = s->part[k] + outer * (n + across) + i, *high = low + n;
                 *low = *high = smaller(*low, *high);
@@ -102,13 +123,15 @@ static void join_parts(struct segregation_field *s) {
 /* Computes phi' with the fluxes as limited so far; returns whether some cell leaves its bounds that does not limit its
  * faces yet, and has it do so. */
 static bool watch(struct segregation_field *s, double dt, double slack) {
-    bool again = false;
+    double again = 0;
     for (long c = 0; c < s->cells; c++) {
         s->next[c] = limited(s, dt, c);
         if (s->watched[c] || (s->next[c] >= s->least[c] - slack && s->next[c] <= s->most[c] + slack)) continue;
-        s->watched[c] = again = true;
+        s->watched[c] = true;
+        again = 1;
     }
-    return again;
+    slab_max(&s->slab, &again, 1);
+    return again > 0;
 }
 
 /* Computes the shares of fluxes with which a cell keeps its bounds, from the shares that its faces have now. */
@@ -165,6 +188,7 @@ void segregation_bound_lattice(struct segregation_field *s, double dt, const dou
             join_parts(s);
         }
     }
-    for (int k = 0; k < s->lattice.dim; k++)
-        for (long j = 0; j < s->faces[k]; j++) s->counts.corrected += s->part[k][j] < 1;
+    for (int k = 0; k < s->lattice.dim; k++) /* faces between two ranks count on the lower one */
+        for (long j = joined(s, k, false) && comm_rank(s->slab.comm) > 0 ? s->stride[k] : 0; j < s->faces[k]; j++)
+            s->counts.corrected += s->part[k][j] < 1;
 }

@@ -72,29 +72,42 @@ struct edge segregation_edge(const struct segregation_field *s, int k, bool high
         inward(sign * l->u[k][face], sign * l->f[k][face], g, fixed_on(l, k, face) ? l->value[k] + face : NULL, phi);
     return (struct edge){sign * in.flux, sign * in.slope};
 }
-static void boundary_flux(const struct segregation_field *s, int k, const double *phi, double *flux) {
+static void boundary_flux(const struct segregation_field *s, int k, bool high, const double *phi, double *flux) {
     const long across = s->stride[k], n = s->lattice.n[k];
     for (long outer = 0; outer < outer_count(s, k); outer++)
         for (long r = 0; r < across; r++) {
-            const long low = outer * (n + 1) * across + r, high = low + n * across, cell = outer * n * across + r;
-            flux[low] = segregation_edge(s, k, false, low, phi[cell]).flux;
-            flux[high] = segregation_edge(s, k, true, high, phi[cell + (n - 1) * across]).flux;
+            const long face = (outer * (n + 1) + (high ? n : 0)) * across + r;
+            flux[face] = segregation_edge(s, k, high, face, phi[(outer * n + (high ? n - 1 : 0)) * across + r]).flux;
         }
 }
-void segregation_take_flux(const struct segregation_field *s, bool monotone, const double *phi,
-                           double *const flux[MAX_DIM]) {
+/* Computes the flux on the faces between this rank and the one beyond an end of the last axis. */
+static void joined_flux(const struct segregation_field *s, flux_function *function, bool high, const double *phi,
+                        double *flux) {
+    const struct segregation_lattice *l = &s->lattice;
+    const int k = l->dim - 1;
+    const long across = s->stride[k], face = high ? l->n[k] * across : 0;
+    function(across, 1 / l->width[k], high ? phi + face - across : s->slab.below, high ? s->slab.above : phi,
+             l->u[k] + face, l->f[k] + face, l->D[k] + face, flux + face);
+}
+void segregation_take_flux(struct segregation_field *s, bool monotone, const double *phi, double *const flux[MAX_DIM]) {
     const struct segregation_lattice *l = &s->lattice;
     flux_function *function = monotone ? monotone_flux_lattice : central_flux_lattice;
+    slab_swap(&s->slab, phi, phi + s->cells - s->stride[l->dim - 1]);
     for (int k = 0; k < l->dim; k++) {
         for (long outer = 0; outer < outer_count(s, k); outer++) {
             struct run r = inner_run(s, k, outer);
             function(r.n, 1 / l->width[k], phi + r.cell, phi + r.cell + s->stride[k], l->u[k] + r.face,
                      l->f[k] + r.face, l->D[k] + r.face, flux[k] + r.face);
         }
-        if (l->cyclic[k])
+        if (wraps(s, k)) {
             seam_flux(s, function, k, phi, flux[k]);
-        else
-            boundary_flux(s, k, phi, flux[k]);
+            continue;
+        }
+        for (int high = 0; high < 2; high++)
+            if (joined(s, k, high))
+                joined_flux(s, function, high, phi, flux[k]);
+            else
+                boundary_flux(s, k, high, phi, flux[k]);
     }
 }
 

@@ -4,6 +4,7 @@
 #define LIBCORE_SEGREGATION_LATTICE_PRIVATE_H
 
 #include "libcore/segregation/segregation_lattice.h"
+#include "libcore/segregation/slab.h"
 
 #include <stdlib.h>
 
@@ -12,6 +13,8 @@ enum { LINES = BATCH }; /* lines of cells that are solved at a time */
 struct segregation_field {
     struct segregation_lattice lattice;
     struct segregation_lattice_counts counts;
+    /* what other ranks have beyond the last axis's ends: of the cells or faces of the last swap; of s->low */
+    struct slab slab, low_slab;
     long cells, faces[MAX_DIM], stride[MAX_DIM];
     double rate, advance_rate; /* 1/s: largest rate of the flow; of the flow and diffusion */
     bool coarse;               /* is the central flux on any face not monotone? */
@@ -29,6 +32,15 @@ struct segregation_field {
     double *line_seam;
 };
 
+/* Does another rank have what lies beyond this end of the axis? */
+static inline bool joined(const struct segregation_field *s, int k, bool high) {
+    return k == s->lattice.dim - 1 && (high ? s->slab.high : s->slab.low);
+}
+/* Do the last cells of the axis border on its first ones, on this rank? */
+static inline bool wraps(const struct segregation_field *s, int k) {
+    return s->lattice.cyclic[k] && !joined(s, k, false);
+}
+
 static inline long outer_count(const struct segregation_field *s, int k) {
     return s->cells / (s->lattice.n[k] * s->stride[k]);
 }
@@ -41,9 +53,9 @@ static inline struct sides sides_of(const struct segregation_field *s, int k, lo
     return (struct sides){low, low + s->stride[k]};
 }
 
-/* Sets the flux on all faces at phi: central, or monotone (Engquist & Osher). */
-void segregation_take_flux(const struct segregation_field *s, bool monotone, const double *phi,
-                           double *const flux[MAX_DIM]);
+/* Sets the flux on all faces at phi, whose layers on other ranks s->slab has then: central, or monotone (Engquist &
+ * Osher). */
+void segregation_take_flux(struct segregation_field *s, bool monotone, const double *phi, double *const flux[MAX_DIM]);
 /* Subtracts dt/capacity div flux from out. */
 void segregation_subtract(const struct segregation_field *s, double dt, double *const flux[MAX_DIM], double *out);
 
@@ -55,6 +67,19 @@ struct edge segregation_edge(const struct segregation_field *s, int k, bool high
 static inline bool fixed_on(const struct segregation_lattice *l, int k, long face) {
     return l->fixed[k] && l->fixed[k][face];
 }
+
+/* Kernels of the tridiagonal systems of lines, LINES abreast: (I + part ease J) right = right. */
+/* Sets the Jacobian of the flux at phi: `up` to the cell below a face, `down` to the one above. */
+void segregation_assemble(long count, double per_width, const double *below, const double *above, const double *u,
+                          const double *f, const double *D, double *up, double *down);
+/* Eliminates down the lines; before: [2][LINES] `above` and `right` of the cells before the first ones, or NULL. */
+void segregation_forward(long n, double part, const double *ease, const double *up, const double *down,
+                         const double *before, double *above, double *right);
+/* Solves back; behind: [LINES] solution in the cells behind the last ones, or NULL. */
+void segregation_backward(long n, const double *above, const double *behind, double *right);
+/* Does along the last axis, whose lines go through several ranks, what solve_axis does along the others. s->slab has
+ * phi's layers. */
+void segregation_solve_slabs(struct segregation_field *s, double dt, double late, const double *phi);
 
 /* Is the flux through an inner face of the cell not monotone? */
 bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct sides sides);

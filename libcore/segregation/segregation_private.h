@@ -4,6 +4,7 @@
 #define LIBCORE_SEGREGATION_PRIVATE_H
 
 #include "libcore/segregation/segregation.h"
+#include "libcore/segregation/slab.h"
 
 static const double SEGREGATION_ROUND = 1e-13; /* an excess beyond 0 or 1 up to this is round-off */
 
@@ -50,6 +51,7 @@ struct segregation_steps {
     void *of;
     status (*step)(void *of, double dt, double late, double *phi);
     long n;
+    const struct slab *slab;         /* has the ranks that share the cells; NULL: one has all */
     const double *weight;            /* [n] weight of a cell in means; NULL: 1 */
     double *before, *whole, *halves; /* [n] room */
 };

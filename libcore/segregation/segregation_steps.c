@@ -13,13 +13,15 @@ status segregation_damped(const struct segregation_steps *s, double dt, double *
 
 /* Returns the weighted mean over all cells of |whole - halves|. */
 static double difference(const struct segregation_steps *s) {
-    double sum = 0, size = 0;
+    double sum[2] = {0, 0}; /* of |whole - halves| and of 1, with weights */
+    if (s->slab) slab_take_turn(s->slab, sum, 2);
     for (long i = 0; i < s->n; i++) {
         const double weight = s->weight ? s->weight[i] : 1;
-        sum += weight * fabs(s->whole[i] - s->halves[i]);
-        size += weight;
+        sum[0] += weight * fabs(s->whole[i] - s->halves[i]);
+        sum[1] += weight;
     }
-    return sum / size;
+    if (s->slab) slab_end_turn(s->slab, sum, 2);
+    return sum[0] / sum[1];
 }
 
 /* Is the mean of both accurate enough, and by which factor may the step grow? Whole steps err by e, halves by e/4,

@@ -5,10 +5,13 @@
 #define LIBCORE_SOLENOIDAL_H
 
 #include "libcore/models/kernel.h"
-#include "mesh/base/status.h"
+#include "mesh/base/comm.h"
 
 struct face_flow {       /* faces of axis k: n[k] + 1 along it, axis 0 fastest; cells likewise */
     int dim, n[MAX_DIM]; /* n: cells along each axis, 1 beyond dim */
+    /* NULL: n counts all cells; else those of this rank's slab, as in segregation_lattice.h, and the projection is
+     * collective */
+    const struct comm *comm;
     double width[MAX_DIM];
     double *u[MAX_DIM];        /* [faces of axis k] m/s; 0 on walls */
     const bool *open[MAX_DIM]; /* [faces of axis k] is the face an inner one and no wall? false on the boundary */

@@ -138,6 +138,24 @@ void comm_from_root(const struct comm *c, int to, void *data, long bytes) {
     hand(c, c->rank == 0, c->rank ? 0 : to, data, bytes);
 }
 
+void comm_put(const struct comm *c, int to, const double *values, long n) {
+    MPI_Send(values, (int)n, MPI_DOUBLE, to, 2, c->world);
+}
+
+void comm_get(const struct comm *c, int from, double *values, long n) {
+    MPI_Recv(values, (int)n, MPI_DOUBLE, from, 2, c->world, MPI_STATUS_IGNORE);
+}
+
+void comm_take_turn(const struct comm *c, double *value, int n) {
+    if (c->talks && c->rank > 0) comm_get(c, c->rank - 1, value, n);
+}
+
+void comm_end_turn(const struct comm *c, double *value, int n) {
+    if (!c->talks) return;
+    if (c->rank < c->size - 1) comm_put(c, c->rank + 1, value, n);
+    MPI_Bcast(value, n, MPI_DOUBLE, c->size - 1, c->world);
+}
+
 /* Gathers fewer bytes than MPI's counts and displacements, which are ints, can tell. */
 static void gather_at_once(const struct comm *c, const void *mine, long bytes, char *all, const long *count,
                            long each) {

@@ -57,6 +57,13 @@ status comm_deliver_int(const struct comm *c, const int *out, const int *count_o
 /* Sends bytes from one rank to the root, which is another, or the other way; called by these two alone. */
 void comm_to_root(const struct comm *c, int from, void *data, long bytes);
 void comm_from_root(const struct comm *c, int to, void *data, long bytes);
+/* Sends n doubles to another rank, which gets them by comm_get; called by these two alone. */
+void comm_put(const struct comm *c, int to, const double *values, long n);
+void comm_get(const struct comm *c, int from, double *values, long n);
+/* Let the ranks add to the same sums one after the other, so that these have the bits of one rank's: comm_take_turn
+ * gets value[n] from the rank before, comm_end_turn hands it on and then gets what the last rank had. */
+void comm_take_turn(const struct comm *c, double *value, int n);
+void comm_end_turn(const struct comm *c, double *value, int n);
 
 /* Messages of the same lengths between the same ranks, again and again. Links are mutual: a rank linked to another is
  * linked back. comm_exchange_start sends `times` * n doubles of every link's `out`, which must not change until
