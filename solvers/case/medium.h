@@ -58,6 +58,7 @@ struct medium_type {
     int axial;    /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
     const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
     bool whole;                 /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
+    bool slabs;                 /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
     bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
 
     /* The set-up, called in this order; collective. read makes s->medium from the dictionaries, which it names in

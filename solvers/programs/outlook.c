@@ -63,7 +63,9 @@ status outlook_ranks(struct setup *s) {
     const struct forest *f = s->grid->forest;
     const int ranks = comm_size(s->comm), parts = f ? f->ntiles_all : s->grid->nblocks_all;
     const char *what = f ? "tile" : "block", *plural = parts == 1 ? "" : "s";
-    if (ranks <= parts || s->medium->type->whole) return OK; /* a medium that is computed as a whole is on every rank */
+    const struct medium_type *type = s->medium->type;
+    if (ranks <= parts || type->whole || type->slabs)
+        return OK; /* a medium that is computed as a whole is everywhere */
     return warn(&s->warnings, WARN_IDLE,
                 "%s: the mesh of %d cells is dealt to the ranks in %d %s%s of %s: %d of %d ranks have nothing to do; "
                 "give  -np %d  at most",

@@ -12,14 +12,13 @@
 struct builder {
     const struct setup *s;
     const struct segregation_models *m;
+    const struct segregation_places *p;
     const struct field *phi;
     const struct segregation_flow *flow;
     struct segregation_box *b;
 };
 
-static status check(const struct builder *a) {
-    const struct segregation_models *m = a->m;
-    const struct setup *s = a->s;
+status segregation_box_check(const struct setup *s, const struct segregation_models *m) {
     if (!s->lattice)
         return fail(ERR_INPUT, "%s: with %d solved axes segregation takes a lattice of equal boxes: %s", s->mesh_path,
                     s->dim, s->why);
@@ -42,12 +41,13 @@ static status check(const struct builder *a) {
     return OK;
 }
 
-static double mean_of(const double *cells, int one, int other, double standard) {
+/* `one` and `other` are places. */
+static double mean_of(const double *cells, long one, long other, double standard) {
     return cells ? 0.5 * (cells[one] + cells[other]) : standard;
 }
 
 /* Sets percolation and diffusion on a face between two cells; x is its place. */
-static status set_laws(const struct builder *a, int one, int other, const double x[3], int k, long at) {
+static status set_laws(const struct builder *a, long one, long other, const double x[3], int k, long at) {
     const struct segregation_models *m = a->m;
     const struct segregation_flow *flow = a->flow;
     const double weight = mean_of(flow->density, one, other, 1), shear = mean_of(flow->shear_rate, one, other, 0);
@@ -62,13 +62,13 @@ static status set_laws(const struct builder *a, int one, int other, const double
     return OK;
 }
 
-static status inner_face(const struct builder *a, int one, int other, const double x[3], int k, long at) {
+static status inner_face(const struct builder *a, long one, long other, const double x[3], int k, long at) {
     const struct segregation_flow *flow = a->flow;
     const int axis = a->s->axis[k];
     TRY(set_laws(a, one, other, x, k, at));
     a->b->open[k][at] = true;
     if (!flow->U) return OK;
-    const double below = flow->U[3L * one + axis], above = flow->U[3L * other + axis];
+    const double below = flow->U[3 * one + axis], above = flow->U[3 * other + axis];
     a->b->u[k][at] =
         flow->density ? 0.5 * (flow->density[one] * below + flow->density[other] * above) : 0.5 * (below + above);
     return OK;
@@ -93,97 +93,107 @@ static status check_open(const struct builder *a, int p) {
                 phi->line, patch->name, U ? "U" : "the mesh", U ? U->type : patch->type);
 }
 
-/* Returns the velocity along axis k on face i of patch p. */
-static double patch_velocity(const struct builder *a, int p, long i, int k) {
+/* Returns the velocity along axis k on face i of patch p, beside a place. */
+static double patch_velocity(const struct builder *a, int p, long i, int k, long place) {
     const struct segregation_flow *flow = a->flow;
     const struct patch_field *U = flow->given ? &flow->given->patch[p] : NULL;
-    const int cell = a->s->mesh->owner[a->s->mesh->patch[p].start + i], axis = a->s->axis[k];
+    const int axis = a->s->axis[k];
     if (U && !strcmp(U->type, "fixedValue")) return (U->values ? U->values + 3 * i : U->uniform)[axis];
-    return flow->U ? flow->U[3L * cell + axis] : 0;
+    return flow->U ? flow->U[3 * place + axis] : 0;
 }
 
-/* Sets a face on the boundary; sign is +1 where the axis leads out. */
-static status outer_face(const struct builder *a, int face, int k, long at, double sign) {
-    const struct polymesh *mesh = a->s->mesh;
+struct cell_side { /* of a place */
+    long place;
+    int k;         /* axis */
+    long at;       /* number of the face among those of the axis in the slab */
+    bool high;     /* does the axis lead out there? */
+    int patch;     /* -1: another cell follows */
+    long in_patch; /* number of the face in the patch */
+};
+
+/* Sets a face on the boundary. */
+static status outer_face(const struct builder *a, const struct cell_side *f) {
     struct segregation_box *b = a->b;
-    int p = 0;
-    while (face >= mesh->patch[p].start + mesh->patch[p].nfaces) p++;
-    const struct patch_field *phi = &a->phi->patch[p];
-    const long i = face - mesh->patch[p].start;
-    const int cell = mesh->owner[face];
+    const struct patch_field *phi = &a->phi->patch[f->patch];
+    const double sign = f->high ? 1 : -1;
     if (!strcmp(phi->type, "noFlux")) return OK;
-    TRY(check_open(a, p));
-    const double u = patch_velocity(a, p, i, k);
+    TRY(check_open(a, f->patch));
+    const double u = patch_velocity(a, f->patch, f->in_patch, f->k, f->place);
     double x[3];
-    memcpy(x, a->s->centre + 3L * cell, sizeof x);
-    x[a->s->axis[k]] += 0.5 * sign * a->s->lattice->width[k];
-    TRY(set_laws(a, cell, cell, x, k, at));
-    b->u[k][at] = a->flow->density ? a->flow->density[cell] * u : u;
-    b->fixed[k][at] = !strcmp(phi->type, "fixedValue");
+    segregation_places_centre(a->p, f->place, x);
+    x[a->s->axis[f->k]] += 0.5 * sign * a->s->lattice->width[f->k];
+    TRY(set_laws(a, f->place, f->place, x, f->k, f->at));
+    b->u[f->k][f->at] = a->flow->density ? a->flow->density[f->place] * u : u;
+    b->fixed[f->k][f->at] = !strcmp(phi->type, "fixedValue");
     b->through = true;
-    if (b->fixed[k][at]) b->value[k][at] = phi->values ? phi->values[i] : phi->uniform[0];
-    if (b->fixed[k][at] || u * sign >= 0) return OK;
+    if (b->fixed[f->k][f->at]) b->value[f->k][f->at] = phi->values ? phi->values[f->in_patch] : phi->uniform[0];
+    if (b->fixed[f->k][f->at] || u * sign >= 0) return OK;
     return fail(ERR_INPUT, "%s:%d: patch %s: U leads in there; phi must be fixedValue", dict_path(a->phi->dict),
-                phi->line, mesh->patch[p].name);
+                phi->line, a->s->mesh->patch[f->patch].name);
 }
 
-/* Sets the two ends of a cyclic axis, which are one face: the values at the lower end hold at both. */
-static status seam(const struct builder *a, const int at[3], int cell, int k, long low, long high) {
-    const struct lattice *l = a->s->lattice;
-    int end[3] = {at[0], at[1], at[2]};
-    end[k] = l->n[k] - 1;
-    const int other = l->cell[end[0] + l->n[0] * (end[1] + (long)l->n[1] * end[2])];
+/* Sets a face between two places, of which `upper` is beyond it along the axis. */
+static status face_between(const struct builder *a, long lower, long upper, int k, long at) {
+    double x[3], y[3];
+    segregation_places_centre(a->p, lower, x);
+    segregation_places_centre(a->p, upper, y);
+    for (int i = 0; i < 3; i++) x[i] = 0.5 * (x[i] + y[i]);
+    return inner_face(a, lower, upper, x, k, at);
+}
+
+/* Sets one of the two ends of a cyclic axis, which are one face. */
+static status seam(const struct builder *a, long lower, long upper, int k, long at) {
     double x[3];
-    memcpy(x, a->s->centre + 3L * cell, sizeof x);
-    x[a->s->axis[k]] -= 0.5 * l->width[k];
-    TRY(inner_face(a, other, cell, x, k, low));
-    a->b->u[k][high] = a->b->u[k][low];
-    a->b->f[k][high] = a->b->f[k][low];
-    a->b->D[k][high] = a->b->D[k][low];
-    a->b->open[k][high] = true;
-    if (a->b->around[k]) memcpy(a->b->around[k] + 5 * high, a->b->around[k] + 5 * low, 5 * sizeof *x);
-    return OK;
+    segregation_places_centre(a->p, upper, x);
+    x[a->s->axis[k]] -= 0.5 * a->s->lattice->width[k];
+    return inner_face(a, lower, upper, x, k, at);
 }
 
-static status set_cell(const struct builder *a, const int at[3], int cell) {
-    const struct lattice *l = a->s->lattice;
-    const struct polymesh *mesh = a->s->mesh;
-    for (int k = 0; k < l->dim; k++) {
-        long stride[3] = {1, 1, 1}, first = 0;
-        for (int i = 0, size = 1; i < 3; i++) {
-            stride[i] = size;
-            first += (long)at[i] * size;
-            size *= l->n[i] + (i == k);
+/* Sets a side of a place with a cell: each face inside the slab once, from the place below it. */
+static status set_side(const struct builder *a, const struct cell_side *f, long stride, bool at_end) {
+    const struct segregation_lattice *l = &a->b->lattice;
+    const bool seam_here = f->patch >= 0 && !strcmp(a->s->mesh->patch[f->patch].type, "cyclic");
+    const bool joined = f->k == l->dim - 1 && at_end && (f->high ? a->p->above : a->p->below);
+    const long step = f->high ? stride : -stride;
+    const long other = !seam_here || joined ? f->place + step : f->place - step * (l->n[f->k] - 1);
+    const long lower = f->high ? f->place : other, upper = f->high ? other : f->place;
+    if (f->patch >= 0 && !seam_here) return outer_face(a, f);
+    if (seam_here) return l->cyclic[f->k] ? seam(a, lower, upper, f->k, f->at) : OK;
+    return f->high || joined ? face_between(a, lower, upper, f->k, f->at) : OK;
+}
+
+/* Sets the faces of a cell; i: its position in the slab. */
+static status set_cell(const struct builder *a, const int i[3], long place) {
+    const int *n = a->b->lattice.n;
+    int at[3];
+    segregation_places_at(a->p, place, at);
+    for (int k = 0; k < a->b->lattice.dim; k++) {
+        long stride = 1, first = 0;
+        for (int axis = 0, size = 1; axis < 3; axis++) {
+            if (axis == k) stride = size;
+            first += (long)i[axis] * size;
+            size *= n[axis] + (axis == k);
         }
-        for (int side = 0; side < 2; side++) {
-            const int face = l->face[6L * cell + 2 * k + side];
-            const long here = first + side * stride[k];
-            if (face >= mesh->ninternal && l->periodic[k]) {
-                if (!side && a->b->lattice.cyclic[k]) TRY(seam(a, at, cell, k, here, here + l->n[k] * stride[k]));
-            } else if (face >= mesh->ninternal) {
-                TRY(outer_face(a, face, k, here, side ? 1 : -1));
-            } else if (side) {
-                const int one = mesh->owner[face], other = mesh->neighbour[face];
-                double x[3];
-                for (int i = 0; i < 3; i++) x[i] = 0.5 * (a->s->centre[3L * one + i] + a->s->centre[3L * other + i]);
-                TRY(inner_face(a, one, other, x, k, here));
-            }
+        for (int high = 0; high < 2; high++) {
+            struct cell_side f = {.place = place, .k = k, .at = first + high * stride, .high = high};
+            f.patch = lattice_patch(a->s->lattice, a->s->mesh, at, 2 * k + high, &f.in_patch);
+            TRY(set_side(a, &f, stride, i[k] == (high ? n[k] - 1 : 0)));
         }
     }
     return OK;
 }
 
 static status fill(const struct builder *a) {
-    const struct lattice *l = a->s->lattice;
-    int at[3];
+    const int *n = a->b->lattice.n;
+    int i[3];
     long index = 0;
-    for (at[2] = 0; at[2] < l->n[2]; at[2]++)
-        for (at[1] = 0; at[1] < l->n[1]; at[1]++)
-            for (at[0] = 0; at[0] < l->n[0]; at[0]++, index++) {
-                if (l->cell[index] < 0) continue;
-                a->b->place[l->cell[index]] = (int)index;
-                if (a->b->weight) a->b->weight[index] = a->flow->density[l->cell[index]];
-                TRY(set_cell(a, at, l->cell[index]));
+    for (i[2] = 0; i[2] < n[2]; i[2]++)
+        for (i[1] = 0; i[1] < n[1]; i[1]++)
+            for (i[0] = 0; i[0] < n[0]; i[0]++, index++) {
+                const long place = a->p->own_first + index;
+                if (a->p->cell[place] < 0) continue;
+                if (a->b->weight) a->b->weight[index] = a->flow->density[place];
+                TRY(set_cell(a, i, place));
             }
     return OK;
 }
@@ -193,9 +203,9 @@ static status make_arrays(const struct builder *a) {
     struct segregation_box *b = a->b;
     const struct lattice *l = s->lattice;
     const bool law = a->m->diffusivity_law && expr_uses(a->m->diffusivity_law, EXPR_PHI);
-    b->cells = (long)l->n[0] * l->n[1] * l->n[2];
+    b->cells = a->p->nown;
     b->lattice.dim = l->dim;
-    TRY(allocate(&b->place, s->mesh->ncells, sizeof(int), "a lattice"));
+    b->lattice.comm = s->comm;
     if (a->flow->density) TRY(allocate(&b->weight, b->cells, sizeof(double), "a lattice"));
     for (long i = 0; b->weight && i < b->cells; i++) b->weight[i] = 1;
     b->lattice.capacity = b->weight;
@@ -204,10 +214,10 @@ static status make_arrays(const struct builder *a) {
         b->lattice.context = b;
     }
     for (int k = 0; k < 3; k++) {
-        b->lattice.n[k] = l->n[k];
+        b->lattice.n[k] = k == l->dim - 1 ? a->p->layers : l->n[k];
         b->lattice.width[k] = l->width[k];
         if (k >= l->dim) continue;
-        const long faces = b->cells / l->n[k] * (l->n[k] + 1);
+        const long faces = b->cells / b->lattice.n[k] * (b->lattice.n[k] + 1);
         TRY(allocate(&b->u[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->f[k], faces, sizeof(double), "faces"));
         TRY(allocate(&b->D[k], faces, sizeof(double), "faces"));
@@ -226,7 +236,9 @@ static status make_arrays(const struct builder *a) {
 }
 
 static status make_solenoidal(struct segregation_box *b) {
-    struct face_flow flow = {.dim = b->lattice.dim};
+    const struct comm *c = b->lattice.comm;
+    struct face_flow flow = {.dim = b->lattice.dim, .comm = c};
+    double any[2] = {0, b->through};
     for (int k = 0; k < 3; k++) {
         flow.n[k] = b->lattice.n[k];
         flow.width[k] = b->lattice.width[k];
@@ -234,23 +246,26 @@ static status make_solenoidal(struct segregation_box *b) {
         flow.open[k] = b->open[k];
         flow.cyclic[k] = b->lattice.cyclic[k];
         const long faces = k < flow.dim ? b->cells / flow.n[k] * (flow.n[k] + 1) : 0;
-        for (long i = 0; i < faces; i++) b->flows = b->flows || b->u[k][i] != 0;
+        for (long i = 0; i < faces && !any[0]; i++) any[0] = b->u[k][i] != 0;
     }
+    comm_max(c, any, 2);
+    b->flows = any[0] > 0;
+    b->through = any[1] > 0;
     return b->flows ? face_flow_project(&flow, &b->change) : OK;
 }
 
-status segregation_box_make(const struct setup *s, const struct segregation_models *m, const struct field *phi,
+status segregation_box_make(const struct setup *s, const struct segregation_models *m,
+                            const struct segregation_places *p, const struct field *phi,
                             const struct segregation_flow *flow, struct segregation_box *out) {
-    const struct builder a = {s, m, phi, flow, out};
+    const struct builder a = {s, m, p, phi, flow, out};
     *out = (struct segregation_box){.models = m};
-    TRY(check(&a));
-    TRY(make_arrays(&a));
-    TRY(fill(&a));
+    status e = make_arrays(&a);
+    if (!e) e = fill(&a);
+    TRY(comm_agree(s->comm, e));
     return status_note(make_solenoidal(out), "%s: the flow of %s", s->dir, flow->source);
 }
 
 void segregation_box_free(struct segregation_box *b) {
-    free(b->place);
     free(b->weight);
     for (int k = 0; k < 3; k++) {
         free(b->u[k]);

@@ -10,9 +10,8 @@
 #include "solvers/segregation/segregation_flow.h"
 
 struct segregation_box {
-    struct segregation_lattice lattice;
-    long cells; /* number of places in the box, holes included */
-    int *place; /* [ncells] index in the box of each polyMesh cell */
+    struct segregation_lattice lattice; /* the slab of this rank */
+    long cells;                         /* number of places in the slab, holes included */
     /* [faces] of each axis; weight: [cells] capacity, kg/m^3; NULL: 1 */
     double *u[3], *f[3], *D[3], *value[3], *weight;
     /* [faces][5] of each axis, NULL without D(phi): the other variables of D: x, shear rate, weight */
@@ -24,8 +23,11 @@ struct segregation_box {
     bool flows;                     /* is U not 0 somewhere? */
     struct face_flow_change change; /* how U was made free of divergence, if it flows */
 };
-/* Fills *out for the field phi as it was read; call segregation_box_free after success and failure. */
-status segregation_box_make(const struct setup *s, const struct segregation_models *m, const struct field *phi,
+/* Fails unless the mesh and the choices are those that segregation on a lattice takes. */
+status segregation_box_check(const struct setup *s, const struct segregation_models *m);
+/* Fills *out for the field phi as it was read; call segregation_box_free after success and failure. Collective. */
+status segregation_box_make(const struct setup *s, const struct segregation_models *m,
+                            const struct segregation_places *p, const struct field *phi,
                             const struct segregation_flow *flow, struct segregation_box *out);
 void segregation_box_free(struct segregation_box *b);
 

@@ -9,11 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Copies q of the cells from[n] of another mesh, with `components` each, to out[n]. */
-static status spread(int n, const int *from, int components, const double *q, double **out) {
-    TRY(allocate(out, (long)components * n, sizeof(double), "a flow"));
-    for (int i = 0; i < n; i++)
-        memcpy(*out + (long)components * i, q + (long)components * from[i], (size_t)components * sizeof(double));
+/* Copies q of the cells from[n] of another mesh, with `components` each, to out[n]; -1: 0. */
+static status spread(long n, const int *from, int components, const double *q, double **out) {
+    TRY(allocate(out, components * n, sizeof(double), "a flow"));
+    for (long i = 0; i < n; i++)
+        if (from[i] >= 0)
+            memcpy(*out + components * i, q + (long)components * from[i], (size_t)components * sizeof(double));
     return OK;
 }
 
@@ -38,12 +39,18 @@ static status take_shear_rate(const struct polymesh *m, const double *centre, co
     return e;
 }
 
-static status own_shear_rate(const struct setup *s, struct segregation_flow *f) {
-    double *room;
+/* Computes the shear rate from U of all cells, and keeps that of the places (NULL: of all). */
+static status own_shear_rate(const struct setup *s, const struct segregation_places *p, const double *U, double **out) {
+    double *room, *rate = NULL;
     TRY(allocate(&room, 6L * s->mesh->nfaces, sizeof(double), "geometry"));
     polymesh_face_geometry(s->mesh, room, room + 3L * s->mesh->nfaces);
-    status e = take_shear_rate(s->mesh, s->centre, room, s->dim, s->axis, f->U, &f->shear_rate);
+    status e = take_shear_rate(s->mesh, s->centre, room, s->dim, s->axis, U, &rate);
     free(room);
+    if (!e && p) e = segregation_places_take(p, 1, rate, out);
+    if (p)
+        free(rate);
+    else
+        *out = rate;
     return e;
 }
 
@@ -67,24 +74,41 @@ static status find_own(const struct setup *s, char name[TIME_NAME]) {
     return OK;
 }
 
-static status read_own(const struct setup *s, struct segregation_flow *f) {
+/* Leaves of U what counts: on a line nothing may flow along it, on a lattice only the solved axes do. */
+static status settle_own(const struct setup *s, const struct field_place *place, struct field *f) {
+    bool solved[3] = {s->dim == 1, s->dim == 1, s->dim == 1};
+    for (int k = 0; k < s->dim; k++) solved[s->axis[k]] = true;
+    for (long i = 0; i < field_ncells(place); i++) {
+        double *U = f->values + 3 * i;
+        if (s->dim == 1 && U[s->axis[0]] != 0)
+            return field_fail(f, place, i, "along %c it must be 0: the line ends in walls", "xyz"[s->axis[0]]);
+        for (int k = 0; k < 3; k++) U[k] = solved[k] ? U[k] : 0;
+    }
+    return OK;
+}
+
+static status read_own(const struct setup *s, const struct segregation_models *m, const struct segregation_places *p,
+                       struct segregation_flow *f) {
     char path[2 * TIME_PATH], name[TIME_NAME];
-    const struct field_place place = {s->mesh, s->centre, s->start.t, NULL, NULL};
+    const bool whole = !p || m->sheared;
     TRY(find_own(s, name));
     snprintf(path, sizeof path, "%s/%s/U", s->dir, name);
     if (!field_exists(path)) return OK;
+    if (whole) TRY(setup_borrow(s));
+    const struct field_place place = {s->mesh, s->centre, s->start.t, whole ? NULL : &p->share, NULL};
     snprintf(f->source, sizeof f->source, "%s/U", name);
-    TRY(field_read(path, &field_kinds[FIELD_U], &place, &f->given));
+    TRY(field_agree(&place, field_read(path, &field_kinds[FIELD_U], &place, &f->given)));
     TRY(field_steady(f->given, s->mesh));
-    TRY(allocate(&f->U, 3L * s->mesh->ncells, sizeof(double), "a flow"));
-    for (int i = 0; i < s->mesh->ncells; i++)
-        if (s->dim == 1 && f->given->values[3L * i + s->axis[0]] != 0)
-            return field_fail(f->given, &place, i, "along %c it must be 0: the line ends in walls", "xyz"[s->axis[0]]);
-        else
-            for (int k = 0; k < (s->dim == 1 ? 3 : s->dim); k++) {
-                const int at = s->dim == 1 ? k : s->axis[k];
-                f->U[3L * i + at] = f->given->values[3L * i + at];
-            }
+    TRY(field_agree(&place, settle_own(s, &place, f->given)));
+    if (m->sheared) TRY(own_shear_rate(s, p, f->given->values, &f->shear_rate));
+    if (p)
+        TRY(whole ? segregation_places_take(p, 3, f->given->values, &f->U)
+                  : segregation_places_fetch(p, 3, f->given->values, &f->U));
+    if (!p) {
+        f->U = f->given->values;
+        f->given->values = NULL;
+    }
+    field_drop_cells(f->given);
     return OK;
 }
 
@@ -102,22 +126,21 @@ static status line_flow(const struct setup *s, const struct gas_time *g, const d
     return e;
 }
 
-static status lattice_flow(const struct setup *s, const struct segregation_models *m, const struct gas_time *g,
-                           const double *U, struct segregation_flow *f) {
-    const int n = s->mesh->ncells;
+static status lattice_flow(const struct segregation_places *p, const struct segregation_models *m,
+                           const struct gas_time *g, const double *U, struct segregation_flow *f) {
     int *from = NULL;
     double *other = NULL;
-    status e = gas_time_cells(g, s, &from);
-    if (!e) e = spread(n, from, 3, U, &f->U);
+    status e = gas_time_cells(g, p, &from);
+    if (!e) e = spread(p->n, from, 3, U, &f->U);
     if (!e && m->weighted) e = gas_time_field(g, "rho", 1, &other);
-    if (!e && m->weighted) e = spread(n, from, 1, other, &f->density);
+    if (!e && m->weighted) e = spread(p->n, from, 1, other, &f->density);
     free(other);
     other = NULL;
     if (!e && m->sheared)
         e = take_shear_rate(g->mesh, g->geometry.cell_centre, g->geometry.face_centre, g->dim, g->axis, U, &other);
-    if (!e && m->sheared) e = spread(n, from, 1, other, &f->shear_rate);
-    for (int i = 0; !e && i < n; i++)
-        if (f->density && !(f->density[i] > 0))
+    if (!e && m->sheared) e = spread(p->n, from, 1, other, &f->shear_rate);
+    for (long i = 0; !e && i < p->n; i++)
+        if (f->density && from[i] >= 0 && !(f->density[i] > 0))
             e = fail(ERR_INPUT, "%s: velocity: rho of case %s, time %s, is %g in cell %d; a weight must be above 0",
                      dict_path(m->properties), g->dir, g->name, f->density[i], from[i]);
     free(other);
@@ -125,7 +148,8 @@ static status lattice_flow(const struct setup *s, const struct segregation_model
     return e;
 }
 
-static status read_other(const struct setup *s, const struct segregation_models *m, struct segregation_flow *f) {
+static status read_other(const struct setup *s, const struct segregation_models *m, const struct segregation_places *p,
+                         struct segregation_flow *f) {
     struct gas_time g;
     double *U = NULL;
     if (s->dim == 1 && m->weighted)
@@ -134,7 +158,9 @@ static status read_other(const struct setup *s, const struct segregation_models 
     status e = gas_time_open(s, m->properties, "velocity", m->velocity_case, m->velocity_time, &g);
     if (!e) snprintf(f->source, sizeof f->source, "time %s", g.name);
     if (!e) e = gas_time_field(&g, "U", 3, &U);
-    if (!e) e = s->dim == 1 ? line_flow(s, &g, U, f) : lattice_flow(s, m, &g, U, f);
+    if (p) e = comm_agree(s->comm, e);
+    if (!e) e = p ? lattice_flow(p, m, &g, U, f) : line_flow(s, &g, U, f);
+    if (!e && !p && m->sheared) e = own_shear_rate(s, NULL, f->U, &f->shear_rate);
     free(U);
     gas_time_close(&g);
     return e;
@@ -169,19 +195,21 @@ status stress_velocity(const struct setup *s, const struct segregation_models *m
 }
 
 /* Computes on a lattice the slope along the direction of percolation, from the cell of the other case. */
-static status stress_along(const struct setup *s, const struct segregation_models *m, double **out) {
+static status stress_along(const struct setup *s, const struct segregation_models *m,
+                           const struct segregation_places *p, double **out) {
     struct gas_time g;
     double *stress = NULL, *room = NULL;
     int *from = NULL;
-    status e = open_stress(s, m, &g, &stress);
-    if (!e) e = gas_time_cells(&g, s, &from);
+    status e = comm_agree(s->comm, open_stress(s, m, &g, &stress));
+    if (!e) e = gas_time_cells(&g, p, &from);
     if (!e) e = allocate(&room, 9L * g.mesh->ncells, sizeof(double), "a slope");
-    if (!e) e = allocate(out, s->mesh->ncells, sizeof(double), "a slope");
+    if (!e) e = allocate(out, p->n, sizeof(double), "a slope");
     if (!e)
         cell_gradients(g.mesh, g.geometry.cell_centre, g.geometry.face_centre, g.dim, g.axis, 1, stress, room,
                        room + 3L * g.mesh->ncells);
-    for (int i = 0; !e && i < s->mesh->ncells; i++)
-        for (int k = 0; k < 3; k++) (*out)[i] += m->q / m->rho * m->direction[k] * room[3L * from[i] + k];
+    for (long i = 0; !e && i < p->n; i++)
+        for (int k = 0; k < 3 && from[i] >= 0; k++)
+            (*out)[i] += m->q / m->rho * m->direction[k] * room[3L * from[i] + k];
     free(from);
     free(room);
     free(stress);
@@ -189,14 +217,15 @@ static status stress_along(const struct setup *s, const struct segregation_model
     return e;
 }
 
-status segregation_flow_read(const struct setup *s, const struct segregation_models *m, struct segregation_flow *out) {
+status segregation_flow_read(const struct setup *s, const struct segregation_models *m,
+                             const struct segregation_places *p, struct segregation_flow *out) {
     *out = (struct segregation_flow){.given = NULL};
-    TRY(m->velocity_case ? read_other(s, m, out) : read_own(s, out));
+    TRY(comm_agree(s->comm, m->velocity_case ? read_other(s, m, p, out) : read_own(s, m, p, out)));
     if (m->sheared && !out->U)
         return fail(ERR_INPUT, "%s: diffusivity: shearRate needs a flow: %s/U or  velocity { case ..; time ..; }",
                     dict_path(m->properties), s->start.folder);
-    if (m->sheared && !out->shear_rate) TRY(own_shear_rate(s, out));
-    return m->percolation == PERCOLATION_STRESS && s->dim > 1 ? stress_along(s, m, &out->percolation) : OK;
+    return m->percolation == PERCOLATION_STRESS && p ? comm_agree(s->comm, stress_along(s, m, p, &out->percolation))
+                                                     : OK;
 }
 
 void segregation_flow_free(struct segregation_flow *f) {

@@ -66,24 +66,45 @@ status gas_time_field(const struct gas_time *g, const char *name, int components
                : fail(ERR_INPUT, "%s: a %s field is expected", path, components == 1 ? "scalar" : "vector");
 }
 
-status gas_time_cells(const struct gas_time *g, const struct setup *s, int **out) {
-    struct search *search;
-    const int n = s->mesh->ncells;
-    int missing = 0, first = -1;
-    TRY(allocate(out, n, sizeof **out, "the cells of another case"));
-    TRY(search_make(g->mesh, g->geometry.cell_centre, g->dim, g->axis, &search));
-    for (int i = 0; i < n; i++) {
-        (*out)[i] = search_cell(search, s->centre + 3L * i);
-        if ((*out)[i] >= 0) continue;
-        if (!missing++) first = i;
+/* Says which cells lie outside the other mesh: `missing` in this rank's slab, of which this rank's first is cell
+ * `first`. The message is the same on all ranks. */
+static status check_covered(const struct gas_time *g, const struct segregation_places *p, long missing, double first,
+                            long place) {
+    double least = first, x[3];
+    comm_sum_long(p->share.comm, &missing, 1);
+    comm_min(p->share.comm, &least, 1);
+    if (!missing) return OK;
+    status e = OK;
+    if (least == first) {
+        segregation_places_centre(p, place, x);
+        e = fail(ERR_INPUT,
+                 "%s: %s: the mesh of case %s does not cover this one: %ld of %ld cells lie outside, the first is cell "
+                 "%.0f at (%g %g %g)",
+                 dict_path(g->asked), g->entry, g->dir, missing, p->share.n, first, x[0], x[1], x[2]);
+    }
+    return comm_agree(p->share.comm, e);
+}
+
+status gas_time_cells(const struct gas_time *g, const struct segregation_places *p, int **out) {
+    struct search *search = NULL;
+    long missing = 0, place = 0;
+    double x[3], first = HUGE_VAL;
+    status e = allocate(out, p->n, sizeof **out, "the cells of another case");
+    if (!e) e = search_make(g->mesh, g->geometry.cell_centre, g->dim, g->axis, &search);
+    TRY(comm_agree(p->share.comm, e));
+    for (long i = 0; i < p->n; i++) {
+        (*out)[i] = -1;
+        if (p->cell[i] < 0) continue;
+        segregation_places_centre(p, i, x);
+        (*out)[i] = search_cell(search, x);
+        if ((*out)[i] >= 0 || i < p->own_first || i >= p->own_first + p->nown) continue;
+        missing++;
+        if (p->cell[i] >= first) continue;
+        first = p->cell[i];
+        place = i;
     }
     search_free(search);
-    if (!missing) return OK;
-    const double *x = s->centre + 3L * first;
-    return fail(ERR_INPUT,
-                "%s: %s: the mesh of case %s does not cover this one: %d of %d cells lie outside, the first is cell %d "
-                "at (%g %g %g)",
-                dict_path(g->asked), g->entry, g->dir, missing, n, first, x[0], x[1], x[2]);
+    return check_covered(g, p, missing, first, place);
 }
 
 /* ---- columns ---- */

@@ -3,7 +3,7 @@
 #ifndef SOLVERS_SEGREGATION_GAS_H
 #define SOLVERS_SEGREGATION_GAS_H
 
-#include "solvers/case/case.h"
+#include "solvers/segregation/segregation_places.h"
 
 struct gas_time {
     const struct dict *asked; /* the dictionary that asks for the time, for messages; borrowed */
@@ -20,9 +20,9 @@ status gas_time_open(const struct setup *s, const struct dict *asked, const char
 void gas_time_close(struct gas_time *g);
 /* Reads a field of that time: out[ncells][components], which the caller frees. */
 status gas_time_field(const struct gas_time *g, const char *name, int components, double **out);
-/* Finds for each cell of s the cell of the other case that holds its centre: out[ncells of s]; fails where there is
- * none. */
-status gas_time_cells(const struct gas_time *g, const struct setup *s, int **out);
+/* Finds for each place of a lattice the cell of the other case that holds its centre: out[n], -1 in holes; fails where
+ * there is none. Collective. */
+status gas_time_cells(const struct gas_time *g, const struct segregation_places *p, int **out);
 
 struct column { /* the mean over all cells whose centres share a coordinate */
     double at, weight, value[3];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A bidisperse mixture as a medium (medium.h) of granularSegregation: phi, the concentration of the small grains, on a
- * line of cells or, carried by a flow U, on a lattice. Every rank computes all of it: it is too small to share. */
+ * line of cells or, carried by a flow U, on a lattice. Of a lattice each rank has a slab; a line, which is too small to
+ * share, is computed by every rank. */
 #include "solvers/output/report.h"
 #include "solvers/output/totals.h"
 #include "solvers/segregation/segregation_box.h"
@@ -10,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { PHI, U, PERCOLATION, DIFFUSIVITY, QUANTITIES };
+
 struct mixture {
     struct medium base;
     struct segregation_models *models;
@@ -17,9 +20,12 @@ struct mixture {
     struct segregation_flow flow;
     struct segregation_setup line; /* used with one solved axis */
     struct segregation *solver;
-    struct segregation_box box; /* used with more */
+    struct segregation_places places; /* these four are used with more */
+    struct segregation_box box;
     struct segregation_field *carried;
-    double *phi;                      /* [cells] along the line, or of the box */
+    /* [lines][cells of this rank's blocks] of each quantity that derive has made ready on a lattice; NULL: none yet */
+    double *ready[QUANTITIES];
+    double *phi;                      /* [cells] along the line, or of the slab */
     struct first_total first;         /* content at the start of the case */
     double rate;                      /* 1/s: Courant number / dt */
     long steps;                       /* since the start of the case */
@@ -29,7 +35,6 @@ static struct mixture *of(const struct medium *m) {
     return (struct mixture *)(uintptr_t)m;
 }
 
-enum { PHI, U, PERCOLATION, DIFFUSIVITY, QUANTITIES };
 static const struct quantity quantities[] = {
     [PHI] = {"phi", 1, {0, 0, 0, 0, 0, 0, 0}, true},
     [U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, true},
@@ -54,20 +59,24 @@ static status mixture_read(struct setup *s) {
 static bool on_line(const struct mixture *x) {
     return x->base.setup->dim == 1;
 }
-static int place_of(const struct mixture *x, int cell) {
-    return on_line(x) ? x->line.place[cell] : x->box.place[cell];
+/* Checks phi in the cells that this rank has read. */
+static status check_phi(const struct mixture *x, const struct field_place *place) {
+    const bool free_of_bounds = x->models->scheme.unbounded && x->base.setup->start.step > 0;
+    for (long i = 0; i < field_ncells(place) && !free_of_bounds; i++)
+        if (!(x->field->values[i] >= 0 && x->field->values[i] <= 1))
+            return field_fail(x->field, place, i, "it must lie between 0 and 1");
+    return OK;
 }
 
 static status read_phi(struct setup *s, struct mixture *x) {
     char path[2 * TIME_PATH];
-    const struct field_place place = {s->mesh, on_line(x) ? x->line.centre : s->centre, s->start.t, NULL, NULL};
-    const bool free_of_bounds = x->models->scheme.unbounded && s->start.step > 0;
+    const struct field_place line = {s->mesh, x->line.centre, s->start.t, NULL, NULL},
+                             lattice = {s->mesh, s->centre, s->start.t, &x->places.share, NULL},
+                             *place = on_line(x) ? &line : &lattice;
     snprintf(path, sizeof path, "%s/%s/phi", s->dir, s->start.folder);
-    TRY(field_read(path, &segregation_phi, &place, &x->field));
+    TRY(field_agree(place, field_read(path, &segregation_phi, place, &x->field)));
     TRY(warn_field(&s->warnings, x->field, time_is_original(&s->start)));
-    for (int i = 0; i < s->mesh->ncells; i++)
-        if (!free_of_bounds && !(x->field->values[i] >= 0 && x->field->values[i] <= 1))
-            return field_fail(x->field, &place, i, "it must lie between 0 and 1");
+    TRY(field_agree(place, check_phi(x, place)));
     for (int p = 0; on_line(x) && p < s->mesh->npatches; p++) {
         const struct patch_field *q = &x->field->patch[p];
         if (strcmp(q->type, "noFlux") && strcmp(q->type, "empty"))
@@ -92,48 +101,91 @@ static status check_patches(const struct setup *s, const struct field *f) {
     return OK;
 }
 
-static status mixture_state(struct setup *s) {
-    struct mixture *x = of(s->medium);
-    if (on_line(x)) {
-        TRY(segregation_setup_make(s, x->models, &x->line));
-        TRY(segregation_flow_read(s, x->models, &x->flow));
-        TRY(segregation_setup_laws(s, &x->flow, &x->line));
-        TRY(read_phi(s, x));
-    } else {
-        TRY(read_phi(s, x));
-        TRY(check_patches(s, x->field));
-        TRY(segregation_flow_read(s, x->models, &x->flow));
-        TRY(segregation_box_make(s, x->models, x->field, &x->flow, &x->box));
-    }
+static status line_state(struct setup *s, struct mixture *x) {
+    TRY(setup_complete(s));
+    TRY(segregation_setup_make(s, x->models, &x->line));
+    TRY(segregation_flow_read(s, x->models, NULL, &x->flow));
+    TRY(segregation_setup_laws(s, &x->flow, &x->line));
+    TRY(read_phi(s, x));
+    TRY(setup_grid(s, false, 1));
+    return setup_complete(s); /* the grid drops what a lattice does without */
+}
+
+static status lattice_state(struct setup *s, struct mixture *x) {
+    TRY(segregation_box_check(s, x->models));
+    TRY(segregation_places_make(s, &x->places));
+    TRY(read_phi(s, x));
+    TRY(check_patches(s, x->field));
+    TRY(segregation_flow_read(s, x->models, &x->places, &x->flow));
+    TRY(segregation_box_make(s, x->models, &x->places, x->field, &x->flow, &x->box));
     return setup_grid(s, false, 1);
 }
 
-static double content(const struct mixture *x) {
-    if (on_line(x)) return segregation_mass(x->solver, x->phi);
+static status mixture_state(struct setup *s) {
+    struct mixture *x = of(s->medium);
+    return on_line(x) ? line_state(s, x) : lattice_state(s, x);
+}
+
+/* Sums what the cells of a lattice hold in the order of their numbers, one rank after the other, in pieces of 1000,
+ * which keeps the digits of many equal cells. */
+static status lattice_content(const struct mixture *x, double *out) {
     const struct setup *s = x->base.setup;
-    double row = 0, sum = 0;
-    for (int i = 0; i < s->mesh->ncells; i++) { /* sums in pieces, which keeps the digits of many equal cells */
-        row += (x->flow.density ? x->flow.density[i] * s->volume[i] : s->volume[i]) * x->phi[x->box.place[i]];
+    const struct segregation_places *p = &x->places;
+    const double *density = x->flow.density ? x->flow.density + p->own_first : NULL;
+    double *own = NULL, *slice = NULL, sums[2] = {0, 0}; /* of this piece, of those before */
+    status e = allocate(&own, p->nown, sizeof *own, "the content of cells");
+    if (!e) e = allocate(&slice, p->share.end - p->share.first, sizeof *slice, "the content of cells");
+    e = comm_agree(s->comm, e);
+    for (long i = 0; i < p->nown && !e; i++)
+        own[i] = (density ? density[i] * lattice_volume(s->lattice) : lattice_volume(s->lattice)) * x->phi[i];
+    if (!e) e = segregation_places_store(p, 1, own, slice);
+    if (!e) comm_take_turn(s->comm, sums, 2);
+    for (long i = p->share.first; i < p->share.end && !e; i++) {
+        sums[0] += slice[i - p->share.first];
         if (i % 1000 != 999) continue;
-        sum += row;
-        row = 0;
+        sums[1] += sums[0];
+        sums[0] = 0;
     }
-    return sum + row;
+    if (!e) comm_end_turn(s->comm, sums, 2);
+    free(own);
+    free(slice);
+    *out = sums[1] + sums[0];
+    return e;
+}
+static status content(const struct mixture *x, double *out) {
+    if (!on_line(x)) return lattice_content(x, out);
+    *out = segregation_mass(x->solver, x->phi);
+    return OK;
+}
+
+static status start_line(struct mixture *x) {
+    const struct segregation_line *l = &x->line.line;
+    TRY(allocate(&x->phi, l->n, sizeof(double), "phi"));
+    TRY(segregation_make(l, &x->models->scheme, &x->solver));
+    for (int i = 0; i < l->n; i++) x->phi[x->line.place[i]] = x->field->values[i];
+    for (int i = 0; i < l->n; i++) x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
+    return OK;
+}
+
+static status start_lattice(struct mixture *x) {
+    const struct segregation_places *p = &x->places;
+    double *all;
+    TRY(segregation_field_make(&x->box.lattice, &x->carried));
+    TRY(segregation_places_fetch(p, 1, x->field->values, &all));
+    status e = allocate(&x->phi, p->nown, sizeof(double), "phi");
+    if (!e) memcpy(x->phi, all + p->own_first, (size_t)p->nown * sizeof *all);
+    free(all);
+    x->rate = segregation_field_rate(x->carried);
+    return comm_agree(p->share.comm, e);
 }
 
 static status mixture_start(struct medium *m) {
     struct mixture *x = of(m);
     const struct setup *s = m->setup;
-    const struct segregation_line *l = &x->line.line;
-    TRY(allocate(&x->phi, on_line(x) ? l->n : x->box.cells, sizeof(double), "phi"));
-    TRY(on_line(x) ? segregation_make(l, &x->models->scheme, &x->solver)
-                   : segregation_field_make(&x->box.lattice, &x->carried));
-    for (int i = 0; i < s->mesh->ncells; i++) x->phi[place_of(x, i)] = x->field->values[i];
-    for (int i = 0; i < l->n; i++) x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
-    if (!on_line(x)) x->rate = segregation_field_rate(x->carried);
-    free(x->field->values);
-    x->field->values = NULL;
-    x->first = (struct first_total){"small", content(x)};
+    TRY(on_line(x) ? start_line(x) : start_lattice(x));
+    field_drop_cells(x->field);
+    x->first = (struct first_total){.name = "small"};
+    TRY(content(x, &x->first.value));
     x->steps = s->start.step;
     if (s->control->adjust) m->next = s->start.delta_t;
     return totals_resume(s, &x->first, 1);
@@ -145,6 +197,8 @@ static void mixture_free(struct medium *m) {
     segregation_field_free(x->carried);
     segregation_setup_free(&x->line);
     segregation_box_free(&x->box);
+    segregation_places_free(&x->places);
+    for (int k = 0; k < QUANTITIES; k++) free(x->ready[k]);
     segregation_flow_free(&x->flow);
     segregation_models_free(x->models);
     field_free(x->field);
@@ -169,7 +223,8 @@ static void mixture_provenance(const struct medium *m, struct sink *o) {
 }
 
 static double mixture_memory(const struct medium *m) {
-    return 40. * 8 * m->setup->mesh->ncells * comm_size(m->setup->comm);
+    const struct mixture *x = of(m);
+    return 40. * 8 * m->setup->mesh->ncells * (on_line(x) ? comm_size(m->setup->comm) : 1);
 }
 
 /* Plans a step: without one to go on from, a Courant number of 1, which the error estimate then corrects. */
@@ -218,12 +273,16 @@ static void fill_row(const struct segregation_counts *n, double low, double high
 static status mixture_log(struct medium *m, FILE *f, struct log_row *row) {
     struct mixture *x = of(m);
     const struct segregation_counts n = counts_of(x), was = x->counts;
-    const double mass = content(x);
-    double low = 1, high = 0;
-    for (int i = 0; i < m->setup->mesh->ncells; i++) {
-        low = fmin(low, x->phi[place_of(x, i)]);
-        high = fmax(high, x->phi[place_of(x, i)]);
-    }
+    const int *cell = on_line(x) ? x->line.cell : x->places.cell + x->places.own_first;
+    double mass, low = 1, high = 0;
+    TRY(content(x, &mass));
+    for (long i = 0; i < (on_line(x) ? x->line.line.n : x->places.nown); i++)
+        if (cell[i] >= 0) {
+            low = fmin(low, x->phi[i]);
+            high = fmax(high, x->phi[i]);
+        }
+    comm_min(m->setup->comm, &low, 1);
+    comm_max(m->setup->comm, &high, 1);
     fill_row(&n, low, high, mass, relative_change(mass, x->first.value), row);
     if (!f) return OK;
     x->counts = n;
@@ -247,26 +306,74 @@ static status mixture_finish(struct medium *m, FILE *f) {
     return OK;
 }
 
-static double value_at(const struct mixture *x, int quantity, int cell, int component) {
-    const struct segregation_models *m = x->models;
-    const int i = place_of(x, cell);
-    const double *at = x->base.setup->centre + 3L * cell;
+/* Returns a component of a quantity in cell `at` of the line. */
+static double value_on_line(const struct mixture *x, int quantity, int cell, int component) {
+    const struct setup *s = x->base.setup;
+    const int i = x->line.place[cell];
     if (quantity == PHI) return x->phi[i];
-    if (quantity == U) return x->flow.U ? x->flow.U[3L * cell + x->base.setup->axis[component]] : 0;
-    if (quantity == PERCOLATION && on_line(x)) return x->line.speed[i];
-    if (quantity == PERCOLATION && x->flow.percolation) return x->flow.percolation[cell];
+    if (quantity == U) return x->flow.U ? x->flow.U[3L * cell + s->axis[component]] : 0;
+    if (quantity == PERCOLATION) return x->line.speed[i];
+    return segregation_diffusivity(x->models, s->centre + 3L * cell, x->phi[i],
+                                   x->flow.shear_rate ? x->flow.shear_rate[cell] : 0);
+}
+/* Returns a component of a quantity in a place of the slab. */
+static double value_in_slab(const struct mixture *x, int quantity, long i, int component) {
+    const struct segregation_models *m = x->models;
+    const struct segregation_flow *flow = &x->flow;
+    const long place = x->places.own_first + i;
+    double at[3];
+    if (quantity == PHI) return x->phi[i];
+    if (quantity == U) return flow->U ? flow->U[3 * place + x->base.setup->axis[component]] : 0;
+    if (quantity == PERCOLATION && flow->percolation) return flow->percolation[place];
+    segregation_places_centre(&x->places, place, at);
     if (quantity == PERCOLATION)
         return m->velocity_law ? expr_value(m->velocity_law, at[0], at[1], at[2], 0) : m->velocity;
-    return segregation_diffusivity(m, at, x->phi[i], x->flow.shear_rate ? x->flow.shear_rate[cell] : 0);
+    return segregation_diffusivity(m, at, x->phi[i], flow->shear_rate ? flow->shear_rate[place] : 0);
 }
 static int lines_of(const struct medium *m, int quantity) {
     return quantity == U ? m->setup->dim : 1;
 }
 
+/* Brings a component of a quantity from the slabs to the cells of this rank's blocks. `own` and `slice` are room. */
+static status bring(const struct mixture *x, int quantity, int component, double *own, double *slice, double *out) {
+    const struct segregation_places *p = &x->places;
+    long n;
+    const int *cell = grid_cells(x->base.setup->grid, &n);
+    for (long i = 0; i < p->nown; i++)
+        own[i] = p->cell[p->own_first + i] < 0 ? 0 : value_in_slab(x, quantity, i, component);
+    TRY(segregation_places_store(p, 1, own, slice));
+    return share_fetch(&p->share, 1, slice, n, cell, out);
+}
+
+static status mixture_derive(struct medium *m, int quantity) {
+    struct mixture *x = of(m);
+    const struct segregation_places *p = &x->places;
+    double *own = NULL, *slice = NULL;
+    long n;
+    if (on_line(x)) return OK;
+    (void)grid_cells(m->setup->grid, &n);
+    status e = allocate(&own, p->nown, sizeof *own, "a field of a slab");
+    if (!e) e = allocate(&slice, p->share.end - p->share.first, sizeof *slice, "a slice of a field");
+    if (!e && !x->ready[quantity])
+        e = allocate(&x->ready[quantity], n * lines_of(m, quantity), sizeof *own, "a field of this rank's blocks");
+    e = comm_agree(m->setup->comm, e);
+    for (int k = 0; k < lines_of(m, quantity) && !e; k++)
+        e = bring(x, quantity, k, own, slice, x->ready[quantity] + k * n);
+    free(own);
+    free(slice);
+    return e;
+}
+
 static void mixture_block(const struct medium *m, int block, int quantity, double *const out[3]) {
+    const struct mixture *x = of(m);
     const struct grid_block *b = &m->setup->grid->block[block];
+    long n;
+    const int *cells = grid_cells(m->setup->grid, &n);
     for (int k = 0; k < lines_of(m, quantity); k++)
-        for (int i = 0; i < b->ncells; i++) out[k][i] = value_at(of(m), quantity, b->cell[i], k);
+        if (on_line(x))
+            for (int i = 0; i < b->ncells; i++) out[k][i] = value_on_line(x, quantity, b->cell[i], k);
+        else
+            memcpy(out[k], x->ready[quantity] + k * n + (b->cell - cells), (size_t)b->ncells * sizeof *out[k]);
 }
 
 static bool mixture_present(const struct medium *m, int quantity) {
@@ -293,7 +400,7 @@ static const char help[] =
     "with "
     "its\n"
     "density as weight if asked for. Second order in time and space, conservative and bounded.\n\n"
-    "  -np N        on N ranks: all is computed by each, the results are the same\n"
+    "  -np N        on N ranks, with the same results: each has a slab of a lattice; a line is computed by every rank\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  models, schemes and function objects with their parameters\n"
@@ -313,7 +420,7 @@ const struct medium_type segregation_medium = {
     .noffered = QUANTITIES,
     .written = written,
     .shown = shown,
-    .whole = true,
+    .slabs = true,
     .read = mixture_read,
     .state = mixture_state,
     .start = mixture_start,
@@ -325,6 +432,7 @@ const struct medium_type segregation_medium = {
     .step = mixture_step,
     .log = mixture_log,
     .finish = mixture_finish,
+    .derive = mixture_derive,
     .block = mixture_block,
     .present = mixture_present,
     .patch = mixture_patch,
