@@ -127,6 +127,30 @@ static void broadcasts(void **state) {
     assert_string_equal(text, "from the root");
 }
 
+/* A ring: each rank sends to the next one, and gets from the one before. */
+static void puts_and_gets(void **state) {
+    (void)state;
+    const int rank = comm_rank(world), size = comm_size(world);
+    const double mine[2] = {rank, 0.5};
+    double got[2] = {rank, 0.5};
+    if (size > 1) comm_put(world, (rank + 1) % size, mine, 2);
+    if (size > 1) comm_get(world, (rank + size - 1) % size, got, 2);
+    assert_true(got[0] == (rank + size - 1) % size && got[1] == 0.5);
+}
+
+/* A sum whose bits depend on the order of its terms. */
+static void sums_in_turn(void **state) {
+    (void)state;
+    const int rank = comm_rank(world), size = comm_size(world);
+    double sum[2] = {0, 0}, expected = 0;
+    for (int i = 0; i < 3 * size; i++) expected += 1. / (1 + i);
+    comm_take_turn(world, sum, 2);
+    for (int i = 0; i < 3; i++) sum[0] += 1. / (1 + 3 * rank + i);
+    sum[1] += 1;
+    comm_end_turn(world, sum, 2);
+    assert_true(sum[0] == expected && sum[1] == size);
+}
+
 static void all_ranks_learn_of_a_failure(void **state) {
     (void)state;
     int rank = comm_rank(world), last = comm_size(world) - 1;
@@ -149,13 +173,9 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reductions),
-        cmocka_unit_test(gathers),
-        cmocka_unit_test(gathers_many),
-        cmocka_unit_test(trades),
-        cmocka_unit_test(shares),
-        cmocka_unit_test(broadcasts),
-        cmocka_unit_test(all_ranks_learn_of_a_failure),
+        cmocka_unit_test(reductions),    cmocka_unit_test(gathers),      cmocka_unit_test(gathers_many),
+        cmocka_unit_test(trades),        cmocka_unit_test(shares),       cmocka_unit_test(broadcasts),
+        cmocka_unit_test(puts_and_gets), cmocka_unit_test(sums_in_turn), cmocka_unit_test(all_ranks_learn_of_a_failure),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
