@@ -209,7 +209,13 @@ static void mixture_free(struct medium *m) {
 static void mixture_describe(const struct medium *m, FILE *f) {
     const struct mixture *x = of(m);
     const struct face_flow_change *c = &x->box.change;
+    const struct setup *s = m->setup;
+    const int ranks = comm_size(s->comm);
     segregation_models_print(f, x->models);
+    if (ranks > 1 && on_line(x)) fprintf(f, "    %-22s each computes the whole line\n", "ranks");
+    if (ranks > 1 && !on_line(x))
+        fprintf(f, "    %-22s each has a slab of %d to %d layers along %c\n", "ranks",
+                s->lattice->n[s->dim - 1] / ranks, x->places.layers, "xyz"[s->axis[s->dim - 1]]);
     if (x->box.flows)
         fprintf(f, "    %-22s divergence %.3g %s, made %.3g by changes of %.3g %s at most; outflow times %.6g\n",
                 x->flow.density ? "mass flow rho U" : "velocity U", c->before, x->flow.density ? "kg/m^3/s" : "1/s",
