@@ -7,34 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mesh/base/sorted.h"
-#include "mesh/polyhedral/polyhedra_private.h"
+#include "mesh/polyhedral/polyhedra_make.h"
 
 /* Marks in `local` until the cells are numbered. */
 enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4, WALKED = -5, ORDERED = -6 };
-
-struct ghost {
-    int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the cell of the links */
-};
-struct work { /* scratch that is needed only while a struct polyhedra is made; lists are by cell of the links, or link
-               */
-    struct links links;
-    const struct spread *spread; /* of a mesh that is spread over the ranks; else NULL */
-    struct mesh_part *part;      /* my cells, those around them, and those of their stencils; NULL: the whole mesh */
-    struct cut cut;
-    struct grower grower;
-    int *mine;     /* [nown] cells, block by block: by numbers in the whole mesh until the links are there */
-    int *block_of; /* [cells] */
-    int *local;    /* [cells] number on this rank, or one of the marks above */
-    int *members;  /* [cells] members of the cell's stencil */
-    bool *waits;   /* [cells] does the cell's stencil hold ghosts? */
-    int nghosts;
-    struct ghost *ghost;
-    int *ghost_rank;          /* [ghosts] rank that has the ghost */
-    int *face_of, *mirror_of; /* [links] number of the face, of the mirror, on this rank, or -1 */
-    int *link_of;             /* [faces] link of a face */
-    int *mirror_link;         /* [mirrors] link of a mirror */
-};
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
@@ -151,8 +127,7 @@ static status begin_cells(struct polyhedra *m, struct work *w, int rings) {
     return grower_make(&w->links, rings, &w->grower);
 }
 
-/* Lists the ghosts, and what the stencils take. */
-static status list_cells(struct polyhedra *m, struct work *w, int rings) {
+status work_cells(struct polyhedra *m, struct work *w, int rings) {
     m->dim = w->links.dim;
     m->thickness = w->links.thickness;
     memcpy(m->axis, w->links.axis, sizeof m->axis);
@@ -283,8 +258,7 @@ static void work_free(struct work *w) {
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
 }
 
-/* Numbers cells and faces, and computes their geometry and stencils. */
-static status make_local(struct polyhedra *m, struct work *w, int rings) {
+status work_local(struct polyhedra *m, struct work *w, int rings) {
     TRY(number_cells(m, w));
     TRY(make_faces(m, w));
     TRY(geometry_make(m, &w->links, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
@@ -314,7 +288,7 @@ static int by_block(const void *a, const void *b) {
     return (p[1] > q[1]) - (p[1] < q[1]);
 }
 
-static status take_blocks(struct polyhedra *m, struct work *w, long n, int (*block)[2]) {
+status work_blocks(struct polyhedra *m, struct work *w, long n, int (*block)[2]) {
     if (n) qsort(block, (size_t)n, sizeof *block, by_block);
     return list_blocks(m, w, n, (const int(*)[2])block);
 }
@@ -352,7 +326,7 @@ static status take_mine(struct polyhedra *m, struct work *w) {
         block[mine][0] = w->block_of[c];
         block[mine++][1] = c;
     }
-    const status s = take_blocks(m, w, mine, block);
+    const status s = work_blocks(m, w, mine, block);
     free(block);
     return s;
 }
@@ -367,169 +341,12 @@ static status make_whole(struct polyhedra *m, const struct polymesh *mesh, struc
     comm_alone_free(alone);
     TRY(s);
     s = take_mine(m, w);
-    if (!s) s = list_cells(m, w, rings);
-    return comm_agree(m->comm, s ? s : make_local(m, w, rings));
+    if (!s) s = work_cells(m, w, rings);
+    return comm_agree(m->comm, s ? s : work_local(m, w, rings));
 }
 
-/* ---- where the mesh is spread over the ranks --------------------------------------------------------------------- */
-
-static status cut_spread(struct work *w, const struct polymesh *all) {
-    const struct spread *s = w->spread;
-    struct cut_mesh m = {.mesh = &s->home.mesh,
-                         .whole = s->home.whole,
-                         .cell = s->home.cell,
-                         .cells = s->cells,
-                         .centre = s->geometry.cell_centre + 3L * s->base};
-    m.dim = polymesh_axes(all, m.axis);
-    polymesh_bounds(all, m.low, m.high);
-    return cut_cells(&m, s->comm, &w->cut);
-}
-
-/* Sends each rank the cells of its blocks. */
-static status send_blocks(struct polyhedra *m, struct work *w) {
-    const struct cut *cut = &w->cut;
-    const int ranks = comm_size(m->comm);
-    const long n = cut->cells.end - cut->cells.first;
-    int *count = NULL, *out = NULL, *in = NULL;
-    long *next = NULL, arriving = 0;
-    status s = allocate(&count, 2L * ranks, sizeof *count, "the blocks");
-    if (!s) s = allocate(&next, ranks + 1L, sizeof *next, "the blocks");
-    if (!s) s = allocate(&out, 2 * n, sizeof *out, "the blocks");
-    s = comm_agree(m->comm, s);
-    for (long i = 0; !s && i < n; i++) count[cut->rank_of[cut->block[i]]] += 2;
-    for (int r = 0; !s && r < ranks; r++) next[r + 1] = next[r] + count[r];
-    for (long i = 0; !s && i < n; i++) {
-        long *at = &next[cut->rank_of[cut->block[i]]];
-        out[(*at)++] = cut->block[i];
-        out[(*at)++] = (int)(cut->cells.first + i);
-    }
-    if (!s) s = comm_deliver_int(m->comm, out, count, &in, count + ranks);
-    for (int r = 0; !s && r < ranks; r++) arriving += count[ranks + r] / 2;
-    if (!s) s = comm_agree(m->comm, take_blocks(m, w, arriving, (int(*)[2])(void *)in));
-    free(count);
-    free(next);
-    free(out);
-    free(in);
-    return s;
-}
-
-struct known { /* cells by their numbers in the whole mesh, ascending */
-    int *cell;
-    long n;
-};
-
-/* Adds n cells. */
-static status know(struct known *k, long n, const int *cell) {
-    int *more = realloc(k->cell, (size_t)(k->n + n + 1) * sizeof *more);
-    if (!more) return fail(ERR_SYSTEM, "no memory for a list of %ld cells", k->n + n);
-    k->cell = more;
-    if (n) memcpy(k->cell + k->n, cell, (size_t)n * sizeof *cell);
-    k->n += n;
-    return sorted_make(k->cell, &k->n);
-}
-
-/* Lists the cells of a part that are not whole there and not known. */
-static status list_beyond(const struct mesh_part *p, const struct known *k, struct known *out) {
-    *out = (struct known){.n = 0};
-    TRY(allocate(&out->cell, p->mesh.ncells, sizeof *out->cell, "the cells around those of a rank"));
-    for (int c = 0; c < p->mesh.ncells; c++)
-        if (!p->whole[c] && sorted_find(k->cell, k->n, p->cell[c]) < 0) out->cell[out->n++] = p->cell[c];
-    return OK;
-}
-
-/* Finds my cells and those in `depth` rings around them. */
-static status find_rings(struct polyhedra *m, struct work *w, const struct polymesh *all, int depth, struct known *k) {
-    struct known ring = {.n = 0};
-    status s = comm_agree(m->comm, know(k, m->nown, w->mine));
-    if (!s) s = comm_agree(m->comm, know(&ring, m->nown, w->mine));
-    for (int i = 0; i < depth && !s; i++) {
-        struct mesh_part p;
-        s = spread_part(w->spread, all, ring.n, ring.cell, &p);
-        free(ring.cell);
-        ring.cell = NULL;
-        if (!s) s = list_beyond(&p, k, &ring);
-        part_free(&p);
-        if (!s) s = know(k, ring.n, ring.cell);
-        s = comm_agree(m->comm, s);
-    }
-    free(ring.cell);
-    return s;
-}
-
-/* Makes the links of the cells that are known, with my cells by their numbers there. */
-static status join_part(struct polyhedra *m, struct work *w, const struct polymesh *all, const struct known *k) {
-    double *block = NULL, *mine = NULL;
-    const struct cut *cut = &w->cut;
-    const long n = cut->cells.end - cut->cells.first;
-    part_free(w->part);
-    TRY(spread_part(w->spread, all, k->n, k->cell, w->part));
-    status s = links_make(all, w->part, &w->links);
-    const int ncells = w->part->mesh.ncells;
-    if (!s) s = allocate(&w->block_of, ncells, sizeof *w->block_of, "the blocks");
-    if (!s) s = allocate(&block, ncells, sizeof *block, "the blocks");
-    if (!s) s = allocate(&mine, n, sizeof *mine, "the blocks");
-    s = comm_agree(m->comm, s);
-    for (long i = 0; !s && i < n; i++) mine[i] = cut->block[i];
-    if (!s) s = share_fetch(&cut->cells, 1, mine, ncells, w->part->cell, block);
-    for (int c = 0; !s && c < ncells; c++) w->block_of[c] = (int)block[c];
-    for (int i = 0; !s && i < m->nown; i++) w->mine[i] = (int)part_cell(w->part, w->mine[i]);
-    free(block);
-    free(mine);
-    return s;
-}
-
-/* Adds members of stencils that are not whole to the known cells; *lacks: has this rank such members? */
-static status know_members(const struct work *w, struct known *k, bool *lacks) {
-    int *cell = NULL;
-    long n = 0;
-    TRY(allocate(&cell, w->nghosts, sizeof *cell, "the cells around those of a rank"));
-    for (int i = 0; i < w->nghosts; i++)
-        if (!w->part->whole[w->ghost[i].cell]) cell[n++] = w->part->cell[w->ghost[i].cell];
-    const status s = know(k, n, cell);
-    free(cell);
-    *lacks = n > 0;
-    return s;
-}
-
-/* Frees what was made of too few cells. */
-static void start_again(struct polyhedra *m, struct work *w) {
-    for (int i = 0; i < m->nown; i++) w->mine[i] = links_cell_name(&w->links, w->mine[i]);
-    links_free(&w->links);
-    grower_free(&w->grower);
-    void **const all[] = {(void **)&w->block_of, (void **)&w->local, (void **)&w->members, (void **)&w->waits,
-                          (void **)&w->ghost};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        free(*all[i]);
-        *all[i] = NULL;
-    }
-    w->nghosts = 0;
-}
-
-/* Fetches cells until all stencils are there: a few grow by further rings. */
-static status fetch_cells(struct polyhedra *m, struct work *w, const struct polymesh *all, int rings, struct known *k) {
-    for (double lacking = 1; lacking > 0;) {
-        bool lacks = false;
-        TRY(join_part(m, w, all, k));
-        status s = list_cells(m, w, rings);
-        if (!s) s = know_members(w, k, &lacks);
-        TRY(comm_agree(m->comm, s));
-        lacking = lacks;
-        comm_max(m->comm, &lacking, 1);
-        if (lacking > 0) start_again(m, w);
-    }
-    return OK;
-}
-
-static status make_spread(struct polyhedra *m, const struct polymesh *all, struct work *w, int rings) {
-    struct known k = {.n = 0};
-    TRY(cut_spread(w, all));
-    TRY(send_blocks(m, w));
-    status s = find_rings(m, w, all, 1 + rings, &k);
-    if (!s) s = fetch_cells(m, w, all, rings, &k);
-    free(k.cell);
-    TRY(s);
-    return comm_agree(m->comm, make_local(m, w, rings));
-}
+/* ---- either way ----------------------------------------------------------------------------------------------------
+ */
 
 static status make(const struct polymesh *mesh, const struct comm *c, int rings, struct work *w,
                    struct polyhedra **out) {
@@ -541,7 +358,7 @@ static status make(const struct polymesh *mesh, const struct comm *c, int rings,
     if (!s) {
         m->comm = c;
         m->ncells_all = mesh->ncells;
-        s = w->spread ? make_spread(m, mesh, w, rings) : make_whole(m, mesh, w, rings);
+        s = w->spread ? work_spread(m, mesh, w, rings) : make_whole(m, mesh, w, rings);
     }
     if (!s) s = halo_make(m, w->ghost_rank);
     work_free(w);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files of struct polyhedra (a polyhedral mesh as one rank sees it): polyhedra.c (numbering),
- * polyhedra_cut.c (which rank has which cells), polyhedra_links.c (cells and links), polyhedra_geometry.c,
- * polyhedra_stencil.c, polyhedra_halo.c. */
+ * polyhedra_spread.c (the same where no rank has the whole mesh), polyhedra_cut.c (which rank has which cells),
+ * polyhedra_links.c (cells and links), polyhedra_geometry.c, polyhedra_stencil.c, polyhedra_halo.c. */
 #ifndef MESH_POLYHEDRA_PRIVATE_H
 #define MESH_POLYHEDRA_PRIVATE_H
 
