@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 enum { TRAIL = 16, TEXT = 2048 };
 
@@ -84,4 +87,10 @@ status allocate(void *out, long count, long size, const char *what) {
     memset(p, 0, bytes);
     memcpy(out, &p, sizeof p);
     return OK;
+}
+
+void release_freed(void) {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }

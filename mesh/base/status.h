@@ -42,5 +42,8 @@ void status_free(status s); /* OK is allowed */
 /* Sets *out, a pointer to any type, to `count` zeroed objects of `size` bytes, aligned to 64 bytes; the caller calls
  * free(). The error names the objects by `what`. */
 status allocate(void *out, long count, long size, const char *what);
+/* Gives memory that was freed back to the machine, where the C library keeps it for later: behind a part of the set-up
+ * that takes more than it leaves. */
+void release_freed(void);
 
 #endif

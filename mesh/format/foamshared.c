@@ -2,28 +2,25 @@
 /* Opens a file whose long list is to be spread over the ranks in slices (foamfile.h). Of a plain binary file each rank
  * reads its slice by itself. Any other file the root reads in pieces, which it sends on: no rank holds its text. What
  * is not as writers put it is left to source_open on every rank, which knows comments and says what is wrong. */
+#include "mesh/base/window.h"
 #include "mesh/format/files.h"
 #include "mesh/format/foamfile_private.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-#include <zlib.h>
 
-enum { WINDOW = 1 << 20, PIECE = 1 << 14 }; /* bytes of text and entries that the root holds at a time */
+enum { PIECE = 1 << 14 }; /* entries that the root holds at a time */
 
 struct stream { /* the root's */
     const struct share *share;
     struct source *source; /* what is being made */
     struct long_list list;
-    gzFile file;
-    struct source window; /* the part of the text that is being read */
-    struct lexer lexer;   /* in that */
-    bool ended;           /* has the file ended? */
-    double *piece;        /* [PIECE][components] */
-    long at;              /* entries so far */
+    struct window window;
+    struct source text; /* that of the window, which is being read */
+    struct lexer lexer; /* in that */
+    double *piece;      /* [PIECE][components] */
+    long at;            /* entries so far */
 };
 
 /* ---- from the root to the slices --------------------------------------------------------------------------------- */
@@ -72,24 +69,15 @@ static void receive(const struct share *share, int components, double *part) {
 
 /* Fills the window behind what is left in it. Returns whether the file can be read. */
 static bool refill(struct stream *x) {
-    struct source *w = &x->window;
-    const size_t used = x->lexer.position, left = w->size - used;
-    memmove(w->text, w->text + used, left);
-    w->size = left;
+    const bool good = window_fill(&x->window, x->lexer.position);
     x->lexer.position = 0;
-    while (w->size < WINDOW && !x->ended) {
-        const int got = gzread(x->file, w->text + w->size, (unsigned)(WINDOW - w->size));
-        if (got < 0) return false;
-        w->size += (size_t)got;
-        x->ended = got == 0;
-    }
-    w->text[w->size] = 0;
-    return true;
+    x->text = (struct source){.text = x->window.text, .size = x->window.size, .file = -1};
+    return good;
 }
 
 /* Reads the ascii entries that stand in the window before its last line end. */
 static void read_lines(struct stream *x) {
-    struct source *w = &x->window;
+    struct window *w = &x->window;
     size_t end = w->size;
     while (end > x->lexer.position && w->text[end - 1] != '\n') end--;
     const char cut = w->text[end];
@@ -138,7 +126,7 @@ static bool read_binary(struct stream *x) {
 static bool read_tail(struct stream *x) {
     struct source *s = x->source;
     size_t room = x->list.at;
-    for (bool more = true; more; more = !x->ended) {
+    for (bool more = true; more; more = !x->window.ended) {
         const size_t n = x->window.size - x->lexer.position;
         if (s->size + n + 1 > room) {
             room = 2 * (s->size + n) + 1;
@@ -151,7 +139,8 @@ static bool read_tail(struct stream *x) {
         s->text[s->size] = 0;
         x->lexer.position += n;
         if (!refill(x)) return false;
-        if (x->ended && x->window.size > 0) x->ended = false; /* one more round for the last of the window */
+        if (x->window.ended && x->window.size > 0)
+            x->window.ended = false; /* one more round for the last of the window */
     }
     return true;
 }
@@ -161,7 +150,7 @@ static bool read_list(struct stream *x) {
     struct source *s = x->source;
     memcpy(s->text, x->window.text, x->list.at);
     s->size = s->gap = x->list.at;
-    x->lexer = (struct lexer){.source = &x->window, .position = x->list.at, .line = x->list.line};
+    x->lexer = (struct lexer){.source = &x->text, .position = x->list.at, .line = x->list.line};
     const bool binary = x->list.header.binary;
     if (!(binary ? read_binary(x) : read_ascii(x))) return false;
     if (binary && !refill(x)) return false;
@@ -179,14 +168,10 @@ static status look(struct stream *x, bool *streams) {
     int file;
     *streams = false;
     TRY(file_open_pieces(x->source->path, &file, &bytes));
-    x->file = gzdopen(file, "rb");
-    if (!x->file) close(file);
-    if (!x->file) return fail(ERR_SYSTEM, "%s: no memory to read it", x->source->path);
-    x->window.file = -1;
-    TRY(allocate(&x->window.text, WINDOW + 1, 1, "a part of a file"));
+    TRY(window_open(file, &x->window));
     if (!refill(x)) return OK;
-    struct source head = x->window;
-    const bool zipped = !gzdirect(x->file);
+    struct source head = x->text;
+    const bool zipped = window_zipped(&x->window);
     if (head.size > HEAD) head.size = HEAD;
     const char cut = head.text[head.size];
     head.text[head.size] = 0;
@@ -235,8 +220,7 @@ static status read_shared(struct stream *x, struct source *s, struct told *told)
     if (comm_root(share->comm)) {
         told->whole = read_list(x);
         if (x->at < share->n) give_up(x);
-        told->whole &= gzclose(x->file) == Z_OK;
-        x->file = NULL;
+        told->whole &= window_ends(&x->window);
     } else {
         receive(share, s->components, s->part);
     }
@@ -264,8 +248,7 @@ status source_open_shared(const char *path, const struct share *share, struct so
     struct stream x = {.share = share, .source = s};
     bool done = false;
     const status e = open_shared(&x, s, &done);
-    if (x.file) gzclose(x.file);
-    free(x.window.text);
+    window_close(&x.window);
     free(x.piece);
     if (done && !e) {
         *out = s;

@@ -5,6 +5,7 @@
 #include "mesh/format/polymesh.h"
 
 #include "mesh/format/boxes.h"
+#include "mesh/format/sites.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,6 +22,7 @@ static void outline_free(struct outline *o, int npatches) {
     free(o->cell);
     free(o->face);
     free(o->dir);
+    sites_free(o->sites);
     free(o);
 }
 

@@ -17,6 +17,7 @@ struct patch {
     int nfaces;
 };
 struct boxes;
+struct sites;
 struct narrowest {
     long cell;
     double width; /* m: its V/A, A without `empty` faces: the least of all */
@@ -31,6 +32,7 @@ struct outline {
     long shape[5];          /* cells of each shape (polymesh_shapes) */
     int **cell;             /* [patches][faces] cell at a face of a patch that is not empty */
     double **face;          /* [patches][faces][6] its centre (m) and area vector (m^2) */
+    struct sites *sites;    /* of a mesh that is a lattice: where its cells lie; else NULL */
 };
 struct polymesh {
     /* before polymesh_complete npoints is 0, and numbers of faces beyond INT_MAX are INT_MAX */

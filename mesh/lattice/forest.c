@@ -29,7 +29,7 @@ static void lay_out(struct forest *f, const struct lattice *l) {
     for (int k = 0; k < 3; k++) f->step[k] = l->uniform[k] ? 0 : f->stride[k];
 }
 
-/* Lists the cells at the places of a box of the lattice; returns the end of the list. */
+/* Lists the cells at the places of a box of the lattice (lattice_row); returns the end of the list. */
 static int *list_cells(const struct lattice *l, const int low[3], const int n[3], int *next) {
     for (int i[3] = {low[0], low[1], low[2]}; i[2] < low[2] + n[2]; i[2]++)
         for (i[1] = low[1]; i[1] < low[1] + n[1]; i[1]++, next += n[0]) lattice_row(l, i, n[0], next);
@@ -99,14 +99,13 @@ static status make_tiles(struct forest *f, const struct lattice *l, const struct
 static status make_blocks(struct forest *f, const struct lattice *l) {
     struct forest_private *h = f->hidden;
     const struct cut_block *mine = h->block;
-    long ncells = 0;
     while (mine < h->block + h->nblocks && mine->tile < h->trees->first) mine++;
     for (int b = 0; mine + b < h->block + h->nblocks && mine[b].tile < h->trees->first + h->trees->count; b++) {
-        ncells += (long)mine[b].n[0] * mine[b].n[1] * mine[b].n[2];
+        h->ncells += (long)mine[b].n[0] * mine[b].n[1] * mine[b].n[2];
         f->nblocks++;
     }
     TRY(allocate(&f->block, f->nblocks, sizeof *f->block, "the blocks"));
-    TRY(allocate(&h->cell, ncells, sizeof *h->cell, "the cells of the blocks"));
+    TRY(allocate(&h->cell, h->ncells, sizeof *h->cell, "the cells of the blocks"));
     int *cell = h->cell;
     for (int b = 0; b < f->nblocks; b++) {
         f->block[b] = (struct forest_block){.id = mine[b].id, .tile = mine[b].tile - h->trees->first, .cell = cell};
@@ -141,7 +140,8 @@ static status build(struct forest *f, const struct lattice *l, const struct poly
     status s = make_tiles(f, l, m);
     if (!s) s = make_blocks(f, l);
     if (!s) s = fill_make(f);
-    return comm_agree(f->comm, s);
+    TRY(comm_agree(f->comm, s));
+    return lattice_name(l, h->ncells, h->cell);
 }
 
 status forest_make(const struct lattice *l, const struct polymesh *m, const struct comm *c, int tile_size,

@@ -97,6 +97,9 @@ void forest_block_values(const struct forest *f, int block, const double *tile, 
  * ranks. Collective. */
 status forest_sum(const struct forest *f, const double *per_block, double *sum);
 
+/* Sets the solved axes of x (m) to the centre of a cell, which any rank may have. Collective. */
+void forest_place(const struct forest *f, long cell, double x[3]);
+
 /* Finds the block of this rank and the cell in it that hold a point (x, y, z in m); *block is -1 if another rank or
  * none has the point. A point between two cells belongs to the upper one, at an upper edge of the domain to the lower
  * one: one rank has it. */

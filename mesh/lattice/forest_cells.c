@@ -12,15 +12,9 @@ static long row_offset(const struct forest *f, int j, int k) {
     return f->first + j * f->step[1] + k * f->step[2];
 }
 
-static long cells_of(const struct forest *f) {
-    long n = 0;
-    for (int b = 0; b < f->nblocks; b++) n += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
-    return n;
-}
-
 status forest_gather_values(const struct forest *f, const double *values, double *all) {
     const struct share s = share_make(f->comm, f->ncells_all);
-    return share_gather(&s, 1, cells_of(f), f->hidden->cell, values, all);
+    return share_gather(&s, 1, f->hidden->ncells, f->hidden->cell, values, all);
 }
 
 void forest_block_values(const struct forest *f, int block, const double *tile, int variable, double *values) {
@@ -33,7 +27,7 @@ void forest_block_values(const struct forest *f, int block, const double *tile, 
 
 status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {
     double *mine = NULL, *next;
-    TRY(comm_agree(f->comm, allocate(&mine, cells_of(f), sizeof *mine, "the cells of this rank")));
+    TRY(comm_agree(f->comm, allocate(&mine, f->hidden->ncells, sizeof *mine, "the cells of this rank")));
     next = mine;
     for (int b = 0; b < f->nblocks; b++) {
         forest_block_values(f, b, data[f->block[b].tile], variable, next);
@@ -106,6 +100,22 @@ static int find_block(const struct forest_private *h, const int i[3]) {
         piece[k] = low;
     }
     return h->id[piece[0] + h->pieces[0] * (piece[1] + (long)h->pieces[1] * piece[2])];
+}
+
+void forest_place(const struct forest *f, long cell, double x[3]) {
+    double place[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    for (int b = 0; b < f->nblocks; b++) {
+        const struct forest_block *here = &f->block[b];
+        const int n[3] = {here->n[0], here->n[1], here->n[2]};
+        for (long i = 0; i < (long)n[0] * n[1] * n[2]; i++) {
+            if (here->cell[i] != cell) continue;
+            const long at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+            for (int k = 0; k < f->dim; k++)
+                place[k] = f->origin[k] + f->width[k] * ((double)(here->low[k] + at[k]) + 0.5);
+        }
+    }
+    comm_min(f->comm, place, 3);
+    for (int k = 0; k < f->dim; k++) x[f->axis[k]] = place[k];
 }
 
 void forest_locate(const struct forest *f, const double point[3], int *block, int *cell) {

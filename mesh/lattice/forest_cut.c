@@ -87,6 +87,27 @@ static void mark_box(struct cutter *c, const struct brick *b) {
     }
 }
 
+/* Does the same for a face on a patch of a mesh with sites, and for the cells before and behind its own. */
+static void mark_face(struct cutter *c, const struct site_face *f) {
+    const struct lattice *l = c->l;
+    int place[3], i[3], side = 0;
+    sites_at(l->sites, f->place, place);
+    for (int k = 0; k < 3; k++) {
+        i[k] = place[l->axis[k]];
+        if (l->axis[k] == f->side / 2) side = 2 * k + f->side % 2;
+    }
+    const int patch = is_cyclic(c, f->patch) ? -1 : f->patch;
+    if (patch >= 0) c->plane[side / 2][i[side / 2] + side % 2] = true;
+    for (int way = 0; way < 2 * l->dim; way++) {
+        const int k = way / 2, high = way % 2;
+        int next[3] = {i[0], i[1], i[2]};
+        long face;
+        next[k] += high ? 1 : -1;
+        if (k == side / 2 || next[k] < 0 || next[k] == l->n[k] || lattice_patch(l, c->m, i, way, &face) >= 0) continue;
+        if (side_patch(c, next, side) != patch) c->plane[k][high ? next[k] : i[k]] = true;
+    }
+}
+
 static status find_planes(struct cutter *c) {
     const int *n = c->l->n;
     for (int k = 0; k < 3; k++) {
@@ -94,7 +115,8 @@ static status find_planes(struct cutter *c) {
         c->plane[k][0] = c->plane[k][n[k]] = true;
     }
     for (int i = 0; c->l->boxes && i < c->l->boxes->nboxes; i++) mark_box(c, &c->l->boxes->box[i]);
-    if (c->l->boxes) return OK;
+    for (int i = 0; !lattice_is_local(c->l) && i < c->l->sites->nfaces; i++) mark_face(c, &c->l->sites->face[i]);
+    if (c->l->boxes || !lattice_is_local(c->l)) return OK;
     for (int i[3] = {0}; i[2] < n[2]; i[2]++)
         for (i[1] = 0; i[1] < n[1]; i[1]++)
             for (i[0] = 0; i[0] < n[0]; i[0]++)
@@ -170,20 +192,32 @@ static int by_key(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
+/* Are there cells in the block that begins at a place? `before`: are there in the block before it along axis 0? Without
+ * a table of cells faces on patches tell, of which each row of cells has one at either end. */
+static bool is_solid(const struct cutter *c, const int low[3], bool before) {
+    const int last[3] = {low[0] - 1, low[1], low[2]};
+    long face;
+    if (lattice_is_local(c->l)) return lattice_cell(c->l, low) >= 0;
+    return lattice_patch(c->l, c->m, low, 0, &face) >= 0 || (before && lattice_patch(c->l, c->m, last, 1, &face) < 0);
+}
+
 /* Numbers the solid blocks along the curve, which runs through one half of a lattice cut in two before the other, so
  * that each of two ranks gets a half; seat[id] is a block's place in their grid. */
 static void number_blocks(struct forest_private *h, const struct cutter *c, int tile_size, struct seat *seat) {
     const int *pieces = h->pieces, last = c->l->dim - 1;
     const bool half = halves(c->l, tile_size) > 0;
     for (int p[3] = {0}; p[2] < pieces[2]; p[2]++)
-        for (p[1] = 0; p[1] < pieces[1]; p[1]++)
+        for (p[1] = 0; p[1] < pieces[1]; p[1]++) {
+            bool solid = false;
             for (p[0] = 0; p[0] < pieces[0]; p[0]++) {
                 int low[3] = {h->start[0][p[0]], h->start[1][p[1]], h->start[2][p[2]]};
                 h->id[at(pieces, p)] = -1;
-                if (lattice_cell(c->l, low) < 0) continue;
+                solid = is_solid(c, low, solid);
+                if (!solid) continue;
                 const uint64_t above = half && 2 * p[last] >= pieces[last];
                 seat[h->nblocks++] = (struct seat){above << 63 | morton(p), {p[0], p[1], p[2]}};
             }
+        }
     qsort(seat, (size_t)h->nblocks, sizeof *seat, by_key);
     for (int b = 0; b < h->nblocks; b++) h->id[at(pieces, seat[b].piece)] = b;
 }

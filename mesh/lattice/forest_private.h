@@ -34,8 +34,9 @@ struct forest_private {
     int nall;
     struct trees_tile *all; /* [nall] all tiles, by id */
     struct trees *trees;
-    int *cell; /* the array that block[].cell points into */
-    int *face; /* the array that tile[].side[].face points into */
+    long ncells; /* of this rank's blocks */
+    int *cell;   /* [ncells] the array that block[].cell points into */
+    int *face;   /* the array that tile[].side[].face points into */
 
     struct copies fill, pack; /* copies into ghost layers, tile by tile; copies into messages */
     int *fill_start;          /* [ntiles + 1] where the copies for a tile begin */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The lattice of a mesh of boxes, and the places of cells and patches on any lattice (lattice.h). */
+/* The lattice of a mesh of boxes or of one with sites, and the places of cells and patches on any lattice (lattice.h).
+ */
 #include "mesh/lattice/lattice.h"
 
 #include <stdlib.h>
@@ -21,6 +22,10 @@ static void turn(const struct lattice *l, const int at[3], int place[3]) {
     for (int k = 0; k < 3; k++) place[l->axis[k]] = at[k];
 }
 
+bool lattice_is_local(const struct lattice *l) {
+    return l->cell || !l->sites;
+}
+
 long lattice_cell(const struct lattice *l, const int at[3]) {
     int place[3];
     if (l->cell) return l->cell[index_of(l, at)];
@@ -33,7 +38,8 @@ void lattice_row(const struct lattice *l, const int at[3], int n, int *cell) {
         memcpy(cell, l->cell + index_of(l, at), (size_t)n * sizeof *cell);
         return;
     }
-    for (int i = 0; i < n;) {
+    for (int i = 0; l->sites && i < n; i++) cell[i] = (int)index_of(l, at) + i;
+    for (int i = 0; l->boxes && i < n;) {
         const int here[3] = {at[0] + i, at[1], at[2]};
         int place[3], step = 0, many = 1;
         turn(l, here, place);
@@ -62,7 +68,27 @@ int lattice_patch(const struct lattice *l, const struct polymesh *m, const int a
     }
     int place[3];
     turn(l, at, place);
-    return boxes_patch(l->boxes, place, 2 * l->axis[side / 2] + side % 2, face);
+    side = 2 * l->axis[side / 2] + side % 2;
+    return l->sites ? sites_patch(l->sites, place, side, face) : boxes_patch(l->boxes, place, side, face);
+}
+
+status lattice_name(const struct lattice *l, long n, int *cell) {
+    return lattice_is_local(l) ? OK : sites_name(l->sites, n, cell);
+}
+
+status lattice_before(const struct lattice *l, int k, int *before) {
+    const struct sites *s = l->sites;
+    const long n = s->cells.end - s->cells.first;
+    int at[3], x = l->axis[k];
+    for (long i = 0; i < n; i++) { /* the cell itself stands for none, until it has its name */
+        sites_at(s, s->place[i], at);
+        at[x] -= at[x] > 0;
+        before[i] = (int)sites_place(s, at);
+    }
+    TRY(sites_name(s, n, before));
+    for (long i = 0; i < n; i++)
+        if (before[i] == s->cells.first + i) before[i] = -1;
+    return OK;
 }
 
 double lattice_volume(const struct lattice *l) {
@@ -89,15 +115,24 @@ void lattice_drop_faces(struct lattice *l) {
     l->face = NULL;
 }
 
+void lattice_drop(struct lattice *l) {
+    lattice_drop_faces(l);
+    free(l->cell);
+    l->cell = NULL;
+}
+
 void lattice_at(const struct lattice *l, long cell, int at[3]) {
     int place[3];
-    boxes_at(l->boxes, cell, place);
+    if (l->sites)
+        sites_at(l->sites, l->sites->place[cell - l->sites->cells.first], place);
+    else
+        boxes_at(l->boxes, cell, place);
     for (int k = 0; k < 3; k++) at[k] = place[l->axis[k]];
 }
 
 void lattice_centre(const struct lattice *l, long cell, double x[3]) {
     int at[3] = {0};
-    if (l->boxes) {
+    if (!l->cell) {
         lattice_at(l, cell, at);
     } else {
         long i = 0;
@@ -109,24 +144,28 @@ void lattice_centre(const struct lattice *l, long cell, double x[3]) {
     for (int k = 0; k < l->dim; k++) x[l->axis[k]] = l->origin[k] + l->width[k] * (at[k] + 0.5);
 }
 
-/* ---- meshes of boxes ---- */
+/* ---- meshes without tables ---- */
 
-static void set_axes(const struct polymesh *m, struct lattice *l) {
-    const struct boxes *b = m->boxes;
-    int solved[3], taken[3] = {0, 0, 0};
-    l->dim = polymesh_axes(m, solved);
-    for (int k = 0; k < l->dim; k++) taken[solved[k]] = 1;
+/* Puts the closed axes behind the others. */
+static void set_axes(const struct polymesh *m, const int n[3], const double low[3], const double extent[3],
+                     const double width[3], struct lattice *l) {
+    int taken[3] = {0, 0, 0};
+    l->dim = polymesh_axes(m, l->axis);
+    for (int k = 0; k < l->dim; k++) taken[l->axis[k]] = 1;
     for (int x = 0, k = l->dim; x < 3; x++)
-        if (!taken[x]) solved[k++] = x;
+        if (!taken[x]) l->axis[k++] = x;
     l->thickness = 1;
     for (int k = 0; k < 3; k++) {
-        const int x = solved[k];
-        l->axis[k] = x;
-        l->n[k] = b->n[x];
-        l->origin[k] = b->low[x];
-        l->width[k] = b->width[x];
-        if (k >= l->dim) l->thickness *= b->high[x] - b->low[x];
+        const int x = l->axis[k];
+        l->n[k] = n[x];
+        l->origin[k] = low[x];
+        l->width[k] = width[x];
+        if (k >= l->dim) l->thickness *= extent[x];
     }
+}
+
+static void wrap_axes(const struct polymesh *m, struct lattice *l) {
+    const struct boxes *b = m->boxes;
     for (int p = 0; p < m->npatches; p++) {
         if (strcmp(m->patch[p].type, "cyclic") != 0 || b->first[p] == b->first[p + 1]) continue;
         for (int k = 0; k < 3; k++)
@@ -136,10 +175,25 @@ static void set_axes(const struct polymesh *m, struct lattice *l) {
 
 status lattice_of_boxes(const struct polymesh *m, struct lattice **out) {
     struct lattice *l;
+    const struct boxes *b = m->boxes;
+    const double extent[3] = {b->high[0] - b->low[0], b->high[1] - b->low[1], b->high[2] - b->low[2]};
     *out = NULL;
     TRY(allocate(&l, 1, sizeof *l, "the lattice"));
-    l->boxes = m->boxes;
-    set_axes(m, l);
+    l->boxes = b;
+    set_axes(m, b->n, b->low, extent, b->width, l);
+    wrap_axes(m, l);
+    *out = l;
+    return OK;
+}
+
+status lattice_of_sites(const struct polymesh *m, struct lattice **out) {
+    struct lattice *l;
+    const struct sites *s = m->outline->sites;
+    *out = NULL;
+    TRY(allocate(&l, 1, sizeof *l, "the lattice"));
+    l->sites = s;
+    set_axes(m, s->n, s->low, s->extent, s->width, l);
+    for (int k = 0; k < l->dim; k++) l->periodic[k] = s->periodic[l->axis[k]];
     *out = l;
     return OK;
 }
@@ -168,9 +222,23 @@ static void take_faces(struct lattice *l, const struct polymesh *m) {
         }
 }
 
+/* Takes the tables of the lattice that is recognised in the whole mesh. */
+static status take_tables(struct lattice *l, const struct polymesh *m) {
+    struct lattice *known;
+    char why[256];
+    TRY(lattice_recognise(m, &known, why));
+    if (!known) return fail(ERR_INPUT, "%s: it is no lattice any more: %s", m->outline->dir, why);
+    l->cell = known->cell;
+    l->face = known->face;
+    known->cell = known->face = NULL;
+    lattice_free(known);
+    return OK;
+}
+
 status lattice_complete(struct lattice *l, struct polymesh *m) {
     TRY(polymesh_complete(m));
     if (l->cell) return OK;
+    if (l->sites) return take_tables(l, m);
     int *cell;
     TRY(allocate(&l->face, 6L * m->ncells, sizeof *l->face, "the lattice"));
     TRY(allocate(&cell, (long)l->n[0] * l->n[1] * l->n[2], sizeof *cell, "the lattice"));

@@ -62,7 +62,7 @@ static status deliver(const struct comm *c, poster *put, void *context, int **in
 
 struct dealing {
     const struct polymesh *all;
-    const struct slices *slices;
+    const struct lists *lists;
     struct share cells;
     double *other; /* [faces of the slice] owner of the other half of a cyclic face; -1: the face is not cyclic */
 };
@@ -70,7 +70,7 @@ struct dealing {
 /* Lists the faces of the slice that are on cyclic patches, by their places in the slice, and the numbers of their other
  * halves; counts them alone if face is NULL. */
 static long list_halves(const struct dealing *d, int *face, int *half) {
-    const struct share *f = &d->slices->faces;
+    const struct share *f = &d->lists->faces;
     long n = 0;
     for (int i = 0; i < d->all->npatches; i++) {
         const struct patch *p = &d->all->patch[i];
@@ -88,7 +88,7 @@ static long list_halves(const struct dealing *d, int *face, int *half) {
 
 /* Finds the owners of the other halves of cyclic faces. */
 static status find_others(struct dealing *d) {
-    const struct share *f = &d->slices->faces;
+    const struct share *f = &d->lists->faces;
     const long n = list_halves(d, NULL, NULL), mine = f->end - f->first;
     int *face = NULL, *half = NULL;
     double *owner = NULL, *found = NULL;
@@ -99,7 +99,7 @@ static status find_others(struct dealing *d) {
     if (!e) e = allocate(&owner, mine, sizeof *owner, "cyclic faces");
     e = comm_agree(f->comm, e);
     if (!e) list_halves(d, face, half);
-    for (long i = 0; !e && i < mine; i++) owner[i] = d->slices->owner[i];
+    for (long i = 0; !e && i < mine; i++) owner[i] = d->lists->owner[i];
     if (!e) e = share_fetch(f, 1, owner, n, half, found);
     for (long i = 0; !e && i < mine; i++) d->other[i] = -1;
     for (long i = 0; !e && i < n; i++) d->other[face[i]] = found[i];
@@ -113,7 +113,7 @@ static status find_others(struct dealing *d) {
 /* Posts each face of the slice to the ranks that have a cell at it, or one at its other half. */
 static void post_slice(struct post *p, void *context) {
     const struct dealing *d = context;
-    const struct slices *s = d->slices;
+    const struct lists *s = d->lists;
     for (long i = 0; i < s->faces.end - s->faces.first; i++) {
         const int cell[3] = {s->owner[i], s->neighbour[i], (int)d->other[i]};
         int rank[3], n = 0;
@@ -138,8 +138,8 @@ static void mark_home(struct spread *s, bool *sound) {
     for (long i = 0; *sound && i < n; i++) h->whole[s->base + i] = true;
 }
 
-static status deal(struct spread *s, const struct polymesh *all, const struct slices *slices, bool *sound) {
-    struct dealing d = {.all = all, .slices = slices, .cells = s->cells};
+static status deal(struct spread *s, const struct polymesh *all, const struct lists *lists, bool *sound) {
+    struct dealing d = {.all = all, .lists = lists, .cells = s->cells};
     int *records = NULL;
     long ints = 0;
     status e = find_others(&d);
@@ -246,14 +246,7 @@ static status measure(struct spread *s) {
     return OK;
 }
 
-/* Do ranks agree that all is sound? */
-static void all_sound(const struct comm *c, bool *sound) {
-    double all = *sound;
-    comm_min(c, &all, 1);
-    *sound = all > 0;
-}
-
-static status begin_mesh(const char *dir, const struct slices *s, struct polymesh **out) {
+static status begin_mesh(const char *dir, const struct lists *s, struct polymesh **out) {
     TRY(allocate(out, 1, sizeof **out, "a mesh"));
     struct polymesh *m = *out;
     m->npoints = (int)s->points.n;
@@ -266,38 +259,48 @@ static status begin_mesh(const char *dir, const struct slices *s, struct polymes
     return polymesh_read_patches(dir, m);
 }
 
-static status take(struct spread *s, struct slices *slices, struct polymesh *m, bool *sound) {
-    s->points = slices->points;
-    s->cells = share_make(s->comm, slices->ncells);
-    s->point = slices->point;
-    slices->point = NULL;
-    TRY(deal(s, m, slices, sound));
-    all_sound(s->comm, sound);
+static status take(struct spread *s, struct lists *lists, struct polymesh *m, bool *sound) {
+    s->points = lists->points;
+    s->cells = share_make(s->comm, lists->ncells);
+    s->point = lists->point;
+    lists->point = NULL;
+    TRY(deal(s, m, lists, sound));
+    lists_agree(s->comm, sound);
     if (!*sound) return OK;
-    slices_free(slices);
+    lists_free(lists);
     TRY(measure(s));
     return outline_make(s, m, sound);
 }
 
-status spread_read(const char *dir, const struct comm *c, struct spread **out, struct polymesh **mesh) {
-    struct slices slices;
-    struct spread *s = NULL;
+/* Makes a mesh of its slices: a lattice with its sites where one is looked for, else one that is spread. */
+static status make(const char *dir, struct lists *lists, bool lattice, struct spread **out, struct polymesh **mesh,
+                   bool *sound) {
+    const struct comm *c = lists->faces.comm;
+    bool found = false;
+    TRY(comm_agree(c, begin_mesh(dir, lists, mesh)));
+    TRY(outline_sum(lists, &(*mesh)->outline->sum));
+    outline_box(lists, (*mesh)->outline);
+    if (lattice) TRY(sites_find(lists, *mesh, &found));
+    if (found) return OK;
+    *sound = !lattice || comm_size(c) > 1;
+    if (!*sound) return OK;
+    TRY(comm_agree(c, allocate(out, 1, sizeof **out, "a mesh")));
+    (*out)->comm = c;
+    return take(*out, lists, *mesh, sound);
+}
+
+status spread_read(const char *dir, const struct comm *c, bool lattice, struct spread **out, struct polymesh **mesh) {
+    struct lists lists;
     bool sound;
     *out = NULL;
     *mesh = NULL;
-    status e = slices_read(dir, c, &slices, &sound);
-    if (!e && sound) e = comm_agree(c, begin_mesh(dir, &slices, mesh));
-    if (!e && sound) e = comm_agree(c, allocate(&s, 1, sizeof *s, "a mesh"));
-    if (!e && sound) e = outline_sum(&slices, &(*mesh)->outline->sum);
-    if (s) s->comm = c;
-    if (!e && sound) e = take(s, &slices, *mesh, &sound);
-    slices_free(&slices);
-    if (!e && sound) {
-        *out = s;
-        return OK;
-    }
-    spread_free(s);
+    status e = lists_read(dir, c, &lists, &sound);
+    if (!e && sound) e = make(dir, &lists, lattice, out, mesh, &sound);
+    lists_free(&lists);
+    if (!e && sound) return OK;
+    spread_free(*out);
     polymesh_free(*mesh);
+    *out = NULL;
     *mesh = NULL;
     return e;
 }

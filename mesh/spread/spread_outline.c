@@ -13,16 +13,13 @@
  * mesh for one (1e-12 of the median) nor warns of one (1e-6). */
 static const double LEAST_RATIO = 2e-6;
 
-enum {
-    ARRAYS = 5,
-    FACE = 9
-}; /* arrays of a checksum; numbers of a face on its way: patch, place, cell, centre, area */
+enum { ARRAYS = 5 }; /* of a checksum */
 
 /* ---- the checksum ------------------------------------------------------------------------------------------------ */
 
 /* Adds up what this rank has of each array: sum[i], and its bytes. The first face begins at 0, and each rank adds where
  * its faces end. */
-static status sum_slices(const struct slices *s, double sum[ARRAYS], double bytes[ARRAYS]) {
+static status sum_slices(const struct lists *s, double sum[ARRAYS], double bytes[ARRAYS]) {
     const long n = s->faces.end - s->faces.first, left = s->ninternal - s->faces.first,
                inner = left < 0   ? 0
                        : left < n ? left
@@ -47,7 +44,7 @@ static status sum_slices(const struct slices *s, double sum[ARRAYS], double byte
     return OK;
 }
 
-status outline_sum(const struct slices *s, unsigned long *out) {
+status outline_sum(const struct lists *s, unsigned long *out) {
     const struct comm *c = s->faces.comm;
     double mine[2 * ARRAYS], *all = NULL;
     TRY(comm_agree(c, sum_slices(s, mine, mine + ARRAYS)));
@@ -65,7 +62,8 @@ status outline_sum(const struct slices *s, unsigned long *out) {
 
 /* ---- the box, the axes, shapes and widths ------------------------------------------------------------------------ */
 
-static void find_box(const struct spread *s, struct outline *o) {
+void outline_box(const struct lists *s, struct outline *o) {
+    const struct comm *c = s->points.comm;
     for (int k = 0; k < 3; k++) {
         o->low[k] = HUGE_VAL;
         o->high[k] = -HUGE_VAL;
@@ -74,8 +72,8 @@ static void find_box(const struct spread *s, struct outline *o) {
             o->high[k] = fmax(o->high[k], s->point[3 * i + k]);
         }
     }
-    comm_min(s->comm, o->low, 3);
-    comm_max(s->comm, o->high, 3);
+    comm_min(c, o->low, 3);
+    comm_max(c, o->high, 3);
 }
 
 static void find_closed(const struct spread *s, struct outline *o) {
@@ -122,20 +120,21 @@ static long list_faces(const struct spread *s, const struct polymesh *all, doubl
     for (int p = 0; p < m->npatches; p++)
         for (long f = m->patch[p].start; f < m->patch[p].start + m->patch[p].nfaces; f++) {
             if (!strcmp(m->patch[p].type, "empty") || !h->whole[m->owner[f]]) continue;
-            double *to = out ? out + FACE * n : NULL;
+            double *to = out ? out + WALL * n : NULL;
             n++;
             if (!to) continue;
             to[0] = p;
             to[1] = h->face[f] - all->patch[p].start;
             to[2] = h->cell[m->owner[f]];
-            memcpy(to + 3, s->geometry.face_centre + 3 * f, 3 * sizeof *to);
-            memcpy(to + 6, s->geometry.face_area + 3 * f, 3 * sizeof *to);
+            memcpy(to + WALL_CENTRE, s->geometry.face_centre + 3 * f, 3 * sizeof *to);
+            memcpy(to + WALL_CENTRE + 3, s->geometry.face_area + 3 * f, 3 * sizeof *to);
         }
     return n;
 }
 
 static status make_patches(struct polymesh *m) {
     struct outline *o = m->outline;
+    if (o->cell) return OK; /* it was tried whether the mesh is a lattice */
     TRY(allocate(&o->cell, m->npatches, sizeof *o->cell, "faces of patches"));
     TRY(allocate(&o->face, m->npatches, sizeof *o->face, "faces of patches"));
     for (int p = 0; p < m->npatches; p++) {
@@ -146,34 +145,35 @@ static status make_patches(struct polymesh *m) {
     return OK;
 }
 
-/* Gives each rank the faces of all ranks. */
-static status share_faces(const struct spread *s, struct polymesh *m, const double *mine, long n) {
-    const int size = comm_size(s->comm);
+status outline_walls(const struct comm *c, struct polymesh *m, const double *mine, long n, double **all, long *nall) {
+    const int size = comm_size(c);
     int *count = NULL;
-    double *all = NULL;
-    status e = comm_agree(s->comm, allocate(&count, 2L * size + 1, sizeof *count, "faces of patches"));
-    if (!e) e = comm_share_count(s->comm, FACE * n, count, count + size);
-    if (!e) e = comm_agree(s->comm, allocate(&all, count[2L * size], sizeof *all, "faces of patches"));
-    if (!e) comm_share(s->comm, mine, count, count + size, all);
-    for (long i = 0; !e && i < count[2L * size]; i += FACE) {
-        const int p = (int)all[i], place = (int)all[i + 1];
-        m->outline->cell[p][place] = (int)all[i + 2];
-        memcpy(m->outline->face[p] + 6L * place, all + i + 3, 6 * sizeof *all);
+    *all = NULL;
+    status e = make_patches(m);
+    if (!e) e = allocate(&count, 2L * size + 1, sizeof *count, "faces of patches");
+    e = comm_agree(c, e);
+    if (!e) e = comm_share_count(c, WALL * n, count, count + size);
+    if (!e) e = comm_agree(c, allocate(all, count[2L * size], sizeof **all, "faces of patches"));
+    if (!e) comm_share(c, mine, count, count + size, *all);
+    *nall = e ? 0 : count[2L * size] / WALL;
+    for (long i = 0; i < *nall; i++) {
+        const double *face = *all + WALL * i;
+        const int p = (int)face[0], place = (int)face[1];
+        m->outline->cell[p][place] = (int)face[2];
+        memcpy(m->outline->face[p] + 6L * place, face + WALL_CENTRE, 6 * sizeof *face);
     }
     free(count);
-    free(all);
     return e;
 }
 
 static status find_patches(const struct spread *s, struct polymesh *m) {
-    const long n = list_faces(s, m, NULL);
-    double *mine = NULL;
-    status e = make_patches(m);
-    if (!e) e = allocate(&mine, FACE * n, sizeof *mine, "faces of patches");
-    e = comm_agree(s->comm, e);
-    if (!e) list_faces(s, m, mine);
-    if (!e) e = share_faces(s, m, mine, n);
+    long n = list_faces(s, m, NULL);
+    double *mine = NULL, *all = NULL;
+    TRY(comm_agree(s->comm, allocate(&mine, WALL * n, sizeof *mine, "faces of patches")));
+    list_faces(s, m, mine);
+    const status e = outline_walls(s->comm, m, mine, n, &all, &n);
     free(mine);
+    free(all);
     return e;
 }
 
@@ -205,15 +205,12 @@ static status check(const struct spread *s, const struct polymesh *m, bool *soun
 
 status outline_make(const struct spread *s, struct polymesh *m, bool *sound) {
     struct outline *o = m->outline;
-    find_box(s, o);
     find_closed(s, o);
     TRY(compare_widths(s, sound));
     TRY(find_patches(s, m));
     TRY(comm_agree(s->comm, polymesh_count_shapes(&s->home.mesh, s->home.whole, o->shape)));
     comm_sum_long(s->comm, o->shape, 5);
     TRY(comm_agree(s->comm, check(s, m, sound)));
-    double all = *sound;
-    comm_min(s->comm, &all, 1);
-    *sound = all > 0;
+    lists_agree(s->comm, sound);
     return OK;
 }

@@ -281,7 +281,7 @@ static bool find(char path[MESH_PATH], struct timespec *changed) {
 
 /* Reads the polyMesh in out->path; c: the ranks over which it may be spread, or NULL. */
 static status read_polymesh(const struct comm *c, struct case_mesh *out) {
-    if (c && comm_size(c) > 1 && !comm_pretends(c)) TRY(spread_read(out->path, c, &out->spread, &out->mesh));
+    if (c && !comm_pretends(c)) TRY(spread_read(out->path, c, true, &out->spread, &out->mesh));
     return out->mesh ? OK : polymesh_read(out->path, &out->mesh);
 }
 

@@ -18,7 +18,8 @@ struct case_mesh {
 /* Reads the mesh of the case in `dir`; a polyMesh is still to be checked (polymesh_check). Both being there, the
  * polyMesh counts, as in OpenFOAM. Local. */
 status case_mesh_read(const char *dir, struct case_mesh *out);
-/* The same; a polyMesh that several ranks read may be spread over them, and is checked then. Collective. */
+/* The same; a polyMesh that is a lattice may have sites in place of arrays (polymesh.h), any other that several ranks
+ * read may be spread over them; both are checked then. Collective. */
 struct comm;
 status case_mesh_spread(const char *dir, const struct comm *c, struct case_mesh *out);
 void blockmesh_keywords(struct keywords *k); /* of system/blockMeshDict */

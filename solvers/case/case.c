@@ -64,6 +64,11 @@ static status look_for_lattice(struct setup *s) {
     return comm_agree(s->comm, polymesh_read(s->mesh_path, &s->mesh));
 }
 
+/* Is the mesh a lattice of which each rank knows slices? */
+static bool has_sites(const struct setup *s) {
+    return s->mesh->outline && s->mesh->outline->sites;
+}
+
 static status read_mesh(struct setup *s, bool whole) {
     struct case_mesh read;
     const status e = whole ? case_mesh_read(s->dir, &read) : case_mesh_spread(s->dir, s->comm, &read);
@@ -81,6 +86,11 @@ static status read_mesh(struct setup *s, bool whole) {
         s->checksum = polymesh_checksum(s->mesh);
         boxes_centre(s->mesh->boxes, 0, s->first);
         return lattice_of_boxes(s->mesh, &s->lattice);
+    }
+    if (has_sites(s)) {
+        s->checksum = polymesh_checksum(s->mesh);
+        memcpy(s->first, s->mesh->outline->sites->middle, sizeof s->first);
+        return lattice_of_sites(s->mesh, &s->lattice);
     }
     if (s->spread) TRY(look_for_lattice(s));
     if (!s->spread) TRY(check_cells(s));
@@ -102,7 +112,9 @@ status setup_complete(const struct setup *s) {
 
 void setup_settle(struct setup *s) {
     if (s->spread) spread_trim(s->spread);
+    if (has_sites(s)) sites_drop(s->mesh->outline->sites);
     grid_settle(s->grid);
+    release_freed();
 }
 
 void setup_release(struct setup *s) {
@@ -112,12 +124,13 @@ void setup_release(struct setup *s) {
     if (!m->outline || s->wanted) return;
     polymesh_drop(m);
     drop_cells(s);
+    if (s->lattice) lattice_drop(s->lattice);
 }
 
 status setup_borrow(const struct setup *s) {
     struct setup *to = (struct setup *)(uintptr_t)s; /* what is added was there in the files */
     if (s->centre && s->volume) return OK;
-    if (s->mesh->boxes) TRY(lattice_complete(to->lattice, to->mesh));
+    if (s->mesh->boxes || has_sites(s)) TRY(lattice_complete(to->lattice, to->mesh));
     TRY(polymesh_complete(to->mesh));
     drop_cells(to);
     TRY(measure_cells(to));
@@ -130,24 +143,14 @@ double setup_volume(const struct setup *s, long cell) {
     return s->volume ? s->volume[cell] : spread_volume(s->spread, cell);
 }
 
-void setup_centre(const struct setup *s, long cell, double x[3]) {
-    if (s->centre) {
-        memcpy(x, s->centre + 3 * cell, 3 * sizeof *x);
-        return;
-    }
-    if (s->spread) {
-        spread_centre(s->spread, cell, x);
-        return;
-    }
-    memcpy(x, s->first, sizeof s->first);
-    lattice_centre(s->lattice, cell, x);
-}
-
 void setup_place(const struct setup *s, long cell, double x[3]) {
+    memcpy(x, s->first, sizeof s->first);
     if (s->grid->polyhedra)
         polyhedra_place(s->grid->polyhedra, cell, x);
+    else if (has_sites(s))
+        forest_place(s->grid->forest, cell, x);
     else
-        setup_centre(s, cell, x);
+        lattice_centre(s->lattice, cell, x);
 }
 
 status setup_grid(struct setup *s, bool polyhedral, int rings) {
@@ -180,6 +183,7 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     TRY(control_read(s->dir, type->application, &s->control));
     s->warnings.accepted = s->control->accepted;
     TRY(read_mesh(s, type->whole));
+    release_freed();
     if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
@@ -274,7 +278,9 @@ status case_table(const struct setup *s, const char *folder, const char *file, F
 double case_memory(const struct setup *s) {
     double cells = s->mesh->ncells, faces = s->mesh->nfaces, points = s->mesh->npoints;
     const double copies = s->mesh->outline ? 1.2 : comm_size(s->comm); /* of a mesh that is spread, with its halos */
-    double mesh = s->mesh->boxes && !s->mesh->points ? 0 : points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
+    double mesh = (s->mesh->boxes || has_sites(s)) && !s->mesh->points
+                      ? 0
+                      : points * 24 + faces * (5 * 4 + 2 * 4) + cells * (32 + 28);
     const bool sliced = s->grid && (s->grid->forest || s->mesh->outline) &&
                         !s->medium->type->whole; /* the ranks share the fields of the start */
     const double fields = cells * 8 * 12 * (sliced ? 1 : comm_size(s->comm));

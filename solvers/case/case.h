@@ -25,7 +25,7 @@ struct setup { /* the same on every rank, but for the grid */
     char mesh_path[TIME_PATH]; /* of the folder or file that says it */
     struct spread *spread;     /* of a mesh that is spread over the ranks, until setup_release; else NULL */
     /* [ncells][3] m, [ncells] m^3: of the cells. On lattices, and of a mesh that is spread, they are there after
-     * setup_complete, and centres of a polyMesh until setup_grid, too; setup_volume and setup_centre do without. */
+     * setup_complete; setup_volume and setup_place do without. */
     double *centre, *volume;
     bool wanted;       /* has someone asked for them for the whole run? */
     double first[3];   /* m: the centre of cell 0, for axes of one cell */
@@ -63,9 +63,8 @@ status setup_complete(const struct setup *s);
 status setup_borrow(const struct setup *s);
 void setup_settle(struct setup *s);
 void setup_release(struct setup *s);
-/* Of a cell (m^3; m). Where the mesh is spread, the cell must be of this rank's slice. */
+/* Of a cell, m^3. Where the mesh is spread, the cell must be of this rank's slice. */
 double setup_volume(const struct setup *s, long cell);
-void setup_centre(const struct setup *s, long cell, double x[3]);
 void setup_place(const struct setup *s, long cell, double x[3]); /* the centre of any cell (m). Collective */
 /* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
 status setup_grid(struct setup *s, bool polyhedral, int rings);

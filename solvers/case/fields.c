@@ -4,6 +4,7 @@
 
 #include "libcore/models/boundary.h"
 #include "mesh/format/boxes.h"
+#include "mesh/format/sites.h"
 #include "solvers/dict/expr.h"
 #include "solvers/dict/params.h"
 
@@ -183,8 +184,10 @@ void field_centre(const struct field_place *at, long cell, double x[3]) {
         spread_centre(at->spread, cell, x);
     else if (at->centre)
         memcpy(x, at->centre + 3 * cell, 3 * sizeof *x);
-    else
+    else if (at->mesh->boxes)
         boxes_centre(at->mesh->boxes, cell, x);
+    else
+        sites_centre(at->mesh->outline->sites, cell, x);
 }
 
 /* Evaluates the expressions of a field at points or, where these are NULL, at the cells of a place. */

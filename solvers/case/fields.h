@@ -47,7 +47,7 @@ struct field {
 /* The mesh, geometry and time (for expressions) that a field is read for, and the cells whose values are read. */
 struct field_place {
     const struct polymesh *mesh;
-    const double *centre;        /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes */
+    const double *centre;        /* [ncells of the mesh][3] m; NULL: those of the mesh's boxes or sites */
     double t;                    /* s */
     const struct share *share;   /* the cells of this rank's slice; NULL: every rank reads all cells */
     const struct spread *spread; /* has the centres of that slice where the mesh is spread over the ranks; else NULL */

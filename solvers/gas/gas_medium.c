@@ -107,7 +107,7 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     models_move(m, moved);
     TRY(initial_read(s->dir, &s->start, place, s->dim, s->axis, moved, &m->gas, &g->initial));
     if (!g->initial) { /* layers of grains are computed from all cells */
-        if (s->spread) TRY(comm_agree(s->comm, setup_borrow(s)));
+        if (!s->centre && !s->mesh->boxes) TRY(comm_agree(s->comm, setup_borrow(s)));
         const struct field_place whole = {s->mesh, s->centre, s->start.t, NULL, NULL};
         TRY(initial_read(s->dir, &s->start, &whole, s->dim, s->axis, moved, &m->gas, &g->initial));
     }

@@ -52,7 +52,8 @@ struct search { /* along one axis; what the functions below share */
     const struct initial *start;
     const struct lattice *lattice;
     int axis;
-    bool same; /* as far as the search has come */
+    bool same;   /* as far as the search has come */
+    int *before; /* [cells of this rank's slice] the cells before them, where no rank has a table of cells; else NULL */
     struct pairs apart;
 };
 
@@ -78,7 +79,7 @@ static status compare(struct search *x, long cell, const int at[3]) {
     const double *state[MAX_VAR];
     const int nstate = list_state(s, state);
     if (before[x->axis]-- == 0) return OK;
-    const long other = lattice_cell(x->lattice, before);
+    const long other = x->before ? x->before[cell - first] : lattice_cell(x->lattice, before);
     x->same = same_sides(x->mesh, s, x->lattice, x->axis, at, before);
     if (other < first || other >= first + s->ncells) return add_pair(&x->apart, cell, other);
     for (int v = 0; v < nstate; v++)
@@ -86,17 +87,18 @@ static status compare(struct search *x, long cell, const int at[3]) {
     return OK;
 }
 
-/* Goes through the cells of this rank's slice until two differ. The places of a mesh of boxes follow from numbers. */
+/* Goes through the cells of this rank's slice until two differ. Without a table of cells numbers tell their places. */
 static status compare_all(struct search *x) {
     const struct initial *s = x->start;
     const struct lattice *l = x->lattice;
     const long first = s->sliced ? s->share.first : 0, end = first + s->ncells;
     int at[3];
-    for (long cell = first; l->boxes && cell < end && x->same; cell++) {
+    const bool listed = l->boxes || !lattice_is_local(l);
+    for (long cell = first; listed && cell < end && x->same; cell++) {
         lattice_at(l, cell, at);
         TRY(compare(x, cell, at));
     }
-    if (l->boxes) return OK;
+    if (listed) return OK;
     for (at[2] = 0; at[2] < l->n[2]; at[2]++)
         for (at[1] = 0; at[1] < l->n[1]; at[1]++)
             for (at[0] = 0; at[0] < l->n[0] && x->same; at[0]++) {
@@ -131,13 +133,23 @@ static bool all_same(const struct initial *s, bool same) {
     return least > 0;
 }
 
+/* Lists the cells before those of the slice, where that takes other ranks. */
+static status list_before(struct search *x) {
+    const struct share *share = &x->start->share;
+    if (lattice_is_local(x->lattice)) return OK;
+    TRY(comm_agree(share->comm, allocate(&x->before, share->end - share->first, sizeof *x->before, "cells")));
+    return lattice_before(x->lattice, x->axis, x->before);
+}
+
 static status is_uniform(struct search *x) {
     const struct initial *s = x->start;
-    status e = compare_all(x);
+    status e = list_before(x);
+    if (!e) e = compare_all(x);
     if (s->sliced) e = comm_agree(s->share.comm, e);
     x->same = !e && all_same(s, x->same);
     if (x->same && s->sliced) e = compare_apart(x);
     x->same = !e && all_same(s, x->same);
+    free(x->before);
     free(x->apart.cell);
     free(x->apart.before);
     return e;

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Peak memory of each rank (VmHWM) of a whole run: start from expressions, two steps, a written time, and again from that time.
 
-    tests/bench/memory.py N0 N1 N2 [-ranks 1 2 4 8] [-format binary|ascii] [-bin FOLDER]
+    tests/bench/memory.py N0 N1 N2 [-by blockMesh|gmsh] [-ranks 1 2 4 8] [-format binary|ascii] [-bin FOLDER]
     tests/bench/memory.py -triangles N [-reconstruct NAME] ...
 
-A box of N0 x N1 x N2 cells (N2 = 1: 2D) from system/blockMeshDict, gas with cooling and gravity, an inlet; or the unit square in
-about N triangles, from a constant/polyMesh in that format that gmsh made. Prints for each number of ranks the largest VmHWM of a rank in MB, in bytes a cell of that rank's share, and its ratio to that of one rank over N."""
+A box of N0 x N1 x N2 cells (N2 = 1: 2D) from system/blockMeshDict, gas with cooling and gravity, an inlet; with -by from a
+constant/polyMesh in that format, which OpenFOAM's blockMesh made of that dictionary, or gmshToCase of a mesh of gmsh; or the unit
+square in about N triangles, from a polyMesh likewise. Prints for each number of ranks the largest VmHWM of a rank in MB, in bytes a cell of that rank's share, and its ratio to that of one rank over N."""
 import argparse
 import os
 import resource
@@ -40,27 +41,53 @@ Physical Curve("inlet") = {4};   Physical Curve("outlet") = {2};   Physical Curv
 Physical Surface("gas") = {1};
 """
 
+BOX = """
+Point(1) = {0, 0, 0};   Point(2) = {1, 0, 0};   Point(3) = {1, 1, 0};   Point(4) = {0, 1, 0};
+Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};
+Transfinite Curve {1, 3} = %d + 1;   Transfinite Curve {2, 4} = %d + 1;
+Curve Loop(1) = {1:4};   Plane Surface(1) = {1};   Transfinite Surface {1};   Recombine Surface {1};
+b[] = Extrude {0, 0, 1} { Surface{1}; Layers{%d}; Recombine; };
+Physical Surface("inlet") = {b[5]};   Physical Surface("outlet") = {b[3]};   Physical Surface("walls") = {b[2], b[4]};
+Physical Surface("sides") = {1, b[0]};   Physical Volume("gas") = {b[1]};
+"""
 
-def triangles(case, n, form, programs):
-    """Replaces the mesh of a case by about n triangles; returns how many there are."""
+
+def by_gmsh(case, geometry, dim, patches, form, programs):
+    """Replaces the mesh of a case by one of gmsh; returns what gmshToCase says."""
     geo, msh = os.path.join(case, "mesh.geo"), os.path.join(case, "mesh.msh")
     with open(geo, "w") as f:
-        f.write(SQUARE % (4 / (3 ** 0.5 * n)) ** 0.5)
-    subprocess.run(["gmsh", "-2", "-v", "2", "-bin", geo, "-o", msh], check=True)
+        f.write(geometry)
+    subprocess.run(["gmsh", f"-{dim}", "-v", "2", "-bin", geo, "-o", msh], check=True)
     os.remove(os.path.join(case, "system", "blockMeshDict"))
     with open(os.path.join(case, "system", "meshDict"), "w") as f:
         f.write('FoamFile { version 2.0; format ascii; class dictionary; object meshDict; }\n'
-                'patches { back { type empty; } front { type empty; } }\n')
+                f'patches {{ {patches} }}\n')
     done = subprocess.run([os.path.join(programs, "gmshToCase"), msh, "-case", case, "-" + form], check=True, capture_output=True,
                           text=True)
     os.remove(msh)
+    return done.stdout
+
+
+def boxes_of(program, case, n, form, programs):
+    """Gives a case the polyMesh that its blockMeshDict says, made by that program."""
+    if program == "gmsh":
+        by_gmsh(case, BOX % tuple(n), 3, f"sides {{ type {'empty' if n[2] == 1 else 'wall'}; }} walls {{ type wall; }}", form, programs)
+        return
+    from tests.cases.runtime import test_blockMesh as meshes
+    subprocess.run(["blockMesh", "-case", case], check=True, capture_output=True, env=meshes.FOAM)
+    os.remove(os.path.join(case, "system", "blockMeshDict"))
+
+
+def triangles(case, n, form, programs):
+    """Replaces the mesh of a case by about n triangles; returns how many there are."""
+    said = by_gmsh(case, SQUARE % (4 / (3 ** 0.5 * n)) ** 0.5, 2, "back { type empty; } front { type empty; }", form, programs)
     for name in ("rho", "p", "U"):
         path = os.path.join(case, "0.orig", name)
         with open(path) as f:
             text = f.read()
         with open(path, "w") as f:
             f.write(text.replace("sides {", '"back|front" {'))
-    return int(next(line for line in done.stdout.splitlines() if line.startswith("cells")).split()[1].rstrip(":"))
+    return int(next(line for line in said.splitlines() if line.startswith("cells")).split()[1].rstrip(":"))
 
 
 def make(case, n, form):
@@ -107,6 +134,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("n", type=int, nargs="*")
     parser.add_argument("-triangles", type=int)
+    parser.add_argument("-by", choices=("blockMesh", "gmsh"))
     parser.add_argument("-reconstruct", help="polyReconstruct of fvSchemes")
     parser.add_argument("-ranks", type=int, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("-format", default="binary")
@@ -121,6 +149,8 @@ def main():
         mesh = os.path.join(whole, "mesh")
         make(mesh, a.n or (1, 1, 1), a.format)
         cells = triangles(mesh, a.triangles, a.format, a.bin) if a.triangles else a.n[0] * a.n[1] * a.n[2]
+        if a.by:
+            boxes_of(a.by, mesh, a.n, a.format, a.bin)
         if a.reconstruct:
             with open(os.path.join(mesh, "system", "fvSchemes"), "a") as f:
                 f.write(f"polyReconstruct {a.reconstruct};\n")

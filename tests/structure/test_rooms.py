@@ -58,7 +58,7 @@ LIBRARIES = {
     r"dlfcn\.h": ["solvers/gas/linear.c"],
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
                            "solvers/output/vtk.c"],
-    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamshared.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/slices.c",
+    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/base/window.c",
                   "mesh/spread/spread_outline.c"],
 }
 

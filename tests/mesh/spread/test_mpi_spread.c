@@ -6,7 +6,7 @@
 #include "mesh/spread/spread.h"
 
 #include "tests/mesh/polyhedral/cells.h"
-#include "tests/mesh/shared_folder.h"
+#include "tests/mesh/spread/outlines.h"
 
 static const struct cells_recipe recipes[] = {
     {"triangles in x and z, periodic", 2, PRISMS, {20, 16, 1}, {0, 2, 1}, 0.2, {true, true}},
@@ -18,45 +18,6 @@ static const struct cells_recipe recipes[] = {
 };
 enum { RECIPES = sizeof recipes / sizeof *recipes };
 
-static void write_mesh(const struct polymesh *m, int form) {
-    const struct foam_format format = {.binary = form % 2, .compress = form / 2, .precision = 17};
-    ok(comm_agree(world, comm_root(world) ? polymesh_write(m, folder, &format) : OK));
-}
-
-static void same_patches(const struct polymesh *m, const struct polymesh *outline) {
-    assert_int_equal(m->npatches, outline->npatches);
-    for (int p = 0; p < m->npatches; p++) {
-        assert_string_equal(m->patch[p].name, outline->patch[p].name);
-        assert_int_equal(m->patch[p].nfaces, outline->patch[p].nfaces);
-        if (!strcmp(m->patch[p].type, "empty")) continue;
-        for (int i = 0; i < m->patch[p].nfaces; i++) {
-            double x[12];
-            polymesh_patch_face(m, p, i, x, x + 3);
-            polymesh_patch_face(outline, p, i, x + 6, x + 9);
-            assert_memory_equal(x, x + 6, 6 * sizeof *x);
-            assert_int_equal(polymesh_patch_cell(m, p, i), polymesh_patch_cell(outline, p, i));
-        }
-    }
-}
-
-static void same_outline(const struct polymesh *m, const struct polymesh *outline) {
-    char shapes[2][POLYMESH_SHAPES];
-    double box[12];
-    int axis[2][3] = {{0}};
-    assert_true(m->ncells == outline->ncells && m->nfaces == outline->nfaces && m->npoints == outline->npoints &&
-                m->ninternal == outline->ninternal);
-    assert_int_equal(polymesh_checksum(m), polymesh_checksum(outline));
-    ok(polymesh_shapes(m, shapes[0]));
-    ok(polymesh_shapes(outline, shapes[1]));
-    assert_string_equal(shapes[0], shapes[1]);
-    polymesh_bounds(m, box, box + 3);
-    polymesh_bounds(outline, box + 6, box + 9);
-    assert_memory_equal(box, box + 6, 6 * sizeof *box);
-    assert_int_equal(polymesh_axes(m, axis[0]), polymesh_axes(outline, axis[1]));
-    assert_memory_equal(axis[0], axis[1], sizeof axis[0]);
-    same_patches(m, outline);
-}
-
 static void outlines_are_those_of_the_whole(void **state) {
     (void)state;
     for (int r = 0; r < RECIPES; r++)
@@ -65,7 +26,7 @@ static void outlines_are_those_of_the_whole(void **state) {
             struct polymesh_geometry g;
             struct spread *s;
             write_mesh(m, form);
-            ok(spread_read(folder, world, &s, &outline));
+            ok(spread_read(folder, world, false, &s, &outline));
             assert_non_null(s);
             same_outline(m, outline);
             ok(polymesh_geometry_make(m, &g));
@@ -123,7 +84,7 @@ static void parts_have_whole_cells(void **state) {
         struct spread *s;
         int *cell = calloc((size_t)m->ncells, sizeof *cell), n = 0;
         write_mesh(m, 1);
-        ok(spread_read(folder, world, &s, &outline));
+        ok(spread_read(folder, world, false, &s, &outline));
         for (int c = comm_rank(world); c < m->ncells && comm_rank(world) != 1; c += 5 + r) cell[n++] = c;
         ok(spread_part(s, outline, n, cell, &part)); /* rank 1 asks for none */
         check_part(m, &part, n, cell);
@@ -182,7 +143,7 @@ static void defects_are_found_in_slices(void **state) {
             struct spread *s;
             damage(m, (enum defect)kind);
             write_mesh(m, form);
-            ok(spread_read(folder, world, &s, &outline));
+            ok(spread_read(folder, world, false, &s, &outline));
             status e = polymesh_read(folder, &whole);
             if (!e) e = polymesh_check(whole);
             if ((kind == NONE) != !e) fail_msg("defect %d of the whole mesh: %s", kind, e ? status_text(e) : "none");
@@ -229,7 +190,7 @@ static void unusual_files_are_left_to_who_reads_the_whole(void **state) {
         write_mesh(m, 0);
         if (comm_root(world)) edit(edits[i].name, edits[i].text, edits[i].cut);
         ok(comm_agree(world, OK));
-        ok(spread_read(folder, world, &s, &outline));
+        ok(spread_read(folder, world, false, &s, &outline));
         const status e = polymesh_read(folder, &whole);
         if (edits[i].read != !e) fail_msg("edit %zu: %s", i, e ? status_text(e) : "read");
         if (s) same_outline(m, outline); /* comments before a list are understood */
@@ -251,7 +212,8 @@ static void more_than_labels_count_is_refused(void **state) {
         write_mesh(m, form);
         if (comm_root(world)) edit("owner", "3000000000\n(\n0\n", true);
         ok(comm_agree(world, OK));
-        says(spread_read(folder, world, &s, &outline), "/owner: 3000000000 entries|labels of 32 bits|2147483646");
+        says(spread_read(folder, world, false, &s, &outline),
+             "/owner: 3000000000 entries|labels of 32 bits|2147483646");
         assert_true(!s && !outline);
         ok(comm_agree(world, OK));
     }
@@ -269,7 +231,7 @@ static void slices_tell_what_is_no_lattice(void **state) {
         char why[2][256];
         bool ruled_out;
         write_mesh(m, 1);
-        ok(spread_read(folder, world, &s, &outline));
+        ok(spread_read(folder, world, false, &s, &outline));
         const struct mesh_part *h = &s->home;
         const struct lattice_part part = {world, &h->mesh, h->whole, h->cell, h->face, m->ncells, m->nfaces};
         ok(lattice_rule_out(&part, &ruled_out, why[0]));

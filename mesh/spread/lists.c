@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads the lists of a polyMesh folder in slices (slices.h). */
-#include "mesh/spread/slices.h"
+/* Reads the lists of a polyMesh folder in slices (lists.h). */
+#include "mesh/spread/lists.h"
 
+#include "mesh/base/window.h"
 #include "mesh/format/files.h"
 
 #include <errno.h>
@@ -12,11 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <zlib.h>
 
 enum {
     PATH = 4096,
-    WINDOW = 1 << 20,                 /* bytes of text that the root holds at a time */
     MOST_CORNERS = 1 << 12,           /* of a face of an ascii list */
     ROOM = WINDOW + 8 * MOST_CORNERS, /* bytes of a message: a window, and an entry beyond it */
     DONE = 0,
@@ -35,16 +34,21 @@ struct reader { /* of a file */
     const struct comm *comm;
     char path[PATH];
     struct list list;
-    int file;     /* of a plain binary file, on every rank; else -1 */
-    gzFile zip;   /* the root's */
-    char *window; /* [ROOM + 1] the part of the text that the root reads, from `next` on; elsewhere what it sends */
-    size_t size, next;
-    bool ended;
+    int file;             /* of a plain binary file, on every rank; else -1 */
+    struct window window; /* the root's; what is still to be read begins at `next` */
+    size_t next;
+    char *sent; /* [ROOM] what the root sends */
 };
 struct bytes { /* a slice, as far as it is there */
     char *data;
     size_t n, room;
 };
+
+void lists_agree(const struct comm *c, bool *sound) {
+    double all = *sound;
+    comm_min(c, &all, 1);
+    *sound = all > 0;
+}
 
 static status add(struct bytes *b, const void *data, size_t n) {
     if (b->n + n > b->room) {
@@ -93,17 +97,9 @@ static bool read_head(struct reader *r, const char *class_name, const char *text
 
 /* Fills the window of the root behind what is left in it. Returns whether the file can be read. */
 static bool refill(struct reader *r) {
-    memmove(r->window, r->window + r->next, r->size - r->next);
-    r->size -= r->next;
+    const size_t used = r->next;
     r->next = 0;
-    while (r->size < WINDOW && !r->ended) {
-        const int got = gzread(r->zip, r->window + r->size, (unsigned)(WINDOW - r->size));
-        if (got < 0) return false;
-        r->size += (size_t)got;
-        r->ended = got == 0;
-    }
-    r->window[r->size] = 0;
-    return true;
+    return window_fill(&r->window, used);
 }
 
 /* Looks at the file on the root. */
@@ -118,13 +114,11 @@ static status look(struct reader *r, const char *class_name) {
     }
     status_free(e);
     if (e) return OK; /* who reads the whole file tells why it cannot be */
-    r->zip = gzdopen(file, "rb");
-    if (!r->zip) close(file);
-    if (!r->zip) return fail(ERR_SYSTEM, "%s: no memory to read it", r->path);
+    TRY(window_open(file, &r->window));
     if (!refill(r)) return OK;
     const size_t length = strlen(r->path);
-    r->list.zipped = !gzdirect(r->zip) || (length > 3 && !strcmp(r->path + length - 3, ".gz"));
-    r->list.usual = read_head(r, class_name, r->window, r->size);
+    r->list.zipped = window_zipped(&r->window) || (length > 3 && !strcmp(r->path + length - 3, ".gz"));
+    r->list.usual = read_head(r, class_name, r->window.text, r->window.size);
     r->next = (size_t)r->list.at;
     if (r->list.usual && r->list.count >= INT_MAX)
         return fail(ERR_INPUT,
@@ -139,7 +133,7 @@ static status reader_open(struct reader *r, const struct comm *c, const char *di
     size_t bytes;
     *r = (struct reader){.comm = c, .file = -1};
     snprintf(r->path, sizeof r->path, "%s/%s", dir, name);
-    TRY(comm_agree(c, allocate(&r->window, ROOM + 1, 1, "a part of a file")));
+    TRY(comm_agree(c, allocate(&r->sent, ROOM, 1, "a part of a file")));
     TRY(comm_agree(c, comm_root(c) ? look(r, class_name) : OK));
     comm_broadcast(c, &r->list, sizeof r->list);
     if (!r->list.usual || !r->list.binary || r->list.zipped) return OK;
@@ -147,9 +141,9 @@ static status reader_open(struct reader *r, const struct comm *c, const char *di
 }
 
 static void reader_close(struct reader *r) {
-    if (r->zip) gzclose(r->zip);
+    window_close(&r->window);
     if (r->file >= 0) close(r->file);
-    free(r->window);
+    free(r->sent);
 }
 
 /* ---- binary ------------------------------------------------------------------------------------------------------ */
@@ -161,17 +155,6 @@ static bool read_at(int file, long at, char *to, long n) {
         if (got <= 0) return false;
         to += got;
         at += got;
-        n -= got;
-    }
-    return true;
-}
-
-static bool unzip_at(gzFile zip, long at, char *to, long n) {
-    if (gzseek(zip, at, SEEK_SET) != at) return false;
-    while (n > 0) {
-        const int got = gzread(zip, to, (unsigned)(n < 1 << 30 ? n : 1 << 30));
-        if (got <= 0) return false;
-        to += got;
         n -= got;
     }
     return true;
@@ -189,11 +172,11 @@ static bool read_bytes(struct reader *r, long at, long n, char *to) {
         comm_from_root(c, comm_rank(c), to + done, n - done < WINDOW ? n - done : WINDOW);
     for (int rank = 0; comm_root(c) && rank < comm_size(c); rank++) {
         if (rank) comm_to_root(c, rank, ask, sizeof ask);
-        if (!rank) good = unzip_at(r->zip, at, to, n);
+        if (!rank) good = window_read(&r->window, at, to, n);
         for (long done = 0; rank && done < ask[1]; done += WINDOW) {
             const long piece = ask[1] - done < WINDOW ? ask[1] - done : WINDOW;
-            good = good && unzip_at(r->zip, ask[0] + done, r->window, piece);
-            comm_from_root(c, rank, r->window, piece);
+            good = good && window_read(&r->window, ask[0] + done, r->sent, piece);
+            comm_from_root(c, rank, r->sent, piece);
         }
     }
     return good;
@@ -221,7 +204,8 @@ static bool widen(int bytes, bool labels, long n, char *data) {
 /* Reads n numbers from number `from` of the list on, which begins at byte `at`. */
 static status read_numbers(struct reader *r, bool labels, long from, long n, struct bytes *out, bool *good) {
     const int bytes = labels ? r->list.label_bytes : r->list.scalar_bytes;
-    TRY(comm_agree(r->comm, allocate(&out->data, n + 1, 8, "a slice of a mesh")));
+    const int room = labels && bytes < 8 ? (int)sizeof(int) : 8;
+    TRY(comm_agree(r->comm, allocate(&out->data, n + 1, room, "a slice of a mesh")));
     *good = read_bytes(r, r->list.at + from * bytes, n * bytes, out->data) && widen(bytes, labels, n, out->data);
     out->n = (size_t)n * (labels ? sizeof(int) : sizeof(double));
     return OK;
@@ -269,9 +253,10 @@ static bool next_entry(struct reader *r, enum entry kind, struct bytes *out, sta
         int label, face[1 + MOST_CORNERS];
     } v;
     for (int again = 0; again < 2; again++) {
-        const char *p = r->window + r->next, *end;
+        const char *p = r->window.text + r->next, *end;
         while (*p == ' ' || *p == '\n') p++;
-        const bool whole = r->ended || memchr(p, '\n', r->size - (size_t)(p - r->window)) != NULL;
+        const size_t left = r->window.size - (size_t)(p - r->window.text);
+        const bool whole = r->window.ended || memchr(p, '\n', left) != NULL;
         if (!whole && !again && refill(r)) continue;
         if (!whole) return false;
         end = kind == POINT ? read_point(p, v.x) : kind == LABEL ? read_label(p, &v.label) : read_face(p, v.face);
@@ -280,7 +265,7 @@ static bool next_entry(struct reader *r, enum entry kind, struct bytes *out, sta
                  kind == POINT   ? sizeof v.x
                  : kind == LABEL ? sizeof(int)
                                  : (1 + (size_t)v.face[0]) * sizeof(int));
-        r->next = (size_t)(end - r->window);
+        r->next = (size_t)(end - r->window.text);
         return !*e;
     }
     return false;
@@ -313,8 +298,9 @@ static bool feed(struct reader *r, enum entry kind, int rank, long n, struct byt
 /* Does the list of the root's text end here? */
 static bool ends(struct reader *r) {
     if (!refill(r)) return false;
-    while (r->window[r->next] == ' ' || r->window[r->next] == '\n') r->next++;
-    return r->window[r->next] == ')';
+    const char *text = r->window.text;
+    while (text[r->next] == ' ' || text[r->next] == '\n') r->next++;
+    return text[r->next] == ')';
 }
 
 /* Receives the entries of this rank. */
@@ -323,8 +309,8 @@ static bool receive(struct reader *r, struct bytes *out, status *e) {
     for (long n;;) {
         comm_from_root(r->comm, me, &n, sizeof n);
         if (n <= 0) return n == DONE;
-        comm_from_root(r->comm, me, r->window, n);
-        if (!*e) *e = add(out, r->window, (size_t)n);
+        comm_from_root(r->comm, me, r->sent, n);
+        if (!*e) *e = add(out, r->sent, (size_t)n);
     }
 }
 
@@ -371,9 +357,7 @@ static status read_list(const struct comm *c, const char *dir, const char *name,
         e = read_text(&r, kind, share, &b, good);
     reader_close(&r);
     memcpy(out, &b.data, sizeof b.data);
-    double all = *good;
-    comm_min(c, &all, 1);
-    *good = all > 0;
+    lists_agree(c, good);
     return e;
 }
 
@@ -392,7 +376,7 @@ static status split_faces(long n, struct bytes *b, int **start) {
 }
 
 /* Reads a faceCompactList: the offsets of the slice, one more than it has faces, then the corners between them. */
-static status read_compact(struct reader *r, struct slices *s, struct bytes *corner, bool *good) {
+static status read_compact(struct reader *r, struct lists *s, struct bytes *corner, bool *good) {
     struct bytes offset = {0};
     const long n = s->faces.end - s->faces.first;
     status e = read_numbers(r, true, s->faces.first, n + 1, &offset, good);
@@ -404,7 +388,7 @@ static status read_compact(struct reader *r, struct slices *s, struct bytes *cor
     const long second = l->at + l->count * l->label_bytes; /* there the first list ends */
     char text[64] = "";
     if (comm_root(r->comm)) {
-        const bool read = l->zipped ? unzip_at(r->zip, second, text, 32) : read_at(r->file, second, text, 32);
+        const bool read = l->zipped ? window_read(&r->window, second, text, 32) : read_at(r->file, second, text, 32);
         struct source head = {.path = r->path, .text = text + 1, .size = strlen(text + (text[0] != 0)), .file = -1};
         struct lexer x = lexer_start(&head);
         long at = 0;
@@ -413,9 +397,7 @@ static status read_compact(struct reader *r, struct slices *s, struct bytes *cor
     }
     comm_broadcast(r->comm, l, sizeof *l);
     *good = *good && l->usual && s->start[n] <= l->count && (s->faces.end < s->faces.n || s->start[n] == l->count);
-    double all = *good;
-    comm_min(r->comm, &all, 1);
-    *good = all > 0;
+    lists_agree(r->comm, good);
     if (!*good) return OK;
     s->first_corner = s->start[0];
     for (long i = n; i >= 0; i--) s->start[i] -= s->start[0];
@@ -423,7 +405,7 @@ static status read_compact(struct reader *r, struct slices *s, struct bytes *cor
 }
 
 /* Tells each rank how many corners the ranks before it have. */
-static status count_corners(struct slices *s, bool *good) {
+static status count_corners(struct lists *s, bool *good) {
     const struct comm *c = s->faces.comm;
     int *count = NULL;
     const int size = comm_size(c);
@@ -438,7 +420,7 @@ static status count_corners(struct slices *s, bool *good) {
     return e;
 }
 
-static status read_faces(const struct comm *c, const char *dir, struct slices *s, bool *good) {
+static status read_faces(const struct comm *c, const char *dir, struct lists *s, bool *good) {
     struct reader r;
     struct bytes b = {0};
     status e = reader_open(&r, c, dir, "faces", "faceList");
@@ -451,9 +433,7 @@ static status read_faces(const struct comm *c, const char *dir, struct slices *s
         e = read_text(&r, FACE, &s->faces, &b, good);
     reader_close(&r);
     s->corner = (int *)(void *)b.data;
-    double all = *good;
-    comm_min(c, &all, 1);
-    *good = all > 0;
+    lists_agree(c, good);
     if (e || !*good || compact) return e;
     e = comm_agree(c, split_faces(s->faces.end - s->faces.first, &b, &s->start));
     return e ? e : count_corners(s, good);
@@ -461,14 +441,14 @@ static status read_faces(const struct comm *c, const char *dir, struct slices *s
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-static bool sound_points(const struct slices *s) {
+static bool sound_points(const struct lists *s) {
     const long n = 3 * (s->points.end - s->points.first);
     bool good = s->points.n <= INT_MAX / 3;
     for (long i = 0; i < n; i++) good &= fabs(s->point[i]) <= FARTHEST; /* false for what is no number, too */
     return good;
 }
 
-static bool sound_faces(const struct slices *s) {
+static bool sound_faces(const struct lists *s) {
     const long n = s->faces.end - s->faces.first;
     bool good = true;
     for (long f = 0; f < n; f++) {
@@ -484,7 +464,7 @@ static bool after(const int *pair, const int *before) {
 }
 
 /* Inner faces are sorted by owner, then neighbour; also from slice to slice. */
-static status sound_cells(struct slices *s, bool *good) {
+static status sound_cells(struct lists *s, bool *good) {
     const struct comm *c = s->faces.comm;
     const long n = s->faces.end - s->faces.first, left = s->ninternal - s->faces.first,
                inner = left < 0   ? 0
@@ -518,7 +498,7 @@ static status sound_cells(struct slices *s, bool *good) {
     return e;
 }
 
-static status fill_neighbour(struct slices *s) {
+static status fill_neighbour(struct lists *s) {
     const long n = s->faces.end - s->faces.first, left = s->ninternal - s->faces.first;
     int *wider;
     TRY(allocate(&wider, n, sizeof *wider, "the faces"));
@@ -528,7 +508,7 @@ static status fill_neighbour(struct slices *s) {
     return OK;
 }
 
-static status read_all(const char *dir, const struct comm *c, struct slices *s, bool *good) {
+static status read_all(const char *dir, const struct comm *c, struct lists *s, bool *good) {
     long n;
     TRY(read_list(c, dir, "points", POINT, &s->points, &n, &s->point, good));
     if (*good) TRY(read_faces(c, dir, s, good));
@@ -541,18 +521,16 @@ static status read_all(const char *dir, const struct comm *c, struct slices *s, 
     return sound_cells(s, good);
 }
 
-status slices_read(const char *dir, const struct comm *c, struct slices *s, bool *sound) {
-    *s = (struct slices){.ncells = 0};
+status lists_read(const char *dir, const struct comm *c, struct lists *s, bool *sound) {
+    *s = (struct lists){.ncells = 0};
     *sound = false;
     TRY(read_all(dir, c, s, sound));
-    double all = *sound;
-    comm_min(c, &all, 1);
-    *sound = all > 0;
+    lists_agree(c, sound);
     return OK;
 }
 
-void slices_free(struct slices *s) {
+void lists_free(struct lists *s) {
     void *const all[] = {s->point, s->start, s->corner, s->owner, s->neighbour};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
-    *s = (struct slices){.ncells = 0};
+    *s = (struct lists){.ncells = 0};
 }
