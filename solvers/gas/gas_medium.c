@@ -106,11 +106,6 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     bool moved[3];
     models_move(m, moved);
     TRY(initial_read(s->dir, &s->start, place, s->dim, s->axis, moved, &m->gas, &g->initial));
-    if (!g->initial) { /* layers of grains are computed from all cells */
-        if (!s->centre && !s->mesh->boxes) TRY(comm_agree(s->comm, setup_borrow(s)));
-        const struct field_place whole = {s->mesh, s->centre, s->start.t, NULL, NULL};
-        TRY(initial_read(s->dir, &s->start, &whole, s->dim, s->axis, moved, &m->gas, &g->initial));
-    }
     m->gas.components = s->components = g->initial->components;
     memcpy(s->axis, g->initial->axis, sizeof s->axis);
     models_turn(m, s->components, s->axis);
@@ -146,7 +141,6 @@ static status gas_read_state(struct setup *s) {
     const bool sliced = s->spread || (s->lattice && !(g->models->engine && g->models->engine->polyhedral));
     const struct field_place place = {s->mesh, s->centre, s->start.t, sliced ? &slices : NULL, s->spread};
     TRY(read_initial(s, g, &place));
-    const struct field_place whole = {s->mesh, s->centre, s->start.t, NULL, NULL};
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
@@ -163,10 +157,8 @@ static status gas_read_state(struct setup *s) {
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
                          "stress full;");
-    if (s->grid->polyhedra && models->polynomial->degree > 1) {
-        const struct field_place *at = g->initial->sliced ? &place : &whole;
-        TRY(field_agree(at, initial_average(g->initial, at, s->dim, models)));
-    }
+    if (s->grid->polyhedra && models->polynomial->degree > 1)
+        TRY(field_agree(&place, initial_average(g->initial, &place, s->dim, models)));
     initial_drop_fields(g->initial);
     return OK;
 }

@@ -22,7 +22,6 @@ struct reader { /* what the functions below share */
     int dim, components, axis[3];
     const struct gas_models *models;
     struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
-    bool layered;      /* have the files layers? */
 };
 
 static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
@@ -42,11 +41,10 @@ static status read_fields(struct reader *r, struct initial *s) {
         path_of(r, field_kinds[i].name, path);
         if (field_exists(path)) e = layers_read_field(path, (enum field_id)i, r->place, &layers[i], &s->field[i]);
         e = field_agree(r->place, e);
-        r->layered |= layers[i] != NULL;
     }
     const enum field_id density = s->field[FIELD_RHO] ? FIELD_RHO : FIELD_ALPHA;
     if (!e && r->calm) r->calm->rests = layers_calm(layers[density], &r->calm->background);
-    if (!e && !r->place->share) /* else the fields are read again */
+    if (!e)
         e = layers_apply(layers[density], s->field[density], r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
     for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
     return e;
@@ -436,7 +434,6 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
     s->sliced = r->place->share != NULL;
     s->ncells = field_ncells(r->place);
     TRY(read_files(r, s));
-    if (r->layered && s->sliced) return OK;
     find_components(r, s->field[FIELD_U], moved);
     TRY(check_values(r, s));
     TRY(field_agree(r->place, take_state(r, s)));
@@ -453,13 +450,13 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out) {
-    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL, false};
+    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
     s->npatches = place->mesh->npatches;
     const status e = read_all(&r, moved, s);
-    if (e || (r.layered && s->sliced))
+    if (e)
         initial_free(s);
     else
         *out = s;
@@ -482,7 +479,7 @@ static status read_rest(struct reader *r, struct initial *s) {
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out) {
     struct calm calm = {0};
-    struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm, false};
+    struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "state at rest"));

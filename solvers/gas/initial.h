@@ -40,7 +40,7 @@ status initial_renew(void *initial, double t);
 /* Reads the state and the rules. If the folder has conserved fields they are the state, and U and T must agree with
  * them to at->digits. dim, axis: of the mesh; along other axes u has a component if U is not 0 along them, in a cell or
  * on a patch, or if they are `moved` (physical axes: models_move). Collective if place->share is given, the slices that
- * are then read unless there are layers. */
+ * are then read. */
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out);
 /* Reads the state of a folder that no run has written as it would be at rest: its hydrostatic settledLayer without

@@ -131,18 +131,21 @@ struct bed { /* what the functions below share; lengths in m */
     const struct layers *l;
     const struct field_place *place;
     const struct gas_models *models;
-    int n, up;                 /* up: the axis of gravity, or -1 */
+    long first;                /* of the cells that are read: those of a slice, or all */
+    int n, up;                 /* how many they are; the axis of gravity, or -1 */
     double low[3], high[3], g; /* corners of the box; m/s^2 */
     bool down;                 /* does gravity point to the low side of the axis? */
     /* [n] volume of a cell; its lower and upper height above the floor; factor of the waves there */
     double *volume, (*reach)[2], *factor;
-    struct column *column;   /* the isothermal column; NULL: the layer is uniform, or at rest in layers */
-    struct resting *resting; /* NULL: the cells do not lie in layers */
-    int layers, columns;     /* of it */
-    int *layer, *of_column;  /* [n] of each cell */
-    double *factors;         /* [columns] of the waves, in rising order */
-    double *rho;             /* [columns][layers] */
-    double per, area, laid;  /* alpha / rho; m^2: of the floor; packing of a uniform layer */
+    struct column *column;         /* the isothermal column; NULL: the layer is uniform, or at rest in layers */
+    struct resting *resting;       /* NULL: the cells do not lie in layers */
+    int layers, columns;           /* of all cells; of these cells */
+    int *layer;                    /* [n] of each cell */
+    double *factors;               /* [columns] of the waves, in rising order */
+    int *column_start, *by_column; /* [columns + 1]; [n] the cells, column by column */
+    double *rest;                  /* [n] rho at rest */
+    double *term;                  /* [n] of a sum over all cells */
+    double per, area, laid;        /* alpha / rho; m^2: of the floor; packing of a uniform layer */
 };
 
 /* Returns the error "FILE:LINE: settledLayer: <format..>". */
@@ -173,36 +176,43 @@ static status find_gravity(struct bed *b, int dim, const int axis[3]) {
     return cannot(b->l, "settledLayer", "it needs gravity (constant/g) along one of the axes solved");
 }
 
+/* What holds on one rank holds on all: an error, the least number, the sum of numbers in the order of the cells. */
+static status agree(const struct bed *b, status e) {
+    return field_agree(b->place, e);
+}
+
+static double least(const struct bed *b, double x) {
+    if (b->place->share) comm_min(b->place->share->comm, &x, 1);
+    return x;
+}
+
+static double sum_terms(const struct bed *b) {
+    double sum = 0;
+    if (b->place->share)
+        comm_add_in_turn(b->place->share->comm, b->n, b->term, &sum);
+    else
+        for (int i = 0; i < b->n; i++) sum += b->term[i];
+    return sum;
+}
+
 /* Sets volume and heights of the cells of a mesh of boxes. */
-static status take_boxes(struct bed *b, const struct boxes *boxes) {
+static void take_boxes(struct bed *b, const struct boxes *boxes) {
     const int up = b->up;
     for (int i = 0; i < b->n; i++) {
         int at[3];
         b->volume[i] = boxes->width[0] * boxes->width[1] * boxes->width[2];
         if (up < 0) continue;
-        boxes_at(boxes, i, at);
+        boxes_at(boxes, b->first + i, at);
         const double bottom = boxes_plane(boxes, up, at[up]), top = boxes_plane(boxes, up, at[up] + 1);
         b->reach[i][0] = b->down ? bottom - b->low[up] : b->high[up] - top;
         b->reach[i][1] = b->down ? top - b->low[up] : b->high[up] - bottom;
     }
-    return OK;
 }
 
-/* Measures the box, and volume and heights of every cell. */
-static status measure_cells(struct bed *b) {
-    const struct polymesh *m = b->place->mesh;
-    double *face = NULL, *centre = NULL;
-    polymesh_bounds(m, b->low, b->high);
-    TRY(allocate(&b->factor, b->n, sizeof(double), "a layer"));
-    TRY(allocate(&b->volume, b->n, sizeof(double), "a layer"));
-    TRY(allocate(&b->reach, b->n, sizeof *b->reach, "a layer"));
-    if (m->boxes) return take_boxes(b, m->boxes);
-    TRY(allocate(&face, 6L * m->nfaces + 3L * m->ncells, sizeof(double), "a layer"));
-    centre = face + 6L * m->nfaces;
-    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
-    status e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, centre, b->volume);
-    free(face);
-    TRY(e);
+/* Sets volume and heights of the cells from arrays of a mesh in which they stand from number `base` on, and in which
+ * cells have the volumes given. */
+static void take_arrays(struct bed *b, const struct polymesh *m, int base, const double *volume) {
+    memcpy(b->volume, volume + base, (size_t)b->n * sizeof *volume);
     for (int i = 0; i < b->n; i++) {
         b->reach[i][0] = HUGE_VAL;
         b->reach[i][1] = -HUGE_VAL;
@@ -213,20 +223,65 @@ static status measure_cells(struct bed *b) {
                          h = b->down ? x - b->low[b->up] : b->high[b->up] - x;
             const int sides[2] = {m->owner[f], f < m->ninternal ? m->neighbour[f] : m->owner[f]};
             for (int s = 0; s < 2; s++) {
-                b->reach[sides[s]][0] = fmin(b->reach[sides[s]][0], h);
-                b->reach[sides[s]][1] = fmax(b->reach[sides[s]][1], h);
+                const int i = sides[s] - base;
+                if (i < 0 || i >= b->n) continue;
+                b->reach[i][0] = fmin(b->reach[i][0], h);
+                b->reach[i][1] = fmax(b->reach[i][1], h);
             }
         }
-    return OK;
+}
+
+static status take_whole(struct bed *b, const struct polymesh *m) {
+    double *face = NULL, *centre, *volume;
+    TRY(allocate(&face, 6L * m->nfaces + 4L * m->ncells, sizeof(double), "a layer"));
+    centre = face + 6L * m->nfaces;
+    volume = centre + 3L * m->ncells;
+    polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+    const status e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, centre, volume);
+    if (!e) take_arrays(b, m, 0, volume);
+    free(face);
+    return e;
+}
+
+/* Takes the cells of a slice from the mesh spread over the ranks; a lattice of which each rank knows slices of sites is
+ * read so for that. */
+static status take_slice(struct bed *b) {
+    const struct polymesh *m = b->place->mesh;
+    const struct spread *s = b->place->spread;
+    struct spread *read = NULL;
+    struct polymesh *again = NULL;
+    if (!s) TRY(spread_read(m->outline->dir, b->place->share->comm, false, &read, &again));
+    const bool same = s || (again && polymesh_checksum(again) == polymesh_checksum(m));
+    if (!s) s = read;
+    if (same) take_arrays(b, &s->home.mesh, s->base, s->geometry.volume);
+    spread_free(read);
+    polymesh_free(again);
+    if (same) return OK;
+    return fail(ERR_INPUT, "%s: it has changed since the run began; start the run anew", m->outline->dir);
+}
+
+/* Measures the box and, for a layer, volume and heights of the cells. */
+static status measure_cells(struct bed *b) {
+    const struct polymesh *m = b->place->mesh;
+    polymesh_bounds(m, b->low, b->high);
+    status e = allocate(&b->factor, b->n, sizeof(double), "a layer");
+    if (!e) e = allocate(&b->term, b->n, sizeof(double), "a layer");
+    if (!e) e = allocate(&b->volume, b->n, sizeof(double), "a layer");
+    if (!e) e = allocate(&b->reach, b->n, sizeof *b->reach, "a layer");
+    TRY(agree(b, e));
+    if (!b->l->settled) return OK;
+    if (m->boxes) take_boxes(b, m->boxes);
+    if (m->boxes) return OK;
+    return b->place->share ? take_slice(b) : take_whole(b, m);
 }
 
 /* Computes the volume of the mesh. Fails if the mesh is no box: grains that lie over a floor of another shape are no
  * layer. */
 static status check_box(const struct bed *b, double *out) {
-    double box = 1, sum = 0;
+    double box = 1;
     for (int a = 0; a < 3; a++) box *= b->high[a] - b->low[a];
-    for (int i = 0; i < b->n; i++) sum += b->volume[i];
-    *out = sum;
+    memcpy(b->term, b->volume, (size_t)b->n * sizeof *b->term);
+    const double sum = *out = sum_terms(b);
     if (fabs(sum - box) < 1e-9 * box) return OK;
     return cannot(b->l, "settledLayer", "the mesh is no box along the axes (%g m^3 of %g); give an expression", sum,
                   box);
@@ -264,19 +319,20 @@ static status make_waves(struct bed *b) {
     for (int i = 0; i < b->n; i++) b->factor[i] = 1;
     if (!l->perturbed) return OK;
     TRY(waves_axis(b, &axis));
-    TRY(allocate(&phase, l->modes, sizeof(double), "waves"));
+    TRY(agree(b, allocate(&phase, l->modes, sizeof(double), "waves")));
     struct random r = random_make((uint64_t)l->seed, 0);
     for (int k = 0; k < l->modes; k++) phase[k] = random_uniform(&r);
     bool positive = true;
     for (int i = 0; i < b->n; i++) {
         double centre[3], sum = 0;
-        field_centre(b->place, i, centre);
+        field_centre(b->place, b->first + i, centre);
         const double x = (centre[axis] - b->low[axis]) / (b->high[axis] - b->low[axis]);
         for (int k = 0; k < l->modes; k++) sum += sin(TWO_PI * ((k + 1) * x + phase[k]));
         b->factor[i] = 1 + l->amplitude * sum;
         positive = positive && b->factor[i] > 0;
     }
     free(phase);
+    positive = least(b, positive) > 0;
     return positive ? OK
                     : cannot(b->l, "perturbation", "the waves together leave no density in places; lower amplitude");
 }
@@ -303,63 +359,136 @@ static int nearest(int n, const double *list, double x) {
     return x - list[low] <= list[high] - x ? low : high;
 }
 
-/* Finds the layers in which all cells lie, by their floors: bottom[layers]. None if a cell is higher than its layer. */
-static void find_layers(struct bed *b, double *bottom) {
-    const double height = b->high[b->up] - b->low[b->up], same = 1e-9 * height;
-    for (int i = 0; i < b->n; i++) bottom[i] = b->reach[i][0];
-    b->layers = unique(b->n, same, bottom);
-    for (int i = 0; i < b->n && b->layers; i++) {
-        b->layer[i] = nearest(b->layers, bottom, b->reach[i][0]);
-        const double top = b->layer[i] + 1 < b->layers ? bottom[b->layer[i] + 1] : height;
-        if (fabs(b->reach[i][1] - top) > same) b->layers = 0;
+/* Makes the list of the floors of all cells, rising, those that differ by no more than `same` once. */
+static status list_floors(const struct bed *b, double same, int *n, double **out) {
+    double *mine = NULL;
+    TRY(agree(b, allocate(&mine, b->n, sizeof *mine, "a layer")));
+    for (int i = 0; i < b->n; i++) mine[i] = b->reach[i][0];
+    *n = unique(b->n, 0, mine);
+    *out = mine;
+    if (!b->place->share) {
+        *n = unique(*n, same, mine);
+        return OK;
     }
+    const struct comm *c = b->place->share->comm;
+    const int size = comm_size(c);
+    int *count = NULL;
+    *out = NULL;
+    status e = comm_agree(c, allocate(&count, 2L * size + 1, sizeof *count, "a layer"));
+    if (!e) e = comm_share_count(c, *n, count, count + size);
+    if (!e) e = comm_agree(c, allocate(out, count[2 * size], sizeof **out, "a layer"));
+    if (!e) comm_share(c, mine, count, count + size, *out);
+    if (!e) *n = unique(count[2 * size], same, *out);
+    free(count);
+    free(mine);
+    return e;
+}
+
+/* Finds the layers in which all cells lie, by their floors. None if a cell is higher than its layer. */
+static status find_layers(struct bed *b, double **bottom) {
+    const double height = b->high[b->up] - b->low[b->up], same = 1e-9 * height;
+    bool all = true;
+    TRY(list_floors(b, same, &b->layers, bottom));
+    for (int i = 0; i < b->n && all; i++) {
+        b->layer[i] = nearest(b->layers, *bottom, b->reach[i][0]);
+        const double top = b->layer[i] + 1 < b->layers ? (*bottom)[b->layer[i] + 1] : height;
+        all = fabs(b->reach[i][1] - top) <= same;
+    }
+    if (least(b, all) == 0) b->layers = 0;
+    return OK;
+}
+
+/* Finds T of each layer: that of its first cell. first: [layers] room */
+static void find_temperatures(const struct bed *b, const double *T, double *first, double *of_layer) {
+    const struct comm *c = b->place->share ? b->place->share->comm : NULL;
+    for (int j = 0; j < b->layers; j++) first[j] = of_layer[j] = HUGE_VAL;
+    for (int i = b->n - 1; i >= 0; i--) {
+        first[b->layer[i]] = (double)(b->first + i);
+        of_layer[b->layer[i]] = T[i];
+    }
+    if (!c) return;
+    comm_min(c, first, b->layers);
+    for (int i = 0; i < b->n; i++) /* another rank has the first cell of the layer */
+        if (first[b->layer[i]] < (double)b->first) of_layer[b->layer[i]] = HUGE_VAL;
+    comm_min(c, of_layer, b->layers);
+}
+
+static status check_temperatures(const struct bed *b, const struct field *T, const double *of_layer) {
+    for (int i = 0; i < b->n; i++) {
+        const double here = of_layer[b->layer[i]];
+        if (!(T->values[i] > 0)) return field_fail(T, b->place, i, "it must be greater than 0");
+        if (T->values[i] != here)
+            return field_fail(T, b->place, i,
+                              "a hydrostatic settledLayer needs one T at each height, and another cell of this height "
+                              "has %g; or say in it  hydrostatic no;",
+                              here);
+    }
+    return OK;
+}
+
+/* Sorts the cells by the columns that their factors make. */
+static status find_columns(struct bed *b) {
+    TRY(allocate(&b->factors, b->n, sizeof(double), "a layer"));
+    TRY(allocate(&b->by_column, b->n, sizeof *b->by_column, "a layer"));
+    TRY(allocate(&b->rest, b->n, sizeof(double), "a layer"));
+    for (int i = 0; i < b->n; i++) b->factors[i] = b->l->of_depth ? b->factor[i] : 1;
+    b->columns = unique(b->n, 0, b->factors);
+    TRY(allocate(&b->column_start, b->columns + 2L, sizeof *b->column_start, "a layer"));
+    int *next = b->column_start + 1; /* counted one entry late: filling moves every entry to its column's start */
+    for (int fill = 0; fill < 2; fill++) {
+        for (int i = 0; i < b->n; i++) {
+            const int c = nearest(b->columns, b->factors, b->l->of_depth ? b->factor[i] : 1);
+            if (fill)
+                b->by_column[next[c]++] = i;
+            else
+                next[c + 1]++;
+        }
+        for (int c = 0; c < b->columns && !fill; c++) next[c + 1] += next[c];
+    }
+    return OK;
 }
 
 /* Makes the column at rest if all cells lie in layers, each of one T. */
 static status make_resting(struct bed *b, const struct field *T) {
-    double *bottom = NULL, *thick, *of_layer;
-    TRY(allocate(&b->layer, 2L * b->n, sizeof(int), "a layer"));
-    TRY(allocate(&b->factors, b->n, sizeof(double), "a layer"));
-    TRY(allocate(&bottom, 3L * b->n, sizeof(double), "a layer"));
-    thick = bottom + b->n;
-    of_layer = thick + b->n;
-    b->of_column = b->layer + b->n;
-    find_layers(b, bottom);
+    double *bottom = NULL, *thick = NULL;
+    TRY(agree(b, allocate(&b->layer, b->n, sizeof(int), "a layer")));
+    status s = find_layers(b, &bottom);
+    if (!s && b->layers) s = agree(b, allocate(&thick, 3L * b->layers, sizeof(double), "a layer"));
+    if (s || !b->layers) {
+        free(bottom);
+        return s;
+    }
+    double *of_layer = thick + b->layers;
     for (int j = 0; j < b->layers; j++)
         thick[j] = (j + 1 < b->layers ? bottom[j + 1] : b->high[b->up] - b->low[b->up]) - bottom[j];
-    for (int i = b->n - 1; i >= 0 && b->layers; i--) of_layer[b->layer[i]] = T->values[i];
-    status s = OK;
-    for (int i = 0; i < b->n && b->layers && !s; i++)
-        if (!(T->values[i] > 0))
-            s = field_fail(T, b->place, i, "it must be greater than 0");
-        else if (T->values[i] != of_layer[b->layer[i]])
-            s = field_fail(T, b->place, i,
-                           "a hydrostatic settledLayer needs one T at each height, and another cell of this height has "
-                           "%g; or say in it  hydrostatic no;",
-                           of_layer[b->layer[i]]);
-    if (!s && b->layers) s = resting_make(b->models, b->g, b->layers, thick, of_layer, &b->resting);
+    find_temperatures(b, T->values, of_layer + b->layers, of_layer);
+    s = agree(b, check_temperatures(b, T, of_layer));
+    if (!s) s = resting_make(b->models, b->g, b->layers, thick, of_layer, &b->resting);
     free(bottom);
-    if (s || !b->layers) return s;
-    for (int i = 0; i < b->n; i++) b->factors[i] = b->l->of_depth ? b->factor[i] : 1;
-    b->columns = unique(b->n, 0, b->factors);
-    for (int i = 0; i < b->n; i++) b->of_column[i] = nearest(b->columns, b->factors, b->l->of_depth ? b->factor[i] : 1);
-    return allocate(&b->rho, (long)b->columns * b->layers, sizeof(double), "a layer");
+    free(thick);
+    return s ? s : agree(b, find_columns(b));
 }
 
-/* Computes the columns at rest of the mass per area `mass`, times the waves' factors. */
+/* Computes the columns at rest of the mass per area `mass`, times the waves' factors, a batch of them at a time. */
 static status rest_columns(const struct bed *b, double mass) {
-    double *masses;
-    TRY(allocate(&masses, b->columns, sizeof(double), "a layer"));
-    for (int c = 0; c < b->columns; c++) masses[c] = mass * b->factors[c];
-    resting_columns(b->resting, b->columns, masses, b->rho);
-    free(masses);
+    double *rho, masses[BATCH];
+    TRY(agree(b, allocate(&rho, (long)BATCH * b->layers, sizeof(double), "a layer")));
+    for (int from = 0; from < b->columns; from += BATCH) {
+        const int n = b->columns - from < BATCH ? b->columns - from : BATCH;
+        for (int c = 0; c < n; c++) masses[c] = mass * b->factors[from + c];
+        resting_columns(b->resting, n, masses, rho);
+        for (int c = 0; c < n; c++)
+            for (int k = b->column_start[from + c]; k < b->column_start[from + c + 1]; k++)
+                b->rest[b->by_column[k]] = rho[(long)c * b->layers + b->layer[b->by_column[k]]];
+    }
+    free(rho);
     return OK;
 }
 
 /* Returns alpha of a cell, without background, in a column of `mass` per area (kg/m^2). */
 static double packing_of(const struct bed *b, int i, double mass) {
     const double low = b->reach[i][0], high = b->reach[i][1];
-    if (b->resting) return b->per * b->rho[(long)b->of_column[i] * b->layers + b->layer[i]];
+    if (b->resting) return b->per * b->rest[i];
     if (!b->column) return b->laid * fmin(fmax(mass * b->per / b->laid - low, 0) / (high - low), 1);
     const double bottom = column_bottom(b->column, mass);
     return b->per * (column_above(b->column, bottom, low) - column_above(b->column, bottom, high)) / (high - low);
@@ -368,14 +497,13 @@ static double packing_of(const struct bed *b, int i, double mass) {
 /* Sets alpha of a layer of the nominal `mass` per area; *held is the mass that the box then holds per area of its
  * floor. */
 static status fill(const struct bed *b, double mass, double *alpha, double *held) {
-    double sum = 0;
     if (b->resting) TRY(rest_columns(b, mass));
     for (int i = 0; i < b->n; i++) {
         const double flat = b->l->of_depth ? 1 : b->factor[i], column = b->l->of_depth ? mass * b->factor[i] : mass;
         alpha[i] = fmax(flat * packing_of(b, i, column), b->l->background);
-        sum += alpha[i] * b->volume[i];
+        b->term[i] = alpha[i] * b->volume[i];
     }
-    *held = sum / b->area / b->per;
+    *held = sum_terms(b) / b->area / b->per;
     return OK;
 }
 
@@ -399,19 +527,23 @@ static status settle(const struct bed *b, double mass, double *alpha) {
 }
 
 static status make_column(struct bed *b, double mass, const struct field *T) {
-    double most = 1;
     if (!T) return cannot(b->l, "settledLayer", "a hydrostatic layer needs T, not p; or say  hydrostatic no;");
     TRY(make_resting(b, T));
     if (b->resting) return OK;
-    for (int i = 1; i < b->n; i++)
-        if (T->values[i] != T->values[0])
-            return field_fail(T, b->place, i,
-                              "a hydrostatic settledLayer needs one T everywhere where cells do not lie in layers, and "
-                              "cell 0 has %g; or say in it  hydrostatic no;",
-                              T->values[0]);
-    if (!(T->values[0] > 0)) return field_fail(T, b->place, 0, "it must be greater than 0");
-    for (int i = 0; i < b->n; i++) most = fmax(most, b->factor[i]);
-    return column_make(b->models, b->g, T->values[0], 1.5 * most * mass, b->high[b->up] - b->low[b->up], &b->column);
+    double most = -1, of_first = b->n ? T->values[0] : 0; /* that of the root counts */
+    if (b->place->share) comm_broadcast(b->place->share->comm, &of_first, sizeof of_first);
+    status e = OK;
+    for (int i = 0; i < b->n && !e; i++)
+        if (T->values[i] != of_first)
+            e = field_fail(T, b->place, i,
+                           "a hydrostatic settledLayer needs one T everywhere where cells do not lie in layers, and "
+                           "cell 0 has %g; or say in it  hydrostatic no;",
+                           of_first);
+    if (!e && !(of_first > 0)) e = field_fail(T, b->place, 0, "it must be greater than 0");
+    TRY(agree(b, e));
+    for (int i = 0; i < b->n; i++) most = fmin(most, -b->factor[i]);
+    most = -least(b, most);
+    return column_make(b->models, b->g, of_first, 1.5 * most * mass, b->high[b->up] - b->low[b->up], &b->column);
 }
 
 static status lay(struct bed *b, const struct field *T, double *alpha) {
@@ -443,7 +575,8 @@ status layers_apply(const struct layers *l, struct field *f, const struct field_
     struct bed b = {.l = l,
                     .place = place,
                     .models = models,
-                    .n = place->mesh->ncells,
+                    .first = field_first(place),
+                    .n = (int)field_ncells(place),
                     .per = packing_per_density(&models->material)};
     if (!l) return OK;
     TRY(find_gravity(&b, dim, axis));
@@ -451,9 +584,12 @@ status layers_apply(const struct layers *l, struct field *f, const struct field_
     free(b.volume);
     free(b.reach);
     free(b.factor);
+    free(b.term);
     free(b.layer);
     free(b.factors);
-    free(b.rho);
+    free(b.column_start);
+    free(b.by_column);
+    free(b.rest);
     column_free(b.column);
     resting_free(b.resting);
     return e;
