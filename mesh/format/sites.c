@@ -55,7 +55,7 @@ enum { ROUND = 1 << 16 };
 status sites_name(const struct sites *s, long n, int *place) {
     double *cell = NULL, longest = (double)n;
     const struct comm *c = s->places.comm;
-    TRY(comm_agree(c, allocate(&cell, ROUND, sizeof *cell, "cells of a lattice")));
+    TRY(comm_agree(c, allocate(&cell, n < ROUND ? n : ROUND, sizeof *cell, "cells of a lattice")));
     comm_max(c, &longest, 1);
     status e = OK;
     for (long at = 0; !e && (double)at < longest; at += ROUND) {

@@ -222,13 +222,14 @@ static status take_round(struct finder *f, long from, long n, bool *good) {
 static status make_room(struct finder *f) {
     struct sites *s = f->sites;
     const bool one = comm_size(s->cells.comm) == 1;
+    const long most = share_at_rank(&f->lists->faces, 0).end, faces = most < ROUND ? most : ROUND;
     TRY(allocate(&s->place, s->cells.end - s->cells.first, sizeof *s->place, "the cells of a lattice"));
     TRY(allocate(&f->sides, s->cells.end - s->cells.first, 1, "the cells of a lattice"));
-    TRY(allocate(&f->corner, 4 * ROUND, sizeof *f->corner, "the faces of a lattice"));
-    TRY(allocate(&f->claim, 2L * CLAIM * ROUND, sizeof *f->claim, "the faces of a lattice"));
-    if (!one) TRY(allocate(&f->sorted, 2L * CLAIM * ROUND, sizeof *f->sorted, "the faces of a lattice"));
-    if (!one) TRY(allocate(&f->name, 4 * ROUND, sizeof *f->name, "the faces of a lattice"));
-    if (!one) TRY(allocate(&f->fetched, 3L * 4 * ROUND, sizeof *f->fetched, "the faces of a lattice"));
+    TRY(allocate(&f->corner, 4 * faces, sizeof *f->corner, "the faces of a lattice"));
+    TRY(allocate(&f->claim, 2 * CLAIM * faces, sizeof *f->claim, "the faces of a lattice"));
+    if (!one) TRY(allocate(&f->sorted, 2 * CLAIM * faces, sizeof *f->sorted, "the faces of a lattice"));
+    if (!one) TRY(allocate(&f->name, 4 * faces, sizeof *f->name, "the faces of a lattice"));
+    if (!one) TRY(allocate(&f->fetched, 3 * 4 * faces, sizeof *f->fetched, "the faces of a lattice"));
     f->x = one ? f->lists->point : f->fetched;
     return OK;
 }

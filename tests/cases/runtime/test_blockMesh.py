@@ -113,7 +113,7 @@ class BlockMesh(harness.Folder, unittest.TestCase):
             self.skipTest(f"{program} is not installed: apt-get install openfoam")
 
     def compare(self, make, name, ranks, **options):
-        """The bits of all that a run writes: from the dictionary on one rank, from the polyMesh, from the dictionary on ranks."""
+        """The bits of all that a run writes: from the dictionary on one rank, from the polyMesh, from both on ranks."""
         self.need("blockMesh")
         one, other = (make(self.path(f"{name}/{kind}/case"), **options) for kind in ("1", "polyMesh"))
         block_mesh(other)
@@ -137,10 +137,13 @@ class BlockMesh(harness.Folder, unittest.TestCase):
         harness.program("granularGas", "-case", other)
         runs.same(self, found, runs.results(other), "the polyMesh")
         for n in ranks:
-            more = make(self.path(f"{name}/{n}/case"), **options)
-            runs.add(more, "system/controlDict", tables)
-            harness.program("granularGas", "-case", more, ranks=n)
-            runs.same(self, found, runs.results(more), f"{n} ranks")
+            for polymesh in (False, True):
+                more = make(self.path(f"{name}/{n}/{polymesh}/case"), **options)
+                if polymesh:
+                    block_mesh(more)
+                runs.add(more, "system/controlDict", tables)
+                harness.program("granularGas", "-case", more, ranks=n)
+                runs.same(self, found, runs.results(more), f"{n} ranks{', the polyMesh' if polymesh else ''}")
         return one
 
     def test_a_step_has_the_bits_of_its_polyMesh(self):
