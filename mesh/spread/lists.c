@@ -90,8 +90,9 @@ static bool read_head(struct reader *r, const char *class_name, const char *text
     r->list.label_bytes = h.label_bytes;
     r->list.scalar_bytes = h.scalar_bytes;
     r->list.compact = !strcmp(h.class_name, "faceCompactList");
-    const bool faces = !strcmp(class_name, "faceList");
-    if (faces ? r->list.compact != h.binary : strncmp(h.class_name, class_name, strlen(class_name)) != 0) return false;
+    const bool faces = !strcmp(class_name, "faceList"),
+               named = !strncmp(h.class_name, class_name, strlen(class_name)) || (faces && r->list.compact);
+    if (!named || (faces && r->list.compact != h.binary)) return false;
     return find_count(&l, &r->list.count, &r->list.at);
 }
 
