@@ -116,15 +116,6 @@ void comm_sum_long(const struct comm *c, long *value, int n) {
     reduce(c, value, n, MPI_LONG, MPI_SUM);
 }
 
-void comm_add_in_turn(const struct comm *c, long n, const double *term, double *sum) {
-    double all = 0;
-    if (c->talks && c->rank > 0) MPI_Recv(&all, 1, MPI_DOUBLE, c->rank - 1, 2, c->world, MPI_STATUS_IGNORE);
-    for (long i = 0; i < n; i++) all += term[i];
-    if (c->talks && c->rank + 1 < c->size) MPI_Send(&all, 1, MPI_DOUBLE, c->rank + 1, 2, c->world);
-    if (c->talks) MPI_Bcast(&all, 1, MPI_DOUBLE, c->size - 1, c->world);
-    *sum = all;
-}
-
 /* Sends to the other rank, or receives from there, in pieces. */
 static void hand(const struct comm *c, bool send, int other, void *data, long bytes) {
     char *next = data;

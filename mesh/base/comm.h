@@ -34,10 +34,6 @@ void comm_min(const struct comm *c, double *value, int n);
 void comm_max(const struct comm *c, double *value, int n);
 void comm_sum_long(const struct comm *c, long *value, int n);
 
-/* Sets *sum, on all ranks, to what one rank would get that adds the n terms of rank 0, then those of rank 1, and so on.
- * The ranks add in turn: for sums whose bits matter. */
-void comm_add_in_turn(const struct comm *c, long n, const double *term, double *sum);
-
 /* Gathers every rank's mine[n] on the root, in the order of the ranks: *all holds *total values there (the caller frees
  * it) and is NULL on the other ranks. comm_gather_int does the same for ints. */
 status comm_gather(const struct comm *c, const double *mine, long n, double **all, long *total);

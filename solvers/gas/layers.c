@@ -187,11 +187,11 @@ static double least(const struct bed *b, double x) {
 }
 
 static double sum_terms(const struct bed *b) {
+    const struct comm *all = b->place->share ? b->place->share->comm : NULL;
     double sum = 0;
-    if (b->place->share)
-        comm_add_in_turn(b->place->share->comm, b->n, b->term, &sum);
-    else
-        for (int i = 0; i < b->n; i++) sum += b->term[i];
+    if (all) comm_take_turn(all, &sum, 1);
+    for (int i = 0; i < b->n; i++) sum += b->term[i];
+    if (all) comm_end_turn(all, &sum, 1);
     return sum;
 }
 

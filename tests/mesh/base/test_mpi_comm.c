@@ -120,23 +120,6 @@ static void shares(void **state) {
 }
 
 /* Numbers of which each sum is rounded: the order tells. */
-static void adds_in_turn(void **state) {
-    (void)state;
-    enum { EACH = 1000 };
-    const int rank = comm_rank(world), size = comm_size(world);
-    double mine[EACH], expected = 0, sum;
-    for (int r = 0; r < size; r++)
-        for (int i = 0; i < EACH - r; i++) {
-            const double x = 1 / (1.0 + i) + 1e-3 * r;
-            expected += x;
-            if (r == rank) mine[i] = x;
-        }
-    comm_add_in_turn(world, EACH - rank, mine, &sum);
-    assert_true(sum == expected);
-    comm_add_in_turn(world, 0, NULL, &sum);
-    assert_true(sum == 0);
-}
-
 static void broadcasts(void **state) {
     (void)state;
     char text[16] = "";
@@ -191,11 +174,9 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reductions),    cmocka_unit_test(gathers),
-        cmocka_unit_test(gathers_many),  cmocka_unit_test(trades),
-        cmocka_unit_test(shares),        cmocka_unit_test(broadcasts),
-        cmocka_unit_test(puts_and_gets), cmocka_unit_test(sums_in_turn),
-        cmocka_unit_test(adds_in_turn),  cmocka_unit_test(all_ranks_learn_of_a_failure),
+        cmocka_unit_test(reductions),    cmocka_unit_test(gathers),      cmocka_unit_test(gathers_many),
+        cmocka_unit_test(trades),        cmocka_unit_test(shares),       cmocka_unit_test(broadcasts),
+        cmocka_unit_test(puts_and_gets), cmocka_unit_test(sums_in_turn), cmocka_unit_test(all_ranks_learn_of_a_failure),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
