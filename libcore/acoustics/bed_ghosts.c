@@ -107,7 +107,7 @@ status bed_halo_link(struct bed *b, const int *first, const double *number) {
     return comm_agree(b->comm, link_here(b, first, number));
 }
 
-void bed_fill(const struct bed *b, int n, double *const *line) {
+void bed_fill_send(const struct bed *b, int n, const double *const *line) {
     const struct bed_halo *h = b->halo;
     if (!h) return;
     for (int l = 0; l < h->links; l++) {
@@ -116,10 +116,20 @@ void bed_fill(const struct bed *b, int n, double *const *line) {
             for (int i = h->start[l]; i < h->start[l + 1]; i++) *to++ = line[v][h->out[i].local];
     }
     comm_exchange_start(h->exchange, n);
+}
+
+void bed_fill_receive(const struct bed *b, int n, double *const *line) {
+    const struct bed_halo *h = b->halo;
+    if (!h) return;
     comm_exchange_finish(h->exchange);
     for (int l = 0; l < h->links; l++) {
         const double *from = h->link[l].in;
         for (int v = 0; v < n; v++)
             for (int i = h->start[l]; i < h->start[l + 1]; i++) line[v][h->in[i].local] = *from++;
     }
+}
+
+void bed_fill(const struct bed *b, int n, double *const *line) {
+    bed_fill_send(b, n, (const double *const *)line);
+    bed_fill_receive(b, n, line);
 }

@@ -124,12 +124,11 @@ static void find_root(struct bed *b, int at, int n) {
     bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);
 }
 
-/* Finds the residual and the diagonal of the Jacobian, times V; returns the largest residual above rounding over
- * diagonal times p, or times VOLUME, of all ranks. */
+/* Finds the residual and the diagonal of the Jacobian, times V, of this rank's cells; returns the largest residual
+ * above rounding over diagonal times p, or times VOLUME. */
 static double find_residual(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double worst = 0;
-    bed_fill(b, 1, &x->p);
     find_speeds(b);
     for (int at = 0; at < b->cells; at += BATCH) find_root(b, at, b->cells - at < BATCH ? b->cells - at : BATCH);
     for (int i = 0; i < b->cells; i++) {
@@ -147,8 +146,18 @@ static double find_residual(struct bed *b, double dt) {
                      off = larger(VOLUME * above / V, change);
         worst = off <= worst ? worst : off; /* also if it is no number */
     }
-    comm_max(b->comm, &worst, 1);
     return worst;
+}
+
+/* Finds residuals for the present p; returns the worst of all ranks. *sound: is p a number everywhere on this rank?
+ * Then on all. */
+static double check_pressure(struct bed *b, double dt, bool *sound) {
+    double all[] = {0, !*sound};
+    bed_fill(b, 1, &b->lines->p);
+    if (*sound) all[0] = find_residual(b, dt);
+    comm_max(b->comm, all, 2);
+    *sound = all[1] == 0;
+    return all[0];
 }
 
 static bool is_link(const struct bed *b, const struct bed_side *s, int cell) {
@@ -179,8 +188,12 @@ static void find_weights(struct bed *b, double dt) {
         }
 }
 
-static void fill_one(void *bed, double *line) {
-    bed_fill(bed, 1, &line);
+static void send_one(void *bed, const double *line) {
+    bed_fill_send(bed, 1, &line);
+}
+
+static void receive_one(void *bed, double *line) {
+    bed_fill_receive(bed, 1, &line);
 }
 
 /* Moves p by Newton's method, within bounds. Returns whether p is a number everywhere on this rank. */
@@ -209,7 +222,8 @@ static status solve(struct bed *b, bool again, bool *sound) {
                                         .link = x->link,
                                         .weight = x->weight,
                                         .diagonal = x->diagonal,
-                                        .fill = fill_one,
+                                        .send = send_one,
+                                        .receive = receive_one,
                                         .context = b};
     TRY(multigrid_setup(b->multigrid, &rows, again || (b->laid && multigrid_is_direct(b->multigrid))));
     b->laid = true;
@@ -222,20 +236,17 @@ static status solve(struct bed *b, bool again, bool *sound) {
 /* Finds the pressures by at least one iteration of Newton's method: if they stayed as they were, the step would be an
  * explicit one, far too long, and round-off would grow. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
-    double failed = 0;
+    bool sound = true;
     b->newton = b->linear = 0;
     find_drift(b, dt, gravity);
     if (!b->linked) find_links(b);
     b->linked = true;
     find_weights(b, dt);
-    double worst = find_residual(b, dt);
-    while ((b->newton == 0 || !(worst < CLOSE)) && failed == 0 && b->newton++ < NEWTON_MOST) {
-        bool sound = false;
+    double worst = check_pressure(b, dt, &sound);
+    while ((b->newton == 0 || !(worst < CLOSE)) && sound && b->newton++ < NEWTON_MOST) {
         TRY(solve(b, b->newton > 1, &sound));
-        failed = !sound;
-        comm_max(b->comm, &failed, 1);
-        if (failed == 0) worst = find_residual(b, dt);
+        worst = check_pressure(b, dt, &sound);
     }
-    *done = worst < CLOSE && failed == 0;
+    *done = worst < CLOSE && sound;
     return OK;
 }

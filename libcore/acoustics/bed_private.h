@@ -80,6 +80,9 @@ ALWAYS_INLINE double bed_drift(const struct bed *b, double *const *u, double dt,
 /* Copies n <= components + 2 lines of this rank's cells to the ghosts of the same lines; collective. Nothing is done on
  * one rank, where halo is NULL. */
 void bed_fill(const struct bed *b, int n, double *const *line);
+/* The same of one line in two parts: between them the cells may be read, and nothing else is sent. */
+void bed_fill_send(const struct bed *b, int n, const double *const *line);
+void bed_fill_receive(const struct bed *b, int n, double *const *line);
 void bed_halo_free(struct bed_halo *h);
 /* Learns of the ghosts, of which each lies across a face of a cell: number[ghosts] over all ranks, of which
  * first[rank] is the first on each rank. Collective. */

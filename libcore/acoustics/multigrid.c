@@ -20,8 +20,8 @@ static double outside(const struct level *l, int e) {
     return sum;
 }
 
-/* Sums the residual after sweep_forward, r - A x = (M - A) x, over the aggregates. */
-static void restrict_residual(const struct level *l, int parts, double *r) {
+/* Sums the residual after sweep_forward, r - A x = (M - A) x, over the aggregates: that inside the blocks. */
+static void restrict_inside(const struct level *l, int parts, double *r) {
     for (int i = 0; i < parts; i++) r[i] = 0;
     for (int i = 0; i < l->rows; i++) {
         double sum = 0;
@@ -29,6 +29,9 @@ static void restrict_residual(const struct level *l, int parts, double *r) {
         for (int k = l->first[3 * i + 1]; k < l->first[3 * i + 2]; k++) sum += l->weight[k] * l->x[l->link[k]];
         r[l->part[i]] += sum;
     }
+}
+
+static void restrict_outside(const struct level *l, double *r) {
     for (int e = 0; e < l->edges; e++)
         if (l->part[l->edge[e]] >= 0) r[l->part[l->edge[e]]] += outside(l, e);
 }
@@ -48,102 +51,132 @@ static void sweep_backward(const struct level *l) {
     for (int e = 0; e < l->edges; e++) l->r[l->edge[e]] = l->kept[e];
 }
 
-static void apply(const struct level *l, const double *x, double *out) {
+/* Computes out = A x, and x of the ghosts. Rows sum what lies in their blocks while that of others is on its way. */
+static void apply(const struct multigrid *m, const struct level *l, double *x, double *out) {
+    multigrid_send(m, l, x);
     for (int i = 0; i < l->rows; i++) {
         double sum = l->diagonal[i] * x[i];
-        for (int k = l->first[3 * i]; k < l->first[3 * i + 3]; k++) sum -= l->weight[k] * x[l->link[k]];
+        for (int k = l->first[3 * i]; k < l->first[3 * i + 2]; k++) sum -= l->weight[k] * x[l->link[k]];
         out[i] = sum;
+    }
+    multigrid_receive(m, l, x);
+    for (int e = 0; e < l->edges; e++) {
+        const int i = l->edge[e];
+        for (int k = l->first[3 * i + 2]; k < l->first[3 * i + 3]; k++) out[i] -= l->weight[k] * x[l->link[k]];
     }
 }
 
 static void correct(struct multigrid *m, int level);
 
-/* Computes x = B r on a level by one cycle. */
+/* Computes x = B r on a level by one cycle. Ghosts of x are received once: what is added to them then, the corrections
+ * of their aggregates, this rank knows. */
 static void cycle(struct multigrid *m, int level) {
     struct level *l = &m->level[level];
-    const bool spread = level < m->spread, gather = level + 1 == m->spread && m->ranks > 1;
+    const bool gather = level + 1 == m->spread && m->ranks > 1;
     struct level *next = gather ? &m->local : l + 1;
     sweep_forward(l);
-    if (spread) multigrid_exchange(m, l, l->x);
-    restrict_residual(l, next->rows, next->r);
+    multigrid_send(m, l, l->x);
+    restrict_inside(l, next->rows, next->r);
+    multigrid_receive(m, l, l->x);
+    restrict_outside(l, next->r);
     if (gather) multigrid_gather_residual(m);
     correct(m, level + 1);
     if (gather) multigrid_take_correction(m);
-    for (int i = 0; i < l->rows; i++)
+    for (int i = 0; i < l->rows + l->ghosts; i++)
         if (l->part[i] >= 0) l->x[i] += next->c[l->part[i]];
-    if (spread) multigrid_exchange(m, l, l->x);
     sweep_backward(l);
 }
 
-/* Computes c, the correction for r: the best multiple of the result of one cycle, or combination of two cycles, if one
- * leaves more than a quarter of r. */
+/* Computes c, the correction for r, of rows and ghosts: the best multiple of the result of one cycle, or combination of
+ * two cycles, if one leaves more than a quarter of r. */
 static void correct(struct multigrid *m, int level) {
     struct level *l = &m->level[level];
+    const int all = l->rows + l->ghosts;
     if (level == m->levels - 1) {
         multigrid_direct_solve(&m->direct, l->r, l->c);
         return;
     }
     cycle(m, level);
-    double *const c = l->x, sum[5];
+    double *const c = l->x, *const v = l->v, sum[5];
     l->x = l->c;
     l->c = c;
-    if (level < m->spread) multigrid_exchange(m, l, c);
-    apply(l, c, l->v);
-    multigrid_dots(m, l, 5, (const double *const[]){c, c, l->r, l->r, l->v},
-                   (const double *const[]){l->v, l->r, l->r, l->v, l->v}, sum);
+    apply(m, l, c, v);
+    multigrid_dots(m, l, 5, (const double *const[]){c, c, l->r, l->r, v}, (const double *const[]){v, l->r, l->r, v, v},
+                   sum);
     const double bend = sum[0], step = bend > 0 ? sum[1] / bend : 0;
     const double left = sum[2] - 2 * step * sum[3] + step * step * sum[4];
     if (!(left > 0.0625 * sum[2]) || !(bend > 0)) {
-        for (int i = 0; i < l->rows; i++) c[i] *= step;
+        for (int i = 0; i < all; i++) c[i] *= step;
         return;
     }
-    for (int i = 0; i < l->rows; i++) l->r[i] -= step * l->v[i];
+    for (int i = 0; i < l->rows; i++) l->r[i] -= step * v[i];
     cycle(m, level);
-    if (level < m->spread) multigrid_exchange(m, l, l->x);
-    multigrid_dots(m, l, 2, (const double *const[]){l->x, l->x}, (const double *const[]){l->v, l->r}, sum);
-    const double along = sum[0], gain = sum[1];
-    apply(l, l->x, l->v);
-    multigrid_dots(m, l, 1, (const double *const[]){l->x}, (const double *const[]){l->v}, sum);
-    const double rest = sum[0] - along * along / bend, second = rest > 0 ? gain / rest : 0;
-    const double first = step - along / bend * second;
-    for (int i = 0; i < l->rows; i++) c[i] = first * c[i] + second * l->x[i];
+    double *const x = l->x;
+    apply(m, l, x, v);
+    multigrid_dots(m, l, 3, (const double *const[]){x, c, x}, (const double *const[]){l->r, v, v}, sum);
+    const double gain = sum[0], along = sum[1], rest = sum[2] - along * along / bend;
+    const double second = rest > 0 ? gain / rest : 0, first = step - along / bend * second;
+    for (int i = 0; i < all; i++) c[i] = first * c[i] + second * x[i];
 }
 
-/* Returns the sum of r^2/d, taken by blocks; writes r/d to `scratch`. */
-static double measure(const struct multigrid *m, const struct level *l, const double *r, double *scratch) {
-    double sum;
-    for (int i = 0; i < l->rows; i++) scratch[i] = l->diagonal[i] > 0 ? r[i] / l->diagonal[i] : 0;
-    multigrid_dots(m, l, 1, (const double *const[]){r}, (const double *const[]){scratch}, &sum);
-    return sum;
+/* Sums of products of z = B r, w = A z, r, and q = A p of the last direction p; those from RR on are taken over d. */
+enum { ZQ, ZW, ZR, RR, RW, RQ, WW, WQ, SUMS, LANES = 8 };
+
+ALWAYS_INLINE void add_products(double (*s)[LANES], int k, double z, double w, double r, double q, double d) {
+    const double over = 1 / d, r_over = r * over, w_over = w * over;
+    s[ZQ][k] += z * q;
+    s[ZW][k] += z * w;
+    s[ZR][k] += z * r;
+    s[RR][k] += r * r_over;
+    s[RW][k] += w * r_over;
+    s[RQ][k] += q * r_over;
+    s[WW][k] += w * w_over;
+    s[WQ][k] += q * w_over;
 }
 
-/* Makes the next direction p, conjugate to the last one. The coefficient is that for preconditioners that depend on r,
- * as the cycle does. */
-static void turn(const struct multigrid *m, const struct level *l, double bend) {
-    double sum[1] = {0}, *z = l->x;
-    if (bend > 0) multigrid_dots(m, l, 1, (const double *const[]){z}, (const double *const[]){m->q}, sum);
-    const double back = bend > 0 ? sum[0] / bend : 0;
-    for (int i = 0; i < l->rows; i++) m->p[i] = bend > 0 ? z[i] - back * m->p[i] : z[i];
+KERNEL static void multigrid_products(int n, const double *restrict z, const double *restrict w,
+                                      const double *restrict r, const double *restrict q, const double *restrict d,
+                                      double *restrict sum) {
+    double s[SUMS][LANES] = {{0}};
+    int i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (int k = 0; k < LANES; k++) add_products(s, k, z[i + k], w[i + k], r[i + k], q[i + k], d[i + k]);
+    for (int k = 0; i + k < n; k++) add_products(s, k, z[i + k], w[i + k], r[i + k], q[i + k], d[i + k]);
+    for (int j = 0; j < SUMS; j++)
+        sum[j] = ((s[j][0] + s[j][1]) + (s[j][2] + s[j][3])) + ((s[j][4] + s[j][5]) + (s[j][6] + s[j][7]));
 }
 
+/* Conjugate gradients with one sum over the ranks an iteration (Chronopoulos & Gear 1989): q follows p, so that all
+ * products are known before the direction is. The coefficient of the last direction is that for preconditioners that
+ * depend on r, as the cycle does: z'q/p'q. */
 static int iterate(struct multigrid *m, double reduction, int most, double *x) {
     struct level *l = &m->level[0];
-    double *r = l->r, bend = 0, sum[2];
-    const double goal = reduction * reduction * measure(m, l, r, l->v);
+    double *r = l->r, *w = l->v, *p = m->p, *q = m->q, sum[SUMS], bend = 0, size = 0, goal = 0, left = HUGE_VAL;
     int n = 0;
-    for (; n < most && goal >= 0 && measure(m, l, r, l->v) > goal; n++) {
+    for (int i = 0; i < l->rows; i++) p[i] = q[i] = 0;
+    for (; n < most && left > goal; n++) {
         cycle(m, 0);
-        turn(m, l, bend);
-        multigrid_exchange(m, l, m->p);
-        apply(l, m->p, m->q);
-        multigrid_dots(m, l, 2, (const double *const[]){m->p, m->p}, (const double *const[]){m->q, r}, sum);
-        bend = sum[0];
-        if (!(bend > 0)) break;
-        const double step = sum[1] / bend;
-        for (int i = 0; i < l->rows; i++) {
-            x[i] += step * m->p[i];
-            r[i] -= step * m->q[i];
+        const double *z = l->x;
+        apply(m, l, l->x, w);
+        for (int k = 0; k < l->blocks; k++) {
+            const int at = l->block[k];
+            multigrid_products(l->block[k + 1] - at, z + at, w + at, r + at, q + at, l->diagonal + at,
+                               m->world.mine + k * SUMS);
         }
+        multigrid_add(m, l, SUMS, sum);
+        const double back = bend > 0 ? sum[ZQ] / bend : 0;
+        bend = sum[ZW] - back * sum[ZQ];
+        if (!(bend > 0)) break;
+        const double step = sum[ZR] / bend;
+        for (int i = 0; i < l->rows; i++) {
+            p[i] = z[i] - back * p[i];
+            q[i] = w[i] - back * q[i];
+            x[i] += step * p[i];
+            r[i] -= step * q[i];
+        }
+        if (n == 0) goal = reduction * reduction * sum[RR];
+        size = sum[WW] - 2 * back * sum[WQ] + back * back * size;
+        left = sum[RR] - 2 * step * (sum[RW] - back * sum[RQ]) + step * step * size;
     }
     return n;
 }

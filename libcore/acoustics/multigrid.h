@@ -21,8 +21,10 @@ struct multigrid_rows {
                                      order must not depend on the ranks; A's pattern is symmetric. */
     const double *weight;         /* [links] w >= 0: minus the entry */
     const double *diagonal;       /* [rows] d > 0 */
-    void (*fill)(void *context, double *x); /* copies x[rows + ghosts] from owners to ghosts; collective; more than one
-                                               rank calls it only */
+    /* Together they copy x[rows + ghosts] from owners to ghosts, send before receive; meanwhile x[rows] may be read,
+     * and nothing else is sent. Collective; only more than one rank call them. */
+    void (*send)(void *context, const double *x);
+    void (*receive)(void *context, double *x);
     void *context;
 };
 

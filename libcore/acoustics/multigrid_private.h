@@ -9,7 +9,7 @@
 enum {
     SPREAD_LEVELS = 3, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
     MOST_LEVELS = 24,
-    MOST_DOTS = 5,
+    MOST_SUMS = 8,
     ROOMS = 20
 };
 enum { INSIDE = -1, DROPPED = -2 }; /* links and rows that the coarser matrix does not have */
@@ -47,6 +47,7 @@ struct level {
     int *share_count, *share_first; /* [ranks], [ranks + 1] values that each rank shares */
     double *mine, *shared;          /* [sent], [all that is shared] */
     int *name;                      /* [ghosts] the row that each is in the order of all rows */
+    bool spread;                    /* are the rows on their ranks? else all are on every rank */
     const struct multigrid_rows *own; /* of the finest level: who fills ghosts; else NULL */
     struct room room[ROOMS];
 };
@@ -67,9 +68,9 @@ struct world {
     int *order;                   /* [blocks] j of the blocks in the order of their numbers */
     int *rows, *base;             /* [blocks], [blocks + 1] rows of block j; its first row in the order of numbers */
     int *row_count, *row_first;   /* [ranks], [ranks + 1] rows of each rank */
-    int *dot_count, *dot_first;   /* [ranks], [ranks + 1] sums of blocks of each rank */
+    int *sum_count, *sum_first;   /* [ranks], [ranks + 1] sums of blocks of each rank */
     int *pack_count, *pack_first; /* [ranks], [ranks + 1] numbers that each rank packs, 1 + links for each row */
-    double *mine, *sums;          /* [blocks of this rank][dots], [blocks][dots] */
+    double *mine, *sums;          /* [blocks of this rank][sums], [blocks][sums] */
     double *pack, *packed;        /* excess and weights of each row: of this rank, of all */
     double *residual;             /* [rows of all] in the order of the ranks */
     int *at;                      /* [rows of all] where each row begins in what is packed */
@@ -88,7 +89,7 @@ struct multigrid {
     struct direct direct;            /* of the coarsest level */
     struct world world;
     double *excess; /* [rows] of the caller's matrix */
-    double *p, *q;  /* [rows + ghosts] of the conjugate gradients */
+    double *p, *q;  /* [rows + ghosts] of the conjugate gradients: direction, its image */
     struct room room[4];
 };
 
@@ -117,9 +118,13 @@ status multigrid_links_lay(struct multigrid *m,
                            struct level *l);      /* what ranks share of a level that is not the finest */
 status multigrid_gather_lay(struct multigrid *m); /* the matrix of all rows from `local` */
 struct matrix multigrid_gather(struct multigrid *m, int *block); /* its numbers; block: [2] */
-void multigrid_exchange(const struct multigrid *m, const struct level *l, double *x);
+/* Copy x from rows to ghosts; between send and receive x[rows] may be read. Levels that are on every rank have none. */
+void multigrid_send(const struct multigrid *m, const struct level *l, const double *x);
+void multigrid_receive(const struct multigrid *m, const struct level *l, double *x);
 void multigrid_gather_residual(struct multigrid *m); /* local.r -> level[spread].r */
-void multigrid_take_correction(struct multigrid *m); /* level[spread].c -> local.c */
+void multigrid_take_correction(struct multigrid *m); /* level[spread].c -> local.c, of rows and ghosts */
+/* Finds the sums of a level from the n <= MOST_SUMS sums of each block of this rank, which are in world.mine. */
+void multigrid_add(const struct multigrid *m, const struct level *l, int n, double *sum);
 void multigrid_dots(const struct multigrid *m, const struct level *l, int n, const double *const a[],
                     const double *const b[], double *sum);
 

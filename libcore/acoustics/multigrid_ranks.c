@@ -33,20 +33,20 @@ status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows) {
     if (n > 1) {
         TRY(multigrid_grow(&w->room[0], 8L * n + 4, sizeof(int), &w->count));
         w->row_count = w->count + n;
-        w->dot_count = w->row_count + n;
-        w->pack_count = w->dot_count + n;
+        w->sum_count = w->row_count + n;
+        w->pack_count = w->sum_count + n;
         w->first = w->pack_count + n;
         w->row_first = w->first + n + 1;
-        w->dot_first = w->row_first + n + 1;
-        w->pack_first = w->dot_first + n + 1;
+        w->sum_first = w->row_first + n + 1;
+        w->pack_first = w->sum_first + n + 1;
         TRY(comm_share_count(m->comm, rows->blocks, w->count, w->first));
         w->blocks = w->first[n];
     } else {
         w->blocks = rows->blocks;
     }
     status s = multigrid_grow(&w->room[1], 3L * w->blocks + 1, sizeof(int), &w->order);
-    if (!s) s = multigrid_grow(&w->room[2], (long)MOST_DOTS * rows->blocks, sizeof(double), &w->mine);
-    if (!s) s = multigrid_grow(&w->room[3], (long)MOST_DOTS * w->blocks, sizeof(double), &w->sums);
+    if (!s) s = multigrid_grow(&w->room[2], MOST_SUMS * (rows->blocks + 1L), sizeof(double), &w->mine);
+    if (!s) s = multigrid_grow(&w->room[3], (long)MOST_SUMS * w->blocks, sizeof(double), &w->sums);
     TRY(comm_agree(m->comm, s));
     w->rows = w->order + w->blocks;
     w->base = w->rows + w->blocks;
@@ -70,13 +70,25 @@ status multigrid_count(struct multigrid *m, const struct level *l) {
     return comm_share_count(m->comm, l->rows, w->row_count, w->row_first);
 }
 
-void multigrid_exchange(const struct multigrid *m, const struct level *l, double *x) {
-    if (m->ranks == 1) return;
+/* Are the rows of the level on their ranks, of which there are several? */
+static bool is_spread(const struct multigrid *m, const struct level *l) {
+    return m->ranks > 1 && l->spread;
+}
+
+void multigrid_send(const struct multigrid *m, const struct level *l, const double *x) {
+    if (!is_spread(m, l)) return;
+    if (l->own)
+        l->own->send(l->own->context, x);
+    else
+        for (int i = 0; i < l->sent; i++) l->mine[i] = x[l->send[i]];
+}
+
+void multigrid_receive(const struct multigrid *m, const struct level *l, double *x) {
+    if (!is_spread(m, l)) return;
     if (l->own) {
-        l->own->fill(l->own->context, x);
+        l->own->receive(l->own->context, x);
         return;
     }
-    for (int i = 0; i < l->sent; i++) l->mine[i] = x[l->send[i]];
     comm_share(m->comm, l->mine, l->share_count, l->share_first, l->shared);
     for (int g = 0; g < l->ghosts; g++) x[l->rows + g] = l->shared[l->from[g]];
 }
@@ -101,7 +113,10 @@ bool multigrid_narrow(struct multigrid *m, const struct multigrid_rows *rows, do
         const int base = m->ranks > 1 ? w->base[w->first[comm_rank(m->comm)] + b] : rows->first[b];
         for (int i = rows->first[b]; i < rows->first[b + 1]; i++) name[i] = base + i - rows->first[b];
     }
-    if (m->ranks > 1) rows->fill(rows->context, name);
+    if (m->ranks > 1) {
+        rows->send(rows->context, name);
+        rows->receive(rows->context, name);
+    }
     for (int i = 0; i < rows->rows; i++) {
         double low = name[i];
         for (int k = rows->link_first[i]; k < rows->link_first[i + 1]; k++) low = smaller(low, name[rows->link[k]]);
@@ -125,7 +140,8 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
     name = to->name + l->ghosts;
     name_rows(m, to, name);
     for (int i = 0; i < l->rows; i++) l->x[i] = !fine ? name[i] : fine->part[i] < 0 ? -1 : name[fine->part[i]];
-    multigrid_exchange(m, l, l->x);
+    multigrid_send(m, l, l->x);
+    multigrid_receive(m, l, l->x);
     if (fine) to->ghosts = 0;
     for (int g = 0; g < l->ghosts; g++) {
         const int n = (int)l->x[l->rows + g];
@@ -285,6 +301,7 @@ void multigrid_take_correction(struct multigrid *m) {
     const int first = w->first[comm_rank(m->comm)];
     for (int b = 0; b < l->blocks; b++)
         for (int i = l->block[b]; i < l->block[b + 1]; i++) l->c[i] = c[w->base[first + b] + i - l->block[b]];
+    for (int g = 0; g < l->ghosts; g++) l->c[l->rows + g] = c[l->name[g]];
 }
 
 static double dot(int n, const double *a, const double *b) {
@@ -296,24 +313,24 @@ static double dot(int n, const double *a, const double *b) {
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-void multigrid_dots(const struct multigrid *m, const struct level *l, int n, const double *const a[],
-                    const double *const b[], double *sum) {
+void multigrid_add(const struct multigrid *m, const struct level *l, int n, double *sum) {
     const struct world *w = &m->world;
-    const bool spread = l->own || l == &m->local || (l >= m->level && l < m->level + m->spread);
-    const bool share = m->ranks > 1 && spread;
+    const bool spread = is_spread(m, l);
     for (int d = 0; d < n; d++) sum[d] = 0;
-    for (int k = 0; k < l->blocks; k++)
-        for (int d = 0; d < n; d++) {
-            const double s = dot(l->block[k + 1] - l->block[k], a[d] + l->block[k], b[d] + l->block[k]);
-            if (share)
-                w->mine[k * n + d] = s;
-            else
-                sum[d] += s;
-        }
-    if (!share) return;
-    for (int r = 0; r < m->ranks; r++) w->dot_count[r] = n * w->count[r];
-    for (int r = 0; r <= m->ranks; r++) w->dot_first[r] = n * w->first[r];
-    comm_share(m->comm, w->mine, w->dot_count, w->dot_first, w->sums);
+    for (int k = 0; k < l->blocks && !spread; k++)
+        for (int d = 0; d < n; d++) sum[d] += w->mine[k * n + d];
+    if (!spread) return;
+    for (int r = 0; r < m->ranks; r++) w->sum_count[r] = n * w->count[r];
+    for (int r = 0; r <= m->ranks; r++) w->sum_first[r] = n * w->first[r];
+    comm_share(m->comm, w->mine, w->sum_count, w->sum_first, w->sums);
     for (int k = 0; k < w->blocks; k++)
         for (int d = 0; d < n; d++) sum[d] += w->sums[w->order[k] * n + d];
+}
+
+void multigrid_dots(const struct multigrid *m, const struct level *l, int n, const double *const a[],
+                    const double *const b[], double *sum) {
+    for (int k = 0; k < l->blocks; k++)
+        for (int d = 0; d < n; d++)
+            m->world.mine[k * n + d] = dot(l->block[k + 1] - l->block[k], a[d] + l->block[k], b[d] + l->block[k]);
+    multigrid_add(m, l, n, sum);
 }

@@ -61,6 +61,7 @@ static status copy_lay(const struct matrix *a, struct level *to) {
 static status coarsen_spread(struct multigrid *m, struct level *l, struct level *to) {
     const struct matrix a = multigrid_matrix(l);
     to->own = NULL;
+    to->spread = true;
     TRY(comm_agree(m->comm, multigrid_aggregate(l, SPREAD_PASSES, to)));
     TRY(multigrid_count(m, to));
     TRY(multigrid_name_ghosts(m, l, to));
@@ -76,6 +77,7 @@ static status coarsen(struct level *l, struct level *to) {
     const struct matrix a = multigrid_matrix(l);
     TRY(multigrid_aggregate(l, PASSES, to));
     to->ghosts = 0;
+    to->spread = false;
     TRY(multigrid_lay(&a, l, to));
     TRY(multigrid_vectors(to));
     multigrid_sum(&a, l->part, to);
@@ -90,6 +92,7 @@ static status lay_shared(struct multigrid *m) {
     struct matrix a = multigrid_gather(m, block);
     struct level *l = &m->level[m->spread];
     l->own = NULL;
+    l->spread = false;
     TRY(copy_lay(&a, l));
     multigrid_sum(&a, NULL, l);
     multigrid_smoother(l, NULL);
@@ -107,6 +110,7 @@ static status lay_shared(struct multigrid *m) {
 static status lay(struct multigrid *m, const struct multigrid_rows *rows, const struct matrix *a, bool direct) {
     struct level *to = direct ? &m->local : &m->level[0];
     to->own = rows;
+    to->spread = true;
     TRY(comm_agree(m->comm, copy_lay(a, to)));
     multigrid_sum(a, NULL, to);
     multigrid_smoother(to, rows->diagonal);

@@ -62,11 +62,15 @@ static inline double mg_weight(const struct mg_case *o, long a, long b) {
     return 2 / (ra + rb);
 }
 
-static inline void mg_fill(void *context, double *x) {
+static inline void mg_send(void *context, const double *x) {
     struct mg_grid *g = context;
     for (int k = 0; k < g->nlinks; k++)
         for (long i = 0; i < g->send_count[k]; i++) g->exchange_link[k].out[i] = x[g->send[k][i]];
     comm_exchange_start(g->exchange, 1);
+}
+
+static inline void mg_receive(void *context, double *x) {
+    struct mg_grid *g = context;
     comm_exchange_finish(g->exchange);
     for (int k = 0, to = g->rows.rows; k < g->nlinks; k++)
         for (long i = 0; i < g->ghost_count[k]; i++) x[to++] = g->exchange_link[k].in[i];
@@ -173,7 +177,8 @@ static inline void mg_open(struct mg_grid *g, const struct mg_case *o, const str
     g->rows.link = g->link;
     g->rows.weight = g->weight;
     g->rows.diagonal = g->diagonal;
-    g->rows.fill = mg_fill;
+    g->rows.send = mg_send;
+    g->rows.receive = mg_receive;
     g->rows.context = g;
     if (comm_exchange_make(c, g->nlinks, g->exchange_link, &g->exchange)) abort();
 }

@@ -33,7 +33,10 @@ static double root_of_all(const struct comm *c, double mine) {
 /* Has sqrt(r' r/d) of r = b - A x fallen by `reduction`, but for the round-off of A x? */
 static void assert_fallen(const struct mg_grid *g, double *x, double reduction) {
     double left = 0, start = 0, size = 0;
-    if (comm_size(world) > 1) g->rows.fill(g->rows.context, x);
+    if (comm_size(world) > 1) {
+        g->rows.send(g->rows.context, x);
+        g->rows.receive(g->rows.context, x);
+    }
     for (int i = 0; i < g->rows.rows; i++) {
         double r = g->b[i] - g->diagonal[i] * x[i];
         for (int k = g->link_first[i]; k < g->link_first[i + 1]; k++) r += g->weight[k] * x[g->link[k]];
