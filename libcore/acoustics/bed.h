@@ -76,12 +76,10 @@ struct bed {
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     const struct bed_shapes *shapes;
     double limit; /* kg/m^3: densities stay below it */
-    double share; /* what a cell of the mesh takes in the rest of a step, of what a cell of the bed takes in addition */
 
     /* The cells of this rank, block by block (tile by tile), then ghosts: cells of other ranks. Set by the caller after
      * bed_size whenever the set changes. */
     int blocks, cells, ghosts, faces;
-    long moving; /* cells of this rank's mesh that the rest of a step has to do with: who has less works on more */
     int *first, *number; /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
     int *body, *shape;   /* [cells + ghosts], [faces] shapes */
     int *left, *right;   /* [faces] cell or ghost on either side; -1: none of the bed */

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The deal of a bed. A bed lies where gravity puts it, perhaps in the tiles of one rank. So its blocks are dealt to all
  * ranks by the number of their cells, whoever owns the cells of the mesh: each rank is home to the cells of its own
- * mesh, and works on those that it is dealt, which are a bed of their own with ghosts of their own. Lists go out from
- * home when the set has changed, states in every step; results come back. As blocks stay whole the bits of a step do
- * not depend on the deal. A face between the cells of two homes is there twice, also if one rank works on both cells.
+ * mesh, and works on those that it is dealt, which are a bed of their own with ghosts of their own. All get alike
+ * many: the stages of the rest and the bed's step have sums of all ranks between them, so that a rank that has less of
+ * the one cannot make up for it in the other. Lists go out from home when the set has changed, states in every step;
+ * results come back. As blocks stay whole the bits of a step do not depend on the deal. A face between the cells of two
+ * homes is there twice, also if one rank works on both cells.
  */
 #include "libcore/acoustics/bed_private.h"
+#include "libcore/acoustics/room.h"
 
 #include <stdlib.h>
 
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
-enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS };
-
-/* What a cell of the bed takes its home, of what it takes the rank that works on it: measured in cases/heap2D. */
-static const double HOME = 0.2;
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 5 };
 
 struct bed_deal {
     struct bed worker;                 /* the cells that this rank is dealt */
@@ -24,11 +24,10 @@ struct bed_deal {
     int *count_out, *count_in;         /* [ranks] lengths of messages */
     int (*out)[COUNTS], (*in)[COUNTS]; /* [ranks] what this home deals to each rank; what each home deals here */
     int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who works on it */
-    double *load, *quota;              /* [ranks] of each rank; the cells that it shall work on */
     int *face;                         /* [sum of out[FACES]] this home's faces in the order in which they go out */
     double *message_out, *message_in;  /* of a step */
     struct bed_shapes shapes;          /* of worker, unless cells are boxes: a shape for each cell and each face */
-    double *geometry;                  /* their memory */
+    struct room room[ROOMS];           /* the memory of a set of cells */
 };
 
 static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
@@ -37,21 +36,12 @@ static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
     return sum;
 }
 
-/* Forgets what belongs to one set of cells. */
-static void forget(struct bed_deal *d) {
-    void *memory[] = {d->size, d->face, d->message_out, d->geometry};
-    for (size_t i = 0; i < sizeof memory / sizeof *memory; i++) free(memory[i]);
-    d->size = d->face = NULL;
-    d->message_out = d->geometry = NULL;
-}
-
 void bed_deal_free(struct bed_deal *d) {
     if (!d) return;
-    forget(d);
+    room_forget(d->room, ROOMS);
     bed_free(&d->worker);
     free(d->cell_first);
     free(d->out);
-    free(d->load);
     free(d);
 }
 
@@ -70,9 +60,7 @@ status bed_deal_make(struct bed *b) {
     d->count_out = d->block_count + ranks;
     d->count_in = d->count_out + ranks;
     TRY(allocate(&d->out, 2L * ranks, sizeof *d->out, "the bed"));
-    TRY(allocate(&d->load, 2L * ranks, sizeof(double), "the bed"));
     d->in = d->out + ranks;
-    d->quota = d->load + ranks;
     TRY(allocate(&d->worker.lines, 1, sizeof *d->worker.lines, "the bed"));
     return multigrid_make(b->comm, &d->worker.multigrid);
 }
@@ -87,37 +75,12 @@ status bed_number(struct bed *b, int cells, long *first) {
 
 /* ---- the lists ---- */
 
-/* Finds the quotas, which with the loads shall make all ranks alike; ranks with more than that get none. */
-static void find_quotas(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    const int ranks = comm_size(b->comm);
-    double level = HUGE_VAL, before;
-    for (int r = 0; r < ranks; r++) {
-        d->scratch[r] = 1;
-        d->count_out[r] = r;
-    }
-    const double load = b->share * (double)b->moving + HOME * b->cells;
-    comm_share(b->comm, &load, d->scratch, d->count_out, d->load);
-    do {
-        double sum = d->cell_first[ranks];
-        int sharing = 0;
-        before = level;
-        for (int r = 0; r < ranks; r++)
-            if (d->load[r] < before) {
-                sum += d->load[r];
-                sharing++;
-            }
-        level = sum / sharing;
-    } while (level < before);
-    for (int r = 0; r < ranks; r++) d->quota[r] = larger(level - d->load[r], 0);
-}
-
 /* Learns of the blocks of all ranks. */
 static status share_blocks(struct bed *b) {
     struct bed_deal *d = b->deal;
     TRY(comm_share_count(b->comm, b->blocks, d->block_count, d->block_first));
     const int blocks = d->block_first[comm_size(b->comm)];
-    TRY(comm_agree(b->comm, allocate(&d->size, 3L * blocks + 1, sizeof(int), "the bed")));
+    TRY(comm_agree(b->comm, room_grow(&d->room[0], 3L * blocks + 1, sizeof(int), &d->size)));
     d->number = d->size + blocks;
     d->rank = d->number + blocks;
     for (int i = 0; i < b->blocks; i++) d->rank[i] = b->first[i + 1] - b->first[i];
@@ -126,15 +89,16 @@ static status share_blocks(struct bed *b) {
     return OK;
 }
 
-/* Deals the blocks of all ranks in the order of their homes, each to the rank whose quota its middle lies in. */
+/* Deals the blocks of all ranks in the order of their homes, each to the rank in whose part of all cells its middle
+ * lies. */
 static void deal_blocks(struct bed *b) {
     struct bed_deal *d = b->deal;
     const int ranks = comm_size(b->comm);
-    double end = d->quota[0];
+    const double part = (double)d->cell_first[ranks] / ranks;
     int r = 0, before = 0;
     d->work_first[0] = 0;
     for (int j = 0; j < d->block_first[ranks]; before += d->size[j++]) {
-        for (; r < ranks - 1 && before + 0.5 * d->size[j] > end; end += d->quota[r]) d->work_first[++r] = before;
+        while (r < ranks - 1 && before + 0.5 * d->size[j] > (r + 1) * part) d->work_first[++r] = before;
         d->rank[j] = r;
     }
     while (r < ranks) d->work_first[++r] = before;
@@ -260,9 +224,8 @@ static status make_geometry(struct bed *b) {
     w->balanced = b->balanced;
     if (b->shapes->boxes) return OK;
     w->shapes = &d->shapes;
-    TRY(allocate(&d->geometry, cells + (3L + 3 * b->dim) * w->faces, sizeof(double), "the bed"));
-    d->shapes.volume = d->geometry;
-    next = d->geometry + cells;
+    TRY(room_grow(&d->room[1], cells + (3L + 3 * b->dim) * w->faces, sizeof(double), &d->shapes.volume));
+    next = d->shapes.volume + cells;
     d->shapes.area = next;
     for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += w->faces;
     for (int k = 0; k < b->dim; k++) {
@@ -342,7 +305,7 @@ static status make_messages(struct bed *b) {
         out += (long)most[k] * sum_of(b, d->out, k);
         in += (long)most[k] * sum_of(b, d->in, k);
     }
-    TRY(allocate(&d->message_out, 2 * (out + in), sizeof(double), "the bed"));
+    TRY(room_grow(&d->room[2], 2 * (out + in), sizeof(double), &d->message_out));
     d->message_in = d->message_out + out + in;
     return OK;
 }
@@ -375,19 +338,15 @@ static status deal_out(struct bed *b, int *scratch, const double *number) {
 
 status bed_link(struct bed *b, const double *number) {
     struct bed_deal *d = b->deal;
-    int *scratch = NULL;
+    int *scratch;
     if (!d) return OK;
-    forget(d);
     TRY(share_blocks(b));
-    find_quotas(b);
     deal_blocks(b);
     const long sides = b->face_start[b->cells];
-    status s = allocate(&d->face, 2L * sides, sizeof(int), "the bed");
-    if (!s) s = allocate(&scratch, 2L * b->faces + sides, sizeof(int), "the bed");
-    s = comm_agree(b->comm, s);
-    if (!s) s = deal_out(b, scratch, number);
-    free(scratch);
-    return s;
+    status s = room_grow(&d->room[3], 2L * sides, sizeof(int), &d->face);
+    if (!s) s = room_grow(&d->room[4], 2L * b->faces + sides, sizeof(int), &scratch);
+    TRY(comm_agree(b->comm, s));
+    return deal_out(b, scratch, number);
 }
 
 /* ---- states and results ---- */

@@ -125,11 +125,11 @@ static void list_members(struct level *l, int parts) {
 status multigrid_aggregate(struct level *l, int passes, struct level *to) {
     const long n = l->rows;
     struct groups s = {.l = l};
-    TRY(multigrid_grow(&l->room[9], n + l->ghosts, sizeof(int), &l->part));
-    TRY(multigrid_grow(&l->room[10], 2 * n + 1, sizeof(int), &l->member_first));
-    TRY(multigrid_grow(&l->room[11], 7 * n, sizeof(int), &s.group));
-    TRY(multigrid_grow(&l->room[12], 2 * n, sizeof(double), &s.coupling));
-    TRY(multigrid_grow(&to->room[13], l->blocks + 1L, sizeof(int), &to->block));
+    TRY(room_grow(&l->room[9], n + l->ghosts, sizeof(int), &l->part));
+    TRY(room_grow(&l->room[10], 2 * n + 1, sizeof(int), &l->member_first));
+    TRY(room_grow(&l->room[11], 7 * n, sizeof(int), &s.group));
+    TRY(room_grow(&l->room[12], 2 * n, sizeof(double), &s.coupling));
+    TRY(room_grow(&to->room[13], l->blocks + 1L, sizeof(int), &to->block));
     s.sum = s.coupling + n;
     s.next = s.group + n;
     s.last = s.next + n;

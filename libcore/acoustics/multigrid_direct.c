@@ -4,9 +4,9 @@
 
 status multigrid_direct_lay(const struct level *l, struct direct *d) {
     d->rows = l->rows;
-    TRY(multigrid_grow(&d->room[0], l->rows, sizeof(int), &d->low));
-    TRY(multigrid_grow(&d->room[1], l->rows + 1, sizeof(long), &d->start));
-    TRY(multigrid_grow(&d->room[2], l->rows, sizeof(double), &d->inverse));
+    TRY(room_grow(&d->room[0], l->rows, sizeof(int), &d->low));
+    TRY(room_grow(&d->room[1], l->rows + 1, sizeof(long), &d->start));
+    TRY(room_grow(&d->room[2], l->rows, sizeof(double), &d->inverse));
     d->start[0] = 0;
     for (int i = 0; i < l->rows; i++) {
         int low = i;
@@ -15,7 +15,7 @@ status multigrid_direct_lay(const struct level *l, struct direct *d) {
         d->low[i] = low;
         d->start[i + 1] = d->start[i] + i - low;
     }
-    return multigrid_grow(&d->room[3], d->start[l->rows], sizeof(double), &d->entry);
+    return room_grow(&d->room[3], d->start[l->rows], sizeof(double), &d->entry);
 }
 
 static double dot(int n, const double *a, const double *b) {

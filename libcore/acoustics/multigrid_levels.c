@@ -2,24 +2,6 @@
 /* Makes a matrix of sums over aggregates (Galerkin's with constants): first its pattern, then its numbers. */
 #include "libcore/acoustics/multigrid_private.h"
 
-#include <stdlib.h>
-
-status multigrid_grow(struct room *room, long count, long size, void *out) {
-    if (count * size > room->bytes || !room->data) {
-        const long bytes = count * size + count * size / 4;
-        free(room->data);
-        *room = (struct room){NULL, 0};
-        TRY(allocate(&room->data, bytes, 1, "a multigrid"));
-        room->bytes = bytes;
-    }
-    memcpy(out, &room->data, sizeof room->data);
-    return OK;
-}
-
-void multigrid_forget(struct room *room, int n) {
-    for (int i = 0; i < n; i++) free(room[i].data);
-}
-
 struct matrix multigrid_matrix(const struct level *l) {
     return (struct matrix){.rows = l->rows,
                            .ghosts = l->ghosts,
@@ -86,19 +68,19 @@ static void lay_rows(const struct matrix *a, const struct level *fine, struct le
 status multigrid_lay(const struct matrix *a, const struct level *fine, struct level *to) {
     struct marks k = {0};
     const long links = a->first[a->stride * a->rows], columns = (long)to->rows + to->ghosts;
-    TRY(multigrid_grow(&to->room[0], links, sizeof(int), &to->map));
-    TRY(multigrid_grow(&to->room[1], 3L * to->rows + 1, sizeof(int), &to->first));
-    TRY(multigrid_grow(&to->room[2], links, sizeof(int), &to->link));
-    TRY(multigrid_grow(&to->room[3], links, sizeof(double), &to->weight));
-    TRY(multigrid_grow(&to->room[4], 3L * to->rows, sizeof(double), &to->excess));
+    TRY(room_grow(&to->room[0], links, sizeof(int), &to->map));
+    TRY(room_grow(&to->room[1], 3L * to->rows + 1, sizeof(int), &to->first));
+    TRY(room_grow(&to->room[2], links, sizeof(int), &to->link));
+    TRY(room_grow(&to->room[3], links, sizeof(double), &to->weight));
+    TRY(room_grow(&to->room[4], 3L * to->rows, sizeof(double), &to->excess));
     to->diagonal = to->excess + to->rows;
     to->inverse = to->diagonal + to->rows;
-    TRY(multigrid_grow(&to->room[5], to->rows, sizeof(int), &to->edge));
-    TRY(multigrid_grow(&to->room[6], 2 * columns + links, sizeof(int), &k.stamp));
+    TRY(room_grow(&to->room[5], to->rows, sizeof(int), &to->edge));
+    TRY(room_grow(&to->room[6], 2 * columns + links, sizeof(int), &k.stamp));
     k.slot = k.stamp + columns;
     k.found = k.slot + columns;
     lay_rows(a, fine, to, &k);
-    TRY(multigrid_grow(&to->room[7], 2L * to->edges, sizeof(double), &to->damp));
+    TRY(room_grow(&to->room[7], 2L * to->edges, sizeof(double), &to->damp));
     to->kept = to->damp + to->edges;
     return OK;
 }
@@ -140,7 +122,7 @@ void multigrid_smoother(struct level *l, const double *diagonal) {
 
 status multigrid_vectors(struct level *l) {
     const long n = ((long)l->rows + l->ghosts + 7) / 8 * 8;
-    TRY(multigrid_grow(&l->room[8], 4 * n, sizeof(double), &l->r));
+    TRY(room_grow(&l->room[8], 4 * n, sizeof(double), &l->r));
     l->x = l->r + n;
     l->c = l->x + n;
     l->v = l->c + n;

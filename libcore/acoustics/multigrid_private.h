@@ -4,6 +4,7 @@
 #define LIBCORE_MULTIGRID_PRIVATE_H
 
 #include "libcore/acoustics/multigrid.h"
+#include "libcore/acoustics/room.h"
 #include "libcore/models/kernel.h"
 
 enum {
@@ -13,14 +14,6 @@ enum {
     ROOMS = 20
 };
 enum { INSIDE = -1, DROPPED = -2 }; /* links and rows that the coarser matrix does not have */
-
-/* Memory that grows by need. When it grows its content is lost. */
-struct room {
-    void *data;
-    long bytes;
-};
-status multigrid_grow(struct room *room, long count, long size, void *out);
-void multigrid_forget(struct room *room, int n);
 
 /* A matrix as another is made from it: row i has the links first[stride i] to first[stride (i + 1)] - 1. */
 struct matrix {

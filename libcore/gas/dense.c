@@ -22,9 +22,6 @@ static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
 static const double HARD = 0.98;
-/* What a cell of the mesh takes in a step, of what a cell of the bed takes in addition: measured in cases/heap2D, and
- * in cases/hopper, which has transport. */
-static const double SHARE = 0.35, VISCOUS_SHARE = 1;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
@@ -47,8 +44,7 @@ status dense_make(struct gas *g) {
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
                           .components = g->components,
-                          .limit = g->limit,
-                          .share = m->transport ? VISCOUS_SHARE : SHARE};
+                          .limit = g->limit};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);

@@ -113,14 +113,27 @@ struct ringing { /* marks the ring around the parts above `level` */
     bool found;
 };
 
+KERNEL static void bed_around(int n, const double *restrict below, const double *restrict above,
+                              double *restrict most) {
+    for (int i = 0; i < n; i++) most[i] = larger(most[i], larger(below[i], above[i]));
+}
+
+/* Gives `level` to those of n <= BATCH cells without a part beside which there is more than `least`; returns the
+ * greatest part. */
+KERNEL static double bed_ring(int n, double least, double level, const double *restrict most, double *restrict part) {
+    double found = 0;
+    for (int i = 0; i < n; i++) {
+        part[i] = select_double(part[i] == 0 && most[i] > least, level, part[i]);
+        found = larger(found, part[i]);
+    }
+    return found;
+}
+
 static void ring_visit(void *ringing, long offset, int n) {
     struct ringing *r = ringing;
-    for (int i = 0; i < n; i++) {
-        double *part = r->part + offset + i, most = 0;
-        for (int k = 0; k < r->dim; k++) most = larger(most, larger(part[-r->f->stride[k]], part[r->f->stride[k]]));
-        if (*part == 0 && most > (r->level == BED_FROZEN ? BED_DENSE : r->level)) *part = r->level;
-        r->found |= *part > 0;
-    }
+    double *part = r->part + offset, most[BATCH] = {0};
+    for (int k = 0; k < r->dim; k++) bed_around(n, part - r->f->stride[k], part + r->f->stride[k], most);
+    r->found |= bed_ring(n, r->level == BED_FROZEN ? BED_DENSE : r->level, r->level, most, part) > 0;
 }
 
 /* Has a tile without cells of the bed a neighbour's in its ghosts? */
@@ -242,10 +255,9 @@ static int block_number(const struct forest *f, int tile, int block) {
 struct listing { /* counts or lists the cells of a tile */
     const struct gas *g;
     const double *part;
-    double *number;           /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
-    struct seat *seat, *face; /* [cells], then [ghosts]; [faces] */
-    int tile, count, frozen, block,
-        *block_end; /* block_end: the cells up to the end of each block; NULL: are not counted */
+    double *number;                     /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
+    struct seat *seat, *face;           /* [cells], then [ghosts]; [faces] */
+    int tile, count, block, *block_end; /* block_end: the cells up to the end of each block; NULL: are not counted */
     double first;
 };
 
@@ -258,25 +270,20 @@ static void list_visit(void *listing, long offset, int n) {
         if (l->number) l->number[offset + i] = l->first + l->count;
         if (l->seat) l->seat[l->count] = (struct seat){l->tile, offset + i};
         l->count++;
-        l->frozen += l->part[offset + i] >= BED_FROZEN;
     }
     if (l->block_end) l->block_end[l->block + row / BLOCK_ROWS] = l->count;
 }
 
-static int count_cells(const struct gas *g, int *blocks, long *moving) {
+static int count_cells(const struct gas *g, int *blocks) {
     const struct forest *f = g->forest;
     struct listing l = {.g = g};
     *blocks = 0;
-    *moving = 0;
     for (int t = 0; t < f->ntiles; t++) {
-        const int *n = f->tile[t].n;
-        *moving += (long)n[0] * n[1] * n[2];
         if (!g->tiles->bed->holds[t]) continue;
         l.part = g->dense->part[t];
         runs_visit(f, &f->tile[t], 0, list_visit, &l);
         *blocks += blocks_of_tile(g, t);
     }
-    *moving -= l.frozen;
     return l.count;
 }
 
@@ -399,7 +406,7 @@ static status make_fluxes(struct gas *g) {
 static status list_here(struct gas *g) {
     struct bed *bed = &g->dense->bed;
     int blocks;
-    const int cells = count_cells(g, &blocks, &bed->moving);
+    const int cells = count_cells(g, &blocks);
     const long faces = (long)g->dim * cells * 2;
     TRY(make_fluxes(g));
     TRY(make_seats(g, cells, faces));

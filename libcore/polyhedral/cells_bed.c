@@ -199,7 +199,6 @@ static void seat_cells(struct gas *g) {
             if (part[m->block_cell[j]] > 0) b->seat[n++] = m->block_cell[j];
     }
     bed->first[m->nblocks] = n;
-    bed->moving = m->nown;
     for (int i = 0; i < m->ncells; i++) b->index[i] = -1;
     for (int i = 0; i < n; i++) b->index[b->seat[i]] = i;
     for (int i = 0; i < bed->cells; i++)
