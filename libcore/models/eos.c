@@ -50,19 +50,32 @@ double density_limit(const struct eos *eos, const struct material *m) {
  *   nu G' = G (1 + a x/(1 - x)), c^2 = T [A + rho A' + (gamma - 1) A^2], rho A' = 2(1+e) nu G'
  * The A' that Serna & Marquina print lacks the factor 2 (docs/physics.md S1); `printed_sound` puts that A' into c
  * alone. */
-static inline double gs_x(double nu, double inverse_max, double a) {
-    double x = power(nu * inverse_max + 1e-200, a); /* 1e-200 allows nu = 0: x is then too small to matter */
-    return smaller(x, LAST_DIGIT);
+struct gs { /* nu = k rho; 1/nu_max; the exponent of x */
+    double k, inverse_max, a;
+};
+ALWAYS_INLINE struct gs gs_of(const struct material *m) {
+    return (struct gs){packing_per_density(m), 1 / m->alpha_max, 4. / 3 * m->alpha_max};
+}
+/* Computes ln x in a loop of its own: a processor keeps some hundred operations in hand that wait for others, and the
+ * chain from rho to p is longer than what these overlap. */
+ALWAYS_INLINE void gs_logarithms(struct gs e, int n, const double *restrict rho, double *restrict log_x) {
+    for (int i = 0; i < n; i++) /* 1e-200 allows nu = 0: x is then too small to matter */
+        log_x[i] = e.a * logarithm(e.k * rho[i] * e.inverse_max + 1e-200);
+}
+ALWAYS_INLINE double gs_x(double log_x) {
+    return smaller(exponential(log_x), LAST_DIGIT);
 }
 
 KERNEL static void gs_state(const struct material *m, int n, const double *restrict rho, const double *restrict eps,
                             double *restrict p, double *restrict c2, double *restrict gruneisen) {
-    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
+    const struct gs e = gs_of(m);
     const double pairs = 2 * (1 + m->restitution), slope = m->printed_sound ? 0.5 : 1, g1 = m->gamma - 1;
+    ALIGNED double log_x[BATCH];
+    gs_logarithms(e, n, rho, log_x);
     for (int i = 0; i < n; i++) {
-        double nu = k * rho[i], x = gs_x(nu, inverse_max, a), inverse = 1 / (1 - x);
+        double nu = e.k * rho[i], x = gs_x(log_x[i]), inverse = 1 / (1 - x);
         double G = nu * inverse, dense = pairs * G, A = 1 + dense, T = g1 * eps[i];
-        double rho_dA = slope * dense * fma(a * x, inverse, 1);
+        double rho_dA = slope * dense * fma(e.a * x, inverse, 1);
         p[i] = rho[i] * T * A;
         c2[i] = T * fma(g1 * A, A, A + rho_dA);
         gruneisen[i] = g1 * A;
@@ -70,18 +83,19 @@ KERNEL static void gs_state(const struct material *m, int n, const double *restr
 }
 
 KERNEL static void gs_contact(const struct material *m, int n, const double *restrict rho, double *restrict contact) {
-    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
-    for (int i = 0; i < n; i++) {
-        double nu = k * rho[i];
-        contact[i] = nu / (1 - gs_x(nu, inverse_max, a));
-    }
+    const struct gs e = gs_of(m);
+    ALIGNED double log_x[BATCH];
+    gs_logarithms(e, n, rho, log_x);
+    for (int i = 0; i < n; i++) contact[i] = e.k * rho[i] / (1 - gs_x(log_x[i]));
 }
 
 KERNEL static void gs_slope(const struct material *m, int n, const double *restrict rho, double *restrict steep) {
-    const double k = packing_per_density(m), inverse_max = 1 / m->alpha_max, a = 4. / 3 * m->alpha_max;
+    const struct gs e = gs_of(m);
+    ALIGNED double log_x[BATCH];
+    gs_logarithms(e, n, rho, log_x);
     for (int i = 0; i < n; i++) {
-        double nu = k * rho[i], x = gs_x(nu, inverse_max, a), inverse = 1 / (1 - x);
-        steep[i] = nu * inverse * fma(a * x, inverse, 1);
+        double x = gs_x(log_x[i]), inverse = 1 / (1 - x);
+        steep[i] = e.k * rho[i] * inverse * fma(e.a * x, inverse, 1);
     }
 }
 
