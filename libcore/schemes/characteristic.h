@@ -10,6 +10,16 @@
 enum { MINUS, ENTROPY, PLUS, FAMILIES }; /* families of fields by their speeds: u - c; u (entropy and shears); u + c */
 #define UPWIND_LEFT  (-1.)
 #define UPWIND_RIGHT (-2.)
+/* What faces have in common: bit k is set where some of them split the fields of family k; where none does, whether all
+ * fields of all of them come from one side. */
+enum faces_kind {
+    SPLIT_MINUS = 1 << MINUS,
+    SPLIT_ENTROPY = 1 << ENTROPY,
+    SPLIT_PLUS = 1 << PLUS,
+    SPLITS = SPLIT_MINUS | SPLIT_ENTROPY | SPLIT_PLUS,
+    ALL_LEFT = 8,
+    ALL_RIGHT = 16
+};
 
 struct bases { /* eigenbases of faces, as lines; b1 and b2 (docs/physics.md 6.1) are halved */
     ALIGNED double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
@@ -195,28 +205,37 @@ ALWAYS_INLINE double side_value(face_value *value, double speed, double side, do
     return speed == (side > 0 ? UPWIND_RIGHT : UPWIND_LEFT) ? 0 : v;
 }
 
-/* Computes the amplitudes at faces that split fields on one basis: the parts of both sides. */
-ALWAYS_INLINE void split(const int dim, const bool balanced, face_value *value, int from, int to, const struct faces *f,
-                         const struct bases *restrict b, const struct winds *restrict w, double (*restrict a)[BATCH]) {
+/* Computes the amplitudes at faces that split fields on one basis: of the families of `splits` the parts of both sides,
+ * of the others their upwind sides. Where one family of sound alone is split, that is the family `first`, which takes
+ * the place of MINUS: with 1/c of the other sign both change places, to the bit. */
+ALWAYS_INLINE void split(const int dim, const bool balanced, face_value *value, const int splits, int from, int to,
+                         int first, const struct faces *f, const struct bases *restrict b,
+                         const struct winds *restrict w, double (*restrict a)[BATCH]) {
     const struct lines q = lines_of(f, dim, 0);
     const long stride = f->stride;
+    const double *first_speed = w->speed[first], *last_speed = w->speed[PLUS - first], sign = 1 - first;
+    double *first_a = a[first == MINUS ? 0 : dim + 1], *last_a = a[first == MINUS ? dim + 1 : 0];
 #define BOTH(speed, field)                                                                                             \
     (side_value(value, speed, 1, LEFT_OF(phi, field), LEFT_OF(state, field)) +                                         \
      side_value(value, speed, -1, RIGHT_OF(phi, field), RIGHT_OF(state, field)))
+#define FIELD(family, speed, field)                                                                                    \
+    (splits & (family) ? BOTH(speed, field) : upwind_value(value, from_right(speed), ALL_OF(phi, field)))
     EACH_ALONE
     for (int i = from; i < to; i++) {
-        const struct rows l = rows_at(dim, b, i);
+        struct rows l = rows_at(dim, b, i);
+        if (splits != SPLITS) l.half_inverse_c *= sign;
         const struct rest rest = rest_at(balanced, f, i, stride);
         const struct fields phi[6] = PROJECT_STENCIL(dim, l, q.flux, i, stride, rest);
         const struct fields state[6] = PROJECT_STENCIL(dim, l, q.state, i, stride, NO_REST);
-        double minus = w->speed[MINUS][i], entropy = w->speed[ENTROPY][i], plus = w->speed[PLUS][i];
-        a[0][i] = BOTH(minus, minus);
-        a[1][i] = BOTH(entropy, entropy);
-        if (dim > 1) a[2][i] = BOTH(entropy, shear[0]);
-        if (dim > 2) a[3][i] = BOTH(entropy, shear[1]);
-        a[dim + 1][i] = BOTH(plus, plus);
+        double entropy = w->speed[ENTROPY][i];
+        first_a[i] = FIELD(SPLIT_MINUS, first_speed[i], minus);
+        a[1][i] = FIELD(SPLIT_ENTROPY, entropy, entropy);
+        if (dim > 1) a[2][i] = FIELD(SPLIT_ENTROPY, entropy, shear[0]);
+        if (dim > 2) a[3][i] = FIELD(SPLIT_ENTROPY, entropy, shear[1]);
+        last_a[i] = FIELD(SPLIT_PLUS, last_speed[i], plus);
     }
 #undef BOTH
+#undef FIELD
 }
 
 /* Computes the part of the amplitudes that comes from one side (+1: from the left, -1: from the right). */

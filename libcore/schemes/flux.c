@@ -27,24 +27,33 @@ KERNEL static void find_winds(int n, const double *restrict ul, const double *re
     }
 }
 
-/* Does any of n faces split a field? The speed of a field that is not split is negative, so that its sign bit is
- * set. */
-ALWAYS_INLINE bool any_split(int n, const struct winds *restrict w, int from) {
-    uint64_t signs = ~(uint64_t)0;
-    for (int i = from; i < from + n; i++)
-        signs &= bits_of(w->speed[MINUS][i]) & bits_of(w->speed[ENTROPY][i]) & bits_of(w->speed[PLUS][i]);
-    return signs >> 63 == 0;
+/* Returns what n faces have in common (enum faces_kind). The speed of a field that is not split is negative, so that
+ * its sign bit is set, and bit 62 tells UPWIND_RIGHT from UPWIND_LEFT: the bits of all faces are joined by `and`. */
+ALWAYS_INLINE int kind_of(int n, const struct winds *restrict w, int from) {
+    uint64_t all = ~(uint64_t)0;
+    for (int i = from; i < from + n; i++) {
+        const uint64_t minus = bits_of(w->speed[MINUS][i]), plus = bits_of(w->speed[PLUS][i]);
+        const uint64_t entropy = bits_of(w->speed[ENTROPY][i]);
+        all &= minus >> 63 << MINUS | entropy >> 63 << ENTROPY | plus >> 63 << PLUS | (~minus >> 62 & 1) << 3 |
+               (plus >> 62 & 1) << 4;
+    }
+    const int splits = (int)(~all & SPLITS), side = (int)(all & (ALL_LEFT | ALL_RIGHT));
+    return splits ? splits : side;
 }
 
-static bool group_splits(int n, const struct winds *w, int from) {
-    return n - from >= GROUP ? any_split(GROUP, w, from) : any_split(n - from, w, from);
+ALWAYS_INLINE int kind_of_group(int n, const struct winds *w, int from) {
+    return n - from >= GROUP ? kind_of(GROUP, w, from) : kind_of(n - from, w, from);
 }
 
-/* Returns the end of the run of groups of one kind that starts at face `from`; *splits: do its faces split fields? */
-KERNEL static int run_end(int n, const struct winds *w, int from, bool *splits) {
+/* Finds the kinds of all groups of a batch, as far as `known` tells them apart. */
+KERNEL static void find_kinds(int n, const struct winds *w, int known, int *restrict kind) {
+    for (int from = 0; from < n; from += GROUP) kind[from / GROUP] = known & kind_of_group(n, w, from);
+}
+
+/* Returns the end of the run of groups of one kind that starts at face `from`. */
+static int run_end(int n, const int *kind, int from) {
     int end = from + GROUP;
-    *splits = group_splits(n, w, from);
-    while (end < n && group_splits(n, w, end) == *splits) end += GROUP;
+    while (end < n && kind[end / GROUP] == kind[from / GROUP]) end += GROUP;
     return end < n ? end : n;
 }
 
@@ -167,7 +176,7 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
         const double most = larger(fabs(u[0]) + c[0], fabs(u[f->stride]) + c[f->stride]);
         fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
     }
-    (r->reach > 0 ? reconstruct_find("PHM") : r)->split(from, to, f, b, &fast, calm);
+    (r->reach > 0 ? reconstruct_find("PHM") : r)->split(from, to, SPLIT_ENTROPY, f, b, &fast, calm);
     for (int i = from; i < to; i++) a[ENTROPY][i] = shock[i] > 0 ? calm[ENTROPY][i] : a[ENTROPY][i];
 }
 
@@ -176,12 +185,13 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
                       const struct rules *rules) {
     struct bases b;
     ALIGNED double a[MAX_VAR][BATCH];
+    int kind[BATCH / GROUP];
     common_bases(f, w, &b);
+    find_kinds(f->n, w, SPLITS, kind);
     for (int from = 0, to; from < f->n; from = to) {
-        bool splits;
-        to = run_end(f->n, w, from, &splits);
-        if (splits)
-            r->split(from, to, f, &b, w, a);
+        to = run_end(f->n, kind, from);
+        if (kind[from / GROUP])
+            r->split(from, to, kind[from / GROUP], f, &b, w, a);
         else
             r->upwind(from, to, f, &b, w, a);
     }
@@ -269,17 +279,20 @@ struct two_bases { /* states and bases to the left (0) and to the right (1) of t
     struct winds w;
 };
 
-/* Computes the fluxes of faces from .. to - 1 that split no field: each field comes from one side. */
+/* Computes the fluxes of faces from .. to - 1 that split no field: each field comes from one side, all from the left or
+ * all from the right if the faces' kind says so. */
 static void upwind_apart(int from, int to, const struct faces *f, const struct reconstruct *r,
-                         const struct two_bases *t) {
+                         const struct two_bases *t, int kind) {
     ALIGNED double left[MAX_VAR][BATCH], right[MAX_VAR][BATCH];
-    const bool lefts = side_needed(&t->w, from, to, UPWIND_RIGHT), rights = side_needed(&t->w, from, to, UPWIND_LEFT);
-    if (lefts && rights)
-        r->apart(from, to, f, t->b, &t->w, left, right);
-    else
-        r->upwind(from, to, f, &t->b[rights], &t->w, lefts ? left : right);
-    if (lefts) project_back(f->dim, from, to, &t->b[0], left, false, f->out);
-    if (rights) project_back(f->dim, from, to, &t->b[1], right, lefts, f->out);
+    if (kind) {
+        const struct bases *b = &t->b[kind == ALL_RIGHT];
+        r->upwind(from, to, f, b, &t->w, left);
+        project_back(f->dim, from, to, b, left, false, f->out);
+        return;
+    }
+    r->apart(from, to, f, t->b, &t->w, left, right);
+    project_back(f->dim, from, to, &t->b[0], left, false, f->out);
+    project_back(f->dim, from, to, &t->b[1], right, true, f->out);
 }
 
 /* The same of faces that split fields. */
@@ -298,15 +311,19 @@ static void split_apart(int from, int to, const struct faces *f, const struct re
 static void two_bases_flux(const struct faces *f, const struct eos *eos, const struct material *m,
                            const struct reconstruct *r, struct two_bases *t) {
     const struct bases *b = t->b;
+    int kind[BATCH / GROUP];
     for (int s = 0; s < 2; s++) {
         flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
+    find_kinds(f->n, &t->w, SPLITS | ALL_LEFT | ALL_RIGHT, kind);
     for (int from = 0, to; from < f->n; from = to) {
-        bool splits;
-        to = run_end(f->n, &t->w, from, &splits);
-        (splits ? split_apart : upwind_apart)(from, to, f, r, t);
+        to = run_end(f->n, kind, from);
+        if (kind[from / GROUP] & SPLITS)
+            split_apart(from, to, f, r, t);
+        else
+            upwind_apart(from, to, f, r, t, kind[from / GROUP]);
     }
 }
 

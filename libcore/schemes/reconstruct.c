@@ -138,10 +138,17 @@ ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], doub
         ALL_KINDS(upwind, value, from, to, f, b, w, a)                                                                 \
             KERNEL static void value##_apart(int from, int to, FACES, LINES(left), LINES(right))                       \
                 ALL_KINDS(apart, value, from, to, f, b, w, left, right)                                                \
-                    KERNEL static void value##_split(int from, int to, FACES, LINES(a))                                \
-                        ALL_KINDS(split, value, from, to, f, b, w, a)                                                  \
-                            KERNEL static void value##_sided(int from, int to, FACES, double side, LINES(a))           \
-                                ALL_KINDS(sided, value, from, to, f, b, w, side, a)
+                    KERNEL static void value##_split(int from, int to, int kind, FACES, LINES(a)) {                    \
+        const int first = kind == SPLIT_PLUS ? PLUS : MINUS;                                                           \
+        if (kind == SPLIT_ENTROPY)                                                                                     \
+            ALL_KINDS(split, value, SPLIT_ENTROPY, from, to, MINUS, f, b, w, a)                                        \
+        else if (kind == SPLIT_MINUS || kind == SPLIT_PLUS)                                                            \
+            ALL_KINDS(split, value, SPLIT_MINUS, from, to, first, f, b, w, a)                                          \
+        else                                                                                                           \
+            ALL_KINDS(split, value, SPLITS, from, to, MINUS, f, b, w, a)                                               \
+    }                                                                                                                  \
+    KERNEL static void value##_sided(int from, int to, FACES, double side, LINES(a))                                   \
+        ALL_KINDS(sided, value, from, to, f, b, w, side, a)
 LOOPS(phm)
 LOOPS(wpeno5)
 LOOPS(weno5)

@@ -20,13 +20,13 @@ struct reconstruct {
     /* Amplitudes a[field] of the nodal fluxes projected on the faces' eigenbases, for faces from <= i < to (all lines
      * are those of the batch). `upwind` is for faces that split no field, `apart` the same on two bases, b[0] of the
      * left, b[1] of the right, of which each field takes that of its side: it is 0 on the other. `split` is for faces
-     * that split fields on one basis. `sided` gives the part that comes from one side (+1: left, -1: right) of such
-     * faces. */
+     * that split no fields but those of `kind` (enum faces_kind) on one basis. `sided` gives the part that comes from
+     * one side (+1: left, -1: right) of such faces. */
     void (*upwind)(int from, int to, const struct faces *f, const struct bases *restrict b,
                    const struct winds *restrict w, double (*restrict a)[BATCH]);
     void (*apart)(int from, int to, const struct faces *f, const struct bases *restrict b,
                   const struct winds *restrict w, double (*restrict left)[BATCH], double (*restrict right)[BATCH]);
-    void (*split)(int from, int to, const struct faces *f, const struct bases *restrict b,
+    void (*split)(int from, int to, int kind, const struct faces *f, const struct bases *restrict b,
                   const struct winds *restrict w, double (*restrict a)[BATCH]);
     void (*sided)(int from, int to, const struct faces *f, const struct bases *restrict b,
                   const struct winds *restrict w, double side, double (*restrict a)[BATCH]);
