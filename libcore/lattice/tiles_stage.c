@@ -67,32 +67,33 @@ static void nodal_visit(void *context, long offset, int n) {
               g->tiles->work.velocity[pass->axis] + offset, g->tiles->work.p + offset, flux);
 }
 
-/* Faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program order, filled
- * from `column` on. */
-static struct faces faces_at(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
-                             int column) {
+/* Makes f the faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program
+ * order, filled from `column` on. Written where it stays: a copy of what was just written waits until the writes are
+ * done. */
+static void make_faces(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
+                       int column, struct faces *f) {
     const struct work *w = &g->tiles->work;
     const struct axis_lines *lines = &w->along[axis];
-    struct faces f = {.n = whole_vectors(n),
-                      .dim = g->components,
-                      .stride = g->forest->stride[axis],
-                      .p = w->p + offset,
-                      .eps = w->eps + offset,
-                      .c = w->c + offset,
-                      .gruneisen = w->gruneisen + offset,
-                      .falls = g->falls != NULL,
-                      .fastest = g->fastest[axis],
-                      .pace = w->pace[axis],
-                      .params = &g->models.flux_params};
+    memset(f, 0, sizeof *f);
+    f->n = whole_vectors(n);
+    f->dim = g->components;
+    f->stride = g->forest->stride[axis];
+    f->p = w->p + offset;
+    f->eps = w->eps + offset;
+    f->c = w->c + offset;
+    f->gruneisen = w->gruneisen + offset;
+    f->falls = g->falls != NULL;
+    f->fastest = g->fastest[axis];
+    f->pace = w->pace[axis];
+    f->params = &g->models.flux_params;
     for (int v = 0; v < g->nvar; v++) {
         int from = v; /* normal component first, the others in their order */
         if (v >= 1 && v <= g->components) from = v == 1 ? axis + 1 : v - 1 <= axis ? v - 1 : v;
-        f.state[v] = U + from * g->forest->size + offset;
-        f.flux[v] = v == 0 ? U + (axis + 1) * g->forest->size + offset : lines->flux[from] + offset - lines->origin;
-        f.out[v] = out[from] + column;
-        if (v >= 1 && v <= g->components) f.velocity[v - 1] = w->velocity[from - 1] + offset;
+        f->state[v] = U + from * g->forest->size + offset;
+        f->flux[v] = v == 0 ? U + (axis + 1) * g->forest->size + offset : lines->flux[from] + offset - lines->origin;
+        f->out[v] = out[from] + column;
+        if (v >= 1 && v <= g->components) f->velocity[v - 1] = w->velocity[from - 1] + offset;
     }
-    return f;
 }
 
 /* A limited face between two tiles is counted by the tile that holds its left cell. */
@@ -103,7 +104,8 @@ static bool is_counted(const struct gas *g, const struct strip *s, int i) {
 /* Limits the fluxes `out` through faces of flagged cells. */
 static void limit_flagged(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     double limited[MAX_VAR][BATCH], theta[BATCH];
-    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, limited, 0);
+    struct faces f;
+    make_faces(g, U, s->axis, s->offset, s->n, limited, 0, &f);
     const double *flag = g->tiles->flag[s->tile] + s->offset;
     bool any = false;
     for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
@@ -132,7 +134,8 @@ static void through(const struct gas *g, const struct strip *s, const struct fac
 static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
                            int column) {
     double lower[MAX_VAR][BATCH];
-    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, lower, 0);
+    struct faces f;
+    make_faces(g, U, s->axis, s->offset, s->n, lower, 0, &f);
     const double *rho = f.state[0];
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
@@ -144,7 +147,8 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
 }
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
-    struct faces f = faces_at(g, U, s->axis, s->offset, s->n, out, column);
+    struct faces f;
+    make_faces(g, U, s->axis, s->offset, s->n, out, column, &f);
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);

@@ -16,6 +16,12 @@ ALWAYS_INLINE double least_of(const double *restrict q, long s) {
 
 enum { SHOCK = 1, EXPANSION = 2, CONTACT = 4 }; /* bits of a set of rules */
 
+/* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
+ */
+ALWAYS_INLINE uint64_t is(bool condition) {
+    return -(uint64_t)condition;
+}
+
 /* Returns the rules that the faces of a group may follow: the six cells of a shock differ in p and are compressed,
  * those of an expansion differ in p; contacts are found themselves. */
 ALWAYS_INLINE uint64_t look(int from, const int n, long s, const double *restrict p, const double *restrict u,
@@ -25,10 +31,10 @@ ALWAYS_INLINE uint64_t look(int from, const int n, long s, const double *restric
         const double *q = p + i, *v = u + i, *h = g + i;
         const double most = most_of(q, s), high = larger(most, larger(q[-2 * s], q[3 * s]));
         const double least = least_of(q, s), low = smaller(least, smaller(q[-2 * s], q[3 * s]));
-        const bool compressed = (v[-s] > v[0]) | (v[0] > v[s]) | (v[s] > v[2 * s]);
-        const bool contact = (most < STEEP * least) & (most_of(h, s) > DENSER * least_of(h, s));
-        const bool shock = (high > STRONG * low) & compressed;
-        any |= (shock ? SHOCK : 0) | (high > STEEP * low ? EXPANSION : 0) | (contact ? CONTACT : 0);
+        const uint64_t compressed = is(v[-s] > v[0]) | is(v[0] > v[s]) | is(v[s] > v[2 * s]);
+        const uint64_t contact = is(most < STEEP * least) & is(most_of(h, s) > DENSER * least_of(h, s));
+        any |=
+            (is(high > STRONG * low) & compressed & SHOCK) | (is(high > STEEP * low) & EXPANSION) | (contact & CONTACT);
     }
     return any;
 }
@@ -97,30 +103,32 @@ ALWAYS_INLINE uint64_t mark_contacts(int from, const int n, const struct faces *
     return any;
 }
 
-/* Marks the faces of a group that follow rules, and returns those rules. */
-ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const struct faces *f, struct wanted_rules on,
+/* Marks the faces of a group that follow the rules `on`, and returns the rules that some follow. */
+ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const struct faces *f, uint64_t on,
                                   const struct winds *restrict w, struct rules *restrict r) {
-    const uint64_t may = look(from, n, f->stride, f->p, f->velocity[0], f->gruneisen);
+    const uint64_t may = on & look(from, n, f->stride, f->p, f->velocity[0], f->gruneisen);
     uint64_t any = 0;
     for (int i = from; i < from + n; i++) r->shock[i] = r->expansion[i] = r->contact[i] = 0;
-    if (on.shocks && may & SHOCK && mark_shocks(dim, from, n, f, w, r->shock)) any |= SHOCK;
-    if (on.expansions && may & EXPANSION && mark_expansions(from, n, f, w, r)) any |= EXPANSION;
-    if (on.contacts && may & CONTACT && mark_contacts(from, n, f, r)) any |= CONTACT;
+    if (may & SHOCK && mark_shocks(dim, from, n, f, w, r->shock)) any |= SHOCK;
+    if (may & EXPANSION && mark_expansions(from, n, f, w, r)) any |= EXPANSION;
+    if (may & CONTACT && mark_contacts(from, n, f, r)) any |= CONTACT;
     return any;
 }
 
-/* The last group overlaps the one before, so that it is as long. */
-ALWAYS_INLINE uint64_t find_dim(const int dim, const struct faces *f, struct wanted_rules on,
-                                const struct winds *restrict w, struct rules *restrict r) {
+/* Most batches have no face that may follow a rule: one look at all of them costs less than one at each group. The last
+ * group overlaps the one before, so that it is as long. */
+ALWAYS_INLINE uint64_t find_dim(const int dim, const struct faces *f, uint64_t on, const struct winds *restrict w,
+                                struct rules *restrict r) {
     const int last = f->n - GROUP;
     uint64_t any = 0;
+    if (!(on & look(0, f->n, f->stride, f->p, f->velocity[0], f->gruneisen))) return 0;
     if (last < 0) return find_group(dim, 0, f->n, f, on, w, r);
     for (int from = 0; from < f->n; from += GROUP)
         any |= find_group(dim, from < last ? from : last, GROUP, f, on, w, r);
     return any;
 }
 
-KERNEL static uint64_t find_rules(const struct faces *f, struct wanted_rules on, const struct winds *restrict w,
+KERNEL static uint64_t find_rules(const struct faces *f, uint64_t on, const struct winds *restrict w,
                                   struct rules *restrict r) {
     if (f->dim == 1) return find_dim(1, f, on, w, r);
     if (f->dim == 2) return find_dim(2, f, on, w, r);
@@ -192,10 +200,12 @@ struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, 
 }
 
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
-    const struct wanted_rules on = rules_wanted(f->params, true, f->falls);
+    const struct wanted_rules wanted = rules_wanted(f->params, true, f->falls);
+    const uint64_t on =
+        (wanted.shocks ? SHOCK : 0) | (wanted.expansions ? EXPANSION : 0) | (wanted.contacts ? CONTACT : 0);
     r->shocks = r->contacts = (struct span){0, 0};
     if (f->rule) take_rules(f, w, r);
-    if (f->rule || !f->p || !(on.shocks | on.expansions | on.contacts)) return;
+    if (f->rule || !f->p || !on) return;
     const uint64_t any = find_rules(f, on, w, r);
     if (any & SHOCK) r->shocks = marked(f->n, r->shock);
     if (any & CONTACT) r->contacts = marked(f->n, r->contact);
