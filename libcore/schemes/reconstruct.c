@@ -13,7 +13,8 @@ ALWAYS_INLINE double first_order(double a, double b, double c, double d, double 
  * d = 2 l r/(l + r) and z = a/2 (z = sqrt(2r/(l+r)) - 1 if |l| <= |r|, else 1 - sqrt(2l/(l+r)), so |z| <= sqrt 2 - 1)
  *   r(1/2) = q + d/2 [1/(1 - z) - (atanh(z)/z - 1)/z],   (atanh(z)/z - 1)/z = z (1/3 + z^2/5 + z^4/7 ..)
  * With s = l + r and the root in z: 1/(1 - z) = s (2 + root)/(2 (s + l)) if |l| <= |r|, else s root/(2 l).
- * The series is a Chebyshev fit on z^2 <= (sqrt 2 - 1)^2, error 6e-15: no logarithm, no cancellation at z = 0. */
+ * The series is a Chebyshev fit on z^2 <= (sqrt 2 - 1)^2, error 6e-15: no logarithm, no cancellation at z = 0.
+ * Differences so small that l r has lost digits, and 1/(s below) may be infinite, count as none. */
 ALWAYS_INLINE double phm(double a, double b, double c, double d, double e) {
     (void)a, (void)e;
     double l = c - b, r = d - c, sum = l + r;
@@ -30,7 +31,7 @@ ALWAYS_INLINE double phm(double a, double b, double c, double d, double e) {
     double series = fma(fma(s4, w4, fma(s3, w2, s2)), w4, fma(s1, w2, s0));
     double pole = 0.5 * (sum * sum) * inverse * (1 + sign + root); /* 1/(1 - z) */
     double change = l * r * inverse_sum * fma(-z, series, pole);
-    return l * r > 0 ? c + change : c;
+    return l * r > 0x1p-1022 ? c + change : c;
 }
 
 /* Returns the epsilon of the weights: 1e-6 of the squared scale of the stencil, so that weights do not depend on the

@@ -98,6 +98,16 @@ static void sign_is_symmetric(void **state) {
         assert_true(face(&reconstruct_table[k], q) == -face(&reconstruct_table[k], m));
 }
 
+/* Differences of any size, down to those whose products are 0, leave a face value that is a number. */
+static void tiny_differences_are_numbers(void **state) {
+    (void)state;
+    for (int k = 0; k < reconstruct_count; k++)
+        for (double h = 1; h > 0; h *= 0.3) {
+            const double q[5] = {0, 0, h, 3 * h, 4 * h}, value = face(&reconstruct_table[k], q);
+            if (!(value >= 0 && value <= 4 * h)) fail_msg("%s: %g at %g", reconstruct_table[k].model.name, value, h);
+        }
+}
+
 static void batch_is_a_loop(void **state) {
     (void)state;
     double q[5][BATCH], out[BATCH];
@@ -115,9 +125,13 @@ static void batch_is_a_loop(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constants_are_exact),  cmocka_unit_test(orders),
-        cmocka_unit_test(phm_is_the_hyperbola), cmocka_unit_test(values_are_the_published_ones),
-        cmocka_unit_test(sign_is_symmetric),    cmocka_unit_test(batch_is_a_loop),
+        cmocka_unit_test(constants_are_exact),
+        cmocka_unit_test(orders),
+        cmocka_unit_test(phm_is_the_hyperbola),
+        cmocka_unit_test(values_are_the_published_ones),
+        cmocka_unit_test(sign_is_symmetric),
+        cmocka_unit_test(batch_is_a_loop),
+        cmocka_unit_test(tiny_differences_are_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
