@@ -194,10 +194,10 @@ static long plain_faces(struct lexer *l, long most, struct growing *start, struc
     if (most > start->room - start->count) most = start->room - start->count;
     for (int line = l->line, corners; n < most; n++) {
         const char *p = plain_number(after_blanks(l->source->text + l->position, &line), &corners);
-        if (!p || *p++ != '(' || corners > points->room - points->count) break;
+        if (!p || *p++ != '(' || corners < 1 || corners > points->room - points->count) break;
         int *v = (int *)points->data + points->count, read = 0;
         while (read < corners && (p = plain_number(p, v + read)) && *p++ == (read + 1 < corners ? ' ' : ')')) read++;
-        if (read < corners || corners == 0 || points->count + corners > INT_MAX) break;
+        if (read < corners || points->count + corners > INT_MAX) break;
         points->count += corners;
         ((int *)start->data)[start->count++] = (int)points->count;
         move_to(l, p, line);

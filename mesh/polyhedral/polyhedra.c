@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mesh/polyhedral/polyhedra_make.h"
+#include "mesh/polyhedral/polyhedra_make_private.h"
 
 /* Marks in `local` until the cells are numbered. */
 enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4, WALKED = -5, ORDERED = -6 };

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "mesh/base/sorted.h"
-#include "mesh/polyhedral/polyhedra_make.h"
+#include "mesh/polyhedral/polyhedra_make_private.h"
 
 static status cut_spread(struct work *w, const struct polymesh *all) {
     const struct spread *s = w->spread;

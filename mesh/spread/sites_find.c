@@ -11,9 +11,8 @@
 #include "mesh/spread/sites_private.h"
 
 enum { ROUND = 1 << 16, HOLES = 64, ALL_SIDES = 63, CLAIM = 3, FIRST = 5, HEXAHEDRA = 3 };
-/* HOLES: most places of the grid per cell (lattice.c); CLAIM: numbers of a claim: cell, place, side; FIRST: numbers of
- * a face of cell 0: its own, four corners; HEXAHEDRA: in the
- * outline's counts of shapes */
+/* HOLES: most places of the grid per cell (lattice.c). CLAIM: numbers of a claim: cell, place, side. FIRST: numbers of
+ * a face of cell 0: its own, four corners. HEXAHEDRA: place in the outline's counts of shapes. */
 
 /* The farthest that a point may lie beside the grid, in parts of the least width of a cell. Cells are then closed,
  * their faces level, and halves of cyclic patches alike, within what polymesh_check and lattice_recognise allow. */

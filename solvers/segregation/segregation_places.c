@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lists the cells of all places, row by row. */
-static void list_cells(struct segregation_places *p) {
+/* Lists the cells of all places, row by row. Collective. */
+static status list_cells(struct segregation_places *p) {
     const struct lattice *l = p->lattice;
     const int last = l->dim - 1, rows = l->dim == 3 ? l->n[1] : 1;
     int *cell = p->cell;
@@ -16,7 +16,9 @@ static void list_cells(struct segregation_places *p) {
             at[last] = (p->layer + i + l->n[last]) % l->n[last];
             lattice_row(l, at, l->n[0], cell);
         }
+    TRY(lattice_name(l, p->n, p->cell));
     for (long i = 0; i < p->nown; i++) p->ncells += p->cell[p->own_first + i] >= 0;
+    return OK;
 }
 
 status segregation_places_make(const struct setup *s, struct segregation_places *out) {
@@ -39,8 +41,7 @@ status segregation_places_make(const struct setup *s, struct segregation_places 
     out->nown = out->layers * out->across;
     out->n = out->nown + (out->below + out->above) * out->across;
     TRY(comm_agree(s->comm, allocate(&out->cell, out->n, sizeof *out->cell, "the places of a lattice")));
-    list_cells(out);
-    return OK;
+    return list_cells(out);
 }
 
 void segregation_places_free(struct segregation_places *p) {

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by the files that number the cells and faces of a rank: polyhedra.c, and polyhedra_spread.c where no rank has
  * the whole mesh. */
-#ifndef MESH_POLYHEDRA_MAKE_H
-#define MESH_POLYHEDRA_MAKE_H
+#ifndef MESH_POLYHEDRA_MAKE_PRIVATE_H
+#define MESH_POLYHEDRA_MAKE_PRIVATE_H
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
 struct ghost {
     int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the cell of the links */
 };
-struct work { /* scratch that is needed only while a struct polyhedra is made; lists are by cell of the links, or link
-               */
+struct work { /* scratch while a struct polyhedra is made; lists are by cell of the links, or by link */
     struct links links;
     const struct spread *spread; /* of a mesh that is spread over the ranks; else NULL */
     struct mesh_part *part;      /* my cells, those around them, and those of their stencils; NULL: the whole mesh */
@@ -18,7 +17,7 @@ struct work { /* scratch that is needed only while a struct polyhedra is made; l
     struct grower grower;
     int *mine;     /* [nown] cells, block by block: by numbers in the whole mesh until the links are there */
     int *block_of; /* [cells] */
-    int *local;    /* [cells] number on this rank, or one of the marks above */
+    int *local;    /* [cells] number on this rank, or a mark of polyhedra.c */
     int *members;  /* [cells] members of the cell's stencil */
     bool *waits;   /* [cells] does the cell's stencil hold ghosts? */
     int nghosts;
