@@ -292,8 +292,8 @@ static double rounded(wide m, int e, bool more) {
 
 /* Returns m 10^exponent, correctly rounded. Whole numbers up to 2^53 and powers of ten up to 10^22 are exact doubles,
  * so that one division or product of them rounds once (Clinger 1990). All others with |exponent| <= WIDE_POWER are
- * products or quotients of whole numbers: m 5^exponent, or the quotient of m 2^s, 2^126 <= m 2^s < 2^127, by
- * 5^-exponent, which has 64 digits or more, with the knowledge whether a rest is left. */
+ * products or quotients of whole numbers: m 5^exponent, or the quotient of m 2^s by 5^-exponent, which has 62 or 63
+ * binary digits, so that one division instruction finds it, with the knowledge whether a rest is left. */
 static double scaled(uint64_t m, int exponent) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -305,7 +305,7 @@ static double scaled(uint64_t m, int exponent) {
     const int n = abs(exponent);
     const uint64_t five = five_to[n / 2] * five_to[n - n / 2];
     if (exponent >= 0) return rounded((wide)m * five, exponent, false);
-    const int s = 63 + __builtin_clzll(m);
+    const int s = 62 + __builtin_clzll(m) - __builtin_clzll(five);
     const wide dividend = (wide)m << s, quotient = dividend / five;
     return rounded(quotient, exponent - s, quotient * five != dividend);
 }

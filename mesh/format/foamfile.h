@@ -96,6 +96,15 @@ status foam_list_skip(struct lexer *l, const struct foam_header *h, int item_byt
  * matter. */
 const char *foam_number(const char *text, double *out);
 
+/* Reads a whole number of at most nine digits at p and returns the character behind it; NULL: there is none. */
+static inline const char *foam_digits(const char *p, int *out) {
+    const char *first = p;
+    unsigned v = 0;
+    for (; *p >= '0' && *p <= '9'; p++) v = 10 * v + (unsigned)(*p - '0');
+    *out = (int)v;
+    return p > first && p - first <= 9 ? p : NULL;
+}
+
 /* ---- writing ---------------------------------------------------------------------------------------------------- */
 
 struct foam_format {

@@ -161,15 +161,6 @@ static inline const char *after_blanks(const char *p, int *line) {
     return p;
 }
 
-/* Reads a whole number of at most nine digits at p and returns the character behind it; NULL: there is none. */
-static inline const char *plain_number(const char *p, int *out) {
-    const char *first = p;
-    unsigned v = 0;
-    for (; *p >= '0' && *p <= '9'; p++) v = 10 * v + (unsigned)(*p - '0');
-    *out = (int)v;
-    return p > first && p - first <= 9 ? p : NULL;
-}
-
 static void move_to(struct lexer *l, const char *p, int line) {
     l->position = (size_t)(p - l->source->text);
     l->line = l->last_line = line;
@@ -180,7 +171,7 @@ static long plain_labels(struct lexer *l, long most, struct growing *g) {
     if (most > g->room - g->count) most = g->room - g->count;
     for (int line = l->line; n < most; n++) {
         int *v = (int *)g->data + g->count;
-        const char *p = plain_number(after_blanks(l->source->text + l->position, &line), v);
+        const char *p = foam_digits(after_blanks(l->source->text + l->position, &line), v);
         if (!p || (*p != ' ' && *p != '\n' && *p != ')')) break;
         g->count++;
         move_to(l, p, line);
@@ -193,10 +184,10 @@ static long plain_faces(struct lexer *l, long most, struct growing *start, struc
     long n = 0;
     if (most > start->room - start->count) most = start->room - start->count;
     for (int line = l->line, corners; n < most; n++) {
-        const char *p = plain_number(after_blanks(l->source->text + l->position, &line), &corners);
+        const char *p = foam_digits(after_blanks(l->source->text + l->position, &line), &corners);
         if (!p || *p++ != '(' || corners < 1 || corners > points->room - points->count) break;
         int *v = (int *)points->data + points->count, read = 0;
-        while (read < corners && (p = plain_number(p, v + read)) && *p++ == (read + 1 < corners ? ' ' : ')')) read++;
+        while (read < corners && (p = foam_digits(p, v + read)) && *p++ == (read + 1 < corners ? ' ' : ')')) read++;
         if (read < corners || points->count + corners > INT_MAX) break;
         points->count += corners;
         ((int *)start->data)[start->count++] = (int)points->count;

@@ -217,7 +217,9 @@ static status read_numbers(struct reader *r, bool labels, long from, long n, str
 /* Reads one entry at p as writers put it, and returns what follows it, or NULL. */
 static const char *read_label(const char *p, int *out) {
     double v;
-    const char *end = foam_number(p, &v);
+    const char *end = foam_digits(p, out);
+    if (end && (*end == ' ' || *end == ')' || *end == '\n')) return end;
+    end = foam_number(p, &v);
     if (!end || v != floor(v) || fabs(v) > INT_MAX) return NULL;
     *out = (int)v;
     return end;
@@ -234,12 +236,9 @@ static const char *read_point(const char *p, double *x) {
 
 /* out: the number of corners and these */
 static const char *read_face(const char *p, int *out) {
-    char *end;
-    const long n = *p >= '0' && *p <= '9' ? strtol(p, &end, 10) : 0;
-    if (n < 1 || n > MOST_CORNERS || *end != '(') return NULL;
-    out[0] = (int)n;
-    p = end + 1;
-    for (long i = 0; i < n && p; i++) {
+    p = foam_digits(p, out);
+    if (!p || *p++ != '(' || out[0] < 1 || out[0] > MOST_CORNERS) return NULL;
+    for (int i = 0; i < out[0] && p; i++) {
         if (i && *p++ != ' ') return NULL;
         p = read_label(p, out + 1 + i);
     }

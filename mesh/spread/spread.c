@@ -289,13 +289,25 @@ static status make(const char *dir, struct lists *lists, bool lattice, struct sp
     return take(*out, lists, *mesh, sound);
 }
 
-status spread_read(const char *dir, const struct comm *c, bool lattice, struct spread **out, struct polymesh **mesh) {
+/* Gives the mesh its arrays: one rank's slices are all of them. */
+static void hand_over(struct lists *s, struct polymesh *m) {
+    m->points = s->point;
+    m->face_start = s->start;
+    m->face_points = s->corner;
+    m->owner = s->owner;
+    m->neighbour = s->neighbour;
+    *s = (struct lists){.ncells = 0};
+}
+
+status spread_read(const char *dir, const struct comm *c, bool lattice, bool arrays, struct spread **out,
+                   struct polymesh **mesh) {
     struct lists lists;
     bool sound;
     *out = NULL;
     *mesh = NULL;
     status e = lists_read(dir, c, &lists, &sound);
     if (!e && sound) e = make(dir, &lists, lattice, out, mesh, &sound);
+    if (!e && arrays && *mesh && (*mesh)->outline->sites && comm_size(c) == 1) hand_over(&lists, *mesh);
     lists_free(&lists);
     if (!e && sound) return OK;
     spread_free(*out);

@@ -279,13 +279,13 @@ static bool find(char path[MESH_PATH], struct timespec *changed) {
     return true;
 }
 
-/* Reads the polyMesh in out->path; c: the ranks over which it may be spread, or NULL. */
-static status read_polymesh(const struct comm *c, struct case_mesh *out) {
-    if (c && !comm_pretends(c)) TRY(spread_read(out->path, c, true, &out->spread, &out->mesh));
+/* Reads the polyMesh in out->path; c: the ranks over which it may be spread, or NULL; arrays: see spread_read. */
+static status read_polymesh(const struct comm *c, bool arrays, struct case_mesh *out) {
+    if (c && !comm_pretends(c)) TRY(spread_read(out->path, c, true, arrays, &out->spread, &out->mesh));
     return out->mesh ? OK : polymesh_read(out->path, &out->mesh);
 }
 
-static status read_mesh(const char *dir, const struct comm *c, struct case_mesh *out) {
+static status read_mesh(const char *dir, const struct comm *c, bool arrays, struct case_mesh *out) {
     char boundary[MESH_PATH], blocks[MESH_PATH];
     struct timespec made, said;
     *out = (struct case_mesh){.mesh = NULL};
@@ -296,7 +296,7 @@ static status read_mesh(const char *dir, const struct comm *c, struct case_mesh 
     if (polymesh) {
         out->older = dictionary && find(boundary, &made) &&
                      (said.tv_sec > made.tv_sec || (said.tv_sec == made.tv_sec && said.tv_nsec > made.tv_nsec));
-        return read_polymesh(c, out);
+        return read_polymesh(c, arrays, out);
     }
     if (!dictionary)
         return fail(ERR_INPUT,
@@ -307,9 +307,9 @@ static status read_mesh(const char *dir, const struct comm *c, struct case_mesh 
 }
 
 status case_mesh_read(const char *dir, struct case_mesh *out) {
-    return read_mesh(dir, NULL, out);
+    return read_mesh(dir, NULL, false, out);
 }
 
-status case_mesh_spread(const char *dir, const struct comm *c, struct case_mesh *out) {
-    return read_mesh(dir, c, out);
+status case_mesh_spread(const char *dir, const struct comm *c, bool arrays, struct case_mesh *out) {
+    return read_mesh(dir, c, arrays, out);
 }

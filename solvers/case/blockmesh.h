@@ -19,9 +19,9 @@ struct case_mesh {
  * polyMesh counts, as in OpenFOAM. Local. */
 status case_mesh_read(const char *dir, struct case_mesh *out);
 /* The same; a polyMesh that is a lattice may have sites in place of arrays (polymesh.h), any other that several ranks
- * read may be spread over them; both are checked then. Collective. */
+ * read may be spread over them; both are checked then. arrays: one rank keeps those that it reads. Collective. */
 struct comm;
-status case_mesh_spread(const char *dir, const struct comm *c, struct case_mesh *out);
+status case_mesh_spread(const char *dir, const struct comm *c, bool arrays, struct case_mesh *out);
 void blockmesh_keywords(struct keywords *k); /* of system/blockMeshDict */
 
 #endif

@@ -71,7 +71,8 @@ static bool has_sites(const struct setup *s) {
 
 static status read_mesh(struct setup *s, bool whole) {
     struct case_mesh read;
-    const status e = whole ? case_mesh_read(s->dir, &read) : case_mesh_spread(s->dir, s->comm, &read);
+    const bool drawn = control_has(s->control, "vtk"); /* it writes points and faces */
+    const status e = whole ? case_mesh_read(s->dir, &read) : case_mesh_spread(s->dir, s->comm, drawn, &read);
     s->mesh = read.mesh;
     s->spread = read.spread;
     memcpy(s->mesh_path, read.path, sizeof s->mesh_path);
@@ -88,6 +89,7 @@ static status read_mesh(struct setup *s, bool whole) {
         return lattice_of_boxes(s->mesh, &s->lattice);
     }
     if (has_sites(s)) {
+        s->kept = s->mesh->points != NULL;
         s->checksum = polymesh_checksum(s->mesh);
         memcpy(s->first, s->mesh->outline->sites->middle, sizeof s->first);
         return lattice_of_sites(s->mesh, &s->lattice);
@@ -122,7 +124,7 @@ void setup_release(struct setup *s) {
     spread_free(s->spread);
     s->spread = NULL;
     if (!m->outline || s->wanted) return;
-    polymesh_drop(m);
+    if (!s->kept) polymesh_drop(m);
     drop_cells(s);
     if (s->lattice) lattice_drop(s->lattice);
 }

@@ -28,6 +28,7 @@ struct setup { /* the same on every rank, but for the grid */
      * setup_complete; setup_volume and setup_place do without. */
     double *centre, *volume;
     bool wanted;       /* has someone asked for them for the whole run? */
+    bool kept;         /* did the one rank keep the arrays of a lattice's polyMesh, for who draws it? */
     double first[3];   /* m: the centre of cell 0, for axes of one cell */
     double *face_area; /* [nfaces][3] m^2 of a mesh that is no lattice, as polymesh_face_geometry; NULL once the state
                         * is read */

@@ -195,6 +195,18 @@ static status read_all(struct control *c, const char *application) {
     return together(d, c);
 }
 
+bool control_has(const struct control *c, const char *type) {
+    const int n = c->functions ? dict_count(c->functions) : 0;
+    for (int i = 0; i < n; i++) {
+        struct dict *one;
+        const char *word;
+        if (!dict_sub(c->functions, dict_key(c->functions, i), &one) && !dict_word_or(one, "type", "", &word) &&
+            !strcmp(word, type))
+            return true;
+    }
+    return false;
+}
+
 static bool stamp_of(const char *case_dir, long stamp[2]) {
     char path[PATH];
     struct stat info;

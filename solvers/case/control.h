@@ -50,6 +50,7 @@ struct control {
 
 /* Reads CASE/system/controlDict. Keys of programs other than `application` are accepted; see dict_check_used. */
 status control_read(const char *case_dir, const char *application, struct control **out);
+bool control_has(const struct control *c, const char *type); /* is there a function object of a type? */
 void control_free(struct control *c);
 extern const struct param control_table[]; /* of the file; offsets in struct control */
 extern const int control_table_size;

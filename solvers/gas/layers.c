@@ -250,7 +250,7 @@ static status take_slice(struct bed *b) {
     const struct spread *s = b->place->spread;
     struct spread *read = NULL;
     struct polymesh *again = NULL;
-    if (!s) TRY(spread_read(m->outline->dir, b->place->share->comm, false, &read, &again));
+    if (!s) TRY(spread_read(m->outline->dir, b->place->share->comm, false, false, &read, &again));
     const bool same = s || (again && polymesh_checksum(again) == polymesh_checksum(m));
     if (!s) s = read;
     if (same) take_arrays(b, &s->home.mesh, s->base, s->geometry.volume);

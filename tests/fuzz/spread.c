@@ -64,7 +64,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (int lattice = 0; lattice < 2; lattice++) {
         struct polymesh *outline = NULL;
         struct spread *s = NULL;
-        if (accepted(spread_read(dir, alone, lattice, &s, &outline)) && outline) compare(outline, dir);
+        if (accepted(spread_read(dir, alone, lattice, false, &s, &outline)) && outline) compare(outline, dir);
         spread_free(s);
         polymesh_free(outline);
     }

@@ -37,7 +37,7 @@ static void begin_spread(struct fixture *x, int rings, int form) {
     const struct foam_format format = {.binary = form % 2, .compress = form / 2, .precision = 17};
     struct spread *spread;
     ok(comm_agree(world, comm_root(world) ? polymesh_write(x->mesh, folder, &format) : OK));
-    ok(spread_read(folder, world, false, &spread, &x->outline));
+    ok(spread_read(folder, world, false, false, &spread, &x->outline));
     if (!spread) fail_msg("%s: form %d is not read in slices", x->r->name, form);
     ok(polyhedra_make_spread(x->outline, spread, rings, &x->part, &x->m));
     assert_int_equal(polymesh_checksum(x->outline), polymesh_checksum(x->mesh));

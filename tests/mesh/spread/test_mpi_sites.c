@@ -86,7 +86,7 @@ static struct polymesh *make(const struct recipe *r, bool mix) {
 static struct polymesh *read_sites(void) {
     struct polymesh *m;
     struct spread *s;
-    ok(spread_read(folder, world, true, &s, &m));
+    ok(spread_read(folder, world, true, false, &s, &m));
     assert_true(m && !s && m->outline->sites);
     return m;
 }
@@ -354,7 +354,7 @@ static void what_is_no_lattice_is_left_alone(void **state) {
         struct spread *s;
         damage(m, (enum defect)kind);
         write_mesh(m, 1);
-        ok(spread_read(folder, world, true, &s, &outline));
+        ok(spread_read(folder, world, true, false, &s, &outline));
         const bool found = outline && outline->outline->sites;
         if (found != (kind == NONE)) fail_msg("defect %d", kind);
         if (comm_size(world) == 1) assert_true(found || (!outline && !s));
@@ -378,7 +378,7 @@ static void walls_and_noise_are_no_lattice(void **state) {
         struct spread *s;
         ok(mesh_make(&others[i], &m));
         write_mesh(m, 0);
-        ok(spread_read(folder, world, true, &s, &outline));
+        ok(spread_read(folder, world, true, false, &s, &outline));
         assert_true(!outline || !outline->outline->sites);
         spread_free(s);
         polymesh_free(outline);

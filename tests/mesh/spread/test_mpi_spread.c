@@ -26,7 +26,7 @@ static void outlines_are_those_of_the_whole(void **state) {
             struct polymesh_geometry g;
             struct spread *s;
             write_mesh(m, form);
-            ok(spread_read(folder, world, false, &s, &outline));
+            ok(spread_read(folder, world, false, false, &s, &outline));
             assert_non_null(s);
             same_outline(m, outline);
             ok(polymesh_geometry_make(m, &g));
@@ -84,7 +84,7 @@ static void parts_have_whole_cells(void **state) {
         struct spread *s;
         int *cell = calloc((size_t)m->ncells, sizeof *cell), n = 0;
         write_mesh(m, 1);
-        ok(spread_read(folder, world, false, &s, &outline));
+        ok(spread_read(folder, world, false, false, &s, &outline));
         for (int c = comm_rank(world); c < m->ncells && comm_rank(world) != 1; c += 5 + r) cell[n++] = c;
         ok(spread_part(s, outline, n, cell, &part)); /* rank 1 asks for none */
         check_part(m, &part, n, cell);
@@ -143,7 +143,7 @@ static void defects_are_found_in_slices(void **state) {
             struct spread *s;
             damage(m, (enum defect)kind);
             write_mesh(m, form);
-            ok(spread_read(folder, world, false, &s, &outline));
+            ok(spread_read(folder, world, false, false, &s, &outline));
             status e = polymesh_read(folder, &whole);
             if (!e) e = polymesh_check(whole);
             if ((kind == NONE) != !e) fail_msg("defect %d of the whole mesh: %s", kind, e ? status_text(e) : "none");
@@ -190,7 +190,7 @@ static void unusual_files_are_left_to_who_reads_the_whole(void **state) {
         write_mesh(m, 0);
         if (comm_root(world)) edit(edits[i].name, edits[i].text, edits[i].cut);
         ok(comm_agree(world, OK));
-        ok(spread_read(folder, world, false, &s, &outline));
+        ok(spread_read(folder, world, false, false, &s, &outline));
         const status e = polymesh_read(folder, &whole);
         if (edits[i].read != !e) fail_msg("edit %zu: %s", i, e ? status_text(e) : "read");
         if (s) same_outline(m, outline); /* comments before a list are understood */
@@ -212,7 +212,7 @@ static void more_than_labels_count_is_refused(void **state) {
         write_mesh(m, form);
         if (comm_root(world)) edit("owner", "3000000000\n(\n0\n", true);
         ok(comm_agree(world, OK));
-        says(spread_read(folder, world, false, &s, &outline),
+        says(spread_read(folder, world, false, false, &s, &outline),
              "/owner: 3000000000 entries|labels of 32 bits|2147483646");
         assert_true(!s && !outline);
         ok(comm_agree(world, OK));
@@ -231,7 +231,7 @@ static void slices_tell_what_is_no_lattice(void **state) {
         char why[2][256];
         bool ruled_out;
         write_mesh(m, 1);
-        ok(spread_read(folder, world, false, &s, &outline));
+        ok(spread_read(folder, world, false, false, &s, &outline));
         const struct mesh_part *h = &s->home;
         const struct lattice_part part = {world, &h->mesh, h->whole, h->cell, h->face, m->ncells, m->nfaces};
         ok(lattice_rule_out(&part, &ruled_out, why[0]));
