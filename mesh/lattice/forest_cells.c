@@ -102,17 +102,21 @@ static int find_block(const struct forest_private *h, const int i[3]) {
     return h->id[piece[0] + h->pieces[0] * (piece[1] + (long)h->pieces[1] * piece[2])];
 }
 
+/* Returns the place of a cell in a block, or -1; without a branch in the loop, which then takes vectors. */
+static int place_in(const struct forest_block *b, int cell) {
+    const int n = b->n[0] * b->n[1] * b->n[2];
+    int found = 0;
+    for (int i = 0; i < n; i++) found += b->cell[i] == cell ? i + 1 : 0;
+    return found - 1;
+}
+
 void forest_place(const struct forest *f, long cell, double x[3]) {
     double place[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     for (int b = 0; b < f->nblocks; b++) {
         const struct forest_block *here = &f->block[b];
-        const int n[3] = {here->n[0], here->n[1], here->n[2]};
-        for (long i = 0; i < (long)n[0] * n[1] * n[2]; i++) {
-            if (here->cell[i] != cell) continue;
-            const long at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
-            for (int k = 0; k < f->dim; k++)
-                place[k] = f->origin[k] + f->width[k] * ((double)(here->low[k] + at[k]) + 0.5);
-        }
+        const int *n = here->n, i = place_in(here, (int)cell), at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        for (int k = 0; i >= 0 && k < f->dim; k++)
+            place[k] = f->origin[k] + f->width[k] * ((double)(here->low[k] + at[k]) + 0.5);
     }
     comm_min(f->comm, place, 3);
     for (int k = 0; k < f->dim; k++) x[f->axis[k]] = place[k];

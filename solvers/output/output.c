@@ -63,6 +63,15 @@ void output_free(struct output *o) {
 
 /* ---- values of cells ---- */
 
+/* Copies the values v of n cells, or zeros if v is NULL, to every stride-th place of `to`, or to those that cell[n]
+ * numbers. */
+static void put_values(int n, const int *cell, const double *v, int stride, double *to) {
+    if (v && cell && stride == 1)
+        for (int i = 0; i < n; i++) to[cell[i]] = v[i];
+    else
+        for (int i = 0; i < n; i++) to[(cell ? cell[i] : i) * (long)stride] = v ? v[i] : 0;
+}
+
 /* Sets out[..][components] to a quantity in the cells of this rank, block by block, with vectors along physical axes,
  * as a restart needs it. They come in the order of the blocks or, with cell[cells of this rank], by those numbers. */
 static status own_values(const struct setup *s, int quantity, const int *cell, double *out) {
@@ -78,11 +87,9 @@ static status own_values(const struct setup *s, int quantity, const int *cell, d
     line[2] = line[1] + most;
     for (int b = 0; b < g->nblocks; first += g->block[b++].ncells) {
         (m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
-        for (int k = 0; k < components; k++) {
-            double *to = out + (components == 1 ? 0 : s->axis[k]);
-            for (int i = 0; i < g->block[b].ncells; i++)
-                to[(cell ? cell[first + i] : first + i) * components] = k < lines ? line[k][i] : 0;
-        }
+        for (int k = 0; k < components; k++)
+            put_values(g->block[b].ncells, cell ? cell + first : NULL, k < lines ? line[k] : NULL, components,
+                       out + (components == 1 ? 0 : s->axis[k]) + (cell ? 0 : first * components));
     }
     free(line[0]);
     return OK;
