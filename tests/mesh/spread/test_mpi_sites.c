@@ -387,6 +387,33 @@ static void walls_and_noise_are_no_lattice(void **state) {
     }
 }
 
+/* One rank has all of the mesh, in ascii and binary; several ranks have none of it. */
+static void one_rank_keeps_the_arrays_that_are_wanted(void **state) {
+    (void)state;
+    const struct recipe r = {.n = {8, 7, 5}, .width = {0.1, 0.1, 0.1}, .type = {CYCLIC}};
+    struct polymesh *m = make(&r, true), *kept, *again;
+    for (int format = 0; format < 2; format++) {
+        struct spread *s;
+        write_mesh(m, format);
+        ok(spread_read(folder, world, true, true, &s, &kept));
+        again = read_sites();
+        assert_true(kept->outline->sites && !again->points);
+        assert_int_equal(kept->points != NULL, comm_size(world) == 1);
+        ok(polymesh_complete(kept));
+        ok(polymesh_complete(again));
+        assert_memory_equal(kept->points, again->points, 3 * (size_t)m->npoints * sizeof *m->points);
+        assert_memory_equal(kept->face_start, again->face_start, ((size_t)m->nfaces + 1) * sizeof *m->face_start);
+        assert_memory_equal(kept->face_points, again->face_points,
+                            (size_t)m->face_start[m->nfaces] * sizeof *m->face_points);
+        assert_memory_equal(kept->owner, again->owner, (size_t)m->nfaces * sizeof *m->owner);
+        assert_memory_equal(kept->neighbour, again->neighbour, (size_t)m->ninternal * sizeof *m->neighbour);
+        polymesh_free(kept);
+        polymesh_free(again);
+        ok(comm_agree(world, OK)); /* all have read it */
+    }
+    polymesh_free(m);
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
@@ -395,6 +422,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(forests_are_those_of_the_whole),
         cmocka_unit_test(what_is_no_lattice_is_left_alone),
         cmocka_unit_test(walls_and_noise_are_no_lattice),
+        cmocka_unit_test(one_rank_keeps_the_arrays_that_are_wanted),
     };
     int failed = cmocka_run_group_tests(tests, make_folder, remove_folder);
     comm_finish(world);
