@@ -5,49 +5,53 @@
  * them. A batch is cut into runs of faces that need the same work; the flux of a face does not depend on its run. */
 #include "libcore/schemes/flux_private.h"
 
-/* unsplit: all bits are set where fields of one direction are not split. */
-ALWAYS_INLINE double wind(double l, double r, uint64_t unsplit, double least) {
-    const double alpha = larger(larger(fabs(l), fabs(r)), least);
-    const uint64_t left = -(uint64_t)(l > 0) & -(uint64_t)(r > 0), right = -(uint64_t)(l < 0) & -(uint64_t)(r < 0);
-    return select_masked(unsplit & left, UPWIND_LEFT, select_masked(unsplit & right, UPWIND_RIGHT, alpha));
+/* always: fields of one direction are split, too. */
+ALWAYS_INLINE double wind(double l, double r, const bool always, double least) {
+    const double low = smaller(l, r), high = larger(l, r), alpha = larger(larger(high, -low), least);
+    const double from_right = high < 0 ? UPWIND_RIGHT : alpha;
+    return always ? alpha : low > 0 ? UPWIND_LEFT : from_right;
+}
+ALWAYS_INLINE void winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
+                         const double *restrict cr, const bool always, double least, struct winds *restrict w) {
+    double *restrict minus = w->speed[MINUS], *restrict entropy = w->speed[ENTROPY], *restrict plus = w->speed[PLUS];
+    EACH_ALONE
+    for (int i = 0; i < n; i++) {
+        const double u = ul[i], c = cl[i], v = ur[i], d = cr[i];
+        minus[i] = wind(u - c, v - d, always, least);
+        entropy[i] = wind(u, v, always, least);
+        plus[i] = wind(u + c, v + d, always, least);
+    }
 }
 /* Finds the winds by Marquina's rule (Serna & Marquina, (19)-(23)): a field whose speed has one sign on both sides is
  * upwinded, others are split with the larger speed; a zero product splits. `always`: split all fields; `least`:
  * smallest alpha of a split. */
 KERNEL static void find_winds(int n, const double *restrict ul, const double *restrict cl, const double *restrict ur,
                               const double *restrict cr, bool always, double least, struct winds *restrict w) {
-    double *restrict minus = w->speed[MINUS], *restrict entropy = w->speed[ENTROPY], *restrict plus = w->speed[PLUS];
-    const uint64_t unsplit = always ? 0 : ~(uint64_t)0;
-    EACH_ALONE
+    if (always)
+        winds(n, ul, cl, ur, cr, true, least, w);
+    else
+        winds(n, ul, cl, ur, cr, false, least, w);
+}
+
+/* Finds what the faces of each group of a batch have in common (enum faces_kind), as far as `known` tells them apart. The
+ * speed of a field that is not split is negative, so that its sign bit is set, and bit 62 tells UPWIND_RIGHT from
+ * UPWIND_LEFT: the bits of all faces of a group are joined by `and`, in a loop of its own, as compilers else make
+ * scalars of both loops. */
+KERNEL static void find_kinds(int n, const struct winds *restrict w, int known, int *restrict kind) {
+    const double *restrict m = w->speed[MINUS], *restrict e = w->speed[ENTROPY], *restrict p = w->speed[PLUS];
+    ALIGNED uint64_t face[BATCH];
     for (int i = 0; i < n; i++) {
-        const double u = ul[i], c = cl[i], v = ur[i], d = cr[i];
-        minus[i] = wind(u - c, v - d, unsplit, least);
-        entropy[i] = wind(u, v, unsplit, least);
-        plus[i] = wind(u + c, v + d, unsplit, least);
+        const uint64_t minus = bits_of(m[i]), entropy = bits_of(e[i]), plus = bits_of(p[i]);
+        face[i] = minus >> 63 << MINUS | entropy >> 63 << ENTROPY | plus >> 63 << PLUS | (~minus >> 62 & 1) << 3 |
+                  (plus >> 62 & 1) << 4;
     }
-}
-
-/* Returns what n faces have in common (enum faces_kind). The speed of a field that is not split is negative, so that
- * its sign bit is set, and bit 62 tells UPWIND_RIGHT from UPWIND_LEFT: the bits of all faces are joined by `and`. */
-ALWAYS_INLINE int kind_of(int n, const struct winds *restrict w, int from) {
-    uint64_t all = ~(uint64_t)0;
-    for (int i = from; i < from + n; i++) {
-        const uint64_t minus = bits_of(w->speed[MINUS][i]), plus = bits_of(w->speed[PLUS][i]);
-        const uint64_t entropy = bits_of(w->speed[ENTROPY][i]);
-        all &= minus >> 63 << MINUS | entropy >> 63 << ENTROPY | plus >> 63 << PLUS | (~minus >> 62 & 1) << 3 |
-               (plus >> 62 & 1) << 4;
+    for (int from = 0; from < n; from += GROUP) {
+        const int end = n - from < GROUP ? n : from + GROUP;
+        uint64_t all = SPLITS | ALL_LEFT | ALL_RIGHT;
+        for (int i = from; i < end; i++) all &= face[i];
+        const int splits = (int)(~all & SPLITS);
+        kind[from / GROUP] = known & (splits ? splits : (int)(all & (ALL_LEFT | ALL_RIGHT)));
     }
-    const int splits = (int)(~all & SPLITS), side = (int)(all & (ALL_LEFT | ALL_RIGHT));
-    return splits ? splits : side;
-}
-
-ALWAYS_INLINE int kind_of_group(int n, const struct winds *w, int from) {
-    return n - from >= GROUP ? kind_of(GROUP, w, from) : kind_of(n - from, w, from);
-}
-
-/* Finds the kinds of all groups of a batch, as far as `known` tells them apart. */
-KERNEL static void find_kinds(int n, const struct winds *w, int known, int *restrict kind) {
-    for (int from = 0; from < n; from += GROUP) kind[from / GROUP] = known & kind_of_group(n, w, from);
 }
 
 /* Returns the end of the run of groups of one kind that starts at face `from`. */

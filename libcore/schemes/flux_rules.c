@@ -22,19 +22,20 @@ ALWAYS_INLINE uint64_t is(bool condition) {
     return -(uint64_t)condition;
 }
 
-/* Returns the rules that the faces of a group may follow: the six cells of a shock differ in p and are compressed,
- * those of an expansion differ in p; contacts are found themselves. */
-ALWAYS_INLINE uint64_t look(int from, const int n, long s, const double *restrict p, const double *restrict u,
-                            const double *restrict g) {
+/* Finds the rules that each face may follow, and returns those that any may: the six cells of a shock differ in p and
+ * are compressed, those of an expansion differ in p; contacts are found themselves. */
+ALWAYS_INLINE uint64_t look(int n, long s, const double *restrict p, const double *restrict u, const double *restrict g,
+                            uint64_t *restrict may) {
     uint64_t any = 0;
-    for (int i = from; i < from + n; i++) {
+    for (int i = 0; i < n; i++) {
         const double *q = p + i, *v = u + i, *h = g + i;
         const double most = most_of(q, s), high = larger(most, larger(q[-2 * s], q[3 * s]));
         const double least = least_of(q, s), low = smaller(least, smaller(q[-2 * s], q[3 * s]));
         const uint64_t compressed = is(v[-s] > v[0]) | is(v[0] > v[s]) | is(v[s] > v[2 * s]);
         const uint64_t contact = is(most < STEEP * least) & is(most_of(h, s) > DENSER * least_of(h, s));
-        any |=
+        may[i] =
             (is(high > STRONG * low) & compressed & SHOCK) | (is(high > STEEP * low) & EXPANSION) | (contact & CONTACT);
+        any |= may[i];
     }
     return any;
 }
@@ -103,28 +104,33 @@ ALWAYS_INLINE uint64_t mark_contacts(int from, const int n, const struct faces *
     return any;
 }
 
-/* Marks the faces of a group that follow the rules `on`, and returns the rules that some follow. */
+/* Marks the faces of a group that follow the rules `on`, and returns the rules that some follow. each[i]: the rules that
+ * a face may follow. */
 ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const struct faces *f, uint64_t on,
-                                  const struct winds *restrict w, struct rules *restrict r) {
-    const uint64_t may = on & look(from, n, f->stride, f->p, f->velocity[0], f->gruneisen);
-    uint64_t any = 0;
-    for (int i = from; i < from + n; i++) r->shock[i] = r->expansion[i] = r->contact[i] = 0;
+                                  const uint64_t *restrict each, const struct winds *restrict w,
+                                  struct rules *restrict r) {
+    uint64_t may = 0, any = 0;
+    for (int i = from; i < from + n; i++) {
+        may |= on & each[i];
+        r->shock[i] = r->expansion[i] = r->contact[i] = 0;
+    }
     if (may & SHOCK && mark_shocks(dim, from, n, f, w, r->shock)) any |= SHOCK;
     if (may & EXPANSION && mark_expansions(from, n, f, w, r)) any |= EXPANSION;
     if (may & CONTACT && mark_contacts(from, n, f, r)) any |= CONTACT;
     return any;
 }
 
-/* Most batches have no face that may follow a rule: one look at all of them costs less than one at each group. The last
- * group overlaps the one before, so that it is as long. */
+/* Most batches have no face that may follow a rule, and in others most groups have none. The last group overlaps the one
+ * before, so that it is as long. */
 ALWAYS_INLINE uint64_t find_dim(const int dim, const struct faces *f, uint64_t on, const struct winds *restrict w,
                                 struct rules *restrict r) {
     const int last = f->n - GROUP;
+    ALIGNED uint64_t may[BATCH];
     uint64_t any = 0;
-    if (!(on & look(0, f->n, f->stride, f->p, f->velocity[0], f->gruneisen))) return 0;
-    if (last < 0) return find_group(dim, 0, f->n, f, on, w, r);
+    if (!(on & look(f->n, f->stride, f->p, f->velocity[0], f->gruneisen, may))) return 0;
+    if (last < 0) return find_group(dim, 0, f->n, f, on, may, w, r);
     for (int from = 0; from < f->n; from += GROUP)
-        any |= find_group(dim, from < last ? from : last, GROUP, f, on, w, r);
+        any |= find_group(dim, from < last ? from : last, GROUP, f, on, may, w, r);
     return any;
 }
 
