@@ -113,6 +113,7 @@ static status tiles_make(struct gas *g) {
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
+    TRY(seams_make(g));
     TRY(make_falls(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
@@ -142,6 +143,7 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->limited);
     blocks_free(g->forest, x->held);
     free_work(&x->work);
+    seams_free(g);
     void *single[] = {
         x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed,
         x->activity.quiet, x};

@@ -17,11 +17,13 @@ struct axis_lines {
     double *face, *base[2]; /* P, P_0 and P_1 of tiles_balance.c, likewise */
     bool *taken;            /* [rows of activity_row] is anything of these not 0 in the row? */
 };
+/* Fluxes of a row of faces: a line each of the variables. */
+typedef double face_lines[MAX_VAR][BATCH];
 struct work { /* scratch of the tile in hand, [size] each */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     struct axis_lines along[MAX_DIM];
-    double (*planes[2])[MAX_VAR][BATCH]; /* 3D: [rows] faces along axis 2 below and above a plane, in turn */
-    double pace[MAX_DIM][BATCH];         /* dt/width along each axis, for fluxes that are paced */
+    face_lines *planes[2];       /* 3D: [rows] faces along axis 2 below and above a plane, in turn */
+    double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -40,12 +42,24 @@ struct activity { /* spans of the tile in hand: cells that differ from its backg
     int planes;   /* layers of ghosts along axis 2: none in one and two dimensions */
     int nspans;   /* rows times most planes of a tile with its ghosts */
     struct span *differ, *active, *needed, *crossed;
+    bool whole;  /* are all cells of the tile in hand computed, and none of its faces limited? */
     bool *quiet; /* [ntiles * 6] sides whose ghost layers equal the tile's background and are not kept up either */
 };
 /* The span of row (j, k), which may be one of ghosts. */
 static inline struct span *activity_row(const struct activity *a, struct span *spans, int j, int k) {
     return &spans[(j + GHOSTS) + a->rows * (k + a->planes)];
 }
+
+/* Fluxes through the faces between tiles of this rank (libcore/lattice/tiles_seams.c). A row of faces is a line along
+ * axis 1 of one plane where they lie along axis 0, else along axis 0 of one plane (axis 1) or of one row (axis 2). */
+struct seams {
+    face_lines **above; /* [ntiles * MAX_DIM] rows above a tile along an axis; NULL: there is no such tile */
+    bool *known;        /* [ntiles * MAX_DIM] in the stage in hand */
+};
+struct seam {        /* one side of the tile in hand */
+    face_lines *row; /* NULL: nothing is kept or taken */
+    bool known;
+};
 
 /* Memory that the engine of the lattice owns: g->tiles. */
 struct tiles {
@@ -56,6 +70,7 @@ struct tiles {
     double *sums;     /* [nvar][nblocks] */
     struct work work;
     struct activity activity;
+    struct seams seams;
     struct tiles_bed *bed;     /* libcore/lattice/tiles_bed.c; NULL without implicit acoustics */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
 };
@@ -173,6 +188,14 @@ void balance_walls(const struct gas *g, int tile, struct walls *walls);
 bool balance_row(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset, int n);
 /* Computes the fluxes f->out through the faces f of a strip, for which gas at rest is in balance. */
 void balance_through(const struct gas *g, const struct strip *s, const struct faces *f, const struct reconstruct *r);
+
+status seams_make(struct gas *g);
+void seams_free(struct gas *g);
+/* Forgets all fluxes, at the start of a stage. */
+void seams_begin(struct gas *g);
+/* Finds what the tile in hand takes and keeps at its sides; all of it is known when its stage ends. */
+void seams_of_tile(const struct gas *g, int tile, struct seam seam[6]);
+void seams_end(struct gas *g, int tile);
 
 /* The bed of implicit acoustics (libcore/lattice/tiles_bed.c). */
 status tiles_bed_make(struct gas *g);

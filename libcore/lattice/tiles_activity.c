@@ -304,6 +304,7 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     struct activity *a = &g->tiles->activity;
     const bool bed = tiles_hold_bed(g, tile);
     bool any = false, all = bed || g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
+    a->whole = all && !bed && !g->tiles->flagged[tile];
     if (!all && all_calm(g, tile, U0, from)) {
         for (int i = 0; i < a->nspans; i++) a->active[i] = SPAN_EMPTY;
         return false;

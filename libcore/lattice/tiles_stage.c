@@ -162,6 +162,9 @@ struct faces_of_row {
     const double (*low)[BATCH], (*high)[BATCH];
     double inverse; /* 1/width */
 };
+static struct faces_of_row faces_of_row(const struct gas *g, int axis, const double *low, const double *high) {
+    return (struct faces_of_row){(const double(*)[BATCH])low, (const double(*)[BATCH])high, 1 / g->forest->width[axis]};
+}
 
 /* Computes residual = -div F of a row, summed from the first axis on. */
 ALWAYS_INLINE void residual_dim(const int dim, int n, int nvar, const struct faces_of_row f[MAX_DIM],
@@ -231,6 +234,8 @@ struct sweep {
     struct update *update;
     const int *n; /* cells of the tile along the axes */
     int tile;
+    struct seam seam[6];
+    ALIGNED face_lines own[2]; /* faces along axis 1 below and above a row, in turn */
 };
 
 static struct span *active_row(const struct gas *g, int j, int k) {
@@ -274,8 +279,8 @@ static void ready_row(struct sweep *x, int axis, int j, int k) {
 }
 
 /* Computes the faces of row (j, k) along an axis: along axis 0 those of the row's active cells, the one below the first
- * among them; along others those that the active cells of this row and of the next one have in common, each in its
- * column. Rows -1 have faces, but no cells. */
+ * among them, but not those that are known; along others those that the active cells of this row and of the next one
+ * have in common, each in its column. Rows -1 have faces, but no cells. */
 static void row_faces(const struct sweep *x, int axis, int j, int k, double (*out)[BATCH]) {
     struct gas *g = x->pass.g;
     const struct forest *f = g->forest;
@@ -284,18 +289,50 @@ static void row_faces(const struct sweep *x, int axis, int j, int k, double (*ou
     struct span s = at[axis] < 0 ? SPAN_EMPTY : *row;
     if (axis > 0 && at[axis] + 1 < x->n[axis]) s = span_join(s, *active_row(g, j + (axis == 1), k + (axis == 2)));
     if (span_empty(s)) return;
-    const int below = axis == 0 ? 1 : 0;
+    const int below = axis == 0 && !x->seam[0].known, last = axis == 0 && x->seam[1].known;
     const struct strip strip = {.tile = x->tile,
                                 .axis = axis,
-                                .n = s.high - s.low + below,
+                                .n = s.high - s.low + below - last,
                                 .offset = f->first + s.low - below + j * f->stride[1] + k * f->stride[2],
-                                .from = axis == 0 ? s.low - 1 : at[axis],
+                                .from = axis == 0 ? s.low - below : at[axis],
                                 .row = (int)(row - g->tiles->activity.active)};
-    face_fluxes(g, x->pass.U, &strip, out, axis == 0 ? 0 : s.low);
+    face_fluxes(g, x->pass.U, &strip, out, axis == 0 ? 1 - below : s.low);
+}
+
+/* Takes the fluxes at the ends of row (j, k) from the seams there, or keeps them. */
+static void join_ends(const struct sweep *x, int j, int k, double (*faces)[BATCH]) {
+    for (int high = 0; high < 2; high++) {
+        const struct seam *s = &x->seam[high];
+        for (int v = 0; v < x->pass.g->nvar && s->row; v++) {
+            double *face = &faces[v][high ? x->n[0] : 0], *kept = &s->row[k][v][j];
+            if (s->known)
+                *face = *kept;
+            else
+                *kept = *face;
+        }
+    }
+}
+
+/* Returns where the faces above row (j, k) along axis 1 or 2 are: at the sides of the tile in its seams, if it has any
+ * there. */
+static face_lines *lines_above(struct sweep *x, int axis, int j, int k) {
+    const int place = axis == 1 ? j : k, row = axis == 1 ? k : j;
+    const struct seam *low = &x->seam[2 * axis], *high = low + 1;
+    if (place < 0 && low->row) return low->row + row;
+    if (place == x->n[axis] - 1 && high->row) return high->row + row;
+    return axis == 1 ? &x->own[place & 1] : &x->pass.g->tiles->work.planes[place & 1][row];
+}
+
+/* Computes these faces, unless they are known. */
+static void faces_above(struct sweep *x, int axis, int j, int k) {
+    const int place = axis == 1 ? j : k;
+    const bool low = place < 0 && x->seam[2 * axis].known;
+    const bool high = place == x->n[axis] - 1 && x->seam[2 * axis + 1].known;
+    if (!low && !high) row_faces(x, axis, j, k, *lines_above(x, axis, j, k));
 }
 
 /* Computes the faces along axis 0 of row (j, k), and advances its cells by all their faces. */
-static void advance_cells(struct sweep *x, int j, int k, struct faces_of_row f[MAX_DIM]) {
+static void advance_cells(struct sweep *x, int j, int k) {
     struct gas *g = x->pass.g;
     const struct span s = *active_row(g, j, k);
     const long row = g->forest->first + j * g->forest->stride[1] + k * g->forest->stride[2];
@@ -304,11 +341,11 @@ static void advance_cells(struct sweep *x, int j, int k, struct faces_of_row f[M
     g->tiles->work.along[0].origin = row - g->forest->first;
     ready_row(x, 0, j, k);
     row_faces(x, 0, j, k, faces);
-    f[0].low = (const double(*)[BATCH])faces;
-    f[0].high = (const double(*)[BATCH])(faces[0] + 1);
+    join_ends(x, j, k, faces);
+    struct faces_of_row f[MAX_DIM] = {faces_of_row(g, 0, faces[0], faces[0] + 1)};
     for (int a = 1; a < g->dim; a++) {
-        f[a].low = (const double(*)[BATCH])(f[a].low[0] + s.low);
-        f[a].high = (const double(*)[BATCH])(f[a].high[0] + s.low);
+        const double *low = (*lines_above(x, a, j - (a == 1), k - (a == 2)))[0], *high = (*lines_above(x, a, j, k))[0];
+        f[a] = faces_of_row(g, a, low + s.low, high + s.low);
     }
     residual_row(g->dim, s.high - s.low, g->nvar, f, residual);
     update_row(x->update, row + s.low, s.high - s.low, residual);
@@ -317,26 +354,15 @@ static void advance_cells(struct sweep *x, int j, int k, struct faces_of_row f[M
 /* Advances plane k row by row, each as soon as the stencils of its faces are complete. */
 static void sweep_plane(struct sweep *x, int k) {
     struct gas *g = x->pass.g;
-    const struct work *w = &g->tiles->work;
     const int reach = g->dim > 1 ? GHOSTS : 0;
-    ALIGNED double faces[2][MAX_VAR][BATCH]; /* along axis 1 below and above a row, in turn */
     if (g->dim > 2) g->tiles->work.along[1].origin = k * g->forest->stride[2];
     for (int top = -reach; top < x->n[1] + reach; top++) {
-        const int j = top - reach, odd = j & 1;
+        const int j = top - reach;
         if (g->dim < 3) span_visit(g, g->tiles->activity.needed, top, k, primitive_visit, &x->pass);
         if (g->dim > 1) ready_row(x, 1, top, k);
-        if (g->dim > 1 && j >= -1) row_faces(x, 1, j, k, faces[!odd]);
-        if (j < 0) continue;
-        struct faces_of_row f[MAX_DIM];
-        for (int a = 0; a < g->dim; a++) f[a].inverse = 1 / g->forest->width[a];
-        f[1].low = (const double(*)[BATCH])faces[odd];
-        f[1].high = (const double(*)[BATCH])faces[!odd];
-        if (g->dim > 2) {
-            row_faces(x, 2, j, k, w->planes[!(k & 1)][j]);
-            f[2].low = (const double(*)[BATCH])w->planes[k & 1][j];
-            f[2].high = (const double(*)[BATCH])w->planes[!(k & 1)][j];
-        }
-        advance_cells(x, j, k, f);
+        if (g->dim > 1 && j >= -1) faces_above(x, 1, j, k);
+        if (g->dim > 2 && j >= 0) faces_above(x, 2, j, k);
+        if (j >= 0) advance_cells(x, j, k);
     }
 }
 
@@ -358,7 +384,7 @@ static void sweep_tile(struct sweep *x) {
     for (int top = -GHOSTS; top < x->n[2] + GHOSTS; top++) {
         const int k = top - GHOSTS;
         ready_plane(x, top);
-        for (int j = 0; j < x->n[1] && k == -1; j++) row_faces(x, 2, j, k, x->pass.g->tiles->work.planes[0][j]);
+        for (int j = 0; j < x->n[1] && k == -1; j++) faces_above(x, 2, j, k);
         if (k >= 0) sweep_plane(x, k);
     }
 }
@@ -390,7 +416,9 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
+        seams_of_tile(g, tile, sweep.seam);
         sweep_tile(&sweep);
+        seams_end(g, tile);
     }
     settle_background(&update);
     to->narrow[tile] = false;

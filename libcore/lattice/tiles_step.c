@@ -120,6 +120,7 @@ static long do_stage(struct gas *g, const struct state *U0, const struct state *
     const int reach = g->tiles->activity.reach;
     long bad = 0;
     activity_prepare(g, from);
+    seams_begin(g);
     forest_fill_start(f, reach, g->nvar, from->block);
     for (int remote = 0; remote < 2; remote++) {
         if (remote) forest_fill_finish(f);

@@ -33,8 +33,8 @@ KERNEL static void find_winds(int n, const double *restrict ul, const double *re
         winds(n, ul, cl, ur, cr, false, least, w);
 }
 
-/* Finds what the faces of each group of a batch have in common (enum faces_kind), as far as `known` tells them apart. The
- * speed of a field that is not split is negative, so that its sign bit is set, and bit 62 tells UPWIND_RIGHT from
+/* Finds what the faces of each group of a batch have in common (enum faces_kind), as far as `known` tells them apart.
+ * The speed of a field that is not split is negative, so that its sign bit is set, and bit 62 tells UPWIND_RIGHT from
  * UPWIND_LEFT: the bits of all faces of a group are joined by `and`, in a loop of its own, as compilers else make
  * scalars of both loops. */
 KERNEL static void find_kinds(int n, const struct winds *restrict w, int known, int *restrict kind) {

@@ -104,8 +104,8 @@ ALWAYS_INLINE uint64_t mark_contacts(int from, const int n, const struct faces *
     return any;
 }
 
-/* Marks the faces of a group that follow the rules `on`, and returns the rules that some follow. each[i]: the rules that
- * a face may follow. */
+/* Marks the faces of a group that follow the rules `on`, and returns the rules that some follow. each[i]: the rules
+ * that a face may follow. */
 ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const struct faces *f, uint64_t on,
                                   const uint64_t *restrict each, const struct winds *restrict w,
                                   struct rules *restrict r) {
@@ -120,8 +120,8 @@ ALWAYS_INLINE uint64_t find_group(const int dim, int from, const int n, const st
     return any;
 }
 
-/* Most batches have no face that may follow a rule, and in others most groups have none. The last group overlaps the one
- * before, so that it is as long. */
+/* Most batches have no face that may follow a rule, and in others most groups have none. The last group overlaps the
+ * one before, so that it is as long. */
 ALWAYS_INLINE uint64_t find_dim(const int dim, const struct faces *f, uint64_t on, const struct winds *restrict w,
                                 struct rules *restrict r) {
     const int last = f->n - GROUP;
