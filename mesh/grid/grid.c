@@ -24,9 +24,9 @@ struct grid_private {
     struct search *search;       /* made when it is wanted */
 };
 
-/* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 32 x 32 cells stay in L2. */
+/* A row of 63 cells has 64 faces, which fill one batch of libcore; in 3D planes of 40 x 40 cells stay in L2. */
 int grid_tile_size(int dim) {
-    return dim == 3 ? 32 : 63;
+    return dim == 3 ? 40 : 63;
 }
 
 static status take_forest(struct grid *g, const struct lattice *l) {

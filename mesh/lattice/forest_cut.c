@@ -124,13 +124,20 @@ static status find_planes(struct cutter *c) {
     return OK;
 }
 
+enum { DEEP = 32 }; /* most cells of a tile along the last of three axes: thinner tiles are as fast, and more to deal */
+
+static int most_uncut(int k, int tile_size) {
+    return k == 2 && tile_size > DEEP ? DEEP : tile_size;
+}
+
 /* 3, 5 or 7 tiles cannot be dealt evenly to two ranks; then those of an even lattice are cut in two along the last
  * axis, which leaves their rows as long as they are. Returns into how many pieces that axis is cut then, else 0. */
 static int halves(const struct lattice *l, int tile_size) {
     const int last = l->dim - 1;
     int tiles = 1, pieces = 1;
     for (int a = 0; a < l->dim; a++) {
-        pieces = l->uniform[a] ? 1 : (l->n[a] + tile_size - 1) / tile_size; /* in the end of the last axis */
+        const int most = most_uncut(a, tile_size);
+        pieces = l->uniform[a] ? 1 : (l->n[a] + most - 1) / most; /* in the end of the last axis */
         tiles *= pieces;
     }
     const bool uneven = tiles % 2 == 1 && tiles >= 3 && tiles <= 7;
@@ -141,24 +148,28 @@ static int halves(const struct lattice *l, int tile_size) {
 /* Returns the most cells that a tile shall have along axis k. */
 static int most_along(const struct lattice *l, int k, int tile_size) {
     const int pieces = k == l->dim - 1 ? halves(l, tile_size) : 0;
-    return pieces ? (l->n[k] + pieces - 1) / pieces : tile_size;
+    return pieces ? (l->n[k] + pieces - 1) / pieces : most_uncut(k, tile_size);
 }
 
 enum { VECTOR = 8 }; /* numbers that a sweep works on at once */
 
 /* Returns where piece p of `length` cells along axis 0 begins, or -1 where such pieces would be longer than tile_size:
- * n cells in a row have n + 1 faces along it, which shall fill vectors. The first pieces are the longer ones: a rank
- * begins with the first tile before which its share lies (trees.h), so that of two tiles each of two ranks gets one. */
-static int row_start(int length, int parts, int p, int tile_size) {
-    const int vectors = (length + parts + VECTOR - 1) / VECTOR, spare = VECTOR * vectors - parts - length;
-    const int longest = VECTOR * ((vectors + parts - 1) / parts) - 1;
+ * n cells in a row have n + 1 faces along it, which shall fill vectors. In space cells fill them where their number
+ * allows it: most faces lie along other axes, and a row of whole vectors takes the first of its own from the tile
+ * before. The first pieces are the longer ones: a rank begins with the first tile before which its share lies
+ * (trees.h), so that of two tiles each of two ranks gets one. */
+static int row_start(int length, int parts, int p, int dim, int tile_size) {
+    const int ends = dim > 2 && length % VECTOR == 0 ? 0 : 1; /* faces that a row has more than cells */
+    const int vectors = (length + ends * parts + VECTOR - 1) / VECTOR;
+    const int spare = VECTOR * vectors - ends * parts - length;
+    const int longest = VECTOR * ((vectors + parts - 1) / parts) - ends;
     if (longest > tile_size || tile_size < 4 * VECTOR) return -1;
-    return VECTOR * (int)(((long)vectors * p + parts - 1) / parts) - p - spare * p / parts;
+    return VECTOR * (int)(((long)vectors * p + parts - 1) / parts) - ends * p - spare * p / parts;
 }
 
 /* Cuts axis k between its planes into pieces of at most tile_size cells, but no shorter than GHOSTS where the planes
  * allow it: of nearly equal length, but along axis 0 large tiles get rows that fill vectors. */
-static status cut_axis(struct forest_private *h, const bool *plane, int k, int tile_size) {
+static status cut_axis(struct forest_private *h, const bool *plane, int k, int dim, int tile_size) {
     TRY(allocate(&h->start[k], h->n[k] + 1L, sizeof *h->start[k], "the pieces of an axis"));
     int low = 0;
     for (int high = 1; high <= h->n[k]; high++) {
@@ -166,7 +177,7 @@ static status cut_axis(struct forest_private *h, const bool *plane, int k, int t
         int length = high - low, parts = (length + tile_size - 1) / tile_size;
         if (parts > length / GHOSTS) parts = length < GHOSTS ? 1 : length / GHOSTS;
         for (int p = 0; p < parts; p++) {
-            const int along = k == 0 && parts > 1 ? row_start(length, parts, p, tile_size) : -1;
+            const int along = k == 0 && parts > 1 ? row_start(length, parts, p, dim, tile_size) : -1;
             h->start[k][h->pieces[k]++] = low + (along < 0 ? (int)((long)length * p / parts) : along);
         }
         low = high;
@@ -316,7 +327,7 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
         return fail(ERR_INPUT, "tile size %d; a tile has at least %d cells a side", tile_size, GHOSTS);
     for (int k = 0; k < 3; k++) h->n[k] = l->n[k];
     status s = find_planes(&c);
-    for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, most_along(l, k, tile_size));
+    for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, l->dim, most_along(l, k, tile_size));
     if (!s) s = make_tiles(h, &c, tile_size);
     for (int k = 0; k < 3; k++) free(c.plane[k]);
     return s;

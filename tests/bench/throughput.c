@@ -100,16 +100,16 @@ static status all_schemes(const struct comm *c, int side, int steps) {
         TRY(time_scheme(c, "GoldshteinShapiro", 2, side, 63, true, steps, pairs[i][0], pairs[i][1]));
     TRY(time_scheme(c, "perfectGas", 2, side, 63, true, steps, "common", "WENO5"));
     TRY(time_scheme(c, "GoldshteinShapiro", 1, side * 100, 63, true, steps, "common", "PHM"));
-    TRY(time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 32, true, steps, "common", "PHM"));
-    TRY(time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 32, true, steps, "common", "WENO5"));
-    return time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 32, true, steps, "LaxFriedrichs", "WENO5");
+    TRY(time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 40, true, steps, "common", "PHM"));
+    TRY(time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 40, true, steps, "common", "WENO5"));
+    return time_scheme(c, "GoldshteinShapiro", 3, side / 6 + 1, 40, true, steps, "LaxFriedrichs", "WENO5");
 }
 
 int main(int argc, char **argv) {
     struct comm *c;
     status s = comm_start(&argc, &argv, &c);
     int side = argc > 1 ? atoi(argv[1]) : 400, steps = argc > 2 ? atoi(argv[2]) : 20;
-    int dim = argc > 5 ? atoi(argv[5]) : 2, tile = argc > 6 ? atoi(argv[6]) : dim < 3 ? 63 : 32;
+    int dim = argc > 5 ? atoi(argv[5]) : 2, tile = argc > 6 ? atoi(argv[6]) : dim < 3 ? 63 : 40;
     bool skip = argc < 8 || atoi(argv[7]) != 0;
     if (!s && argc > 4)
         s = time_scheme(c, "GoldshteinShapiro", dim, side, tile, skip, steps, argv[3], argv[4]);

@@ -22,7 +22,7 @@ static const struct recipe recipes[] = {
     {.n = {200, 1, 1}, .width = {0.1, 1, 2}, .type = {NULL, NULL, "empty", "empty", "empty", "empty"}},
     {.n = {130, 1, 140}, .origin = {-3, 2, 1}, .width = {0.1, 1, 0.2}, .type = {NULL, NULL, "empty", "empty"}},
     {.n = {130, 140, 1}, .width = {0.1, 0.2, 1}, .hole = big_hole, .type = {[4] = "empty", [5] = "empty"}},
-    {.n = {36, 13, 34}, .width = {0.1, 0.2, 0.3}, .type = {"cyclic", "cyclic"}},
+    {.n = {42, 13, 34}, .width = {0.1, 0.2, 0.3}, .type = {"cyclic", "cyclic"}},
     {.n = {13, 17, 12}, .width = {0.1, 0.2, 0.3}, .noise = 0.1},
 };
 enum { RECIPES = sizeof recipes / sizeof *recipes, KINDS = 2 * RECIPES };
