@@ -235,7 +235,7 @@ struct sweep {
     const int *n; /* cells of the tile along the axes */
     int tile;
     struct seam seam[6];
-    ALIGNED face_lines own[2]; /* faces along axis 1 below and above a row, in turn */
+    face_lines *own; /* [2] faces along axis 1 below and above a row, in turn */
 };
 
 static struct span *active_row(const struct gas *g, int j, int k) {
@@ -320,7 +320,7 @@ static face_lines *lines_above(struct sweep *x, int axis, int j, int k) {
     const struct seam *low = &x->seam[2 * axis], *high = low + 1;
     if (place < 0 && low->row) return low->row + row;
     if (place == x->n[axis] - 1 && high->row) return high->row + row;
-    return axis == 1 ? &x->own[place & 1] : &x->pass.g->tiles->work.planes[place & 1][row];
+    return axis == 1 ? x->own + (place & 1) : &x->pass.g->tiles->work.planes[place & 1][row];
 }
 
 /* Computes these faces, unless they are known. */
@@ -407,8 +407,12 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .a = a,
                             .dt = dt,
                             .tile = tile};
-    struct sweep sweep = {
-        .pass = {.g = g, .U = from->block[tile]}, .update = &update, .n = g->forest->tile[tile].n, .tile = tile};
+    ALIGNED face_lines own[2];
+    struct sweep sweep = {.pass = {.g = g, .U = from->block[tile]},
+                          .update = &update,
+                          .n = g->forest->tile[tile].n,
+                          .tile = tile,
+                          .own = own};
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
     if (g->falls) balance_walls(g, tile, &sweep.pass.walls);
