@@ -24,7 +24,8 @@ TABLES = {
     "solvers/case/blockmesh.c": {"key", "name"},
     "solvers/case/changes.c": {"file[i].name"},
     "solvers/case/checksums.c": {"group_name[g]", "dict_key(group, i)"},
-    "solvers/case/control.c": {"application"},  # the name of the program
+    "solvers/case/control.c": {"application",  # the name of the program
+                               "dict_key(c->functions, i)"},
     "solvers/case/fields.c": {"key", "value", "p->name", "m->patch[i].name"},
     "solvers/functions/functions.c": {"name", "key"},
     "solvers/functions/functions_patches.c": {"key"},
