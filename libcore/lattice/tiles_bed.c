@@ -17,6 +17,7 @@ struct tiles_bed {
     /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
     double **fluxes;
     struct seat *seat, *face; /* [cells], then [ghosts]; [faces] */
+    int *outer, outers;       /* [outers] the faces that are not BED_INNER */
     long room;
     /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
     struct bed_shapes shapes;
@@ -59,6 +60,7 @@ void tiles_bed_free(struct gas *g) {
     blocks_free(g->forest, b->listed);
     free(b->holds);
     free(b->seat);
+    free(b->outer);
     free(b);
 }
 
@@ -118,22 +120,22 @@ KERNEL static void bed_around(int n, const double *restrict below, const double 
     for (int i = 0; i < n; i++) most[i] = larger(most[i], larger(below[i], above[i]));
 }
 
-/* Gives `level` to those of n <= BATCH cells without a part beside which there is more than `least`; returns the
- * greatest part. */
-KERNEL static double bed_ring(int n, double least, double level, const double *restrict most, double *restrict part) {
-    double found = 0;
+/* Gives `level` to those of n <= BATCH cells without a part beside which there is more than `least`; returns whether
+ * any has a part. */
+KERNEL static bool bed_ring(int n, double least, double level, const double *restrict most, double *restrict part) {
+    uint64_t found = 0; /* the bits of parts, which are not negative: a loop over them is one of vectors */
     for (int i = 0; i < n; i++) {
-        part[i] = select_double(part[i] == 0 && most[i] > least, level, part[i]);
-        found = larger(found, part[i]);
+        part[i] = select_double((part[i] == 0) & (most[i] > least), level, part[i]);
+        found |= bits_of(part[i]);
     }
-    return found;
+    return found != 0;
 }
 
 static void ring_visit(void *ringing, long offset, int n) {
     struct ringing *r = ringing;
     double *part = r->part + offset, most[BATCH] = {0};
     for (int k = 0; k < r->dim; k++) bed_around(n, part - r->f->stride[k], part + r->f->stride[k], most);
-    r->found |= bed_ring(n, r->level == BED_FROZEN ? BED_DENSE : r->level, r->level, most, part) > 0;
+    r->found |= bed_ring(n, r->level == BED_FROZEN ? BED_DENSE : r->level, r->level, most, part);
 }
 
 /* Has a tile without cells of the bed a neighbour's in its ghosts? */
@@ -292,9 +294,13 @@ static status make_seats(struct gas *g, long cells, long faces) {
     const long n = cells + 2 * faces; /* ghosts are as many as faces at most */
     if (n > b->room) {
         free(b->seat);
+        free(b->outer);
         b->seat = NULL;
+        b->outer = NULL;
+        b->room = 0;
+        TRY(allocate(&b->seat, n + n / 2, sizeof *b->seat, "the bed"));
+        TRY(allocate(&b->outer, n + n / 2, sizeof *b->outer, "the bed"));
         b->room = n + n / 2;
-        TRY(allocate(&b->seat, b->room, sizeof *b->seat, "the bed"));
     }
     b->face = b->seat + cells + faces;
     return OK;
@@ -377,6 +383,7 @@ static void add_face(struct weaving *w, int i, int axis, bool above, int neighbo
     bed->left[f] = above ? i : neighbour;
     bed->right[f] = above ? neighbour : i;
     bed->kind[f] = (unsigned char)kind_of(w->g, s, axis, above, neighbour);
+    if (bed->kind[f] != BED_INNER) w->g->tiles->bed->outer[w->g->tiles->bed->outers++] = f;
     bed->shape[f] = axis;
     bed->face_of_cell[side_entry(bed, i, axis, above)] = above ? f : ~f;
     if (neighbour >= 0 && neighbour < bed->cells) bed->face_of_cell[side_entry(bed, neighbour, axis, false)] = ~f;
@@ -386,7 +393,7 @@ static void add_face(struct weaving *w, int i, int axis, bool above, int neighbo
 /* Makes the face above each cell, and that below where no cell of this rank makes it. */
 static void weave(struct weaving *w) {
     struct bed *bed = &w->g->dense->bed;
-    bed->ghosts = bed->faces = 0;
+    bed->ghosts = bed->faces = w->g->tiles->bed->outers = 0;
     for (int k = 0; k < bed->dim; k++)
         for (int i = 0; i < bed->cells; i++) {
             add_face(w, i, k, true, neighbour_of(w, i, k, true));
@@ -470,10 +477,11 @@ static bool same_state(const struct gas *g, const double *U, long a, long b) {
 static void take_beyond(struct gas *g, const struct state *from) {
     struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->face;
-    for (int f = 0; f < bed->faces; f++) {
+    for (int i = 0; i < g->tiles->bed->outers; i++) {
+        const int f = g->tiles->bed->outer[i];
         const double *U = from->block[seat[f].tile];
         const long below = seat[f].at, above = below + g->forest->stride[bed->shape[f]];
-        if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_WALL) continue;
+        if (bed->kind[f] == BED_WALL) continue;
         if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, below, above) ? BED_FREE : BED_HELD;
         for (int v = 0; v < g->nvar; v++) {
             bed->outside[v][f] = U[v * g->forest->size + (bed->left[f] < 0 ? below : above)];
@@ -482,20 +490,32 @@ static void take_beyond(struct gas *g, const struct state *from) {
     }
 }
 
+/* Returns how many cells of the bed, from `cell` on, lie side by side in a row: at most BATCH. */
+static int run_from(const struct gas *g, int cell) {
+    const struct seat *seat = g->tiles->bed->seat + cell;
+    const int most = g->dense->bed.cells - cell < BATCH ? g->dense->bed.cells - cell : BATCH;
+    int n = 1;
+    while (n < most && seat[n].tile == seat[0].tile && seat[n].at == seat[0].at + n) n++;
+    return n;
+}
+
 void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
     const struct forest *f = g->forest;
     struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat;
     struct state *const scratch[] = {&g->V, &g->W};
     if (!again) forest_fill_layers(g->forest, 1, g->nvar, from->block);
     for (int t = 0; t < f->ntiles && !again; t++)
         if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
-    for (int i = 0; i < bed->cells; i++)
+    for (int i = 0, n; i < bed->cells; i += n) {
+        const struct seat seat = g->tiles->bed->seat[i];
+        const size_t bytes = (size_t)(n = run_from(g, i)) * sizeof(double);
         for (int v = 0; v < g->nvar; v++) {
-            const long at = v * f->size + seat[i].at;
-            bed->U[v][i] = from->block[seat[i].tile][at];
-            for (int s = 0; s < 2 && !again; s++) scratch[s]->block[seat[i].tile][at] = bed->U[v][i];
+            const double *U = from->block[seat.tile] + v * f->size + seat.at;
+            memcpy(bed->U[v] + i, U, bytes);
+            for (int s = 0; s < 2 && !again; s++)
+                memcpy(scratch[s]->block[seat.tile] + v * f->size + seat.at, U, bytes);
         }
+    }
     if (!again) take_beyond(g, from);
 }
 
@@ -507,7 +527,8 @@ void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH
 void tiles_bed_keep(struct gas *g, double weight) {
     struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->face;
-    for (int f = 0; f < bed->faces; f++) {
+    for (int i = 0; i < g->tiles->bed->outers; i++) {
+        const int f = g->tiles->bed->outer[i];
         if (bed->kind[f] != BED_KEPT) continue;
         const long line = (long)bed->shape[f] * g->nvar;
         const double *from = g->tiles->bed->fluxes[seat[f].tile] + line * g->forest->size + seat[f].at;
@@ -517,24 +538,27 @@ void tiles_bed_keep(struct gas *g, double weight) {
 
 long tiles_bed_put(struct gas *g, const struct state *to) {
     const struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->seat;
     long bad = 0;
     for (int t = 0; t < g->forest->ntiles; t++)
         if (g->tiles->bed->holds[t]) activity_unfold(g, t, to);
-    for (int i = 0; i < bed->cells; i++)
-        for (int v = 0; v < g->nvar; v++) to->block[seat[i].tile][v * g->forest->size + seat[i].at] = bed->U[v][i];
-    for (int i = 0; i < bed->cells; i++) bad += row_inadmissible(g, to->block[seat[i].tile], seat[i].at, 1, NULL);
+    for (int i = 0, n; i < bed->cells; i += n) {
+        const struct seat seat = g->tiles->bed->seat[i];
+        double *U = to->block[seat.tile] + seat.at;
+        n = run_from(g, i);
+        for (int v = 0; v < g->nvar; v++) memcpy(U + v * g->forest->size, bed->U[v] + i, (size_t)n * sizeof(double));
+        bad += row_inadmissible(g, to->block[seat.tile], seat.at, n, NULL);
+    }
     return bad;
 }
 
 void tiles_tally_bed(struct gas *g, double dt) {
     const struct bed *bed = &g->dense->bed;
     const struct seat *seat = g->tiles->bed->face;
-    for (int f = 0; f < bed->faces; f++) {
+    for (int i = 0; i < g->tiles->bed->outers; i++) {
+        const int f = g->tiles->bed->outer[i], axis = bed->shape[f];
         const bool high = bed->left[f] >= 0;
-        const int axis = bed->shape[f];
         double flux[MAX_VAR];
-        if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_KEPT) continue;
+        if (bed->kind[f] == BED_KEPT) continue;
         const long inner = high ? seat[f].at : seat[f].at + g->forest->stride[axis];
         const int to = tiles_tally_place(g, seat[f].tile, 2 * axis + high, inner);
         bed_face_flux(bed, f, flux);
