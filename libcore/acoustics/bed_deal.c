@@ -5,7 +5,8 @@
  * many: the stages of the rest and the bed's step have sums of all ranks between them, so that a rank that has less of
  * the one cannot make up for it in the other. Lists go out from home when the set has changed, states in every step;
  * results come back. As blocks stay whole the bits of a step do not depend on the deal. A face between the cells of two
- * homes is there twice, also if one rank works on both cells.
+ * homes is there twice, also if one rank works on both cells. Homes write the lists before the stages, and send them
+ * after these: the home of a bed has more to list and less to do in the stages, and so nobody waits in between.
  */
 #include "libcore/acoustics/bed_private.h"
 #include "libcore/acoustics/room.h"
@@ -13,7 +14,7 @@
 #include <stdlib.h>
 
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
-enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 5 };
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 6 };
 
 struct bed_deal {
     struct bed worker;                 /* the cells that this rank is dealt */
@@ -25,6 +26,9 @@ struct bed_deal {
     int (*out)[COUNTS], (*in)[COUNTS]; /* [ranks] what this home deals to each rank; what each home deals here */
     int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who works on it */
     int *face;                         /* [sum of out[FACES]] this home's faces in the order in which they go out */
+    double *lists;                     /* what goes out of the lists */
+    bool written;                      /* are there lists that have not been sent? */
+    status failed;                     /* the error because of which they could not be written */
     double *message_out, *message_in;  /* of a step */
     struct bed_shapes shapes;          /* of worker, unless cells are boxes: a shape for each cell and each face */
     struct room room[ROOMS];           /* the memory of a set of cells */
@@ -39,6 +43,7 @@ static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
 void bed_deal_free(struct bed_deal *d) {
     if (!d) return;
     room_forget(d->room, ROOMS);
+    status_free(d->failed);
     bed_free(&d->worker);
     free(d->cell_first);
     free(d->out);
@@ -137,8 +142,8 @@ static double *move(double *line, long n, double *message, bool out) {
     return message + n;
 }
 
-/* Sends per[what] numbers of each thing from home to those who work on it, or back. */
-static void send(const struct bed *b, const int per[COUNTS], bool back) {
+/* Sends per[what] numbers of each thing in `out` from home to those who work on it, or back. */
+static void send(const struct bed *b, const double *out, const int per[COUNTS], bool back) {
     const struct bed_deal *d = b->deal;
     for (int r = 0; r < comm_size(b->comm); r++) {
         d->count_out[r] = d->count_in[r] = 0;
@@ -147,7 +152,7 @@ static void send(const struct bed *b, const int per[COUNTS], bool back) {
             d->count_in[r] += per[k] * (back ? d->out : d->in)[r][k];
         }
     }
-    comm_trade(b->comm, d->message_out, d->count_out, d->message_in, d->count_in);
+    comm_trade(b->comm, out, d->count_out, d->message_in, d->count_in);
 }
 
 /* Numbers that the lists have of a cell and of a face: of boxes no geometry. */
@@ -187,7 +192,7 @@ static double *write_face(const struct bed *b, int face, const double *number, d
 static void write_lists(const struct bed *b, const int *entry, const double *number) {
     const struct bed_deal *d = b->deal;
     const int *face = d->face;
-    double *to = d->message_out;
+    double *to = d->lists;
     for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
         const int end = cell + d->out[r][CELLS];
         for (int i = cell; i < end; i++) {
@@ -318,35 +323,62 @@ static status make_lists(struct bed *b) {
     return make_geometry(b);
 }
 
-static status deal_out(struct bed *b, int *scratch, const double *number) {
+/* Numbers that the lists have of each thing. */
+struct per {
+    int of[COUNTS];
+};
+static struct per per_list(const struct bed *b) {
+    return (struct per){{[CELLS] = of_cell(b), [ENTRIES] = 1, [FACES] = of_face(b)}};
+}
+
+static status write_here(struct bed *b, const double *number) {
     struct bed_deal *d = b->deal;
-    const int ranks = comm_size(b->comm);
+    const long sides = b->face_start[b->cells];
+    const struct per per = per_list(b);
+    int *scratch;
+    long numbers = 0;
+    TRY(room_grow(&d->room[3], 2 * sides, sizeof(int), &d->face));
+    TRY(room_grow(&d->room[4], 2L * b->faces + sides, sizeof(int), &scratch));
     int *const entry = scratch + 2 * b->faces;
     list_out(b, scratch, entry);
-    for (int r = 0; r < ranks; r++) d->count_out[r] = d->count_in[r] = COUNTS;
+    for (int k = 0; k < COUNTS; k++) numbers += (long)per.of[k] * sum_of(b, d->out, k);
+    TRY(room_grow(&d->room[5], numbers, sizeof(double), &d->lists));
+    write_lists(b, entry, number);
+    return OK;
+}
+
+void bed_link(struct bed *b, const double *number) {
+    struct bed_deal *d = b->deal;
+    if (!d) return;
+    status_free(d->failed);
+    d->failed = write_here(b, number);
+    d->written = true;
+}
+
+/* Sends what bed_link has written, and makes the worker's lists of it. */
+static status deal_out(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const status failed = d->failed;
+    d->failed = OK;
+    TRY(comm_agree(b->comm, failed));
+    for (int r = 0; r < comm_size(b->comm); r++) d->count_out[r] = d->count_in[r] = COUNTS;
     comm_trade_int(b->comm, d->out[0], d->count_out, d->in[0], d->count_in);
     TRY(comm_agree(b->comm, make_messages(b)));
-    write_lists(b, entry, number);
-    send(b, (int[COUNTS]){[CELLS] = of_cell(b), [ENTRIES] = 1, [FACES] = of_face(b)}, false);
+    send(b, d->lists, per_list(b).of, false);
     TRY(comm_agree(b->comm, make_lists(b)));
     read_blocks(b);
     read_lists(b, d->worker.U[0]);
     TRY(bed_halo_link(&d->worker, d->work_first, d->worker.U[0]));
     if (!b->shapes->boxes) bed_fill(&d->worker, 1, &d->shapes.volume);
+    d->written = false;
     return OK;
 }
 
-status bed_link(struct bed *b, const double *number) {
-    struct bed_deal *d = b->deal;
-    int *scratch;
-    if (!d) return OK;
+status bed_meet(struct bed *b) {
+    if (!b->deal) return OK;
     TRY(share_blocks(b));
     deal_blocks(b);
-    const long sides = b->face_start[b->cells];
-    status s = room_grow(&d->room[3], 2L * sides, sizeof(int), &d->face);
-    if (!s) s = room_grow(&d->room[4], 2L * b->faces + sides, sizeof(int), &scratch);
-    TRY(comm_agree(b->comm, s));
-    return deal_out(b, scratch, number);
+    return OK;
 }
 
 /* ---- states and results ---- */
@@ -387,7 +419,7 @@ static void take_results(struct bed *b) {
         for (int v = 0; v < variables; v++) w->kept[v][f] = flux[v];
     }
     move_all(w, d->in, NULL, true, d->message_out, true);
-    send(b, (int[COUNTS]){[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}, true);
+    send(b, d->message_out, (int[COUNTS]){[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}, true);
     move_all(b, d->out, d->face, true, d->message_in, false);
 }
 
@@ -395,9 +427,11 @@ status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     struct bed_deal *d = b->deal;
     struct bed *w = &d->worker;
     const int variables = b->components + 2;
+    const int per[COUNTS] = {[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1};
+    if (d->written) TRY(deal_out(b));
     w->balanced = b->balanced;
     move_all(b, d->out, d->face, false, d->message_out, true);
-    send(b, (int[COUNTS]){[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}, false);
+    send(b, d->message_out, per, false);
     move_all(w, d->in, NULL, false, d->message_in, false);
     TRY(bed_step(w, dt, gravity, done));
     b->newton = w->newton;
@@ -412,6 +446,6 @@ void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int 
     struct bed_deal *d = b->deal;
     bed_push(&d->worker, dt, gravity, axis);
     memcpy(d->message_out, d->worker.pushed, (size_t)d->worker.blocks * sizeof(double));
-    send(b, (int[COUNTS]){[BLOCKS] = 1}, true);
+    send(b, d->message_out, (int[COUNTS]){[BLOCKS] = 1}, true);
     memcpy(b->pushed, d->message_in, (size_t)b->blocks * sizeof(double));
 }

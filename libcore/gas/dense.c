@@ -157,7 +157,7 @@ double gas_inertia(const struct gas *g) {
 }
 
 status dense_begin(struct gas *g, const struct state *from) {
-    TRY(g->engine->bed.list(g));
+    TRY(g->engine->bed.list(g, from));
     g->engine->bed.take(g, from, false);
     g->dense->begun = true;
     return OK;

@@ -178,10 +178,10 @@ struct bed_hooks {
     void (*parts)(struct gas *g, double dt, double thin, struct bed_rates *mine);
     /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; parts must follow. */
     void (*include)(struct gas *g, double thin, double rate);
-    /* Lists the bed's cells and faces. Collective. */
-    status (*list)(struct gas *g);
+    /* Lists the bed's cells and faces, and fills the ghosts of `from` that `take` needs. Collective. */
+    status (*list)(struct gas *g, const struct state *from);
     /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V
-     * and W. again: the state of the cells alone. Collective. */
+     * and W. again: the state of the cells alone. */
     void (*take)(struct gas *g, const struct state *from, bool again);
     /* Adds `weight` times the fluxes of the last stage to those that are kept. */
     void (*keep)(struct gas *g, double weight);

@@ -447,22 +447,26 @@ static bool is_listed(struct gas *g) {
     return changes[0] == 0 && g->dense->bed.kind;
 }
 
-status tiles_bed_list(struct gas *g) {
+/* What needs other ranks comes first: a rank with more of the bed has more to list, and less to do in the stages. */
+status tiles_bed_list(struct gas *g, const struct state *from) {
     struct bed *bed = &g->dense->bed;
     const struct seat *seat;
     long first;
+    forest_fill_layers(g->forest, 1, g->nvar, from->block);
     if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, list_here(g)));
     TRY(bed_number(bed, bed->cells, &first));
     struct weaving w = {.g = g, .first = (double)first + 1};
     number_cells(g, w.first);
+    TRY(bed_meet(bed));
     seat_cells(g, g->tiles->bed->seat);
     weave(&w);
     for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
     for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
     seat = g->tiles->bed->seat + bed->cells;
     for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = g->W.block[seat[i].tile][seat[i].at] - 1;
-    return bed_link(bed, bed->U[0]);
+    bed_link(bed, bed->U[0]);
+    return OK;
 }
 
 /* ---- to and from the tiles ---- */
@@ -503,7 +507,6 @@ void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
     const struct forest *f = g->forest;
     struct bed *bed = &g->dense->bed;
     struct state *const scratch[] = {&g->V, &g->W};
-    if (!again) forest_fill_layers(g->forest, 1, g->nvar, from->block);
     for (int t = 0; t < f->ntiles && !again; t++)
         if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
     for (int i = 0, n; i < bed->cells; i += n) {

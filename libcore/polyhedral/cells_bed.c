@@ -258,14 +258,19 @@ static status link_ghosts(struct gas *g) {
     double *W[MAX_VAR];
     long first;
     TRY(bed_number(bed, bed->cells, &first));
+    TRY(bed_meet(bed));
     cells_lines(g, &g->W, W);
     for (int i = 0; i < bed->cells; i++) W[0][seat[i]] = (double)(first + i);
     fill_lines(g, 1, W);
     for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = W[0][seat[bed->cells + i]];
-    return bed_link(bed, bed->U[0]);
+    bed_link(bed, bed->U[0]);
+    return OK;
 }
 
-status cells_bed_list(struct gas *g) {
+status cells_bed_list(struct gas *g, const struct state *from) {
+    double *U[MAX_VAR];
+    cells_lines(g, from, U);
+    fill_lines(g, g->nvar, U);
     if (is_listed(g)) return OK;
     TRY(comm_agree(g->comm, make_room(g)));
     seat_cells(g);
@@ -318,7 +323,6 @@ void cells_bed_take(struct gas *g, const struct state *from, bool again) {
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < bed->cells; i++) bed->U[v][i] = U[v][g->cells->bed->seat[i]];
     if (again) return;
-    fill_lines(g, g->nvar, U);
     cells_mirrors(g, 0, m->face.n - m->face.ninternal, U);
     take_beyond(g, U);
     take_balance(g, (const double *const *)U);
