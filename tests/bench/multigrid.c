@@ -79,9 +79,10 @@ static status time_case(const struct comm *c, const struct mg_case *o, int repea
 }
 
 static status time_sizes(const struct comm *c, struct mg_case o, int largest, int repeats) {
-    static const int flat[][2] = {{6, 7}, {14, 14}, {64, 80}, {128, 160}, {256, 320}, {512, 640}, {1024, 1280}};
+    static const int flat[][2] = {{6, 7},     {14, 14},   {64, 80},   {96, 120},
+                                  {128, 160}, {256, 320}, {512, 640}, {1024, 1280}};
     static const int solid[] = {6, 16, 24, 32, 48, 64, 96};
-    for (int i = 0; i < 7 && o.dim == 2 && flat[i][0] <= largest; i++) {
+    for (int i = 0; i < 8 && o.dim == 2 && flat[i][0] <= largest; i++) {
         o.n[0] = flat[i][0];
         o.n[1] = flat[i][1];
         TRY(time_case(c, &o, repeats));
