@@ -63,7 +63,7 @@ class Pieces(harness.Folder, unittest.TestCase):
             self.compare(f"step{ranks}", lambda path: meshes.channel(path), ranks)
 
     def test_a_room(self):
-        self.compare("room", lambda path: meshes.room(path, (36, 26, 24)), 2)
+        self.compare("room", lambda path: meshes.room(path, (44, 26, 24)), 2)
 
     def test_axes_in_odd_order(self):
         """A 2D mesh in x and z, whose third axis of cells is y."""
