@@ -197,14 +197,16 @@ static status read_all(struct control *c, const char *application) {
 
 bool control_has(const struct control *c, const char *type) {
     const int n = c->functions ? dict_count(c->functions) : 0;
-    for (int i = 0; i < n; i++) {
+    bool found = false;
+    for (int i = 0; i < n && !found; i++) {
         struct dict *one;
-        const char *word;
-        if (!dict_sub(c->functions, dict_key(c->functions, i), &one) && !dict_word_or(one, "type", "", &word) &&
-            !strcmp(word, type))
-            return true;
+        const char *word = "";
+        status e = dict_sub(c->functions, dict_key(c->functions, i), &one);
+        if (!e) e = dict_word_or(one, "type", "", &word);
+        found = !e && !strcmp(word, type);
+        status_free(e); /* who makes the function objects tells what is wrong */
     }
-    return false;
+    return found;
 }
 
 static bool stamp_of(const char *case_dir, long stamp[2]) {
