@@ -96,26 +96,27 @@ ALWAYS_INLINE double teno5(double a, double b, double c, double d, double e) {
     return weighted(c, p, g0 < least ? 0 : 1, g1 < least ? 0 : 6, g2 < least ? 0 : 3);
 }
 
-/* power_3 limiter of Serna & Marquina (2004): the mean of x and y of one sign, reduced by 1 - |(x - y)/(x + y)|^3. */
-ALWAYS_INLINE double power3(double x, double y) {
+/* Returns twice the power_3 limiter of Serna & Marquina (2004): the mean of x and y of one sign, reduced by
+ * 1 - |(x - y)/(x + y)|^3, which is not positive where the signs differ. */
+ALWAYS_INLINE double twice_power3(double x, double y) {
     double sum = x + y, t = fabs((x - y) / sum);
-    return x * y > 0 ? 0.5 * sum * fma(-t * t, t, 1) : 0;
+    return sum * larger(fma(-t * t, t, 1), 0);
 }
 
 /* Weighted PowerENO5, Serna & Marquina (2004); docs/physics.md 6.10: linear weights 1/5, 1/5, 3/5 of the left, central
  * and right parabola, whose second differences are limited by power_3. */
 ALWAYS_INLINE double wpeno5(double a, double b, double c, double d, double e) {
     double e1 = b - a, e2 = c - b, e3 = d - c, e4 = e - d, epsilon = weight_epsilon(a, b, c, d, e);
-    double D = e3 - e2, PL = power3(e2 - e1, D), PR = power3(D, e4 - e3);
-    double sl = fma(0.5, PL, e2), sc = 0.5 * (e2 + e3), sr = fma(-0.5, PR, e3);
-    double bl = fma(13. / 12 * PL, PL, fma(sl, sl, epsilon));
+    double D = e3 - e2, PL = twice_power3(e2 - e1, D), PR = twice_power3(D, e4 - e3);
+    double sl = fma(0.25, PL, e2), sc = 0.5 * (e2 + e3), sr = fma(-0.25, PR, e3);
+    double bl = fma(13. / 48 * PL, PL, fma(sl, sl, epsilon));
     double bc = fma(13. / 12 * D, D, fma(sc, sc, epsilon));
-    double br = fma(13. / 12 * PR, PR, fma(sr, sr, epsilon));
+    double br = fma(13. / 48 * PR, PR, fma(sr, sr, epsilon));
     bl *= bl;
     bc *= bc;
     br *= br;
     double nl = bc * br, nc = bl * br, nr = 3 * (bl * bc);
-    double sum = fma(nl, fma(3, e2, 2 * PL), fma(nc, fma(2, e3, e2), nr * fma(3, e3, -PR)));
+    double sum = fma(nl, fma(3, e2, PL), fma(nc, fma(2, e3, e2), nr * fma(3, e3, -0.5 * PR)));
     return c + sum / (6 * (nl + nc + nr));
 }
 
