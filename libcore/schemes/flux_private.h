@@ -9,6 +9,12 @@
 
 enum { GROUP = 8 }; /* faces that are kept together in a batch: a vector */
 
+/* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
+ */
+ALWAYS_INLINE uint64_t is(bool condition) {
+    return -(uint64_t)condition;
+}
+
 struct face_states { /* states at n faces, from one side */
     ALIGNED double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
     double good[BATCH];

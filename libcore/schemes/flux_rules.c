@@ -16,12 +16,6 @@ ALWAYS_INLINE double least_of(const double *restrict q, long s) {
 
 enum { SHOCK = 1, EXPANSION = 2, CONTACT = 4 }; /* bits of a set of rules */
 
-/* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
- */
-ALWAYS_INLINE uint64_t is(bool condition) {
-    return -(uint64_t)condition;
-}
-
 /* Finds the rules that each face may follow, and returns those that any may: the six cells of a shock differ in p and
  * are compressed, those of an expansion differ in p; contacts are found themselves. */
 ALWAYS_INLINE uint64_t look(int n, long s, const double *restrict p, const double *restrict u, const double *restrict g,

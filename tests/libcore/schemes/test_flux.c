@@ -178,6 +178,33 @@ static void batches_and_dimensions(void **state) {
     }
 }
 
+/* Two streams meet that shear along the face with +-1; the one that `speed` points away from is twice as fast as the
+ * other, |speed|. Returns the momentum that passes over rho |speed|: 2 if it is the faster stream's, 3.5 if both sides'
+ * count. */
+static double shear_passed(double speed) {
+    struct strip s = {.dim = 2};
+    for (int i = 0; i < CELLS; i++) {
+        const double fast = speed > 0 ? 2 : 1, slow = speed > 0 ? 1 : 2;
+        s.U[0][i] = 312.7;
+        s.eps[i] = 2.31;
+        s.u[0][i] = i < 6 ? fast * fabs(speed) : -slow * fabs(speed);
+        s.u[1][i] = i < 6 ? 1 : -1;
+    }
+    close_strip(&s);
+    flux_of(&s, flux_find("common"), reconstruct_find("WENO5"), 5, 1);
+    return s.out[2][0] / (s.U[0][0] * fabs(speed));
+}
+
+/* Speeds of round-off are not split but come from the side of their mean, speeds above it are split. */
+static void faint_speeds(void **state) {
+    (void)state;
+    const double c = 6;
+    assert_near(shear_passed(0x1p-44 * c), 2, 1e-9);
+    assert_near(shear_passed(-0x1p-44 * c), 2, 1e-9);
+    assert_near(shear_passed(0x1p-36 * c), 3.5, 1e-9);
+    assert_near(shear_passed(-0x1p-36 * c), 3.5, 1e-9);
+}
+
 /* A number between 0 and 1 that neither states nor faces repeat. */
 static double drawn(int i, int k) {
     const double x = sin(12.9898 * i + 78.233 * k) * 43758.5453;
@@ -374,6 +401,7 @@ int main(void) {
         cmocka_unit_test(uniform_gas),
         cmocka_unit_test(mirror_image),
         cmocka_unit_test(batches_and_dimensions),
+        cmocka_unit_test(faint_speeds),
         cmocka_unit_test(supersonic_flux_is_clean),
         cmocka_unit_test(entropy_in_dense_gas),
         cmocka_unit_test(stable_part_of_the_excess),
