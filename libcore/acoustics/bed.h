@@ -115,12 +115,14 @@ void bed_free(struct bed *b);
 status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int sides);
 /* After the set has changed, by the caller: gives this rank's `cells` cells the numbers *first, *first + 1, .. over all
  * ranks; when the blocks are known, learns of those of all ranks, and deals them; when cells, ghosts and faces are
- * listed, learns the numbers [ghosts] of the ghosts, each of which lies across a face of a cell. The first two are
- * collective; bed_link is not, so that no rank waits for one that has more to list. bed_step, which needs the lists,
- * sends them, and tells of a failure of bed_link. */
+ * listed, learns the numbers [ghosts] of the ghosts, each of which lies across a face of a cell and which must stay
+ * where they are until the lists are written: bed_write, or else bed_step. The first two are collective; bed_link and
+ * bed_write are not, so that no rank waits for one that has more to list. bed_step, which needs the lists, sends them,
+ * and tells of a failure of bed_write. */
 status bed_number(struct bed *b, int cells, long *first);
 status bed_meet(struct bed *b);
 void bed_link(struct bed *b, const double *number);
+void bed_write(struct bed *b);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. The ranks deal the cells among each other, by whole blocks
  * (bed_deal.c). Collective. */

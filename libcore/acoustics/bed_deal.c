@@ -5,8 +5,8 @@
  * many: the stages of the rest and the bed's step have sums of all ranks between them, so that a rank that has less of
  * the one cannot make up for it in the other. Lists go out from home when the set has changed, states in every step;
  * results come back. As blocks stay whole the bits of a step do not depend on the deal. A face between the cells of two
- * homes is there twice, also if one rank works on both cells. Homes write the lists before the stages, and send them
- * after these: the home of a bed has more to list and less to do in the stages, and so nobody waits in between.
+ * homes is there twice, also if one rank works on both cells. Homes write the lists behind the first stage, and send
+ * them after the last: the home of a bed has more to list and less to do in the stages, and so nobody waits in between.
  */
 #include "libcore/acoustics/bed_private.h"
 #include "libcore/acoustics/room.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
-enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 6 };
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 7 };
 
 struct bed_deal {
     struct bed worker;                 /* the cells that this rank is dealt */
@@ -26,7 +26,9 @@ struct bed_deal {
     int (*out)[COUNTS], (*in)[COUNTS]; /* [ranks] what this home deals to each rank; what each home deals here */
     int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who works on it */
     int *face;                         /* [sum of out[FACES]] this home's faces in the order in which they go out */
-    double *lists;                     /* what goes out of the lists */
+    int *lists_out, *lists_in;         /* what goes out of the lists, and what comes in */
+    double *geometry;                  /* what goes out of the shapes, unless cells are boxes */
+    const double *ghost;               /* [ghosts] numbers of this home's ghosts; NULL: no lists wait to be written */
     bool written;                      /* are there lists that have not been sent? */
     status failed;                     /* the error because of which they could not be written */
     double *message_out, *message_in;  /* of a step */
@@ -142,25 +144,40 @@ static double *move(double *line, long n, double *message, bool out) {
     return message + n;
 }
 
-/* Sends per[what] numbers of each thing in `out` from home to those who work on it, or back. */
-static void send(const struct bed *b, const double *out, const int per[COUNTS], bool back) {
+/* Numbers of a message for each thing. */
+struct per {
+    int of[COUNTS];
+};
+
+/* Counts what goes from home to those who work on it, or back, per.of[what] numbers of each thing. */
+static void count(const struct bed *b, const struct per *per, bool back) {
     const struct bed_deal *d = b->deal;
     for (int r = 0; r < comm_size(b->comm); r++) {
         d->count_out[r] = d->count_in[r] = 0;
         for (int k = 0; k < COUNTS; k++) {
-            d->count_out[r] += per[k] * (back ? d->in : d->out)[r][k];
-            d->count_in[r] += per[k] * (back ? d->out : d->in)[r][k];
+            d->count_out[r] += per->of[k] * (back ? d->in : d->out)[r][k];
+            d->count_in[r] += per->of[k] * (back ? d->out : d->in)[r][k];
         }
     }
-    comm_trade(b->comm, out, d->count_out, d->message_in, d->count_in);
 }
 
-/* Numbers that the lists have of a cell and of a face: of boxes no geometry. */
-static int of_cell(const struct bed *b) {
-    return b->shapes->boxes ? 1 : 2;
+static void send(const struct bed *b, const double *out, const struct per *per, bool back) {
+    count(b, per, back);
+    comm_trade(b->comm, out, b->deal->count_out, b->deal->message_in, b->deal->count_in);
 }
-static int of_face(const struct bed *b) {
-    return b->shapes->boxes ? 4 : 6 + 3 * b->dim;
+
+/* The lists have the sides of a cell, its entries, and of a face the cells on either side, its kind and its shape;
+ * geometry is sent where cells are no boxes. */
+static const struct per of_lists = {{[CELLS] = 1, [ENTRIES] = 1, [FACES] = 4}};
+static struct per of_geometry(const struct bed *b) {
+    return (struct per){{[CELLS] = 1, [FACES] = 3 + 3 * b->dim}};
+}
+
+/* Returns how many numbers go out, or come in. */
+static long sum_all(const struct bed *b, const struct per *per, int (*n)[COUNTS]) {
+    long sum = 0;
+    for (int k = 0; k < COUNTS; k++) sum += (long)per->of[k] * sum_of(b, n, k);
+    return sum;
 }
 
 /* Calls the lines of the geometry of a face one after the other: 3 + 3 dim. */
@@ -175,33 +192,38 @@ static int face_lines(const struct bed_shapes *s, int dim, double *line[3 + 3 * 
     return n;
 }
 
-static double *write_face(const struct bed *b, int face, const double *number, double *to) {
+static int *write_face(const struct bed *b, int face, int *to) {
     const int side[2] = {b->left[face], b->right[face]}, first = b->deal->cell_first[comm_rank(b->comm)];
-    double *line[3 + 3 * MAX_DIM];
     for (int i = 0; i < 2; i++)
-        *to++ = side[i] < 0 ? -1 : side[i] < b->cells ? first + side[i] : number[side[i] - b->cells];
+        *to++ = side[i] < 0 ? -1 : side[i] < b->cells ? first + side[i] : (int)b->deal->ghost[side[i] - b->cells];
     *to++ = b->kind[face];
-    if (b->shapes->boxes) {
-        *to++ = b->shape[face];
-        return to;
-    }
-    for (int i = 0, n = face_lines(b->shapes, b->dim, line); i < n; i++) *to++ = line[i][b->shape[face]];
+    *to++ = b->shape[face];
     return to;
 }
 
-static void write_lists(const struct bed *b, const int *entry, const double *number) {
+static void write_lists(const struct bed *b, const int *entry) {
     const struct bed_deal *d = b->deal;
     const int *face = d->face;
-    double *to = d->lists;
+    int *to = d->lists_out;
     for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
-        const int end = cell + d->out[r][CELLS];
-        for (int i = cell; i < end; i++) {
-            *to++ = b->face_start[i + 1] - b->face_start[i];
-            if (!b->shapes->boxes) *to++ = b->shapes->volume[b->body[i]];
-        }
-        for (int j = b->face_start[cell]; j < b->face_start[end]; j++) *to++ = entry[j];
-        for (int k = 0; k < d->out[r][FACES]; k++) to = write_face(b, *face++, number, to);
+        const int end = cell + d->out[r][CELLS], entries = b->face_start[end] - b->face_start[cell];
+        for (int i = cell; i < end; i++) *to++ = b->face_start[i + 1] - b->face_start[i];
+        memcpy(to, entry + b->face_start[cell], (size_t)entries * sizeof *to);
+        to += entries;
+        for (int k = 0; k < d->out[r][FACES]; k++) to = write_face(b, *face++, to);
         cell = end;
+    }
+}
+
+static void write_geometry(const struct bed *b) {
+    const struct bed_deal *d = b->deal;
+    const int *face = d->face;
+    double *line[3 + 3 * MAX_DIM], *to = d->geometry;
+    const int lines = face_lines(b->shapes, b->dim, line);
+    for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
+        for (const int end = cell + d->out[r][CELLS]; cell < end; cell++) *to++ = b->shapes->volume[b->body[cell]];
+        for (int k = 0; k < d->out[r][FACES]; k++, face++)
+            for (int i = 0; i < lines; i++) *to++ = line[i][b->shape[*face]];
     }
 }
 
@@ -209,11 +231,11 @@ static void write_lists(const struct bed *b, const int *entry, const double *num
 static int count_ghosts(const struct bed *b) {
     const struct bed_deal *d = b->deal;
     const int me = comm_rank(b->comm), low = d->work_first[me], high = d->work_first[me + 1];
-    const double *from = d->message_in;
+    const int *from = d->lists_in;
     int ghosts = 0;
     for (int r = 0; r < comm_size(b->comm); r++) {
-        from += of_cell(b) * d->in[r][CELLS] + d->in[r][ENTRIES];
-        for (int k = 0; k < d->in[r][FACES]; k++, from += of_face(b))
+        from += d->in[r][CELLS] + d->in[r][ENTRIES];
+        for (int k = 0; k < d->in[r][FACES]; k++, from += of_lists.of[FACES])
             for (int i = 0; i < 2; i++) ghosts += from[i] >= 0 && (from[i] < low || from[i] >= high);
     }
     return ghosts;
@@ -242,46 +264,52 @@ static status make_geometry(struct bed *b) {
 
 /* Reads a face of the worker; each end that is a cell of another rank is a ghost of its own. number[ghosts]: their
  * numbers, of which `ghosts` are known. */
-static const double *read_face(struct bed *w, const int range[2], int face, int *ghosts, double *number,
-                               const double *from) {
+static const int *read_face(struct bed *w, const int range[2], int face, int *ghosts, double *number, const int *from) {
     int *const side[2] = {w->left + face, w->right + face};
-    double *line[3 + 3 * MAX_DIM];
-    for (int i = 0; i < 2; i++, from++) {
-        const int name = (int)*from;
+    for (int i = 0; i < 2; i++) {
+        const int name = *from++;
         *side[i] = name < 0 ? -1 : name - range[0];
         if (name < 0 || (name >= range[0] && name < range[1])) continue;
         number[*ghosts] = name;
         *side[i] = w->cells + (*ghosts)++;
     }
     w->kind[face] = (unsigned char)*from++;
-    w->shape[face] = w->shapes->boxes ? (int)*from++ : face;
-    if (w->shapes->boxes) return from;
-    for (int i = 0, n = face_lines(w->shapes, w->dim, line); i < n; i++) line[i][face] = *from++;
-    return from;
+    w->shape[face] = w->shapes->boxes ? *from : face;
+    return from + 1;
 }
 
 static void read_lists(struct bed *b, double *number) {
     struct bed_deal *d = b->deal;
     struct bed *w = &d->worker;
-    const double *from = d->message_in;
+    const int *from = d->lists_in;
     int cell = 0, entry = 0, face = 0, ghosts = 0;
     for (int r = 0; r < comm_size(b->comm); r++) {
         const int end = cell + d->in[r][CELLS], last = entry + d->in[r][ENTRIES], before = face;
         for (int at = entry; cell < end; cell++) {
             w->face_start[cell] = at;
-            at += (int)*from++;
-            w->body[cell] = b->shapes->boxes ? 0 : cell;
-            if (!b->shapes->boxes) w->shapes->volume[cell] = *from++;
+            at += *from++;
         }
         for (; entry < last; entry++) {
-            const int at = (int)*from++;
+            const int at = *from++;
             w->face_of_cell[entry] = at < 0 ? ~(before + ~at) : before + at;
         }
         for (; face < before + d->in[r][FACES]; face++)
             from = read_face(w, d->work_first + comm_rank(b->comm), face, &ghosts, number, from);
     }
     w->face_start[cell] = entry;
-    for (int i = w->cells; i < w->cells + w->ghosts; i++) w->body[i] = b->shapes->boxes ? 0 : i;
+    for (int i = 0; i < w->cells + w->ghosts; i++) w->body[i] = b->shapes->boxes ? 0 : i;
+}
+
+static void read_geometry(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const double *from = d->message_in;
+    double *line[3 + 3 * MAX_DIM];
+    const int lines = face_lines(&d->shapes, b->dim, line);
+    for (int r = 0, cell = 0, face = 0; r < comm_size(b->comm); r++) {
+        for (const int end = cell + d->in[r][CELLS]; cell < end; cell++) d->shapes.volume[cell] = *from++;
+        for (const int end = face + d->in[r][FACES]; face < end; face++)
+            for (int i = 0; i < lines; i++) line[i][face] = *from++;
+    }
 }
 
 static void read_blocks(struct bed *b) {
@@ -297,22 +325,17 @@ static void read_blocks(struct bed *b) {
     }
 }
 
-/* Makes room for messages: those of the lists, of states and of results. */
+/* Makes room for messages: those of geometry, of states and of results. */
 static status make_messages(struct bed *b) {
     struct bed_deal *d = b->deal;
-    const int most[COUNTS] = {[CELLS] = b->components + 2,
-                              [ENTRIES] = 1,
-                              [FACES] = of_face(b),
-                              [OUTER] = 2 * (b->components + 2) + 1,
-                              [BLOCKS] = 2};
-    long out = 0, in = 0;
-    for (int k = 0; k < COUNTS; k++) {
-        out += (long)most[k] * sum_of(b, d->out, k);
-        in += (long)most[k] * sum_of(b, d->in, k);
-    }
-    TRY(room_grow(&d->room[2], 2 * (out + in), sizeof(double), &d->message_out));
-    d->message_in = d->message_out + out + in;
-    return OK;
+    struct per most = of_geometry(b);
+    most.of[CELLS] = b->components + 2;
+    most.of[OUTER] = 2 * (b->components + 2) + 1;
+    most.of[BLOCKS] = 2;
+    const long all = sum_all(b, &most, d->out) + sum_all(b, &most, d->in);
+    TRY(room_grow(&d->room[2], 2 * all, sizeof(double), &d->message_out));
+    d->message_in = d->message_out + all;
+    return room_grow(&d->room[6], sum_all(b, &of_lists, d->in), sizeof(int), &d->lists_in);
 }
 
 static status make_lists(struct bed *b) {
@@ -323,39 +346,37 @@ static status make_lists(struct bed *b) {
     return make_geometry(b);
 }
 
-/* Numbers that the lists have of each thing. */
-struct per {
-    int of[COUNTS];
-};
-static struct per per_list(const struct bed *b) {
-    return (struct per){{[CELLS] = of_cell(b), [ENTRIES] = 1, [FACES] = of_face(b)}};
-}
-
-static status write_here(struct bed *b, const double *number) {
+static status write_here(struct bed *b) {
     struct bed_deal *d = b->deal;
     const long sides = b->face_start[b->cells];
-    const struct per per = per_list(b);
+    const struct per shapes = of_geometry(b);
     int *scratch;
-    long numbers = 0;
     TRY(room_grow(&d->room[3], 2 * sides, sizeof(int), &d->face));
     TRY(room_grow(&d->room[4], 2L * b->faces + sides, sizeof(int), &scratch));
     int *const entry = scratch + 2 * b->faces;
     list_out(b, scratch, entry);
-    for (int k = 0; k < COUNTS; k++) numbers += (long)per.of[k] * sum_of(b, d->out, k);
-    TRY(room_grow(&d->room[5], numbers, sizeof(double), &d->lists));
-    write_lists(b, entry, number);
+    const long numbers = b->shapes->boxes ? 0 : sum_all(b, &shapes, d->out), ints = sum_all(b, &of_lists, d->out);
+    TRY(room_grow(&d->room[5], numbers + (ints + 1) / 2, sizeof(double), &d->geometry));
+    d->lists_out = (int *)(d->geometry + numbers);
+    write_lists(b, entry);
+    if (!b->shapes->boxes) write_geometry(b);
     return OK;
 }
 
 void bed_link(struct bed *b, const double *number) {
+    if (b->deal) b->deal->ghost = number;
+}
+
+void bed_write(struct bed *b) {
     struct bed_deal *d = b->deal;
-    if (!d) return;
+    if (!d || !d->ghost) return;
     status_free(d->failed);
-    d->failed = write_here(b, number);
+    d->failed = write_here(b);
+    d->ghost = NULL;
     d->written = true;
 }
 
-/* Sends what bed_link has written, and makes the worker's lists of it. */
+/* Sends what bed_write has written, and makes the worker's lists of it. */
 static status deal_out(struct bed *b) {
     struct bed_deal *d = b->deal;
     const status failed = d->failed;
@@ -364,12 +385,18 @@ static status deal_out(struct bed *b) {
     for (int r = 0; r < comm_size(b->comm); r++) d->count_out[r] = d->count_in[r] = COUNTS;
     comm_trade_int(b->comm, d->out[0], d->count_out, d->in[0], d->count_in);
     TRY(comm_agree(b->comm, make_messages(b)));
-    send(b, d->lists, per_list(b).of, false);
+    count(b, &of_lists, false);
+    comm_trade_int(b->comm, d->lists_out, d->count_out, d->lists_in, d->count_in);
     TRY(comm_agree(b->comm, make_lists(b)));
     read_blocks(b);
     read_lists(b, d->worker.U[0]);
     TRY(bed_halo_link(&d->worker, d->work_first, d->worker.U[0]));
-    if (!b->shapes->boxes) bed_fill(&d->worker, 1, &d->shapes.volume);
+    if (!b->shapes->boxes) {
+        const struct per shapes = of_geometry(b);
+        send(b, d->geometry, &shapes, false);
+        read_geometry(b);
+        bed_fill(&d->worker, 1, &d->shapes.volume);
+    }
     d->written = false;
     return OK;
 }
@@ -419,7 +446,7 @@ static void take_results(struct bed *b) {
         for (int v = 0; v < variables; v++) w->kept[v][f] = flux[v];
     }
     move_all(w, d->in, NULL, true, d->message_out, true);
-    send(b, d->message_out, (int[COUNTS]){[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}, true);
+    send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}}, true);
     move_all(b, d->out, d->face, true, d->message_in, false);
 }
 
@@ -427,11 +454,12 @@ status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     struct bed_deal *d = b->deal;
     struct bed *w = &d->worker;
     const int variables = b->components + 2;
-    const int per[COUNTS] = {[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1};
+    const struct per per = {{[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}};
+    bed_write(b);
     if (d->written) TRY(deal_out(b));
     w->balanced = b->balanced;
     move_all(b, d->out, d->face, false, d->message_out, true);
-    send(b, d->message_out, per, false);
+    send(b, d->message_out, &per, false);
     move_all(w, d->in, NULL, false, d->message_in, false);
     TRY(bed_step(w, dt, gravity, done));
     b->newton = w->newton;
@@ -446,6 +474,6 @@ void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int 
     struct bed_deal *d = b->deal;
     bed_push(&d->worker, dt, gravity, axis);
     memcpy(d->message_out, d->worker.pushed, (size_t)d->worker.blocks * sizeof(double));
-    send(b, d->message_out, (int[COUNTS]){[BLOCKS] = 1}, true);
+    send(b, d->message_out, &(struct per){{[BLOCKS] = 1}}, true);
     memcpy(b->pushed, d->message_in, (size_t)b->blocks * sizeof(double));
 }

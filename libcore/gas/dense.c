@@ -163,6 +163,11 @@ status dense_begin(struct gas *g, const struct state *from) {
     return OK;
 }
 
+void dense_keep(struct gas *g, double weight) {
+    g->engine->bed.keep(g, weight);
+    bed_write(&g->dense->bed);
+}
+
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to) {
     struct dense *d = g->dense;
     bool done = false;

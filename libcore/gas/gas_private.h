@@ -157,6 +157,9 @@ struct bed_row { /* n <= BATCH cells: rates as in struct bed_rates; part NULL: n
 void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most);
 /* Lists and takes the bed from the state in which a step starts. Collective. */
 status dense_begin(struct gas *g, const struct state *from);
+/* Keeps the fluxes of a stage towards the bed, and behind the first stage writes the bed's lists, if there are new
+ * ones: a rank with more of the bed has less to do in each of the stages. */
+void dense_keep(struct gas *g, double weight);
 /* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
  * Returns false, on all ranks, if the step must be done again. */
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to);

@@ -304,7 +304,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     struct ending ending = {.sources = sources ? &plan : NULL};
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
     g->dt = dt;
-    if (guarded && sources && any_rank(g, bad)) return false;
+    if (guarded && sources && !g->hybrid && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
     const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;
     for (int stage = 0; stage < stages; stage++) {
@@ -321,7 +321,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
             return false;
         tally_stage(g, (1 - a) * share_of(s, stage) * b);
         audit_rest(g, (1 - a) * share_of(s, stage) * b);
-        if (g->hybrid) g->engine->bed.keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
+        if (g->hybrid) dense_keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
         U0 = after_stage(g, U0, stage);
     }
     if (guarded) bad = 0;

@@ -464,8 +464,8 @@ status tiles_bed_list(struct gas *g, const struct state *from) {
     for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
     for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
     seat = g->tiles->bed->seat + bed->cells;
-    for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = g->W.block[seat[i].tile][seat[i].at] - 1;
-    bed_link(bed, bed->U[0]);
+    for (int i = 0; i < bed->ghosts; i++) bed->U[0][bed->cells + i] = g->W.block[seat[i].tile][seat[i].at] - 1;
+    bed_link(bed, bed->U[0] + bed->cells);
     return OK;
 }
 

@@ -262,8 +262,8 @@ static status link_ghosts(struct gas *g) {
     cells_lines(g, &g->W, W);
     for (int i = 0; i < bed->cells; i++) W[0][seat[i]] = (double)(first + i);
     fill_lines(g, 1, W);
-    for (int i = 0; i < bed->ghosts; i++) bed->U[0][i] = W[0][seat[bed->cells + i]];
-    bed_link(bed, bed->U[0]);
+    for (int i = 0; i < bed->ghosts; i++) bed->U[0][bed->cells + i] = W[0][seat[bed->cells + i]];
+    bed_link(bed, bed->U[0] + bed->cells);
     return OK;
 }
 
