@@ -55,8 +55,11 @@ static void floor_row(void *flooring, const struct row *row) {
     struct gas *g = f->g;
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
     const int n = row->n, step = g->raised_step, place = row->block + step * (int)row->at;
-    if (g->hybrid && g->dense->begun) floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
     if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
+    if (g->hybrid && g->dense->begun) {
+        floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
+        if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
+    }
     if (g->least > 0) {
         give(g, row, U, -g->share);
         g->filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);

@@ -258,20 +258,27 @@ void comm_trade_counts(const struct comm *c, const int *count_out, int *count_in
         for (int r = 0; r < c->size; r++) count_in[r] = r == c->rank ? count_out[r] : 0;
 }
 
+/* A rank's own numbers are copied while those of others travel, which MPI_Alltoallv does one after the other. */
 static void trade(const struct comm *c, const void *out, const int *count_out, void *in, const int *count_in,
                   MPI_Datatype type, size_t bytes) {
-    if (!c->talks) {
-        size_t before = 0;
-        for (int r = 0; r < c->rank; r++) before += (size_t)count_out[r];
-        memcpy(in, (const char *)out + before * bytes, (size_t)count_out[c->rank] * bytes);
-        return;
+    MPI_Request request[2 * c->size];
+    const char *from = out, *own = out;
+    char *to = in, *kept = in;
+    int n = 0;
+    for (int r = 0; r < c->size; to += (size_t)count_in[r++] * bytes) {
+        if (r == c->rank)
+            kept = to;
+        else if (count_in[r] && c->talks)
+            MPI_Irecv(to, count_in[r], type, r, 3, c->world, &request[n++]);
     }
-    int first_out[c->size], first_in[c->size];
-    for (int r = 0, o = 0, i = 0; r < c->size; o += count_out[r], i += count_in[r++]) {
-        first_out[r] = o;
-        first_in[r] = i;
+    for (int r = 0; r < c->size; from += (size_t)count_out[r++] * bytes) {
+        if (r == c->rank)
+            own = from;
+        else if (count_out[r] && c->talks)
+            MPI_Isend(from, count_out[r], type, r, 3, c->world, &request[n++]);
     }
-    MPI_Alltoallv(out, count_out, first_out, type, in, count_in, first_in, type, c->world);
+    if (count_out[c->rank]) memcpy(kept, own, (size_t)count_out[c->rank] * bytes);
+    if (n) MPI_Waitall(n, request, MPI_STATUSES_IGNORE);
 }
 
 void comm_trade(const struct comm *c, const double *out, const int *count_out, double *in, const int *count_in) {
