@@ -105,19 +105,26 @@ static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     return p->governor / (rate * larger(1, mild / loss));
 }
 
-/* Marks the parts of the bed and finds the limits of dt; thick: without near vacuum. plain: dt of an explicit step. The
- * second time only near vacuum has become dense, and the other cells' rate of cooling is known. */
-static void find_limits(struct gas *g, double maxCo, double plain, double fall, bool thick, double limit[CAUSES]) {
+/* Marks the parts of the bed and finds the rates, over all ranks. The second time only near vacuum has become dense,
+ * and the other cells' rate of cooling is known. */
+static struct bed_rates find_rates(struct gas *g, double plain) {
     struct dense *d = g->dense;
     struct bed_rates rates;
     g->engine->bed.parts(g, plain, d->thin, &rates);
     d->cooling = larger(d->cooling, rates.cooling);
-    double most[] = {thick ? rates.solid : rates.thin, rates.flow, d->cooling, rates.inertia};
-    comm_max(g->comm, most, 4);
-    d->inertia = most[3];
-    limit[BY_THIN] = THIN * maxCo / most[0];
-    limit[BY_FLOW] = FLOW / most[1];
-    limit[BY_COOLING] = limit_of_cooling(g, plain, most[2]);
+    double most[] = {rates.thin, rates.solid, rates.flow, d->cooling, rates.inertia};
+    comm_max(g->comm, most, 5);
+    d->inertia = most[4];
+    return (struct bed_rates){
+        .thin = most[0], .solid = most[1], .flow = most[2], .cooling = most[3], .inertia = most[4]};
+}
+
+/* Finds the limits of dt; thick: without near vacuum. */
+static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double plain, double fall,
+                        bool thick, double limit[CAUSES]) {
+    limit[BY_THIN] = THIN * maxCo / (thick ? rates->solid : rates->thin);
+    limit[BY_FLOW] = FLOW / rates->flow;
+    limit[BY_COOLING] = limit_of_cooling(g, plain, rates->cooling);
     limit[BY_FALL] = FALL * fall;
 }
 
@@ -140,10 +147,13 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     comm_max(g->comm, &count, 1);
     d->longest = d->cooling = 0;
     if (count == 0 || FALL * fall < gain * usual) return 0;
-    find_limits(g, maxCo, plain, fall, d->thin > 0, step);
+    struct bed_rates rates = find_rates(g, plain);
+    find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
-        g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
-        find_limits(g, maxCo, plain, fall, false, step);
+        count = (double)g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
+        comm_max(g->comm, &count, 1);
+        if (count > 0) rates = find_rates(g, plain);
+        find_limits(g, &rates, maxCo, plain, fall, false, step);
     }
     const int least = least_of(step);
     if (!(step[least] >= gain * usual && step[least] > plain)) return 0;

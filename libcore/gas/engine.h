@@ -174,10 +174,12 @@ struct bed_hooks {
     void (*free)(struct gas *g);
     /* Finds the cells denser than `dense` (kg/m^3) in U; returns their number on this rank. */
     long (*find)(struct gas *g, double dense);
-    /* Marks the parts around the cells found; then finds the rates, those of cooling over dt. Collective. */
+    /* Marks the parts around the dense cells, anew if it had done so; then finds the rates, those of cooling over dt.
+     * Collective. */
     void (*parts)(struct gas *g, double dt, double thin, struct bed_rates *mine);
-    /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; parts must follow. */
-    void (*include)(struct gas *g, double thin, double rate);
+    /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; returns how many of this
+     * rank. If any rank has any, parts must follow. */
+    long (*include)(struct gas *g, double thin, double rate);
     /* Lists the bed's cells and faces, and fills the ghosts of `from` that `take` needs. Collective. */
     status (*list)(struct gas *g, const struct state *from);
     /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V

@@ -202,7 +202,7 @@ status tiles_bed_make(struct gas *g);
 void tiles_bed_free(struct gas *g);
 long tiles_bed_find(struct gas *g, double above);
 void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
-void tiles_bed_include(struct gas *g, double thin, double rate);
+long tiles_bed_include(struct gas *g, double thin, double rate);
 status tiles_bed_list(struct gas *g, const struct state *from);
 void tiles_bed_take(struct gas *g, const struct state *from, bool again);
 void tiles_bed_keep(struct gas *g, double weight);

@@ -152,9 +152,18 @@ static bool beside_bed(const struct gas *g, int tile) {
     return false;
 }
 
+static void forget_rings(struct gas *g) {
+    for (int t = 0; t < g->forest->ntiles; t++) {
+        double *part = g->dense->part[t];
+        for (long i = 0; i < g->forest->size && g->tiles->bed->holds[t]; i++)
+            part[i] = select_double(part[i] < BED_DENSE, 0, part[i]);
+    }
+}
+
 /* Dilates the dense part by three rings of neighbours. */
 static void find_rings(struct gas *g) {
     struct forest *f = g->forest;
+    forget_rings(g);
     for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
         forest_fill_layers(f, 1, 1, g->dense->part);
         for (int t = 0; t < f->ntiles; t++) {
@@ -210,7 +219,7 @@ struct inclusion { /* near vacuum that becomes dense */
     struct gas *g;
     const double *U;
     double *part, thin, rate;
-    bool found;
+    long found;
 };
 
 static void include_visit(void *inclusion, long offset, int n) {
@@ -223,20 +232,20 @@ static void include_visit(void *inclusion, long offset, int n) {
         for (int k = 0; k < c->g->dim; k++) rate += (fabs(w->velocity[k][i]) + w->c[i]) / c->g->forest->width[k];
         if (c->part[i] >= BED_FROZEN || !(c->U[i] < c->thin) || !(rate > c->rate)) continue;
         c->part[i] = BED_DENSE;
-        c->found = true;
+        c->found++;
     }
 }
 
-/* The rings are taken back, as they will be wider. */
-void tiles_bed_include(struct gas *g, double thin, double rate) {
+long tiles_bed_include(struct gas *g, double thin, double rate) {
     const struct forest *f = g->forest;
+    long count = 0;
     for (int t = 0; t < f->ntiles; t++) {
-        struct inclusion c = {g, g->U.block[t], g->dense->part[t], thin, rate, g->tiles->bed->holds[t]};
+        struct inclusion c = {g, g->U.block[t], g->dense->part[t], thin, rate, 0};
         runs_visit(f, &f->tile[t], 0, include_visit, &c);
-        g->tiles->bed->holds[t] = c.found;
-        for (long i = 0; i < f->size && c.found; i++)
-            if (c.part[i] < BED_DENSE) c.part[i] = 0;
+        g->tiles->bed->holds[t] |= c.found > 0;
+        count += c.found;
     }
+    return count;
 }
 
 /* ---- the lists ---- */

@@ -162,7 +162,7 @@ status cells_bed_make(struct gas *g);
 void cells_bed_free(struct gas *g);
 long cells_bed_find(struct gas *g, double above);
 void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
-void cells_bed_include(struct gas *g, double thin, double rate);
+long cells_bed_include(struct gas *g, double thin, double rate);
 status cells_bed_list(struct gas *g, const struct state *from);
 void cells_bed_take(struct gas *g, const struct state *from, bool again);
 void cells_bed_keep(struct gas *g, double weight);

@@ -101,6 +101,7 @@ static void fill_lines(struct gas *g, int n, double *const *line) {
 static void find_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *part = g->dense->part[0];
+    for (int i = 0; i < m->nown; i++) part[i] = part[i] < BED_DENSE ? 0 : part[i];
     for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
         const double least = level == BED_FROZEN ? BED_DENSE : level;
         fill_lines(g, 1, g->dense->part);
@@ -138,21 +139,23 @@ void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mi
     }
 }
 
-/* The rings are taken back, as they will be wider. */
-void cells_bed_include(struct gas *g, double thin, double rate) {
+long cells_bed_include(struct gas *g, double thin, double rate) {
     const int nown = g->cells->polyhedra->nown;
     const double *rho = g->U.block[0];
     double *part = g->dense->part[0];
+    long count = 0;
     for (int at = 0, n; at < nown; at += n) {
         struct cells_primitives q;
         double flow[BATCH], fast[BATCH];
         n = nown - at < BATCH ? nown - at : BATCH;
         find_rates(g, at, n, &q, flow, fast);
         for (int i = at; i < at + n; i++) {
-            if (part[i] < BED_FROZEN && rho[i] < thin && fast[i - at] > rate) part[i] = BED_DENSE;
-            if (part[i] < BED_DENSE) part[i] = 0;
+            if (!(part[i] < BED_FROZEN && rho[i] < thin && fast[i - at] > rate)) continue;
+            part[i] = BED_DENSE;
+            count++;
         }
     }
+    return count;
 }
 
 /* ---- the lists ---- */
