@@ -6,6 +6,7 @@
 #include "mesh/format/files.h"
 
 #include <errno.h>
+#include <libdeflate.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -71,7 +72,7 @@ void sink_unsummed(struct sink *s) {
 }
 
 static void add_up(struct file_sum *sum, const char *data, size_t bytes) {
-    sum->crc = crc32_z(sum->crc, (const unsigned char *)data, bytes);
+    sum->crc = libdeflate_crc32((uint32_t)sum->crc, data, bytes);
     sum->bytes += bytes;
 }
 
@@ -297,7 +298,7 @@ static status write_slices(struct sink *s, const char *path, int components, con
     e = comm_agree(share->comm, e);
     if (!e) comm_broadcast(share->comm, &at, sizeof at);
     if (!e && !s) e = write_at(path, temporary, (const char *)slice, bytes, at + (size_t)share->first * item);
-    if (!e && !s) mine[0] = (double)crc32_z(0, (const unsigned char *)slice, bytes);
+    if (!e && !s) mine[0] = libdeflate_crc32(0, slice, bytes);
     mine[1] = (double)bytes;
     free(temporary);
     TRY(comm_agree(share->comm, e));

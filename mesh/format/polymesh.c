@@ -7,11 +7,11 @@
 #include "mesh/format/boxes.h"
 #include "mesh/format/sites.h"
 
+#include <libdeflate.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 static void outline_free(struct outline *o, int npatches) {
     if (!o) return;
@@ -40,16 +40,25 @@ void polymesh_free(struct polymesh *m) {
     free(m);
 }
 
+void points_bounds(long n, const double *points, double low[3], double high[3]) {
+    double least[3] = {low[0], low[1], low[2]}, most[3] = {high[0], high[1], high[2]};
+    for (long i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) {
+            const double x = points[3 * i + k];
+            least[k] = x < least[k] ? x : least[k];
+            most[k] = x > most[k] ? x : most[k];
+        }
+    memcpy(low, least, sizeof least);
+    memcpy(high, most, sizeof most);
+}
+
 void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]) {
     const struct outline *o = m->outline;
     for (int k = 0; k < 3; k++) {
         low[k] = m->boxes ? m->boxes->low[k] : o ? o->low[k] : HUGE_VAL;
         high[k] = m->boxes ? m->boxes->high[k] : o ? o->high[k] : -HUGE_VAL;
-        for (long i = 0; i < m->npoints && m->points; i++) {
-            low[k] = fmin(low[k], m->points[3 * i + k]);
-            high[k] = fmax(high[k], m->points[3 * i + k]);
-        }
     }
+    if (m->points && !o) points_bounds(m->npoints, m->points, low, high);
 }
 
 const char *polymesh_boundary_file(const struct polymesh *m) {
@@ -102,28 +111,28 @@ status polymesh_complete(struct polymesh *m) {
 }
 
 /* Adds up what a mesh of boxes is made from. */
-static unsigned long boxes_checksum(const struct boxes *b) {
-    unsigned long sum = crc32_z(0, NULL, 0);
-    sum = crc32_z(sum, (const void *)b->low, sizeof b->low);
-    sum = crc32_z(sum, (const void *)b->high, sizeof b->high);
+static uint32_t boxes_checksum(const struct boxes *b) {
+    uint32_t sum = 0;
+    sum = libdeflate_crc32(sum, b->low, sizeof b->low);
+    sum = libdeflate_crc32(sum, b->high, sizeof b->high);
     for (int i = 0; i < b->nboxes; i++) {
         const struct brick *x = &b->box[i];
-        sum = crc32_z(sum, (const void *)x->low, sizeof x->low);
-        sum = crc32_z(sum, (const void *)x->n, sizeof x->n);
+        sum = libdeflate_crc32(sum, x->low, sizeof x->low);
+        sum = libdeflate_crc32(sum, x->n, sizeof x->n);
         for (int k = 0; k < 3; k++) {
             const int axis[2] = {x->cell.axis[k], x->cell.down[k]};
-            sum = crc32_z(sum, (const void *)axis, sizeof axis);
+            sum = libdeflate_crc32(sum, axis, sizeof axis);
         }
     }
     for (int i = 0; i < b->nsides; i++) {
         const struct brick_name name = b->side[i];
         const int side[3] = {name.box, name.side, b->box[name.box].side[name.side].patch};
-        sum = crc32_z(sum, (const void *)side, sizeof side);
+        sum = libdeflate_crc32(sum, side, sizeof side);
     }
     return sum;
 }
 
-static unsigned long arrays_checksum(const struct polymesh *m) {
+static uint32_t arrays_checksum(const struct polymesh *m) {
     struct {
         const void *data;
         size_t bytes;
@@ -132,18 +141,18 @@ static unsigned long arrays_checksum(const struct polymesh *m) {
                 {m->face_points, (size_t)m->face_start[m->nfaces] * sizeof *m->face_points},
                 {m->owner, (size_t)m->nfaces * sizeof *m->owner},
                 {m->neighbour, (size_t)m->ninternal * sizeof *m->neighbour}};
-    unsigned long sum = crc32_z(0, NULL, 0);
-    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = crc32_z(sum, part[i].data, part[i].bytes);
+    uint32_t sum = 0;
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) sum = libdeflate_crc32(sum, part[i].data, part[i].bytes);
     return sum;
 }
 
 unsigned long polymesh_checksum(const struct polymesh *m) {
-    unsigned long sum = m->boxes ? boxes_checksum(m->boxes) : m->outline ? m->outline->sum : arrays_checksum(m);
+    uint32_t sum = m->boxes ? boxes_checksum(m->boxes) : m->outline ? (uint32_t)m->outline->sum : arrays_checksum(m);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
-        sum = crc32_z(sum, (const void *)p->name, strlen(p->name) + 1);
-        sum = crc32_z(sum, (const void *)p->type, strlen(p->type) + 1);
-        sum = crc32_z(sum, (const void *)&p->nfaces, sizeof p->nfaces);
+        sum = libdeflate_crc32(sum, p->name, strlen(p->name) + 1);
+        sum = libdeflate_crc32(sum, p->type, strlen(p->type) + 1);
+        sum = libdeflate_crc32(sum, &p->nfaces, sizeof p->nfaces);
     }
     return sum;
 }

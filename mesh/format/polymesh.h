@@ -96,6 +96,8 @@ status polymesh_count_shapes(const struct polymesh *m, const bool *counted, long
  * polymesh_check. */
 int polymesh_axes(const struct polymesh *m, int axis[3]);
 
+/* Widens the box from low to high (m) to one that holds n points, too. */
+void points_bounds(long n, const double *points, double low[3], double high[3]);
 /* Finds the corners of the box around all points, m. */
 void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]);
 /* The file that says the patches, for messages: constant/polyMesh/boundary or system/blockMeshDict. */

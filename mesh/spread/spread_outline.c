@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds what every rank knows of a mesh that is spread over the ranks (struct outline, polymesh.h), and checks the
  * mesh. */
+#include <libdeflate.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +38,7 @@ static status sum_slices(const struct lists *s, double sum[ARRAYS], double bytes
                       {s->owner, n * (long)sizeof(int)},
                       {s->neighbour, inner * (long)sizeof(int)}};
     for (int i = 0; i < ARRAYS; i++) {
-        sum[i] = (double)crc32_z(crc32_z(0, NULL, 0), part[i].data, (size_t)part[i].bytes);
+        sum[i] = libdeflate_crc32(0, part[i].data, (size_t)part[i].bytes);
         bytes[i] = (double)part[i].bytes;
     }
     free(start);
@@ -49,7 +50,7 @@ status outline_sum(const struct lists *s, unsigned long *out) {
     double mine[2 * ARRAYS], *all = NULL;
     TRY(comm_agree(c, sum_slices(s, mine, mine + ARRAYS)));
     TRY(comm_gather(c, mine, 2 * ARRAYS, &all, NULL));
-    *out = crc32_z(0, NULL, 0);
+    *out = 0;
     for (int i = 0; all && i < ARRAYS; i++)
         for (int r = 0; r < comm_size(c); r++) {
             const double *theirs = all + 2L * ARRAYS * r;
@@ -67,11 +68,8 @@ void outline_box(const struct lists *s, struct outline *o) {
     for (int k = 0; k < 3; k++) {
         o->low[k] = HUGE_VAL;
         o->high[k] = -HUGE_VAL;
-        for (long i = 0; i < s->points.end - s->points.first; i++) {
-            o->low[k] = fmin(o->low[k], s->point[3 * i + k]);
-            o->high[k] = fmax(o->high[k], s->point[3 * i + k]);
-        }
     }
+    points_bounds(s->points.end - s->points.first, s->point, o->low, o->high);
     comm_min(c, o->low, 3);
     comm_max(c, o->high, 3);
 }

@@ -49,7 +49,7 @@ class Debian(harness.Folder, unittest.TestCase):
             self.assertEqual(self.field(package, "Version"), outside.VERSION)
             self.assertGreater(len(self.field(package, "Description").split("\n")), 1)
         self.assertNotIn("petsc", self.field("haff", "Depends"))
-        for needed in ("python3-numpy", "python3-matplotlib", "openmpi-bin", "libopenmpi", "libp4est", "libmetis", "liblapacke", "libc6"):
+        for needed in ("python3-numpy", "python3-matplotlib", "openmpi-bin", "libopenmpi", "libp4est", "libmetis", "liblapacke", "libdeflate", "libc6"):
             self.assertIn(needed, self.field("haff", "Depends"))
         if MODULE:
             self.assertRegex(self.field("haff-implicit", "Depends"), rf"haff \(= {re.escape(outside.VERSION)}\).*libpetsc")

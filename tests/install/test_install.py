@@ -177,7 +177,7 @@ class Configuring(harness.Folder, unittest.TestCase):
     def configure(self, *options, code=0):
         """Configures in a new folder on a system that has no cmocka: all libraries of its folder are hidden, the others given."""
         folder = os.path.join(self.folder, "build" + str(len(os.listdir(self.folder))))
-        libraries = {name: outside.cached(name) for name in ("p4est_LIBRARY", "sc_LIBRARY", "metis_LIBRARY", "lapacke_LIBRARY")}
+        libraries = {name: outside.cached(name) for name in ("p4est_LIBRARY", "sc_LIBRARY", "metis_LIBRARY", "lapacke_LIBRARY", "deflate_LIBRARY")}
         hidden = {os.path.dirname(path) for path in libraries.values()}
         hidden = ";".join(sorted(hidden | {path.removeprefix("/usr") for path in hidden}))
         said = call("cmake", "-S", harness.SOURCE, "-B", folder, "-DCMAKE_C_COMPILER=" + outside.cached("CMAKE_C_COMPILER"), "-DCMAKE_SYSTEM_IGNORE_PATH=" + hidden,

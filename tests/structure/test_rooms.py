@@ -58,8 +58,8 @@ LIBRARIES = {
     r"dlfcn\.h": ["solvers/gas/linear.c"],
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
                            "solvers/output/vtk.c"],
-    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/base/window.c",
-                  "mesh/spread/spread_outline.c"],
+    r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/base/window.c", "mesh/spread/spread_outline.c"],
+    r"libdeflate\.h": ["mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/spread_outline.c"],
 }
 
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.
@@ -378,7 +378,7 @@ class Rules(unittest.TestCase):
 
     def test_libraries(self):
         self.assertEqual([], misplaced_libraries({"mesh/base/comm.c": "#include <mpi.h>\n"}, LIBRARIES))
-        for name in ("mpi.h", "petscksp.h", "p4est_bits.h", "zlib.h", "dlfcn.h", "lapacke.h"):
+        for name in ("mpi.h", "petscksp.h", "p4est_bits.h", "zlib.h", "libdeflate.h", "dlfcn.h", "lapacke.h"):
             self.assertEqual(1, len(misplaced_libraries({"solvers/case/case.c": f"#include <{name}>\n"}, LIBRARIES)), name)
 
     def test_files_and_ends(self):
