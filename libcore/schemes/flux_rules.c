@@ -187,18 +187,6 @@ static void take_rules(const struct faces *f, struct winds *w, struct rules *r) 
     if (bent) bend_faces(f, r, w);
 }
 
-static bool is_wanted(enum rule_switch is, bool lattice) {
-    return is == RULE_ON || (is == RULE_LATTICES && lattice);
-}
-
-struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls) {
-    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF};
-    if (params) memcpy(&is, params, sizeof is);
-    return (struct wanted_rules){.shocks = is_wanted(is.shocks, lattice),
-                                 .expansions = is_wanted(is.expansions, lattice) && !falls,
-                                 .contacts = is_wanted(is.contacts, lattice)};
-}
-
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     const struct wanted_rules wanted = rules_wanted(f->params, true, f->falls);
     const uint64_t on =

@@ -7,6 +7,8 @@
 #include "libcore/models/kernel.h"
 #include "libcore/models/param.h"
 
+#include <string.h>
+
 #define STEEP   1.5 /* ratio of the pressures of two cells from which on they are no contact, but may be an expansion */
 #define STRONG  30. /* ratio of the pressures of a strong shock */
 #define DENSER  2.  /* ratio of the Grueneisen coefficients from which on cells are a contact */
@@ -21,12 +23,21 @@ struct common_rules { /* parameters of the flux `common` */
 };
 OWN_PARAMS_FIT(struct common_rules);
 
+static inline bool rule_is_wanted(enum rule_switch is, bool lattice) {
+    return is == RULE_ON || (is == RULE_LATTICES && lattice);
+}
 struct wanted_rules {
     bool shocks, expansions, contacts;
 };
 /* Returns the rules that `common` has with these parameters (NULL: none) on a lattice or on polyhedra; falls: under
  * gravity. */
-struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls);
+static inline struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls) {
+    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF};
+    if (params) memcpy(&is, params, sizeof is);
+    return (struct wanted_rules){.shocks = rule_is_wanted(is.shocks, lattice),
+                                 .expansions = rule_is_wanted(is.expansions, lattice) && !falls,
+                                 .contacts = rule_is_wanted(is.contacts, lattice)};
+}
 
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
 ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
