@@ -16,6 +16,7 @@ struct state {
     double **block;       /* [blocks] of [nvar][g->size]; offset 0 of a tile is no cell but the background */
     struct span **varied; /* [ntiles] of [nspans]; NULL on polyhedra */
     bool *narrow;         /* [ntiles] has the tile a background, and are its spans known to be as short as they can? */
+    bool *calm;           /* [ntiles] are its spans known to be empty, so that it is its background alone? */
 };
 
 struct row { /* n <= BATCH cells that lie one behind the other in a block's lines */

@@ -228,6 +228,9 @@ struct half_step { /* context of source_row, the visitor of rows that applies so
     const struct state *from, *to;
     const struct source_plan *plan;
     long bad; /* out: number of cells that are not admissible in `to` */
+    /* the background that was advanced last, which many tiles have in common, before and after; known: is there one? */
+    bool known;
+    double before[MAX_VAR], after[MAX_VAR];
 };
 void source_row(void *half_step, const struct row *row);
 /* Writes to `to` the sources of the plan applied to `from`; returns this rank's number of inadmissible cells. */

@@ -287,19 +287,43 @@ void find_falling(struct gas *g, double warm, const struct state *s) {
     g->engine->state.rows(g, EVERY_CELL, s, find_falling_row, &(struct falling){g, s, warm});
 }
 
+/* Takes what the sources made of the last background, if that of the row's tile was the same. Returns false if they
+ * are to be applied: then source_row fills h->after if h->known is set. */
+static bool take_background(struct half_step *h, const struct row *row) {
+    const struct gas *g = h->g;
+    const double *from = h->from->block[row->block];
+    double *to = h->to->block[row->block];
+    bool same = h->known && !(g->falls && g->falling[row->block]);
+    for (int v = 0; v < g->nvar && same; v++) same = bits_of(from[v * g->size]) == bits_of(h->before[v]);
+    for (int v = 0; v < g->nvar; v++)
+        if (same)
+            to[v * g->size] = h->after[v];
+        else
+            h->before[v] = from[v * g->size];
+    h->known = true;
+    return same;
+}
+
 void source_row(void *half_step, const struct row *row) {
     struct half_step *h = half_step;
     const struct gas *g = h->g;
     const double *from = h->from->block[row->block];
     double *to = h->to->block[row->block], *U[MAX_VAR];
+    const bool background = g->forest && row->at == 0;
+    if (background && take_background(h, row)) return;
     for (int v = 0; v < g->nvar; v++) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
     const bool find = g->falls && h->plan->warm >= 0;
     const bool acts = find || !h->plan->gravity_alone || g->falling[row->block];
-    if (acts && source_apply(h->plan, row->n, U, falls_of(g, row)) && find) note_falling(g, row);
-    h->bad += row_inadmissible(g, to, row->at, row->n, NULL);
+    const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row));
+    if (falling && find) note_falling(g, row);
+    const int bad = row_inadmissible(g, to, row->at, row->n, NULL);
+    h->bad += bad;
+    if (!background) return;
+    for (int v = 0; v < g->nvar; v++) h->after[v] = to[v * g->size];
+    h->known = !falling && !bad && !(g->falls && g->falling[row->block]);
 }
 
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {

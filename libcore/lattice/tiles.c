@@ -82,6 +82,7 @@ static status make_state(const struct gas *g, struct state *s) {
     TRY(blocks_make(f, g->nvar, &s->block));
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
     TRY(allocate(&s->narrow, f->ntiles, sizeof *s->narrow, "tiles"));
+    TRY(allocate(&s->calm, f->ntiles, sizeof *s->calm, "tiles"));
     for (int t = 0; t < f->ntiles; t++)
         TRY(allocate(&s->varied[t], g->tiles->activity.nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
@@ -93,6 +94,7 @@ static void free_state(const struct forest *f, struct state *s) {
     for (int t = 0; s->varied && t < f->ntiles; t++) free(s->varied[t]);
     free(s->varied);
     free(s->narrow);
+    free(s->calm);
 }
 
 static status tiles_make(struct gas *g) {
@@ -199,7 +201,7 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
         if ((extent == EACH_STATE && activity_find(g, h.tile, s)) ||
             (extent == KEPT_STATES && activity_has_background(g, h.tile, s)))
             hand_over(&h, 0, 1); /* the background */
-        spans_visit(g, h.tile, s->varied[h.tile], 0, hand_over, &h);
+        varied_visit(g, h.tile, s, hand_over, &h);
     }
 }
 
@@ -208,6 +210,7 @@ static void tiles_keep_as(const struct gas *g, const struct state *from, const s
     for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++) {
         memcpy(to->varied[t], from->varied[t], bytes);
         to->narrow[t] = from->narrow[t];
+        to->calm[t] = from->calm[t];
     }
 }
 
@@ -215,7 +218,7 @@ static void tiles_join(const struct gas *g, const struct state *a, const struct 
     for (int t = 0; t < g->forest->ntiles; t++) {
         activity_store_all(g, t, a);
         activity_store_all(g, t, b);
-        a->narrow[t] = b->narrow[t] = false;
+        a->narrow[t] = b->narrow[t] = a->calm[t] = b->calm[t] = false;
         for (int i = 0; i < g->tiles->activity.nspans; i++)
             a->varied[t][i] = b->varied[t][i] = span_join(a->varied[t][i], b->varied[t][i]);
     }
@@ -285,7 +288,7 @@ static void spread_over(const struct forest_block *b, const int n[3], double *va
 static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
     const int tile = g->forest->block[block].tile, *n = g->forest->tile[tile].n;
     if (field == GAS_LIMITED) return false;
-    for (int k = 0; k < n[2]; k++)
+    for (int k = 0; k < n[2] && !g->U.calm[tile]; k++)
         for (int j = 0; j < n[1]; j++)
             if (!span_empty(*activity_row(&g->tiles->activity, g->U.varied[tile], j, k))) return false;
     field_row(g, field, 1, g->size, g->U.block[tile], (double *[]){value, value + 1, value + 2});
@@ -374,12 +377,17 @@ void speed_visit(void *context, long offset, int n) {
     s->most.calm = larger(s->most.calm, largest(n, rate));
 }
 
+void speed_of_background(struct speeds *s) {
+    if (!s->last || !same_background(s->g, s->last, s->U)) speed_visit(s, 0, 1);
+    s->last = s->U;
+}
+
 static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     struct speeds s = {.g = g, .found = -1};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U.block[t];
-        if (activity_find(g, t, &g->U)) speed_visit(&s, 0, 1); /* the background */
-        spans_visit(g, t, g->U.varied[t], 0, speed_visit, &s);
+        if (activity_find(g, t, &g->U)) speed_of_background(&s);
+        varied_visit(g, t, &g->U, speed_visit, &s);
     }
     *speed = s.most;
 }

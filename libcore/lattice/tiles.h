@@ -121,6 +121,13 @@ void activity_reset(const struct gas *g, const struct state *s);
 bool activity_find(const struct gas *g, int tile, const struct state *s);
 /* Has the tile a background, by its spans as they are? */
 bool activity_has_background(const struct gas *g, int tile, const struct state *s);
+/* Do the backgrounds of two blocks have the same bits? */
+bool same_background(const struct gas *g, const double *a, const double *b);
+/* Is the tile its background, at the start of the step and now, and all around it, too? Of `from` after the ghost
+ * fill. */
+bool activity_calm(const struct gas *g, int tile, const struct state *U0, const struct state *from);
+/* Empties the spans of a tile. */
+void activity_empty(const struct gas *g, int tile, const struct state *s);
 /* Before a ghost fill: finds the quiet sides of all tiles, and writes out the layers of cells that others will read. */
 void activity_prepare(struct gas *g, const struct state *s);
 /* After the ghost fill of `from`: finds a tile's active cells, whose stencil holds a cell that differs or which U0
@@ -135,6 +142,11 @@ void activity_store_all(const struct gas *g, int tile, const struct state *s);
 /* As runs_visit, for the span of one row of a tile, or for the spans of all its rows. */
 void span_visit(const struct gas *g, struct span *spans, int j, int k, run_visitor *visit, void *context);
 void spans_visit(const struct gas *g, int tile, struct span *spans, int margin, run_visitor *visit, void *context);
+/* As runs_visit, for the cells of a tile that differ from its background. */
+static inline void varied_visit(const struct gas *g, int tile, const struct state *s, run_visitor *visit,
+                                void *context) {
+    if (!s->calm[tile]) spans_visit(g, tile, s->varied[tile], 0, visit, context);
+}
 
 /* Velocity and eps of n cells at `offset` of a block U go to the workspace; with primitives_of_row p, c and gruneisen,
  * too. */
@@ -143,12 +155,15 @@ void primitives_of_row(const struct gas *g, const double *U, long offset, int n)
 
 struct speeds { /* wave speeds that speed_visit gathers on this rank */
     struct gas *g;
-    double *U; /* the tile's block */
+    double *U;          /* the tile's block */
+    const double *last; /* the block whose background was looked at last; NULL: there is none */
     struct gas_speed most;
     double wanted; /* if > 0, the rate of the cell that is looked for */
     long found;    /* the offset of that cell; -1: none yet */
 };
 void speed_visit(void *speeds, long offset, int n);
+/* As speed_visit for the tile's background, which often is that of the tile before. */
+void speed_of_background(struct speeds *s);
 
 /* Centre of the cell at `offset` of a tile, m */
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]);

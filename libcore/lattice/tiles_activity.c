@@ -22,7 +22,7 @@ static long row_offset(const struct forest *f, int j, int k) {
 }
 
 static void vary_all(const struct gas *g, int tile, const struct state *s) {
-    s->narrow[tile] = false;
+    s->narrow[tile] = s->calm[tile] = false;
     for (int i = 0; i < g->tiles->activity.nspans; i++)
         s->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
 }
@@ -124,12 +124,26 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
         for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
         if (falls) g->falls[tile][0] = falls[reference];
     }
+    bool calm = true;
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {
             struct span *row = activity_row(&g->tiles->activity, s->varied[tile], j, k);
             *row = differing(g, U, falls, row_offset(g->forest, j, k), *row);
+            calm &= span_empty(*row);
         }
-    return s->narrow[tile] = has_background(g, t, s->varied[tile]);
+    s->calm[tile] = calm;
+    return s->narrow[tile] = calm || has_background(g, t, s->varied[tile]);
+}
+
+void activity_empty(const struct gas *g, int tile, const struct state *s) {
+    for (int i = 0; i < g->tiles->activity.nspans && !s->calm[tile]; i++) s->varied[tile][i] = SPAN_EMPTY;
+    s->narrow[tile] = s->calm[tile] = true;
+}
+
+bool same_background(const struct gas *g, const double *a, const double *b) {
+    for (int v = 0; v < g->nvar; v++)
+        if (bits_of(a[v * g->forest->size]) != bits_of(b[v * g->forest->size])) return false;
+    return true;
 }
 
 /* Writes the background to columns low <= i < high of a row. */
@@ -161,11 +175,13 @@ static struct layers layers_inside(const struct gas *g, const struct tile *t, in
     return l;
 }
 
-static bool layers_calm(const struct gas *g, struct span *varied, struct layers l) {
+static bool layers_calm(const struct gas *g, const struct state *s, int tile, struct layers l) {
+    struct span *varied = s->varied[tile];
+    if (s->calm[tile]) return true;
     for (int k = l.low[2]; k < l.high[2]; k++)
         for (int j = l.low[1]; j < l.high[1]; j++) {
-            struct span s = *activity_row(&g->tiles->activity, varied, j, k);
-            if (!span_empty(overlap(s, (struct span){l.low[0], l.high[0]}))) return false;
+            struct span row = *activity_row(&g->tiles->activity, varied, j, k);
+            if (!span_empty(overlap(row, (struct span){l.low[0], l.high[0]}))) return false;
         }
     return true;
 }
@@ -192,11 +208,10 @@ static bool is_quiet(const struct gas *g, const struct state *s, int tile, int s
     const struct tile *t = &g->forest->tile[tile];
     const int other = t->side[side].neighbour, patch = t->side[side].patch;
     if (patch >= 0 && (patch_needs_values(&g->rules[patch]) || patch_is_wall(&g->rules[patch]))) return false;
-    if (patch >= 0) return layers_calm(g, s->varied[tile], layers_inside(g, t, side));
+    if (patch >= 0) return layers_calm(g, s, tile, layers_inside(g, t, side));
     if (other < 0) return false;
-    for (int v = 0; v < g->nvar; v++)
-        if (bits_of(s->block[tile][v * g->forest->size]) != bits_of(s->block[other][v * g->forest->size])) return false;
-    return layers_calm(g, s->varied[other], layers_inside(g, &g->forest->tile[other], side ^ 1));
+    if (!same_background(g, s->block[tile], s->block[other])) return false;
+    return layers_calm(g, s, other, layers_inside(g, &g->forest->tile[other], side ^ 1));
 }
 
 void activity_prepare(struct gas *g, const struct state *s) {
@@ -290,13 +305,13 @@ static struct span spread_row(const struct gas *g, const struct tile *t, struct 
     return fill_vectors(s, t->n[0]);
 }
 
-/* Is the tile its background, at the start of the step and now, and all around it, too? */
-static bool all_calm(const struct gas *g, int tile, const struct state *U0, const struct state *from) {
+bool activity_calm(const struct gas *g, int tile, const struct state *U0, const struct state *from) {
     const int *n = g->forest->tile[tile].n;
     const struct layers all = {.high = {n[0], n[1], n[2]}};
+    if (tiles_hold_bed(g, tile) || g->tiles->flagged[tile]) return false;
     for (int side = 0; side < 2 * g->dim; side++)
         if (!g->tiles->activity.quiet[6 * tile + side]) return false;
-    return layers_calm(g, from->varied[tile], all) && layers_calm(g, U0->varied[tile], all);
+    return layers_calm(g, from, tile, all) && layers_calm(g, U0, tile, all);
 }
 
 bool activity_spread(struct gas *g, int tile, const struct state *U0, const struct state *from) {
@@ -305,10 +320,6 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     const bool bed = tiles_hold_bed(g, tile);
     bool any = false, all = bed || g->tiles->flagged[tile] || !has_background(g, t, from->varied[tile]);
     a->whole = all && !bed && !g->tiles->flagged[tile];
-    if (!all && all_calm(g, tile, U0, from)) {
-        for (int i = 0; i < a->nspans; i++) a->active[i] = SPAN_EMPTY;
-        return false;
-    }
     if (!all) find_differ(g, tile, from);
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {

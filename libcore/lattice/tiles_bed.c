@@ -101,7 +101,7 @@ long tiles_bed_find(struct gas *g, double above) {
         struct finding find = {g->U.block[t], g->dense->part[t], above, g->dense->hard, 0};
         if (g->tiles->bed->holds[t]) memset(find.part, 0, (size_t)f->size * sizeof(double));
         if (activity_has_background(g, t, &g->U) && g->U.block[t][0] > above) activity_unfold(g, t, &g->U);
-        spans_visit(g, t, g->U.varied[t], 0, find_visit, &find);
+        varied_visit(g, t, &g->U, find_visit, &find);
         g->tiles->bed->holds[t] = find.count > 0;
         count += find.count;
     }

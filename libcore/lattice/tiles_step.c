@@ -72,7 +72,10 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
     g->faces = 0;
     drop_begin(g);
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->flagged[t]) (void)stage_of_tile(g, t, U0, from, to, a, dt);
+        if (g->tiles->flagged[t]) {
+            to->calm[t] = false;
+            (void)stage_of_tile(g, t, U0, from, to, a, dt);
+        }
 }
 
 void tiles_unfold_bad(struct gas *g, const struct state *s) {
@@ -109,8 +112,34 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
     c->tile = tile;
     c->half.from = c->half.to = s;
     c->speeds.U = s->block[tile];
-    if (activity_find(g, tile, s)) close_visit(c, 0, 1); /* the background */
-    spans_visit(g, tile, s->varied[tile], 0, close_visit, c);
+    if (activity_find(g, tile, s)) {
+        if (c->half.plan) source_row(&c->half, &(struct row){tile, 0, 1});
+        speed_of_background(&c->speeds);
+    }
+    varied_visit(g, tile, s, close_visit, c);
+}
+
+struct settled { /* the background that was advanced last, which many tiles have in common */
+    int tile;    /* -1: there is none */
+    double to[MAX_VAR];
+};
+
+/* Advances the background of a calm tile, a cell whose residual is that of gravity alone, or takes the last one. */
+static void settle_tile(struct gas *g, int tile, const struct state *U0, const struct state *from,
+                        const struct state *to, double a, double dt, struct settled *last) {
+    const double none[MAX_VAR] = {0}, *falls = g->falls && g->falling[tile] ? g->falls[tile] : NULL;
+    const struct advance s = {U0->block[tile], from->block[tile], none, 1, to->block[tile], a, dt};
+    const int *n = g->forest->tile[tile].n;
+    if (last->tile < 0 || falls || !same_background(g, s.U0, U0->block[last->tile]) ||
+        !same_background(g, s.from, from->block[last->tile])) {
+        advance_row(g, 1, &s, falls, NULL);
+        last->tile = falls ? -1 : tile;
+        for (int v = 0; v < g->nvar; v++) last->to[v] = s.to[v * g->size];
+    }
+    for (int v = 0; v < g->nvar; v++) s.to[v * g->size] = last->to[v];
+    if (g->tally) tiles_tally_begin(g, tile, s.from);
+    activity_empty(g, tile, to);
+    g->all += (long)n[0] * n[1] * n[2];
 }
 
 /* One stage of all tiles: ghosts travel while the tiles that need none from other ranks are computed. */
@@ -119,6 +148,7 @@ static long do_stage(struct gas *g, const struct state *U0, const struct state *
     struct forest *f = g->forest;
     const int reach = g->tiles->activity.reach;
     long bad = 0;
+    struct settled last = {.tile = -1};
     activity_prepare(g, from);
     seams_begin(g);
     forest_fill_start(f, reach, g->nvar, from->block);
@@ -127,9 +157,14 @@ static long do_stage(struct gas *g, const struct state *U0, const struct state *
         for (int t = 0; t < f->ntiles; t++) {
             if (f->tile[t].remote != (remote > 0)) continue;
             const bool *quiet = g->tiles->activity.quiet + 6 * t;
-            forest_fill_tile(f, t, quiet);
-            ghosts_of_patches(g, t, from->block[t], reach, quiet);
-            bad += stage_of_tile(g, t, U0, from, to, a, dt);
+            if (activity_calm(g, t, U0, from)) {
+                settle_tile(g, t, U0, from, to, a, dt, &last);
+            } else {
+                forest_fill_tile(f, t, quiet);
+                ghosts_of_patches(g, t, from->block[t], reach, quiet);
+                to->calm[t] = false;
+                bad += stage_of_tile(g, t, U0, from, to, a, dt);
+            }
             if (closing) close_tile(g, t, to, closing);
         }
     }
