@@ -78,19 +78,21 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
     struct vtk_field fields[MAX_QUANTITIES];
     struct vtk *v = f->own;
     const struct setup *s = f->setup;
-    long n = s->mesh->ncells;
+    long n = s->mesh->ncells, lines = 0;
     bool root = comm_root(s->comm);
     status e = OK;
     if (v->pieces) return write_pieces(f, now, time);
+    for (int k = 0; k < f->nfields; k++) lines += quantity_of(f, f->field[k])->components;
     if (root) e = polymesh_complete(s->mesh); /* its geometry is not asked for */
     if (root && !e && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
-    if (root && !e && !v->values) e = allocate(&v->values, 3 * n * f->nfields, sizeof(double), "VTK fields");
+    if (root && !e && !v->values) e = allocate(&v->values, n * lines, sizeof(double), "VTK fields");
     TRY(comm_agree(s->comm, e));
+    double *values = root ? v->values : NULL;
     for (int k = 0; k < f->nfields; k++) {
-        double *values = root ? v->values + 3 * n * k : NULL;
+        const struct quantity *q = quantity_of(f, f->field[k]);
         TRY(output_gather(s, f->field[k], values));
-        fields[k] =
-            (struct vtk_field){quantity_of(f, f->field[k])->name, quantity_of(f, f->field[k])->components, values};
+        fields[k] = (struct vtk_field){q->name, q->components, values};
+        if (root) values += n * q->components;
     }
     return comm_agree(s->comm, root ? write_file(f, now, time, fields) : OK);
 }

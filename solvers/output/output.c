@@ -63,13 +63,14 @@ void output_free(struct output *o) {
 
 /* ---- values of cells ---- */
 
-/* Copies the values v of n cells, or zeros if v is NULL, to every stride-th place of `to`, or to those that cell[n]
- * numbers. */
-static void put_values(int n, const int *cell, const double *v, int stride, double *to) {
-    if (v && cell && stride == 1)
-        for (int i = 0; i < n; i++) to[cell[i]] = v[i];
-    else
-        for (int i = 0; i < n; i++) to[(cell ? cell[i] : i) * (long)stride] = v ? v[i] : 0;
+/* Copies the values of n cells to the places that cell[n] numbers, NULL: one behind the other; vectors with component
+ * axis[k] from line k. */
+static void put_scalars(int n, const int *cell, const double *line, double *to) {
+    for (int i = 0; i < n; i++) to[cell ? cell[i] : i] = line[i];
+}
+static void put_vectors(int n, const int *cell, double *const line[3], const int axis[3], double *to) {
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) to[3L * (cell ? cell[i] : i) + axis[k]] = line[k][i];
 }
 
 /* Sets out[..][components] to a quantity in the cells of this rank, block by block, with vectors along physical axes,
@@ -77,7 +78,7 @@ static void put_values(int n, const int *cell, const double *v, int stride, doub
 static status own_values(const struct setup *s, int quantity, const int *cell, double *out) {
     const struct medium *m = s->medium;
     const struct grid *g = s->grid;
-    const int components = m->type->quantity[quantity].components, lines = setup_lines(s, quantity);
+    const int components = m->type->quantity[quantity].components;
     double *line[3] = {NULL, NULL, NULL};
     long most = 1, first = 0;
     for (int b = 0; b < g->nblocks; b++)
@@ -87,9 +88,12 @@ static status own_values(const struct setup *s, int quantity, const int *cell, d
     line[2] = line[1] + most;
     for (int b = 0; b < g->nblocks; first += g->block[b++].ncells) {
         (m->type->exact ? m->type->exact : m->type->block)(m, b, quantity, line);
-        for (int k = 0; k < components; k++)
-            put_values(g->block[b].ncells, cell ? cell + first : NULL, k < lines ? line[k] : NULL, components,
-                       out + (components == 1 ? 0 : s->axis[k]) + (cell ? 0 : first * components));
+        const int n = g->block[b].ncells, *numbers = cell ? cell + first : NULL;
+        double *to = out + (cell ? 0 : first * components);
+        if (components == 1)
+            put_scalars(n, numbers, line[0], to);
+        else
+            put_vectors(n, numbers, line, s->axis, to);
     }
     free(line[0]);
     return OK;
