@@ -102,17 +102,29 @@ static status find_grid(struct finder *f, bool *good) {
 
 /* ---- faces ------------------------------------------------------------------------------------------------------- */
 
+/* Puts the points of a round on the grid. */
+static void place_points(const struct finder *f, long n) {
+    const struct sites *s = f->sites;
+    for (long i = 0; i < n; i++) {
+        bool on = true;
+        for (int k = 0; k < 3; k++) {
+            const double x = (f->x[3 * i + k] - s->low[k]) / s->width[k];
+            const int at = x < INT_MAX / 2 ? (int)(x + 0.5) : 0; /* x >= 0 */
+            on &= fabs(x - at) <= f->near[k];
+            f->node[3 * i + k] = at;
+        }
+        if (!on) f->node[3 * i] = -1;
+    }
+}
+
 /* Puts a face of four corners on the grid: it must be a side of a place, its corners one after the other. */
 static bool place_face(const struct finder *f, const int *corner, struct placed *out) {
-    const struct sites *s = f->sites;
     int at[4][3], same[3] = {0, 0, 0}, turn = 0;
-    for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 3; k++) {
-            const double x = (f->x[3L * corner[i] + k] - s->low[k]) / s->width[k];
-            at[i][k] = (int)(x + 0.5); /* x >= 0 */
-            if (!(fabs(x - at[i][k]) <= f->near[k])) return false;
-            same[k] += at[i][k] == at[0][k];
-        }
+    for (int i = 0; i < 4; i++) {
+        memcpy(at[i], f->node + 3L * corner[i], sizeof at[i]);
+        if (at[i][0] < 0) return false;
+        for (int k = 0; k < 3; k++) same[k] += at[i][k] == at[0][k];
+    }
     const int k = same[2] == 4 ? 2 : same[1] == 4 ? 1 : 0, a = (k + 1) % 3, b = (k + 2) % 3;
     for (int i = 0; i < 4; i++) {
         const int *p = at[i], *q = at[(i + 1) % 4], *r = at[(i + 2) % 4];
@@ -160,7 +172,9 @@ static status fetch_points(struct finder *f, long from, long n) {
     status e = sorted_make(f->name, &names);
     if (!e) e = sorted_places(f->name, names, f->corner, 4 * n);
     TRY(comm_agree(s->faces.comm, e));
-    return share_fetch(&s->points, 3, s->point, names, f->name, f->fetched);
+    TRY(share_fetch(&s->points, 3, s->point, names, f->name, f->fetched));
+    place_points(f, names);
+    return OK;
 }
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
@@ -222,6 +236,7 @@ static status make_room(struct finder *f) {
     struct sites *s = f->sites;
     const bool one = comm_size(s->cells.comm) == 1;
     const long most = share_at_rank(&f->lists->faces, 0).end, faces = most < ROUND ? most : ROUND;
+    const long points = f->lists->points.end - f->lists->points.first;
     TRY(allocate(&s->place, s->cells.end - s->cells.first, sizeof *s->place, "the cells of a lattice"));
     TRY(allocate(&f->sides, s->cells.end - s->cells.first, 1, "the cells of a lattice"));
     TRY(allocate(&f->corner, 4 * faces, sizeof *f->corner, "the faces of a lattice"));
@@ -229,7 +244,9 @@ static status make_room(struct finder *f) {
     if (!one) TRY(allocate(&f->sorted, 2 * CLAIM * faces, sizeof *f->sorted, "the faces of a lattice"));
     if (!one) TRY(allocate(&f->name, 4 * faces, sizeof *f->name, "the faces of a lattice"));
     if (!one) TRY(allocate(&f->fetched, 3 * 4 * faces, sizeof *f->fetched, "the faces of a lattice"));
+    TRY(allocate(&f->node, 3 * (one ? points : 4 * faces), sizeof *f->node, "the points of a lattice"));
     f->x = one ? f->lists->point : f->fetched;
+    if (one) place_points(f, points);
     return OK;
 }
 
@@ -310,7 +327,7 @@ status sites_find(const struct lists *s, struct polymesh *m, bool *found) {
     *found = false;
     outline_box(s, m->outline);
     const status e = find(&f, found);
-    void *const all[] = {f.sides, f.corner, f.claim, f.sorted, f.name, f.fetched, f.wall};
+    void *const all[] = {f.sides, f.corner, f.claim, f.sorted, f.name, f.fetched, f.node, f.wall};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     *found = *found && !e;
     if (*found) {
