@@ -93,11 +93,23 @@ static void find_enthalpy(const struct gas *g, int n, double (*q)[BATCH], double
     for (int i = 0; i < n; i++) out[i] = q[g->components + 1][i] + p[i];
 }
 
-void feed_fluxes(const struct gas *g, int n, const double *mass, double (*inner)[BATCH], double (*ghost)[BATCH],
-                 double (*flux)[BATCH]) {
+/* Computes the density that gas which flows in has on the patch. */
+static void find_density(const struct patch_rules *r, int n, const int *face, double *inner, double *out) {
+    double inwards[BATCH];
+    const struct ghost_line line = {
+        .n = n, .components = 1, .face = face, .inner = {inner}, .outflow = inwards, .normal = -1, .ghost = {out}};
+    for (int i = 0; i < n; i++) inwards[i] = -1;
+    r->density.type->ghost(&r->density, &line);
+}
+
+void feed_fluxes(const struct gas *g, const struct patch_rules *r, int n, const int *face, const double *into,
+                 double (*inner)[BATCH], double (*ghost)[BATCH], double (*flux)[BATCH]) {
     const int last = g->components + 1;
-    double enthalpy[BATCH];
+    double enthalpy[BATCH], rho[BATCH], mass[BATCH];
     find_enthalpy(g, n, ghost, enthalpy);
+    find_density(r, n, face, inner[0], rho);
+    memcpy(mass, flux[0], (size_t)n * sizeof *mass);
+    patch_feed_mass(r, g->components, n, face, into, rho, mass);
     for (int i = 0; i < n; i++) {
         const double more = mass[i] - flux[0][i];
         const double part = more / (more > 0 ? ghost[0][i] : inner[0][i]);

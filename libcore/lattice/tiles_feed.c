@@ -27,18 +27,20 @@ static void feed(const struct gas *g, const double *U, const struct strip *s, in
     const struct patch_rules *r = &g->rules[t->side[side].patch];
     const double sign = side % 2 ? -1 : 1; /* of what flows in */
     const long step = f->stride[s->axis];
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], mass[BATCH] = {0};
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], into[BATCH] = {0};
+    int face[BATCH] = {0};
     for (int i = 0; i < n; i++) {
         const long left = s->offset + first + i, in = side % 2 ? left : left + step,
                    beyond = side % 2 ? left + step : left;
-        mass[i] = sign * patch_feed(r, g->components, face_of(f, t, side, in), s->axis);
+        face[i] = face_of(f, t, side, in);
+        into[i] = sign * patch_feed(r, g->components, face[i], s->axis);
         for (int v = 0; v < g->nvar; v++) {
             inner[v][i] = U[v * f->size + in];
             ghost[v][i] = U[v * f->size + beyond];
             flux[v][i] = sign * out[v][column + first + i];
         }
     }
-    feed_fluxes(g, n, mass, inner, ghost, flux);
+    feed_fluxes(g, r, n, face, into, inner, ghost, flux);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < n; i++) out[v][column + first + i] = sign * flux[v][i];
 }

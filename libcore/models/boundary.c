@@ -53,10 +53,11 @@ static void inlet_outlet(const struct rule *rule, const struct ghost_line *l) {
         for (int i = 0; i < l->n; i++) l->ghost[c][i] = l->outflow[i] >= 0 ? l->inner[c][i] : beyond(rule, l, c, i);
 }
 
-/* Makes ghosts of the velocity from values of rho u: the same mass flows in at any density. */
+/* Makes ghosts of the velocity from values of rho u, so that the same mass flows in at any density, or of u. */
 static void fed(const struct rule *rule, const struct ghost_line *l) {
     for (int c = 0; c < l->components; c++)
-        for (int i = 0; i < l->n; i++) l->ghost[c][i] = value_of(rule, l->components, l->face[i], c) / l->rho[i];
+        for (int i = 0; i < l->n; i++)
+            l->ghost[c][i] = value_of(rule, l->components, l->face[i], c) / (rule->volume ? 1 : l->rho[i]);
 }
 
 /* ---- walls of a gas with transport ---- */
@@ -281,11 +282,31 @@ bool patch_is_wall(const struct patch_rules *r) {
 }
 
 bool patch_feeds(const struct patch_rules *r) {
-    return r->velocity.type && r->velocity.type->ghost == fed;
+    return r->velocity.type && (r->velocity.type->ghost == fed || r->velocity.shuts);
 }
 
 double patch_feed(const struct patch_rules *r, int components, int face, int axis) {
     return value_of(&r->velocity, components, face, axis);
+}
+
+void patch_feed_mass(const struct patch_rules *r, int components, int n, const int *face, const double *into,
+                     const double *rho, double *flux) {
+    const struct rule *u = &r->velocity;
+    for (int i = 0; i < n; i++)
+        if (!u->shuts)
+            flux[i] = u->volume ? rho[i] * into[i] : into[i];
+        else if (leads_along(components, u->values ? u->values + (long)face[i] * components : u->uniform, into[i]))
+            flux[i] = 0;
+}
+
+bool patch_gives_velocity(const struct patch_rules *r) {
+    return r->velocity.type->ghost == fixed;
+}
+
+bool leads_along(int components, const double *u, double through) {
+    double square = 0;
+    for (int c = 0; c < components; c++) square += u[c] * u[c];
+    return fabs(through) <= 1e-6 * sqrt(square); /* 1e-6: of normals that come from coordinates with few digits */
 }
 
 bool patch_needs_values(const struct patch_rules *r) {

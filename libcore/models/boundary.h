@@ -101,6 +101,9 @@ struct rule {
     double uniform[3];        /* the value, if `values` is NULL */
     const double *values;     /* [faces of the patch][components], or NULL; borrowed */
     bool changes;             /* do the values change in time? */
+    /* Of a velocity only: are the values of a flow rate u, and not rho u? Does the patch let nothing through where its
+     * given velocity leads along it? (Gas comes in elsewhere, or at other times.) */
+    bool volume, shuts;
 };
 struct patch_rules {         /* the rules of one patch; an empty or cyclic patch has none (type NULL) */
     struct rule density;     /* its values are rho */
@@ -111,10 +114,18 @@ struct patch_rules {         /* the rules of one patch; an empty or cyclic patch
 
 bool rule_holds(const struct rule *rule); /* does the rule give values to the gas beyond the patch? */
 bool patch_is_wall(const struct patch_rules *r);
-/* Does the patch give the mass that flows in? The values of its velocity are rho u then. Returns along one axis, at a
- * face, that mass per area and time (kg/m^2 s). */
+/* Does the patch give the mass that flows in, by a flow rate, or as 0 where its velocity leads along it (`shuts`)?
+ * patch_feed returns the given velocity at a face along one axis, or rho u. */
 bool patch_feeds(const struct patch_rules *r);
 double patch_feed(const struct patch_rules *r, int components, int face, int axis);
+/* At faces of such a patch: into[n] is what patch_feed gives along their normals into the domain, rho[n] the density on
+ * the patch. Turns flux[n], the mass per area and time (kg/m^2 s) that would flow in, into what does. */
+void patch_feed_mass(const struct patch_rules *r, int components, int n, const int *face, const double *into,
+                     const double *rho, double *flux);
+/* Is a velocity given whatever the gas does, as by fixedValue? */
+bool patch_gives_velocity(const struct patch_rules *r);
+/* Does u lead along a face, up to round-off, if its component along the normal is `through`? */
+bool leads_along(int components, const double *u, double through);
 bool patch_needs_values(const struct patch_rules *r); /* are the patch's ghosts made from rho, u and T? */
 
 /* Walls in a gas with transport; the answers are false for any other patch. */

@@ -281,18 +281,18 @@ static void feed(struct gas *g, int first, int last, const double *const *U) {
     const struct polyhedra *m = c->polyhedra;
     const struct polyhedra_faces *f = &m->face;
     const struct patch_rules *r = &g->rules[f->patch[first - f->ninternal]];
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], mass[BATCH];
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], into[BATCH];
     for (int i = 0; i < last - first; i++) {
         const int face = first + i, at = face - f->ninternal;
-        mass[i] = 0;
-        for (int k = 0; k < g->dim; k++) mass[i] -= f->normal[k][face] * patch_feed(r, g->components, f->place[at], k);
+        into[i] = 0;
+        for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face] * patch_feed(r, g->components, f->place[at], k);
         for (int v = 0; v < g->nvar; v++) {
             inner[v][i] = U[v][f->left[face]];
             ghost[v][i] = U[v][m->ncells + at];
             flux[v][i] = -c->flux[v][face] / f->area[face];
         }
     }
-    feed_fluxes(g, last - first, mass, inner, ghost, flux);
+    feed_fluxes(g, r, last - first, f->place + first - f->ninternal, into, inner, ghost, flux);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < last - first; i++) c->flux[v][first + i] = -flux[v][i] * f->area[first + i];
 }

@@ -186,6 +186,35 @@ bool varying_alike(const struct varying *v, long a, long b) {
     return true;
 }
 
+/* Of expressions in time only this is known: which components are 0 at all times. */
+static void expression_leads(const struct varying *v, struct varying_lead *out) {
+    const bool timed = varying_in_time(v);
+    double u[3];
+    out->along = timed;
+    for (long i = 0; i < v->nfaces; i++) {
+        const double *x = v->centre + 3 * i, *n = v->normal + 3 * i;
+        double through = 0;
+        for (int c = 0; c < 3; c++) {
+            u[c] = timed ? varying_leads(v, c) : expr_value(v->expr[c], x[0], x[1], x[2], 0);
+            through += timed ? fabs(n[c] * u[c]) : n[c] * u[c];
+        }
+        *(leads_along(3, u, through) ? &out->along : &out->through) = true;
+    }
+}
+
+struct varying_lead varying_lead(const struct varying *v) {
+    struct varying_lead out = {v->rate, false};
+    if (v->text) expression_leads(v, &out);
+    for (int k = 0; k < v->knots && !v->rate; k++) {
+        const double *u = v->table + k * v->width + 1;
+        for (long i = 0; i < v->nfaces; i++) {
+            const double *n = v->normal + 3 * i;
+            *(leads_along(3, u, u[0] * n[0] + u[1] * n[1] + u[2] * n[2]) ? &out.along : &out.through) = true;
+        }
+    }
+    return out;
+}
+
 bool varying_is_volumetric(const struct varying *v) {
     return v->rate && strcmp(v->key, "massFlowRate") != 0;
 }
@@ -249,8 +278,7 @@ status varying_check(const struct varying *v, double t, const double *values, co
         if (m == 1 && !(q[0] > range->low && q[0] < range->high)) return wrong(v, t, q, i, range->allowed, kind);
         if (m == 1) continue;
         const double along = q[0] * n[0] + q[1] * n[1] + q[2] * n[2];
-        if (v->wall && fabs(along) > 1e-6 * sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]))
-            return wrong(v, t, q, i, "lead along the wall, not through it", kind);
+        if (v->wall && !leads_along(3, q, along)) return wrong(v, t, q, i, "lead along the wall, not through it", kind);
         if (v->rate && along > 0) return wrong(v, t, q, i, "lead into the domain: a rate of 0 or more", kind);
     }
     return OK;

@@ -28,8 +28,13 @@ bool varying_in_time(const struct varying *v);
 bool varying_in_space(const struct varying *v);              /* else all faces have one value */
 bool varying_leads(const struct varying *v, int x);          /* may component x be other than 0? */
 bool varying_alike(const struct varying *v, long a, long b); /* are two faces the same at any time? */
-bool varying_is_volumetric(const struct varying *v);         /* is it a flowRateInletVelocity that gives u? */
-const char *varying_key(const struct varying *v);            /* the entry that gives the rule */
+/* May a velocity lead through a face of the patch at some time? May it lead along one, or be 0 there? */
+struct varying_lead {
+    bool through, along;
+};
+struct varying_lead varying_lead(const struct varying *v);
+bool varying_is_volumetric(const struct varying *v); /* is it a flowRateInletVelocity that gives u? */
+const char *varying_key(const struct varying *v);    /* the entry that gives the rule */
 /* Returns the first time of a table after t, beyond round-off; HUGE_VAL: there is none. */
 double varying_knot(const struct varying *v, double t);
 /* Computes the values at time t: out[faces if varying_in_space, else 1][components]. */

@@ -15,7 +15,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
     [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
-    [WARN_IDLE] = "idleRanks",
+    [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -34,6 +34,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_LONG_STEP] = "deltaT is longer than the time scheme allows",
     [WARN_COLLAPSE] = "grains hit each other too slowly to part again: inelastic collapse",
     [WARN_FRICTION] = "dense gas is slow, where real grains would hold each other",
+    [WARN_OUTSIDE] = "U leads along a side that is open, as the state outside is given there",
     [WARN_PICTURE] = "a picture of function object image could not be made",
 };
 

@@ -25,6 +25,7 @@ enum warning {
     WARN_COLLAPSE,
     WARN_FRICTION,
     WARN_PICTURE,
+    WARN_OUTSIDE,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];

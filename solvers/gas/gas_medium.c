@@ -132,6 +132,19 @@ static status check_scheme(struct setup *s, const struct gas_state *g) {
                 polyhedral ? g->models->gas.polynomial->model.name : g->models->gas.reconstruct->model.name);
 }
 
+/* Warns of patches of type patch that look like walls, and let gas through. */
+static status check_outside(struct setup *s, const struct initial *i) {
+    const struct field *U = i->field[FIELD_U];
+    for (int p = 0; p < i->npatches; p++)
+        if (i->outside[p])
+            TRY(warn(&s->warnings, WARN_OUTSIDE,
+                     "%s:%d: patch %s: U is '%s' and leads along the patch; with alpha and T that is the state of the "
+                     "gas outside, and gas flows through; a wall is  type %s;",
+                     dict_path(U->dict), U->patch[p].line, s->mesh->patch[p].name, U->patch[p].type,
+                     of(s->medium)->models->gas.transport ? "noSlip;  or  type translatingWallVelocity" : "slip"));
+    return OK;
+}
+
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
@@ -143,6 +156,7 @@ static status gas_read_state(struct setup *s) {
     TRY(read_initial(s, g, &place));
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
+    TRY(check_outside(s, g->initial));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",

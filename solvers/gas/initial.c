@@ -93,7 +93,7 @@ static status check_values(const struct reader *r, const struct initial *s) {
 }
 
 /* Does U lead along axis x, in a cell that is read or on a patch? */
-static bool leads_along(const struct field *U, const struct field_place *place, int x) {
+static bool moves_along(const struct field *U, const struct field_place *place, int x) {
     const struct polymesh *m = place->mesh;
     for (long i = 0; i < field_ncells(place); i++)
         if (U->values[3 * i + x] != 0) return true;
@@ -119,7 +119,7 @@ static void find_components(struct reader *r, const struct field *U, const bool 
     bool solved[3] = {false, false, false};
     r->components = r->dim;
     for (int k = 0; k < r->dim; k++) solved[r->axis[k]] = true;
-    for (int x = 0; x < 3; x++) leads[x] = !solved[x] && (moved[x] || leads_along(U, r->place, x));
+    for (int x = 0; x < 3; x++) leads[x] = !solved[x] && (moved[x] || moves_along(U, r->place, x));
     if (r->place->share) comm_max(r->place->share->comm, leads, 3);
     for (int x = 0; x < 3; x++)
         if (leads[x] > 0) r->axis[r->components++] = x;
@@ -245,12 +245,13 @@ static void take_values(const struct initial *s, int p, int i, int nfaces) {
     rule->values = values;
 }
 
-/* Takes rule i of a patch. A flow by volume has given velocities. */
+/* Takes rule i of a patch. */
 static status take_rule(const struct reader *r, struct initial *s, int p, int i) {
     const struct field *f = s->field[s->from[p][i]];
     const struct patch_field *q = &f->patch[p];
     const int m = f->kind->components == 3 ? s->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
-    rule_of(s, p, i)->type = boundary_find(q->varying && varying_is_volumetric(q->varying) ? "fixedValue" : q->type);
+    rule_of(s, p, i)->type = boundary_find(q->type);
+    rule_of(s, p, i)->volume = q->varying && varying_is_volumetric(q->varying);
     if (q->values) TRY(allocate(&s->values[3 * p + i], (long)nfaces * m, sizeof(double), "boundary values"));
     rule_of(s, p, i)->changes = q->varying && varying_in_time(q->varying);
     s->varies |= rule_of(s, p, i)->changes;
@@ -305,13 +306,8 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
 /* Fails if the velocity u of a wall leads through the face with this centre (m) and area vector. */
 static status check_motion(const struct reader *r, const struct field *U, int p, const double u[3],
                            const double centre[3], const double area[3]) {
-    const double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    double size = 0, through = 0;
-    for (int k = 0; k < 3; k++) {
-        size += area[k] * area[k];
-        through += u[k] * area[k];
-    }
-    if (fabs(through) <= 1e-6 * speed * sqrt(size)) return OK;
+    const double size = sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+    if (leads_along(3, u, (u[0] * area[0] + u[1] * area[1] + u[2] * area[2]) / size)) return OK;
     return fail(ERR_INPUT,
                 "%s:%d: patch %s: U (%g %g %g) leads through the wall, as at (%g %g %g); it may lead along it only",
                 dict_path(U->dict), U->patch[p].value_line, r->place->mesh->patch[p].name, u[0], u[1], u[2], centre[0],
@@ -341,9 +337,41 @@ static status check_feed(const struct reader *r, const struct initial *s, int p)
     const struct acoustics *a = r->models->acoustics;
     if (!patch_feeds(&s->rules[p]) || !a->implicit || a->automatic) return OK;
     return fail(ERR_INPUT,
-                "%s:%d: patch %s: massFlowRate is for explicit acoustics; give volumetricFlowRate or a velocity, or  "
-                "acoustics { type explicit; }  in system/fvSolution",
+                "%s:%d: patch %s: a flow rate is for explicit acoustics; give a velocity, or  acoustics { type "
+                "explicit; }  in system/fvSolution",
                 dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name);
+}
+
+/* Finds whether the velocity that is given on a patch leads through faces and along faces, at any time. */
+static struct varying_lead lead_of(const struct polymesh *m, const struct patch_field *U, int p) {
+    struct varying_lead out = {false, false};
+    if (U->varying) return varying_lead(U->varying);
+    for (int i = 0; i < m->patch[p].nfaces; i++) {
+        const double *u = U->values ? U->values + 3L * i : U->uniform;
+        double centre[3], area[3];
+        polymesh_patch_face(m, p, i, centre, area);
+        const double size = sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+        const double through = (u[0] * area[0] + u[1] * area[1] + u[2] * area[2]) / size;
+        *(leads_along(3, u, through) ? &out.along : &out.through) = true;
+    }
+    return out;
+}
+
+/* A velocity that is given and leads along a patch everywhere, at all times, lets nothing through: that is a wall, and
+ * has the row of one. Only where alpha and T are given, too, is it the state of the gas outside, and the side open. */
+static status check_along(const struct reader *r, struct initial *s, int p) {
+    struct patch_rules *rules = &s->rules[p];
+    const struct field *U = s->field[FIELD_U];
+    if (!patch_gives_velocity(rules)) return OK;
+    const struct varying_lead lead = lead_of(r->place->mesh, &U->patch[p], p);
+    rules->velocity.shuts = lead.through && lead.along;
+    s->outside[p] = !lead.through && rule_holds(&rules->density) && rule_holds(&rules->temperature);
+    if (lead.through || s->outside[p]) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: U is '%s' and leads along the patch, so that nothing is to flow through it, but the "
+                "type lets gas through: a wall is  type %s;  (for a state outside give alpha and T, too)",
+                dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name, U->patch[p].type,
+                r->models->transport ? "noSlip;  or  type translatingWallVelocity" : "slip");
 }
 
 static status check_viscous(const struct reader *r, const struct field *f, int p) {
@@ -357,7 +385,7 @@ static status check_viscous(const struct reader *r, const struct field *f, int p
 
 /* Fails on a patch that is no wall by U if it is one in the mesh, or if a scalar's type belongs to walls, as
  * granularWall does. */
-static status check_open(const struct reader *r, const struct initial *s, int p, enum field_id density,
+static status check_open(const struct reader *r, struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
     const struct field *U = s->field[FIELD_U];
@@ -375,7 +403,7 @@ static status check_open(const struct reader *r, const struct initial *s, int p,
                         dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name,
                         type->model.name, s->field[FIELD_U]->patch[p].type);
     }
-    return OK;
+    return check_along(r, s, p);
 }
 
 /* Fails on a scalar's type that gives values at a wall: there scalars are mirrored, but for T if heat crosses. */
@@ -441,6 +469,7 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
     TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
     TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
     TRY(allocate(&s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
+    TRY(allocate(&s->outside, s->npatches, sizeof *s->outside, "boundary rules"));
     s->packing_per_density = packing_per_density(&r->models->material);
     s->mesh = r->place->mesh;
     s->t = r->place->t;
@@ -550,6 +579,7 @@ void initial_free(struct initial *s) {
     free(s->values);
     free(s->rests);
     free(s->rules);
+    free(s->outside);
     free(s->from);
     free(s);
 }

@@ -27,8 +27,9 @@ struct initial { /* the same on every rank, but for the values of cells */
     double **values;             /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
     const struct polymesh *mesh; /* borrowed */
     double packing_per_density;
-    bool varies; /* does a rule of a patch change in time? */
-    double t;    /* s: the time that the rules' values are those of */
+    bool *outside; /* [npatches] is the gas outside given, with a velocity that leads along the patch? */
+    bool varies;   /* does a rule of a patch change in time? */
+    double t;      /* s: the time that the rules' values are those of */
 };
 /* The rule of values that gives rule i (density, velocity, temperature) of a patch; NULL: it has none. */
 const struct varying *initial_varying(const struct initial *s, int patch, int i);

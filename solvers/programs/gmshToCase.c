@@ -5,6 +5,7 @@
 #include "solvers/programs/meshrules.h"
 #include "solvers/programs/program.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@ static const char HELP[] =
     "  -version    version, compiler, licence\n"
     "\n"
     "Types of patches: names that begin with wall or empty have that type, all others are patch, unless\n"
-    "DIR/system/meshDict says else:\n"
+    "DIR/system/meshDict says else (names that sound like walls are noted):\n"
     "  patches { bottom { type symmetryPlane; } left { type cyclic; neighbourPatch right; } right { ... } }\n"
     "Exit code 0: written; 1: the mesh or the command line is wrong, the old mesh is untouched; 3: disk, memory.\n";
 
@@ -83,6 +84,32 @@ static status print_shapes(const struct polymesh *m) {
     return OK;
 }
 
+static bool sounds_solid(const char *name) {
+    static const char *const words[] = {"wall",  "solid", "floor",    "ground", "ceiling",  "roof",   "lid",
+                                        "plate", "body",  "obstacle", "hull",   "cylinder", "sphere", "airfoil"};
+    char small[64];
+    size_t n = 0;
+    for (; name[n] && n + 1 < sizeof small; n++) small[n] = (char)tolower((unsigned char)name[n]);
+    small[n] = 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strstr(small, words[i])) return true;
+    return false;
+}
+
+/* Says which patches sound like walls and are none, unless a rule of meshDict makes them so. */
+static void print_open(const struct polymesh *m, const struct mesh_rules *rules) {
+    for (int i = 0; i < m->npatches; i++) {
+        const struct patch *p = &m->patch[i];
+        bool asked = false;
+        for (int k = 0; k < rules->n; k++) asked |= !strcmp(rules->rule[k].patch, p->name);
+        if (asked || strcmp(p->type, "patch") != 0 || !sounds_solid(p->name)) continue;
+        printf(
+            "note     patch %s sounds like a wall, but is of type patch, as its name does not begin with wall: if it "
+            "is one, write  patches { %s { type wall; } }  in system/meshDict\n",
+            p->name, p->name);
+    }
+}
+
 static status print_summary(const struct polymesh *m, const struct lattice *l, const char *why) {
     double low[3], high[3];
     for (int k = 0; k < 3; k++) {
@@ -129,7 +156,7 @@ static status touch_foam(const char *dir) {
     return OK;
 }
 
-static status write_case(const struct request *o, const struct polymesh *m) {
+static status write_case(const struct request *o, const struct mesh_rules *rules, const struct polymesh *m) {
     char why[256] = "", mesh_dir[PATH];
     struct lattice *l = NULL;
     TRY(polymesh_check(m));
@@ -141,6 +168,7 @@ static status write_case(const struct request *o, const struct polymesh *m) {
     status s = polymesh_write(m, mesh_dir, &o->format);
     if (!s) remove_stale(mesh_dir);
     if (!s) s = print_summary(m, l, why);
+    if (!s) print_open(m, rules);
     lattice_free(l);
     TRY(s);
     printf("written  %s\n", mesh_dir);
@@ -152,8 +180,8 @@ static status run(const struct request *o) {
     struct polymesh *m = NULL;
     status s = mesh_rules_read(o->dir, &rules);
     if (!s) s = gmsh_read(o->mesh, rules->rule, rules->n, &m);
+    if (!s) s = write_case(o, rules, m);
     mesh_rules_free(rules);
-    if (!s) s = write_case(o, m);
     polymesh_free(m);
     return s;
 }

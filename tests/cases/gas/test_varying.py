@@ -142,21 +142,6 @@ class Mass(harness.Folder, unittest.TestCase):
         self.grown(table, np.interp(table[:, 0], fine, given))
         self.assertLessEqual(np.abs(table[:, 0] - knots[1:-1, :1]).min(axis=1).max(), 1e-12)
 
-    def test_volume(self):
-        """volumetricFlowRate gives the velocity, as fixedValue does."""
-        case, _ = self.inflow("volume", "volumetricFlowRate constant 0.02")
-        other, _ = self.inflow("velocity", "massFlowRate 1")  # its U is replaced
-        text = read(other + "/0/U").replace("flowRateInletVelocity; massFlowRate 1; value uniform (0 0 0)",
-                                            "fixedValue; value uniform (0.5 0 0)")
-        for time in runs.times(other)[1:]:
-            shutil.rmtree(os.path.join(other, time))
-        shutil.rmtree(other + "/postProcessing")
-        with open(other + "/0/U", "w") as f:
-            f.write(text)
-        harness.program("granularGas", "-case", other)
-        for field in ("rho", "T"):
-            np.testing.assert_allclose(harness.haff.Case(case).field(field), harness.haff.Case(other).field(field), rtol=1e-12)
-
 
 class Forms(harness.Folder, unittest.TestCase):
     """Every form at once, in a box of spheres with transport between two walls, or with a given mass."""

@@ -126,6 +126,25 @@ static void feeding(void **state) {
     assert_false(patch_feeds(&(struct patch_rules){.pressure = false})); /* an empty patch */
 }
 
+/* By volume the mass is rho u; where a given velocity leads along a face nothing flows, if the patch shuts. */
+static void feeding_faces(void **state) {
+    (void)state;
+    const double values[4][3] = {{2, 5, 1}, {0, 5, 1}, {0, 0, 0}, {-3, 0, 0}}, into[] = {2, 0, 0, -3},
+                 rho[] = {7, 7, 7, 7};
+    const int face[] = {0, 1, 2, 3};
+    const double of_volume[] = {14, 0, 0, -21}, of_mass[] = {2, 0, 0, -3}, shut[] = {40, 0, 0, 43};
+    struct patch_rules r = {.velocity = {.type = boundary_find("flowRateInletVelocity"), .values = values[0]}};
+    for (int k = 0; k < 3; k++) {
+        double flux[] = {40, 41, 42, 43};
+        const double *want = k == 0 ? of_mass : k == 1 ? of_volume : shut;
+        if (k == 1) r.velocity.volume = true;
+        if (k == 2) r.velocity = (struct rule){.type = boundary_find("fixedValue"), .values = values[0], .shuts = true};
+        assert_true(patch_feeds(&r));
+        patch_feed_mass(&r, 3, 4, face, into, rho, flux);
+        for (int i = 0; i < 4; i++) assert_true(flux[i] == want[i]);
+    }
+}
+
 /* A wall that does not move alike everywhere has values, which count before its parameter. */
 static void moving_walls(void **state) {
     (void)state;
@@ -308,6 +327,7 @@ int main(void) {
         cmocka_unit_test(slopes),
         cmocka_unit_test(values_by_rules),
         cmocka_unit_test(feeding),
+        cmocka_unit_test(feeding_faces),
         cmocka_unit_test(moving_walls),
         cmocka_unit_test(names),
         cmocka_unit_test(parameters),

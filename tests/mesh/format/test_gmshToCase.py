@@ -199,6 +199,23 @@ class GmshToCase(unittest.TestCase):
             with self.subTest(rules=rules):
                 self.assertIn(says, convert(rules, code=1))
 
+    def test_names_of_walls(self):
+        """A patch that sounds like a wall and is none is noted with the cure, unless meshDict says what it is."""
+        mesh, case = self.gmsh("step.geo", 2, "msh22"), self.case()
+        with open(mesh) as f:
+            text = f.read()
+        with open(mesh, "w") as f:
+            f.write(text.replace('"wallStep"', '"Wall_step"').replace('"bottom"', '"floor"'))
+        said = self.convert(mesh, case)
+        for name in ("Wall_step", "floor"):
+            self.assertEqual(Mesh(case).patches[name][0], "patch")
+            self.assertRegex(said, r"note +patch %s sounds like a wall, .* patches \{ %s \{ type wall; \} \}" % (name, name))
+        self.assertEqual(said.count("note "), 2)
+        with open(os.path.join(case, "system", "meshDict"), "w") as f:
+            f.write("patches { Wall_step { type wall; } floor { type patch; } }\n")
+        self.assertNotIn("note ", self.convert(mesh, case))
+        self.assertEqual(Mesh(case).patches["Wall_step"][0], "wall")
+
     def test_errors_leave_the_old_mesh(self):
         case = self.case()
         good = self.gmsh("step.geo", 2)
