@@ -81,6 +81,91 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     to_conserved(g, r->pressure, l->n, ghost);
 }
 
+/* ---- values on a patch itself ---- */
+
+/* T of the gas on a wall that takes heat in proportion to T, with gravity left out: to first order in the cell. */
+static void surface_temperature(const struct gas *g, const struct patch_rules *r, int n, const int *face,
+                                const double *gap, const double *rho, const double *slip, double *T) {
+    const struct gas_models *m = &g->models;
+    double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH];
+    m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, bulk, shear, heat);
+    if (g->terms.cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, cross);
+    struct wall_line line = {.n = n,
+                             .face = face,
+                             .eos = m->eos,
+                             .material = &m->material,
+                             .rho = rho,
+                             .T = T,
+                             .push = none,
+                             .d = gap,
+                             .shear = shear,
+                             .heat = heat,
+                             .slip = slip,
+                             .cross = g->terms.cross ? cross : NULL};
+    wall_shares(r, &line, share[0], share[1]);
+    memcpy(T, line.surface, (size_t)n * sizeof *T);
+}
+
+/* Gas on a wall has the wall's velocity where the wall drags it, else its own along the wall; and T of the wall, or of
+ * gas that gives heat to it. */
+static void wall_values(const struct gas *g, const struct patch_rules *r, int n, const int *face,
+                        double *const normal[3], const double *gap, double *const q[MAX_VAR]) {
+    double slip[BATCH], *T = q[g->components + 1];
+    for (int i = 0; i < n; i++) {
+        double w[MAX_DIM], through = 0, square = 0;
+        wall_velocity(r, g->components, face[i], w);
+        for (int k = 0; k < g->components; k++) through += q[k + 1][i] * normal[k][i];
+        for (int k = 0; k < g->components; k++) {
+            const double along = q[k + 1][i] - through * normal[k][i];
+            square += (along - w[k]) * (along - w[k]);
+            q[k + 1][i] = wall_drags(r) ? w[k] : along;
+        }
+        slip[i] = square;
+    }
+    if (!g->models.transport || !wall_conducts(r)) return;
+    if (!r->temperature.type->temperature) surface_temperature(g, r, n, face, gap, q[0], slip, T);
+    for (int i = 0; i < n && r->temperature.type->temperature; i++) T[i] = wall_temperature(r, face[i]);
+}
+
+/* Gas on an open patch has the state beyond the patch, on it: layer 0. */
+static void open_values(const struct gas *g, const struct patch_rules *r, int n, const int *face,
+                        double *const normal[3], double *const q[MAX_VAR]) {
+    const int last = g->components + 1;
+    const struct material *material = &g->models.material;
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH], per[BATCH];
+    const struct patch_line line = {.n = n, .face = face, .outflow = outflow};
+    for (int v = 0; v < g->nvar; v++) memcpy(inner[v], q[v], (size_t)n * sizeof(double));
+    pressure_per_temperature(g->models.eos, material, n, q[0], per);
+    for (int i = 0; i < n; i++) {
+        outflow[i] = 0;
+        for (int k = 0; k < g->components; k++) outflow[i] += normal[k][i] * q[k + 1][i];
+        if (r->pressure) inner[last][i] *= per[i];
+    }
+    apply(&r->density, &line, 0, 1, -1, NULL, inner, ghost);
+    apply(&r->velocity, &line, 1, g->components, 0, ghost[0], inner, ghost);
+    apply(&r->temperature, &line, last, 1, -1, NULL, inner, ghost);
+    pressure_per_temperature(g->models.eos, material, n, ghost[0], per);
+    for (int i = 0; i < n && r->pressure; i++) ghost[last][i] /= per[i];
+    for (int v = 0; v < g->nvar; v++) memcpy(q[v], ghost[v], (size_t)n * sizeof(double));
+}
+
+bool gas_on_patch(const struct gas *g, int patch, int n, const int *face, double *const normal[3], const double *gap,
+                  double *const q[MAX_VAR]) {
+    const struct patch_rules *r = &g->rules[patch];
+    for (int at = 0; at < n && r->velocity.type; at += BATCH) {
+        const int m = n - at < BATCH ? n - at : BATCH;
+        double *const to[3] = {normal[0] + at, normal[1] + at, normal[2] + at}, *part[MAX_VAR] = {NULL};
+        for (int v = 0; v < g->nvar; v++) part[v] = q[v] + at;
+        if (patch_is_wall(r))
+            wall_values(g, r, m, face + at, to, gap + at, part);
+        else
+            open_values(g, r, m, face + at, to, part);
+    }
+    return r->velocity.type && patch_is_wall(r);
+}
+
+/* ---- patches that give mass ---- */
+
 /* Computes E + p of states, where a state gives its work, too. */
 static void find_enthalpy(const struct gas *g, int n, double (*q)[BATCH], double *out) {
     double eps[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH];

@@ -32,6 +32,14 @@ struct crossing { /* flow out of the medium by a face of a patch, mean over the 
 };
 typedef void crossing_visitor(void *context, const struct crossing *face);
 
+/* A face of a patch, with the state in the cell beside it. */
+enum { EDGE_STATE = 5 };
+struct edge_face {
+    int face;                 /* within the patch */
+    double normal[3], gap;    /* unit, out of the medium; m: from the cell to its mirror image */
+    double state[EDGE_STATE]; /* the components of the quantities edge_state, vectors along physical axes */
+};
+
 struct budget_row { /* changes of mass, momentum and energy by cause: titles and values of the columns */
     int n;
     const char *title[MAX_BUDGET];
@@ -106,6 +114,10 @@ struct medium_type {
     bool (*present)(const struct medium *m, int quantity); /* is the quantity written? NULL: always */
     /* Returns the patch entry that the start folder gives, or NULL: the patch is calculated. */
     const struct patch_field *(*patch)(const struct medium *m, int quantity, int patch);
+    /* Replaces a quantity's values in the cells beside n faces of a patch, [n][components], by those on the faces,
+     * which follow from the quantities of edge_state (-1 ends them) in these cells. NULL: both are the same. */
+    void (*edge)(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face, double *values);
+    const int *edge_state;
     /* Lets the medium note from the next step on what leaves it through patches; *dt is the length of the last step
      * that it noted (s), 0 before. Collective. NULL: the medium does not know it. */
     status (*follow)(struct medium *m, double *dt);

@@ -3,6 +3,7 @@
 #include "solvers/functions/functions_pieces.h"
 
 #include "mesh/grid/slices.h"
+#include "solvers/output/edges.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -205,7 +206,9 @@ static void end(struct making *m) {
 
 static status take_faces(struct making *m, const struct patch_choice *c) {
     const struct polymesh *mesh = m->f->setup->mesh;
-    for (int p = 0; p < mesh->npatches; p++)
+    TRY(allocate(&m->out->run, mesh->npatches, sizeof *m->out->run, "a surface"));
+    for (int p = 0; p < mesh->npatches; p++) {
+        if (c->takes[p]) m->out->run[m->out->nruns++] = (struct run){p, mesh->patch[p].nfaces};
         for (int i = 0; i < mesh->patch[p].nfaces && c->takes[p]; i++) {
             double centre[3], area[3];
             polymesh_patch_face(mesh, p, i, centre, area);
@@ -214,6 +217,7 @@ static status take_faces(struct making *m, const struct patch_choice *c) {
             for (int k = 0; k < 3; k++) piece.normal[k] = area[k] / size;
             TRY(add_piece(m, &piece));
         }
+    }
     return find_picks(m);
 }
 
@@ -222,7 +226,8 @@ status surface_of_patches(const struct function *f, const struct patch_choice *c
     status s = begin(&m, f, out);
     if (!s) s = take_faces(&m, c);
     end(&m);
-    return comm_agree(f->setup->comm, s);
+    TRY(comm_agree(f->setup->comm, s));
+    return edges_make(f->setup, c->takes, &out->edges);
 }
 
 static status take_cells(struct making *m, const double point[3], const double normal[3]) {
@@ -278,6 +283,10 @@ static double value_of(const struct surface *s, const struct piece *p, const dou
     return fmin(fmax(value, low), high);
 }
 
+status surface_renew(struct surface *s) {
+    return edges_find(s->edges);
+}
+
 status surface_sample(const struct surface *s, const struct function *f, int quantity, double **out) {
     const int m = f->setup->medium->type->quantity[quantity].components;
     double *slots = NULL;
@@ -286,11 +295,16 @@ status surface_sample(const struct surface *s, const struct function *f, int qua
     if (!e) e = allocate(out, (s->n + 1L) * m, sizeof **out, "samples");
     for (int i = 0; !e && i < s->n; i++)
         for (int k = 0; k < m; k++) (*out)[(long)i * m + k] = value_of(s, &s->piece[i], slots, m, k);
+    double *values = *out;
+    for (int i = 0; !e && i < s->nruns; values += (long)s->run[i++].n * m)
+        edges_values(s->edges, quantity, s->run[i].patch, s->run[i].n, NULL, values);
     free(slots);
     return e;
 }
 
 void surface_free(struct surface *s) {
+    edges_free(s->edges);
+    free(s->run);
     free(s->piece);
     free(s->near);
     free(s->weight);

@@ -21,16 +21,23 @@ struct surface {
     int *near;           /* slots of neighbours */
     double *weight;      /* of their differences from the cell: value = cell + sum weight (neighbour - cell) */
     int nslots, npicks;
-    struct pick *pick; /* [npicks] block by block */
-    double area;       /* m^2 */
+    struct pick *pick;   /* [npicks] block by block */
+    double area;         /* m^2 */
+    struct edges *edges; /* of patches: makes their values of those in the cells; else NULL */
+    struct run {
+        int patch, n;
+    } * run; /* [nruns] the patches that the pieces are faces of, one after the other; else NULL */
+    int nruns;
 };
 
-/* The faces of patches, with the values of the cells beside them. */
+/* The faces of patches, with the values on them, by the patches' rules. */
 status surface_of_patches(const struct function *f, const struct patch_choice *c, struct surface *out);
 /* Makes the polygons that a plane through a point cuts out of the cells, with values of second order: those of the cell
  * and its least squares gradient, within the range of the cell and its neighbours. A plane along faces has the cells on
  * their lower side. */
 status surface_of_plane(const struct function *f, const double point[3], const double normal[3], struct surface *out);
+/* Makes ready what decides on the values of patches at the present state, before they are sampled. Collective. */
+status surface_renew(struct surface *s);
 /* Gathers a quantity's values in the pieces on every rank: [n][components], along physical axes; malloc'd.
  * Collective. */
 status surface_sample(const struct surface *s, const struct function *f, int quantity, double **out);

@@ -75,7 +75,7 @@ static const struct param value_param[] = {
     NOTED("name", "list of words", "required for patch", "the patches: names, or quoted regular expressions",
           "name \".*\";"),
     CHOICE("operation", operation, REQUIRED, operation_names,
-           "of values in the cells beside the faces of a patch, or in what a plane cuts out of cells; flows have sum"),
+           "of values on the faces of a patch, by its rules, or in what a plane cuts out of cells; flows have sum"),
     NOTED("weightField", "word", "none", "scalar field that weighted operations multiply by", "weightField none;"),
     NUMBER("scaleFactor", scale, 1, ANY_NUMBER, NO_UNIT, "that all values are multiplied by"),
     SWITCH("writeArea", area, false, "is the area written, too?"),
@@ -410,6 +410,7 @@ static status value_execute(struct function *f, const struct moment *now, const 
     if (dt == 0 || now->t == v->written) return OK;
     v->written = now->t;
     TRY(find_flow(f, v, &flow));
+    TRY(surface_renew(&v->surface));
     if (v->weight >= 0) TRY(comm_agree(f->setup->comm, surface_sample(&v->surface, f, v->weight, &weight)));
     const status e = write_row(f, now->t, &flow, weight);
     free(weight);

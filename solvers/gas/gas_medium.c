@@ -509,6 +509,11 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
     gas_view_block(&of(m)->view, block, quantity, out);
 }
 
+static void gas_edge_values(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face,
+                            double *values) {
+    gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
+}
+
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {
     return gas_view_uniform(&of(m)->view, block, quantity, value);
 }
@@ -681,6 +686,8 @@ const struct medium_type gas_medium = {
     .exact = gas_exact,
     .present = gas_present,
     .patch = gas_patch,
+    .edge = gas_edge_values,
+    .edge_state = gas_edge_state,
     .follow = gas_follow,
     .crossings = gas_crossings,
     .budget = gas_medium_budget,

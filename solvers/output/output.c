@@ -7,6 +7,7 @@
 #include "solvers/case/checksums.h"
 #include "solvers/output/clouds.h"
 #include "solvers/output/decompose.h"
+#include "solvers/output/edges.h"
 #include "solvers/output/report.h"
 
 #include <math.h>
@@ -21,6 +22,7 @@ struct output {
     double last_time;            /* s, of the last time written; NAN: none */
     int precision;               /* digits of time names, widened where needed */
     struct checksums sums;       /* checksums of the time that is being written; root */
+    struct edges *edges;         /* values on patches; NULL: those of the cells */
     struct decomposition *parts; /* NULL: no processorN folders; root */
     int nparts;                  /* how many; the same on every rank */
     int nnames, room;
@@ -47,6 +49,7 @@ status output_make(const struct setup *s, output_saver *save, const void *contex
     o->context = context;
     o->last_time = s->start.t;
     o->precision = start_precision(s);
+    TRY(edges_make(s, NULL, &o->edges));
     if (!s->control->write_processors) return OK;
     TRY(decompose_make(s, &o->parts));
     if (o->parts) o->nparts = o->parts->n;
@@ -57,6 +60,7 @@ status output_make(const struct setup *s, output_saver *save, const void *contex
 void output_free(struct output *o) {
     if (!o) return;
     decompose_free(o->parts);
+    edges_free(o->edges);
     free(o->name);
     free(o);
 }
@@ -159,10 +163,11 @@ struct printing {                /* context of print_patch */
     const double *values;        /* in the cells of the mesh that is being written; NULL: `face` has those asked for */
     const struct share *share;   /* the slices in which the values are spread over the ranks, or NULL */
     const double *slice;         /* this rank's */
-    double *face;                /* [faces] of the present patch, in the cells inside; on the root */
+    double *face;                /* [faces] of the present patch; on the root */
     const struct part *part;     /* part of a decomposed case, or NULL */
     const double *across;        /* [faces of processor patches] values on the other side, if there is a part */
     const struct patch *patches; /* patches of the case */
+    const struct edges *edges;   /* makes values on patches of those in cells; NULL: they are the same */
 };
 
 static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
@@ -208,20 +213,30 @@ static void print_given(struct sink *s, const struct field_writer *w, int p, con
     print_list(s, &exact, m, patch->nfaces, c->face);
 }
 
-/* Prints as value of each face that of the cell inside or, `across` a processor patch, of the cell on the other
- * side. */
+/* Takes the values on a patch from those in the cells. */
+static void take_faces(const struct field_writer *w, int p, const struct printing *c) {
+    const struct patch *patch = &w->mesh->patch[p];
+    const int m = c->components;
+    for (int i = 0; i < patch->nfaces; i++) {
+        double *to = c->face + (long)i * m;
+        memcpy(to, c->values + (long)polymesh_patch_cell(w->mesh, p, i) * m, (size_t)m * sizeof *to);
+        if (!c->part) continue;
+        const int face = (int)(c->part->face[patch->start + i] - c->patches[p].start);
+        edges_values(c->edges, c->quantity, p, 1, &face, to);
+    }
+}
+
+/* Prints the values on a patch or, `across` a processor patch, those of the cells on the other side. */
 static void print_cells(struct sink *s, const struct field_writer *w, int p, const struct printing *c, bool across) {
     const struct patch *patch = &w->mesh->patch[p];
     const int m = c->components;
-    for (int i = 0; i < patch->nfaces && !across && c->values; i++)
-        memcpy(c->face + (long)i * m, c->values + (long)polymesh_patch_cell(w->mesh, p, i) * m,
-               (size_t)m * sizeof(double));
+    if (!across && c->values) take_faces(w, p, c);
     sink_printf(s, "        %-15s ", "value");
     print_list(s, w->format, m, patch->nfaces,
                across ? c->across + (long)(patch->start - part_beyond(c->part)) * m : c->face);
 }
 
-/* Does OpenFOAM demand a `value` for the type of a patch, which is then that of the cells inside? */
+/* Does OpenFOAM demand a `value` for the type of a patch that no entry gives? */
 static bool prints_cells(const struct boundary_type *b, int components) {
     const char *value = boundary_value(b, components);
     return !b || (b->giving != BY_FUNCTION && b->giving != BY_EXPRESSION && boundary_gives(b) &&
@@ -255,6 +270,7 @@ static status fetch_patch(const struct field_writer *w, int p, void *context) {
     e = comm_agree(c->share->comm, e);
     for (long i = 0; !e && i < n; i++) cell[i] = polymesh_patch_cell(w->mesh, p, (int)i);
     if (!e) e = share_fetch(c->share, c->components, c->slice, n, cell, c->face);
+    if (!e) edges_values(c->edges, c->quantity, p, (int)n, NULL, c->face);
     free(cell);
     return e;
 }
@@ -354,11 +370,17 @@ static status write_shared(const struct setup *s, const struct field_writer *w, 
 
 status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum) {
     const struct share share = share_make(s->comm, s->mesh->ncells);
-    struct printing c = {.components = s->medium->type->quantity[quantity].components, .share = &share};
-    double *slice;
-    status e = make_slice(s, quantity, &share, &slice);
+    struct printing c = {
+        .quantity = quantity, .components = s->medium->type->quantity[quantity].components, .share = &share};
+    struct edges *edges;
+    double *slice = NULL;
+    status e = edges_make(s, NULL, &edges);
+    if (!e) e = edges_find(edges);
+    c.edges = edges;
+    if (!e) e = make_slice(s, quantity, &share, &slice);
     c.slice = slice;
     if (!e) e = write_shared(s, w, quantity, &c, sum);
+    edges_free(edges);
     free(slice);
     free(c.face);
     return e;
@@ -373,7 +395,8 @@ static status write_one(struct output *o, const struct field_writer *writer, int
                          .quantity = quantity,
                          .components = q->components,
                          .share = &share,
-                         .patches = s->mesh->patch};
+                         .patches = s->mesh->patch,
+                         .edges = o->edges};
     struct foam_format exact = *writer->format;
     struct field_writer all_digits = *writer;
     exact.precision = 17;
@@ -395,6 +418,7 @@ static status write_one(struct output *o, const struct field_writer *writer, int
 
 static status write_fields(struct output *o, const struct field_writer *w) {
     const struct medium *m = o->setup->medium;
+    TRY(edges_find(o->edges));
     for (const int *q = m->type->written; *q >= 0; q++)
         if (!m->type->present || m->type->present(m, *q)) TRY(write_one(o, w, *q));
     return OK;

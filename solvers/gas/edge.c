@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Quantities of the gas on the faces of patches (quantities.h; docs/physics.md 5.7): rho, u, T by the rules of the
+ * patch, all others from these. */
+#include "solvers/gas/quantities.h"
+
+#include <math.h>
+#include <string.h>
+
+const int gas_edge_state[] = {GAS_RHO, GAS_U, GAS_T, -1};
+
+struct edge_line { /* of n <= BATCH faces */
+    int n;
+    double q[MAX_VAR][BATCH]; /* rho, u along computational axes, T */
+};
+
+static void take_states(const struct setup *s, int n, const struct edge_face *face, struct edge_line *out) {
+    out->n = n;
+    for (int i = 0; i < n; i++) {
+        out->q[0][i] = face[i].state[0];
+        for (int k = 0; k < s->components; k++) out->q[k + 1][i] = face[i].state[1 + s->axis[k]];
+        out->q[s->components + 1][i] = face[i].state[4];
+    }
+}
+
+/* Returns whether the patch is a wall. */
+static bool find_states(const struct gas_view *v, int patch, const struct edge_face *face, struct edge_line *l) {
+    const struct setup *s = v->setup;
+    double normal[3][BATCH] = {{0}}, gap[BATCH], *q[MAX_VAR];
+    int number[BATCH];
+    for (int i = 0; i < l->n; i++) {
+        number[i] = face[i].face;
+        gap[i] = face[i].gap;
+        for (int k = 0; k < s->dim; k++) normal[k][i] = face[i].normal[s->axis[k]];
+    }
+    for (int k = 0; k < MAX_VAR; k++) q[k] = l->q[k];
+    return gas_on_patch(v->gas, patch, l->n, number, (double *const[]){normal[0], normal[1], normal[2]}, gap, q);
+}
+
+/* Computes a scalar of the states. */
+static void find_scalar(const struct gas_view *v, int quantity, struct edge_line *l, double *out) {
+    const int last = v->setup->components + 1;
+    const struct material *m = &v->models->material;
+    double eps[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int i = 0; i < l->n; i++) eps[i] = eps_of(m, l->q[last][i]);
+    v->models->eos->state(m, l->n, l->q[0], eps, p, c2, gruneisen);
+    for (int i = 0; i < l->n; i++) {
+        double square = 0;
+        for (int k = 1; k < last; k++) square += l->q[k][i] * l->q[k][i];
+        out[i] = quantity == GAS_RHO     ? l->q[0][i]
+                 : quantity == GAS_ALPHA ? packing_per_density(m) * l->q[0][i]
+                 : quantity == GAS_T     ? l->q[last][i]
+                 : quantity == GAS_P     ? p[i]
+                 : quantity == GAS_C     ? sqrt(c2[i])
+                 : quantity == GAS_MACH  ? sqrt(square / c2[i])
+                                         : l->q[0][i] * (eps[i] + 0.5 * square);
+    }
+}
+
+/* Is the face in the cell's state, as far as the quantity asks? Then the value stays, to the bit. */
+static bool stays(int quantity, int last, bool wall, const struct edge_line *cell, const struct edge_line *face,
+                  int i) {
+    bool same[3] = {true, true, true}; /* rho, u, T */
+    for (int k = 0; k <= last; k++) same[k == 0 ? 0 : k < last ? 1 : 2] &= cell->q[k][i] == face->q[k][i];
+    return quantity == GAS_RHO || quantity == GAS_ALPHA ? same[0]
+           : quantity == GAS_U                          ? same[1]
+           : quantity == GAS_T                          ? same[2]
+           : quantity == GAS_P && wall                  ? true
+           : quantity == GAS_P || quantity == GAS_C     ? same[0] && same[2]
+                                                        : same[0] && same[1] && same[2];
+}
+
+static void edge_batch(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
+                       double *values) {
+    const struct setup *s = v->setup;
+    const bool vector = gas_quantity[quantity].components == 3;
+    struct edge_line cell, on;
+    double out[BATCH];
+    take_states(s, n, face, &cell);
+    on = cell;
+    const bool wall = find_states(v, patch, face, &on);
+    if (!vector) find_scalar(v, quantity, &on, out);
+    for (int i = 0; i < n; i++) {
+        if (stays(quantity, s->components + 1, wall, &cell, &on, i)) continue;
+        if (!vector) values[i] = out[i];
+        for (int k = 0; k < s->components && vector; k++)
+            values[3L * i + s->axis[k]] = (quantity == GAS_MOMENTUM ? on.q[0][i] : 1) * on.q[k + 1][i];
+    }
+}
+
+void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
+                   double *values) {
+    const int components = gas_quantity[quantity].components;
+    if (quantity == GAS_LIMITED || (quantity >= GAS_FIELDS && quantity < GAS_OFFERED)) return; /* of cells alone */
+    for (int at = 0; at < n; at += BATCH)
+        edge_batch(v, quantity, patch, n - at < BATCH ? n - at : BATCH, face + at, values + (long)at * components);
+}
