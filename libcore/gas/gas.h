@@ -164,7 +164,7 @@ double gas_computed_share(const struct gas *g);
  * Volumes are per thickness of the empty axes, as struct forest's `volume`. */
 status gas_totals(const struct gas *g, double totals[MAX_VAR]);
 
-/* Gives n faces of a patch its values (docs/physics.md 5.7): q, which holds rho, u along computational axes and T in
+/* Gives n faces of a patch its values (docs/physics.md 5.8): q, which holds rho, u along computational axes and T in
  * the cells beside them, [components + 2][n], gets those on the faces. face[n]: faces within the patch; normal: unit,
  * out of the gas, [components][n], 0 along axes beyond dim; gap[n] m: from the cells to their mirror images. Returns
  * whether the patch is a wall: there the pressure is that of the cells, whatever T is. */

@@ -81,7 +81,7 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
     to_conserved(g, r->pressure, l->n, ghost);
 }
 
-/* ---- values on a patch itself ---- */
+/* ---- values on a patch itself (docs/physics.md 5.8) ---- */
 
 /* T of the gas on a wall that takes heat in proportion to T, with gravity left out: to first order in the cell. */
 static void surface_temperature(const struct gas *g, const struct patch_rules *r, int n, const int *face,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities of the gas on the faces of patches (quantities.h; docs/physics.md 5.7): rho, u, T by the rules of the
+/* Quantities of the gas on the faces of patches (quantities.h; docs/physics.md 5.8): rho, u, T by the rules of the
  * patch, all others from these. */
 #include "solvers/gas/quantities.h"
 
