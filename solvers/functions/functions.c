@@ -222,9 +222,19 @@ double functions_next(const struct functions *f, double t) {
     for (int i = 0; i < f->n; i++) {
         const struct function *one = &f->all[i];
         next = fmin(next, trigger_next(&one->trigger, t));
-        if (one->type->next) next = fmin(next, one->type->next(one, t));
+        if (one->type->next && one->setup->medium->type->event_driven) next = fmin(next, one->type->next(one, t));
     }
     return next;
+}
+
+status functions_prepare(const struct functions *f, double t, double end) {
+    for (int i = 0; i < f->n; i++) {
+        const struct function *one = &f->all[i];
+        if (!one->type->prepare || one->setup->medium->type->event_driven || one->type->next(one, t) > end) continue;
+        TRY(make_ready(one));
+        TRY(status_note(one->type->prepare(one), "function object '%s'", one->name));
+    }
+    return OK;
 }
 
 status functions_collect(struct functions *f, const struct moment *before, const struct moment *now) {

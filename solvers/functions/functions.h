@@ -15,8 +15,11 @@ void functions_list(const struct medium_type *m, FILE *f); /* prints every type 
 
 void functions_keywords(struct keywords *k, const struct medium_type *m); /* goes through all their keywords */
 
-/* Returns the first time after t at which a function object wants a step to end; INFINITY: none does. */
+/* Returns the first time after t at which a function object wants a step to end; INFINITY: none does. Of a medium whose
+ * steps make its bits, only writeControl adjustable does; averages take values between the ends of a step. */
 double functions_next(const struct functions *f, double t);
+/* Lets averages keep what they need of the start of a step from t to `end`. Collective. */
+status functions_prepare(const struct functions *f, double t, double end);
 /* Lets averages take in the end of a step, before any of it is written; before NULL: the start. Collective. */
 status functions_collect(struct functions *f, const struct moment *before, const struct moment *now);
 /* Saves the sums that averages need at a restart into the time folder that w writes. Collective. */

@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object fieldAverage writes means over time and mean squares of fluctuations into the time folders.
  *
- * Each step from t to t + dt counts with the fields at its end, by dt (base time) or by 1 (base iter), within timeStart
- * .. timeEnd, where steps end. U and T, which are per unit mass, are weighted by rho, too: with weights w of the steps
- * and f their fields
+ * With base time they are integrals over time of the second order: fields are linear within a step (the trapezoidal
+ * rule), so that each step of length dt counts with the fields at both of its ends, by dt/2 each. Of a step that
+ * timeStart or timeEnd cuts, the part within counts, by the same linear fields: no step ends there, and the run keeps
+ * its bits. With base iter each step that ends within counts with the fields at its end, by 1. The fields of granularMD
+ * are means over the past, of which the right end is the integral; its steps end at timeStart and timeEnd.
+ *
+ * U and T, which are per unit mass, are weighted by rho, too: with weights w and fields f
  *
  *   fMean = sum w f / sum w,   fPrime2Mean = sum w (f - fMean)(f - fMean) / sum w
  *
  * where w contains rho for them. Both are carried on by West's recursion, which does not lose small fluctuations about
- * a large mean: W += w, d = f - mean, mean += (w/W) d, squares += w (1 - w/W) d d. Each rank keeps those of its cells.
+ * a large mean: W += w, d = f - mean, mean += (w/W) d, squares += w (1 - w/W) d d. Each rank keeps those of its cells,
+ * and the fields at the last time, which a restart has again from its state.
  */
 #include "solvers/functions/functions_private.h"
 
@@ -32,6 +37,7 @@ struct item { /* one entry of `fields` */
     /* [nlines][cells of this rank]: weight (if weighted), mean, squares; each is one after another of the same memory
      */
     int nlines;
+    double *last[3]; /* [lines of the field][cells of this rank] its values at the last time; behind `line` */
     char mean_name[48], squared_name[48];
 };
 struct average {
@@ -39,10 +45,9 @@ struct average {
     bool weighs, afresh, output_afresh;
     int rho, n;
     struct item *item;             /* [n] */
-    long ncells;                   /* of this rank */
-    long *first;                   /* [blocks] index of the block's first cell among them */
+    struct means_cells cells;      /* of this rank */
+    double *rho_last;              /* [cells of this rank] */
     double *rho_now, *part, *keep; /* [cells of the largest block] */
-    const double **by_block;       /* [blocks] for gathers */
     double *all, *out;             /* on the root, for writing: [lines][ncells_all], [6 ncells_all] */
     char file[128];
 };
@@ -78,11 +83,11 @@ static void average_free(void *own) {
     struct average *a = own;
     for (int i = 0; a->item && i < a->n; i++) free(a->item[i].line[0]);
     free(a->item);
-    free(a->first);
+    means_cells_free(&a->cells);
+    free(a->rho_last);
     free(a->rho_now);
     free(a->part);
     free(a->keep);
-    free(a->by_block);
     free(a->all);
     free(a->out);
     free(a);
@@ -123,47 +128,82 @@ static int square_index(int x, int y) {
     return index[x][y];
 }
 
-/* Adds the present values of a block to an item; w: weight of the step, without rho. */
-static void take_block(const struct function *f, struct item *it, int b, double w) {
+struct ends { /* weights of the fields at both ends of a step, without rho */
+    double before, now;
+};
+static struct ends ends_of(const struct function *f, const struct item *it, const struct moment *before,
+                           const struct moment *now) {
+    const struct average *a = f->own;
+    const bool past = f->setup->medium->type->event_driven;
+    const double dt = now->t - before->t, close = 1e-9 * dt;
+    const double from = fmax(a->start - before->t, 0), to = fmin(a->end - before->t, dt), within = to - from;
+    const double late = past ? 1 : 0.5 * (from + to) / dt;
+    if (!(within > close)) return (struct ends){0, 0};
+    if (it->base) return (struct ends){0, dt - to <= close ? 1 : 0};
+    return (struct ends){within * (1 - late), within * late};
+}
+
+struct sample {    /* fields of a block at one moment */
+    double weight; /* without rho */
+    const double *rho;
+    double *const *lines; /* they are lost */
+};
+/* Adds a sample of a block to an item, whose `total` contains its weight. */
+static void take_sample(const struct function *f, const struct item *it, int b, const struct sample *x, double total) {
     const struct average *a = f->own;
     const struct setup *s = f->setup;
     const int n = s->grid->block[b].ncells, components = setup_lines(s, it->field);
-    const long at = a->first[b];
-    double *lines[3], *const *mean = it->line + it->weighted, *const *squares = mean + it->components;
-    function_block(f, b, it->field, lines);
+    const long at = a->cells.first[b];
+    double *const *mean = it->line + it->weighted, *const *squares = mean + it->components;
+    if (!(x->weight > 0)) return;
     if (it->weighted)
-        weigh(n, w, a->rho_now, it->weight + at, a->part, a->keep);
+        weigh(n, x->weight, x->rho, it->weight + at, a->part, a->keep);
     else
         for (int i = 0; i < n; i++) {
-            a->part[i] = w / it->total;
-            a->keep[i] = w * (1 - a->part[i]);
+            a->part[i] = x->weight / total;
+            a->keep[i] = x->weight * (1 - a->part[i]);
         }
     for (int k = 0; k < components; k++)
-        move_mean(n, a->part, mean[it->components == 3 ? s->axis[k] : 0] + at, lines[k]);
+        move_mean(n, a->part, mean[it->components == 3 ? s->axis[k] : 0] + at, x->lines[k]);
     for (int k = 0; it->squares && k < components; k++)
         for (int l = 0; l <= k; l++)
-            add_squares(n, a->keep, lines[k], lines[l],
+            add_squares(n, a->keep, x->lines[k], x->lines[l],
                         squares[it->squares == 6 ? square_index(s->axis[k], s->axis[l]) : 0] + at);
+}
+
+/* Adds a step of a block to an item, and keeps the present fields for the next one. w: NULL at the start. */
+static void take_block(const struct function *f, const struct item *it, int b, const struct ends *w) {
+    const struct average *a = f->own;
+    const long at = a->cells.first[b];
+    double *lines[3], *last[3] = {NULL};
+    for (int k = 0; k < setup_lines(f->setup, it->field); k++) last[k] = it->last[k] + at;
+    if (w) take_sample(f, it, b, &(struct sample){w->before, a->rho_last + at, last}, it->total + w->before);
+    function_block(f, b, it->field, lines);
+    for (int k = 0; k < 3 && last[k]; k++)
+        memcpy(last[k], lines[k], (size_t)f->setup->grid->block[b].ncells * sizeof(double));
+    if (w) take_sample(f, it, b, &(struct sample){w->now, a->rho_now, lines}, it->total + (w->before + w->now));
 }
 
 static status average_collect(struct function *f, const struct moment *before, const struct moment *now) {
     struct average *a = f->own;
-    if (!before) return OK;
-    const double dt = fmin(now->t, a->end) - fmax(before->t, a->start);
-    if (!(dt > 1e-9 * (now->t - before->t))) return OK;
-    for (int i = 0; i < a->n; i++) a->item[i].total += a->item[i].base ? 1 : dt;
+    struct ends w;
+    if (before && before->t >= a->end) return OK;
     for (int b = 0; b < f->setup->grid->nblocks; b++) {
+        const size_t size = (size_t)f->setup->grid->block[b].ncells * sizeof(double);
         double *lines[3];
-        bool known = false;
-        for (int i = 0; i < a->n; i++) {
-            struct item *it = &a->item[i];
-            if (it->weighted && !known) {
-                function_block(f, b, a->rho, lines);
-                memcpy(a->rho_now, lines[0], (size_t)f->setup->grid->block[b].ncells * sizeof(double));
-                known = true;
-            }
-            take_block(f, it, b, it->base ? 1 : dt);
+        if (a->weighs) {
+            function_block(f, b, a->rho, lines);
+            memcpy(a->rho_now, lines[0], size);
         }
+        for (int i = 0; i < a->n; i++) {
+            if (before) w = ends_of(f, &a->item[i], before, now);
+            take_block(f, &a->item[i], b, before ? &w : NULL);
+        }
+        if (a->weighs) memcpy(a->rho_last + a->cells.first[b], a->rho_now, size);
+    }
+    for (int i = 0; before && i < a->n; i++) {
+        w = ends_of(f, &a->item[i], before, now);
+        a->item[i].total += w.before + w.now;
     }
     return OK;
 }
@@ -171,7 +211,7 @@ static status average_collect(struct function *f, const struct moment *before, c
 static void begin_anew(struct average *a) {
     for (int i = 0; i < a->n; i++) {
         a->item[i].total = 0;
-        memset(a->item[i].line[0], 0, (size_t)(a->item[i].nlines * a->ncells) * sizeof(double));
+        memset(a->item[i].line[0], 0, (size_t)(a->item[i].nlines * a->cells.n) * sizeof(double));
     }
 }
 
@@ -196,10 +236,8 @@ static status make_room(const struct average *a, long ncells_all, double **all, 
 static status gather_item(const struct function *f, const struct item *it) {
     struct average *a = f->own;
     const struct grid *grid = f->setup->grid;
-    for (int l = 0; l < it->nlines; l++) {
-        for (int b = 0; b < grid->nblocks; b++) a->by_block[b] = it->line[l] + a->first[b];
-        TRY(grid_gather(grid, a->by_block, a->all ? a->all + (long)l * grid->ncells_all : NULL));
-    }
+    for (int l = 0; l < it->nlines; l++)
+        TRY(means_gather(&a->cells, f, it->line[l], a->all ? a->all + (long)l * grid->ncells_all : NULL));
     return OK;
 }
 
@@ -244,6 +282,12 @@ static void print_identity(struct sink *o, const struct function *f) {
     sink_printf(o, " );\n");
 }
 
+static bool has_samples(const struct average *a) {
+    bool any = false;
+    for (int i = 0; i < a->n; i++) any |= a->item[i].total > 0;
+    return any;
+}
+
 /* Writes means, and the sums from which a restart goes on. Each rank takes part in each gather, even if the root cannot
  * write. */
 static status average_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
@@ -253,7 +297,7 @@ static status average_save(const struct function *f, const struct field_writer *
     struct foam_format exact;
     struct sink *o = NULL;
     struct file_sum sum;
-    if (!a->n || a->item[0].total == 0) return OK;
+    if (!has_samples(a)) return OK;
     status e = root ? make_room(a, s->grid->ncells_all, &a->all, &a->out) : OK;
     if (root && !e) e = means_open(w, a->file, &exact, &o);
     TRY(comm_agree(s->comm, e));
@@ -295,7 +339,8 @@ static status take_item(const struct function *f, struct dict *d, struct item *i
     double *all = NULL;
     status e = d ? dict_sub(d, quantity_of(f, it->field)->name, &own) : OK;
     if (d && !e) e = dict_number(own, "total", NULL, &it->total);
-    if (d && !e && !(it->total > 0 && it->total < HUGE_VAL)) e = dict_fail(own, "total", "a sum of weights is above 0");
+    if (d && !e && !(it->total >= 0 && it->total < HUGE_VAL))
+        e = dict_fail(own, "total", "a sum of weights is not below 0");
     if (d && !e) e = means_list(own, "lines", it->nlines * n, &all);
     if (!d) e = allocate(&all, it->nlines * n, sizeof(double), "averages");
     e = comm_agree(f->setup->comm, e);
@@ -304,7 +349,7 @@ static status take_item(const struct function *f, struct dict *d, struct item *i
     for (int l = 0; !e && l < it->nlines; l++)
         for (int b = 0; b < grid->nblocks; b++)
             for (int i = 0; i < grid->block[b].ncells; i++)
-                it->line[l][a->first[b] + i] = all[l * n + grid->block[b].cell[i]];
+                it->line[l][a->cells.first[b] + i] = all[l * n + grid->block[b].cell[i]];
     free(all);
     return e;
 }
@@ -366,26 +411,20 @@ static status make_item(struct function *f, struct dict *fields, const char *key
     it->nlines = it->weighted + it->components + it->squares;
     snprintf(it->mean_name, sizeof it->mean_name, "%.30sMean", key);
     snprintf(it->squared_name, sizeof it->squared_name, "%.30sPrime2Mean", key);
-    TRY(allocate(&it->line[0], it->nlines * a->ncells + 1, sizeof(double), "averages"));
-    for (int l = 1; l < it->nlines; l++) it->line[l] = it->line[0] + l * a->ncells;
+    TRY(allocate(&it->line[0], (it->nlines + 3) * a->cells.n + 1, sizeof(double), "averages"));
+    for (int l = 1; l < it->nlines; l++) it->line[l] = it->line[0] + l * a->cells.n;
+    for (int k = 0; k < 3; k++) it->last[k] = it->line[0] + (it->nlines + k) * a->cells.n;
     it->weight = it->weighted ? it->line[0] : NULL;
     return OK;
 }
 
 static status make_memory(const struct function *f) {
     struct average *a = f->own;
-    const struct grid *grid = f->setup->grid;
-    long largest = 1;
-    TRY(allocate(&a->first, grid->nblocks + 1, sizeof *a->first, "averages"));
-    for (int b = 0; b < grid->nblocks; b++) {
-        a->first[b] = a->ncells;
-        a->ncells += grid->block[b].ncells;
-        if (grid->block[b].ncells > largest) largest = grid->block[b].ncells;
-    }
-    TRY(allocate(&a->by_block, grid->nblocks + 1, sizeof *a->by_block, "averages"));
-    TRY(allocate(&a->rho_now, largest, sizeof(double), "averages"));
-    TRY(allocate(&a->part, largest, sizeof(double), "averages"));
-    return allocate(&a->keep, largest, sizeof(double), "averages");
+    TRY(means_cells_make(f, &a->cells));
+    TRY(allocate(&a->rho_last, a->cells.n + 1, sizeof(double), "averages"));
+    TRY(allocate(&a->rho_now, a->cells.largest, sizeof(double), "averages"));
+    TRY(allocate(&a->part, a->cells.largest, sizeof(double), "averages"));
+    return allocate(&a->keep, a->cells.largest, sizeof(double), "averages");
 }
 
 static status average_make(struct function *f, struct dict *d) {
@@ -411,6 +450,8 @@ static status average_make(struct function *f, struct dict *d) {
         e = make_item(f, fields, dict_key(fields, i), &a->item[i]);
     }
     TRY(comm_agree(f->setup->comm, e));
+    a->weighs = false; /* from here on: any of them? */
+    for (int i = 0; i < n; i++) a->weighs |= a->item[i].weighted;
     return a->afresh || a->output_afresh ? OK : load(f);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What averages over time share: which fields are weighted by the density, and the file of their sums in a time folder,
- * from which a restart goes on. */
+/* What averages over time share: which fields are weighted by the density, lines of the cells of a rank, and the file
+ * of their sums in a time folder, from which a restart goes on. */
 #include "solvers/functions/functions_private.h"
 
 #include <stdlib.h>
@@ -16,6 +16,28 @@ int means_density(const struct function *f) {
 bool means_per_mass(const struct function *f, int field) {
     const char *name = quantity_of(f, field)->name;
     return !strcmp(name, "U") || !strcmp(name, "T") || !strcmp(name, "TComponents");
+}
+
+status means_cells_make(const struct function *f, struct means_cells *out) {
+    const struct grid *grid = f->setup->grid;
+    *out = (struct means_cells){.largest = 1};
+    TRY(allocate(&out->first, grid->nblocks + 1, sizeof *out->first, "averages"));
+    for (int b = 0; b < grid->nblocks; b++) {
+        out->first[b] = out->n;
+        out->n += grid->block[b].ncells;
+        if (grid->block[b].ncells > out->largest) out->largest = grid->block[b].ncells;
+    }
+    return allocate(&out->by_block, grid->nblocks + 1, sizeof *out->by_block, "averages");
+}
+
+void means_cells_free(struct means_cells *c) {
+    free(c->first);
+    free(c->by_block);
+}
+
+status means_gather(const struct means_cells *c, const struct function *f, const double *line, double *all) {
+    for (int b = 0; b < f->setup->grid->nblocks; b++) c->by_block[b] = line + c->first[b];
+    return grid_gather(f->setup->grid, c->by_block, all);
 }
 
 status means_file(const struct function *f, struct dict *d, char file[128]) {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Function object phaseAverage writes means of fields at the same phases of a period, summed on the root.
  *
- * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, ...; steps end there. U and T (and the
- * components of T), which are per unit mass, are weighted by rho if the medium has it: sum rho U / sum rho,
- * sum rho T / sum rho (0 where there never was mass); all other fields have the plain mean. */
+ * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, .... U and T (and the components of T), which are
+ * per unit mass, are weighted by rho if the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where there
+ * never was mass); all other fields have the plain mean. What is summed is linear in time between the ends of a step,
+ * with an error of dt^2/8 times the second derivative: steps do not end at the moments, and the run keeps its bits. The
+ * steps of granularMD do, which changes nothing of the grains, and lets means over the past end there. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/output.h"
@@ -23,8 +25,12 @@ struct phases {
     bool resumed;             /* did the run before count the start? */
     long count[MOST_PHASES];  /* samples in a bin */
     double *sum[MOST_PHASES]; /* on the root: the sums of a bin; NULL: it has no samples yet */
-    double *values, *weight;  /* on the root: [3 ncells] a field, [ncells] rho, of the present moment */
-    char file[128];           /* file of the sums in a time folder */
+    double *values;           /* on the root: [3 ncells] a field */
+    int nlines;
+    double *before, *now, *between; /* [nlines][cells of this rank] what is summed, at both ends of a step, inside */
+    struct means_cells cells;       /* of this rank */
+    double *rho_now;                /* [cells of the largest block] */
+    char file[128];                 /* file of the sums in a time folder */
 };
 
 #define PARAM_STRUCT struct phases
@@ -38,7 +44,11 @@ static void phases_free(void *own) {
     struct phases *p = own;
     for (int j = 0; j < p->n; j++) free(p->sum[j]);
     free(p->values);
-    free(p->weight);
+    free(p->now);
+    free(p->before);
+    free(p->between);
+    means_cells_free(&p->cells);
+    free(p->rho_now);
     free(p);
 }
 
@@ -69,49 +79,91 @@ static double phases_next(const struct function *f, double t) {
     return isfinite(index) ? moment_of(p, index) : HUGE_VAL;
 }
 
-/* Returns the index of the moment that the step which ends now reaches; -1: none. */
-static double index_now(const struct phases *p, const struct moment *before, const struct moment *now) {
-    double index;
-    if (before)
-        index = next_index(p, before->t);
-    else if (p->resumed)
-        return -1;
-    else
-        index = fmax(0, floor((now->t - p->start) / p->period * p->n + 0.5));
-    const double at = isfinite(index) ? moment_of(p, index) : HUGE_VAL;
-    return reached(now->t, at) && (before || reached(at, now->t)) ? index : -1;
-}
-
 static status make_bin(const struct function *f, int bin) {
     struct phases *p = f->own;
     if (!p->values) TRY(allocate(&p->values, 3 * p->ncells, sizeof(double), "a field of the averages"));
-    if (!p->weight) TRY(allocate(&p->weight, p->ncells, sizeof(double), "a field of the averages"));
     return p->sum[bin] ? OK : allocate(&p->sum[bin], p->size, sizeof(double), "sums of the averages");
 }
 
-/* Adds the present fields to a bin. Collective. */
-static status take(const struct function *f, int bin) {
+/* Computes what is summed of the present state, in the cells of this rank. */
+static void evaluate(const struct function *f, double *restrict out) {
+    const struct phases *p = f->own;
+    const struct setup *s = f->setup;
+    for (int b = 0; b < s->grid->nblocks; b++) {
+        const size_t n = (size_t)s->grid->block[b].ncells;
+        double *lines[3], *at = out + p->cells.first[b];
+        if (p->rho >= 0) function_block(f, b, p->rho, lines);
+        if (p->rho >= 0) memcpy(p->rho_now, lines[0], n * sizeof(double));
+        for (int k = 0; k < f->nfields; k++) {
+            function_block(f, b, f->field[k], lines);
+            for (int l = 0; l < setup_lines(s, f->field[k]); l++, at += p->cells.n)
+                for (size_t i = 0; i < n; i++) at[i] = (weighted(f, k) ? p->rho_now[i] : 1) * lines[l][i];
+        }
+        if (p->rho >= 0) memcpy(at, p->rho_now, n * sizeof(double));
+    }
+}
+
+/* Adds a line of this rank's cells to component c of m in a field of a bin's sums (NULL: this is not the root).
+ * Collective. */
+static status add_line(const struct function *f, const double *line, int c, int m, double *sum) {
+    const struct phases *p = f->own;
+    TRY(means_gather(&p->cells, f, line, sum ? p->values : NULL));
+    for (long i = 0; sum && i < p->ncells; i++) sum[m * i + c] += p->values[i];
+    return OK;
+}
+
+/* Adds the lines of a moment to a bin. Collective. */
+static status take(const struct function *f, int bin, const double *line) {
     struct phases *p = f->own;
-    const bool root = comm_root(f->setup->comm);
-    TRY(comm_agree(f->setup->comm, root ? make_bin(f, bin) : OK));
+    const struct setup *s = f->setup;
+    const bool root = comm_root(s->comm);
+    TRY(comm_agree(s->comm, root ? make_bin(f, bin) : OK));
     double *sum = root ? p->sum[bin] : NULL;
-    if (p->rho >= 0) TRY(output_gather(f->setup, p->rho, p->weight));
     for (int k = 0; k < f->nfields; k++) {
         const int m = quantity_of(f, f->field[k])->components;
-        TRY(output_gather(f->setup, f->field[k], p->values));
-        if (!root) continue;
-        for (long i = 0; i < p->ncells * m; i++) sum[i] += (weighted(f, k) ? p->weight[i / m] : 1) * p->values[i];
-        sum += p->ncells * m;
+        for (int l = 0; l < setup_lines(s, f->field[k]); l++, line += p->cells.n)
+            TRY(add_line(f, line, m == 3 ? s->axis[l] : 0, m, sum));
+        if (root) sum += p->ncells * m;
     }
-    for (long i = 0; root && p->rho >= 0 && i < p->ncells; i++) sum[i] += p->weight[i];
+    if (p->rho >= 0) TRY(add_line(f, line, 0, 1, sum));
     p->count[bin]++;
     return OK;
 }
 
+/* Takes the moment of this index, which the step that ends now reaches. Collective. */
+static status take_moment(const struct function *f, double index, const struct moment *before,
+                          const struct moment *now) {
+    const struct phases *p = f->own;
+    const double at = moment_of(p, index);
+    const long size = p->nlines * p->cells.n;
+    if (!reached(at, now->t)) {
+        const double part = (at - before->t) / (now->t - before->t);
+        double *restrict between = p->between;
+        for (long i = 0; i < size; i++) between[i] = fma(part, p->now[i] - p->before[i], p->before[i]);
+    }
+    return take(f, (int)fmod(index, p->n), reached(at, now->t) ? p->now : p->between);
+}
+
+static status phases_prepare(const struct function *f) {
+    const struct phases *p = f->own;
+    evaluate(f, p->before);
+    return OK;
+}
+
+/* Returns the index of the first moment that may be due; a run that goes on has counted its start already. */
+static double first_index(const struct phases *p, const struct moment *before, const struct moment *now) {
+    if (before) return next_index(p, before->t);
+    const double index = fmax(0, floor((now->t - p->start) / p->period * p->n + 0.5));
+    return p->resumed || !reached(moment_of(p, index), now->t) ? HUGE_VAL : index;
+}
+
 static status phases_collect(struct function *f, const struct moment *before, const struct moment *now) {
     const struct phases *p = f->own;
-    const double index = index_now(p, before, now);
-    return index < 0 ? OK : take(f, (int)fmod(index, p->n));
+    double index = first_index(p, before, now);
+    if (!isfinite(index) || !reached(now->t, moment_of(p, index))) return OK;
+    evaluate(f, p->now);
+    for (; reached(now->t, moment_of(p, index)); index += 1) TRY(take_moment(f, index, before, now));
+    return OK;
 }
 
 /* ---- results ---- */
@@ -272,6 +324,18 @@ static status shaken_period(const struct function *f, struct dict *d, double *ou
                        "'period' is that of the average, by default of constant/shaking");
 }
 
+static status make_lines(const struct function *f) {
+    struct phases *p = f->own;
+    TRY(means_cells_make(f, &p->cells));
+    p->nlines = p->rho >= 0;
+    for (int k = 0; k < f->nfields; k++) p->nlines += setup_lines(f->setup, f->field[k]);
+    const long size = p->nlines * p->cells.n + 1;
+    TRY(allocate(&p->rho_now, p->cells.largest, sizeof(double), "averages"));
+    TRY(allocate(&p->before, size, sizeof(double), "averages"));
+    TRY(allocate(&p->now, size, sizeof(double), "averages"));
+    return allocate(&p->between, size, sizeof(double), "averages");
+}
+
 static status phases_make(struct function *f, struct dict *d) {
     struct phases *p;
     TRY(allocate(&p, 1, sizeof *p, "averages"));
@@ -283,6 +347,7 @@ static status phases_make(struct function *f, struct dict *d) {
     p->ncells = f->setup->mesh->ncells;
     for (int k = 0; k < f->nfields; k++) p->size += p->ncells * quantity_of(f, f->field[k])->components;
     if (p->rho >= 0) p->size += p->ncells;
+    TRY(make_lines(f));
     TRY(comm_agree(f->setup->comm, comm_root(f->setup->comm) ? load(f) : OK));
     double resumed = p->resumed;
     comm_max(f->setup->comm, &resumed, 1);
@@ -299,6 +364,7 @@ const struct function_type function_phases = {
     .free = phases_free,
     .with_fields = true,
     .next = phases_next,
+    .prepare = phases_prepare,
     .collect = phases_collect,
     .save = phases_save,
 };

@@ -36,8 +36,10 @@ struct function_type {
     bool of_patches;  /* does it need a medium that knows what leaves it through patches? */
     bool all_fields;  /* does it take the fields that the medium shows, if it has no `fields`? */
     bool with_fields; /* is it executed when the fields are written, if nothing else is said? Else after each step */
-    /* The hooks of averages, as functions_next, functions_collect and functions_save; NULL: the type keeps none. */
+    /* The hooks of averages, as functions_next, functions_prepare, functions_collect and functions_save; NULL: the type
+     * keeps none. next returns its first moment after t; prepare is called at the start of a step that reaches it. */
     double (*next)(const struct function *f, double t);
+    status (*prepare)(const struct function *f);
     status (*collect)(struct function *f, const struct moment *before, const struct moment *now);
     status (*save)(const struct function *f, const struct field_writer *w, struct checksums *sums);
 };
@@ -67,6 +69,15 @@ status function_open(const struct function *f, const char *folder, const char *f
  * no density); is a quantity weighted by it? */
 int means_density(const struct function *f);
 bool means_per_mass(const struct function *f, int field);
+struct means_cells {         /* the cells of this rank, of which averages keep lines, block after block */
+    long n, largest;         /* largest: cells of the largest block, at least 1 */
+    long *first;             /* [blocks] the block's first cell among them */
+    const double **by_block; /* [blocks] for gathers */
+};
+status means_cells_make(const struct function *f, struct means_cells *out);
+void means_cells_free(struct means_cells *c);
+/* Gathers a line on the root, as grid_gather does. Collective. */
+status means_gather(const struct means_cells *c, const struct function *f, const double *line, double *all);
 /* Sets `file` to uniform/<type>.<function>, the file of the sums in a time folder. */
 status means_file(const struct function *f, struct dict *d, char file[128]);
 /* Opens that file in the folder that w writes, with its header; numbers have all digits: *exact. On the root. */

@@ -319,6 +319,7 @@ static status step_once(struct run *r) {
     struct word w = root_says(r);
     e.at_cell = w.log > 0 && limit == DT_COURANT && !pace.limit;
     if (e.at_cell) m->type->place(m, e.place);
+    TRY(functions_prepare(r->functions, r->now.t, end));
     m->end = end;
     TRY(m->type->step(m, c, r->now.t, &dt));
     if (dt == 0) return end_early(r);

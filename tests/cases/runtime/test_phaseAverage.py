@@ -55,6 +55,36 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
                     expected = (weight * state[field]).sum(axis=0) / weight.sum(axis=0)
                     np.testing.assert_allclose(values[field], expected, rtol=2e-14, atol=1e-13 * np.abs(expected).max())
 
+    def test_between_steps(self):
+        """No step ends at a moment, or for the average at all: the run has its bits; values are linear within steps."""
+        one, other = (averaged(self.path(f"between{i}"), end=0.01, settings="period 0.0037; phases 9; start 0.0011;") for i in (1, 2))
+        for case in (one, other):
+            os.rename(case + "/0", case + "/0.orig")
+            harness.edit(case, CONTROL, writeControl="timeStep", writeInterval=1)
+            runs.add(case, CONTROL, "timePrecision 17;\n")
+        harness.edit(other, CONTROL, type="phaseAverage; enabled no")
+        for case in (one, other):
+            harness.program("granularGas", "-case", case)
+        self.assertEqual(runs.times(one), runs.times(other))
+        last = runs.times(one)[-1]
+        for field in ("rho", "rhoU", "rhoE"):
+            with open(f"{one}/{last}/{field}", "rb") as f, open(f"{other}/{last}/{field}", "rb") as g:
+                self.assertEqual(f.read(), g.read(), field)
+        found, counts = means(one)
+        result = harness.haff.Case(one)
+        times = np.array([float(t) for t in runs.times(one)])
+        state = {f: np.array([result.field(f, t) for t in runs.times(one)]) for f in FIELDS.split()}
+        for j, (phase, values) in enumerate(found.items()):
+            moments = [0.0011 + 0.0037 * (k + j / 9) for k in range(int(counts[phase]))]
+            self.assertEqual(len(moments), sum(0.0011 + 0.0037 * (k + j / 9) <= 0.01 for k in range(9)))
+            mass = sum(np.apply_along_axis(lambda q, t=t: np.interp(t, times, q), 0, state["rho"]) for t in moments)
+            for field in FIELDS.split():
+                weight = state["rho"] if field == "T" else state["rho"][..., None] if field == "U" else 1
+                sums = sum(np.apply_along_axis(lambda q, t=t: np.interp(t, times, q), 0, weight * state[field]) for t in moments)
+                expected = sums / (mass if field == "T" else mass[..., None] if field == "U" else len(moments))
+                with self.subTest(phase=phase, field=field):
+                    np.testing.assert_allclose(values[field], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
     def restarted(self, name, **options):
         """Stopped between two phases, at a phase and before the first, on one and two ranks."""
         whole = averaged(self.path(name), interval=0.00375, **options)
