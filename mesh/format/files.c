@@ -59,6 +59,17 @@ status file_open_read(const char *path, int *out, size_t *bytes) {
     return open_read(path, false, out, bytes);
 }
 
+status file_single(const char *path) {
+    struct stat plain, zipped;
+    char other[PATH_MAX];
+    const int n = snprintf(other, sizeof other, "%s.gz", path);
+    if (n < 0 || (size_t)n >= sizeof other || stat(path, &plain) || stat(other, &zipped)) return OK;
+    const bool later = zipped.st_mtim.tv_sec > plain.st_mtim.tv_sec || (zipped.st_mtim.tv_sec == plain.st_mtim.tv_sec &&
+                                                                        zipped.st_mtim.tv_nsec > plain.st_mtim.tv_nsec);
+    return fail(ERR_INPUT, "%s: %s stands beside it, and only one of both can be meant: remove the other (%s is newer)",
+                path, other, later ? other : path);
+}
+
 status file_open_pieces(const char *path, int *out, size_t *bytes) {
     return open_read(path, true, out, bytes);
 }

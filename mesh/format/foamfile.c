@@ -206,6 +206,12 @@ status source_name(const char *path, struct source **out) {
 
 status source_open(const char *path, struct source **out) {
     *out = NULL;
+    TRY(file_single(path));
+    return source_open_named(path, out);
+}
+
+status source_open_named(const char *path, struct source **out) {
+    *out = NULL;
     struct source *s = NULL;
     TRY(source_name(path, &s));
     status e = read_around(s);

@@ -25,9 +25,11 @@ struct source { /* a file in memory, already unzipped; text[size] is 0 */
     long part_first, part_end;
     bool foreign; /* does the file lie outside of the case (files.h)? Messages then show none of its text */
 };
-/* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file, and on what is
- * no regular file. */
+/* Reads path, or path.gz where only that exists. Fails on a missing, unreadable or broken (gzip) file, on what is no
+ * regular file, and where both are there (file_single). */
 status source_open(const char *path, struct source **out);
+/* The same of a file whose very name the user gives: path.gz beside it is not in question. */
+status source_open_named(const char *path, struct source **out);
 /* The same by all ranks together: of the first list, if it is long and has an entry for each cell, a rank gets its
  * slice alone, which foam_list_read_part then gives once; it can give no other part. Collective. */
 status source_open_shared(const char *path, const struct share *share, struct source **out);

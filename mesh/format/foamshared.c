@@ -244,6 +244,7 @@ static status open_shared(struct stream *x, struct source *s, bool *done) {
 status source_open_shared(const char *path, const struct share *share, struct source **out) {
     struct source *s = NULL;
     *out = NULL;
+    TRY(comm_agree(share->comm, file_single(path)));
     TRY(comm_agree(share->comm, source_name(path, &s)));
     struct stream x = {.share = share, .source = s};
     bool done = false;

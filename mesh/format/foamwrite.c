@@ -156,6 +156,7 @@ status sink_close(struct sink *s) {
 }
 
 status file_sum_read(const char *path, struct file_sum *sum) {
+    TRY(file_single(path));
     char *zipped = joined(path, ".gz"), buffer[BUFFER];
     if (!zipped) return fail(ERR_SYSTEM, "no memory to read %s", path);
     *sum = (struct file_sum){0};

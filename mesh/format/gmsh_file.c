@@ -595,7 +595,7 @@ static status read_all(struct reader *r) {
 status gmsh_file_read(const char *path, struct gmsh_file **out) {
     *out = NULL;
     struct source *source;
-    TRY(source_open(path, &source));
+    TRY(source_open_named(path, &source));
     struct reader r = {.c = {.source = source,
                              .path = source->path,
                              .text = source->text,

@@ -107,6 +107,7 @@ static bool refill(struct reader *r) {
 static status look(struct reader *r, const char *class_name) {
     size_t bytes;
     int file;
+    TRY(file_single(r->path));
     status e = file_open_pieces(r->path, &file, &bytes);
     if (e && strlen(r->path) + 4 < PATH) {
         strcat(r->path, ".gz");

@@ -28,6 +28,15 @@ class FormatError(ValueError):
     """A file is not what it should be."""
 
 
+def located(path):
+    """path, or path.gz where only that exists. FormatError where both do: one of them is not what is meant."""
+    if not os.path.exists(path + ".gz"):
+        return path
+    if os.path.exists(path):
+        raise FormatError(f"{path}: {path}.gz stands beside it, and only one of both can be meant: remove the other")
+    return path + ".gz"
+
+
 def read_bytes(path):
     """The file's bytes, unzipped; path.gz is taken where only that exists."""
     data = read_buffer(path)
@@ -38,8 +47,7 @@ def read_buffer(path):
     """The same as bytes, or as a memoryview that can be written to, which needs the file's size of memory and no more.
 
     The content of the first list begins at a multiple of 8 bytes, so that its numbers need not be moved."""
-    if not os.path.exists(path) and os.path.exists(path + ".gz"):
-        path += ".gz"
+    path = located(path)
     with open(path, "rb") as f:
         if path.endswith(".gz"):
             return gzip.decompress(f.read())
@@ -133,8 +141,7 @@ class FoamFile:
 
 def read_head(path):
     """The first HEADER_WITHIN bytes of a file, unzipped: header and dimensions, whatever the size of the rest."""
-    if not os.path.exists(path) and os.path.exists(path + ".gz"):
-        path += ".gz"
+    path = located(path)
     with (gzip.open if path.endswith(".gz") else open)(path, "rb") as f:
         return f.read(HEADER_WITHIN)
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever is done to a run, no result is lost that had been reported as written, and the message says what to do."""
+import gzip
 import itertools
 import os
 import random
@@ -259,6 +260,35 @@ class Checksums(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"time 0.001 is damaged and was left out\n +\S+/0.001/uniform/time")
         self.assertEqual({n for n in os.listdir(case + "/VTK") if n.endswith(".vtk")}, {f"others_{t}.vtk" for t in ("0", "0.003", "0.004")})
+
+
+class Beside(harness.Folder, unittest.TestCase):
+    """A file beside its zipped form, which may be older or newer: nobody knows which is meant, so neither is read."""
+
+    def test_refused(self):
+        case = runs.make(os.path.join(self.folder, "zipped"), (6, 6, 1), 0.002, interval=0.001, compression="on")
+        harness.program("granularGas", "-case", case)
+        for file, ranks in (("0.002/rhoE", 2), ("0.002/uniform/totals", 1), ("constant/polyMesh/owner", 1), ("constant/polyMesh/owner", 2),
+                            ("constant/polyMesh/boundary", 1), ("constant/granularProperties", 1), ("system/fvSchemes", 1), (CONTROL, 1)):
+            with self.subTest(file, ranks=ranks):
+                path = os.path.join(case, file)
+                there = path if os.path.exists(path) else path + ".gz"
+                other = path + ".gz" if there == path else path
+                with (gzip.open if there.endswith(".gz") else open)(there, "rb") as f, (gzip.open if other.endswith(".gz") else open)(other, "wb") as g:
+                    g.write(f.read())
+                os.utime(other, (1e9, 1e9))
+                done = harness.program("granularGas", "-case", case, ranks=ranks, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertRegex(done.stderr, f"{file}: \\S+{file}.gz stands beside it, .*remove the other \\(\\S*{os.path.basename(there)} is newer")
+                os.remove(other)
+        self.assertIn("nothing to do", harness.program("granularGas", "-case", case).stdout)
+
+    def test_python(self):
+        case = runs.make(os.path.join(self.folder, "python"), (6, 6, 1), 0.001)
+        with open(case + "/0/rho", "rb") as f, gzip.open(case + "/0/rho.gz", "wb") as g:
+            g.write(f.read())
+        with self.assertRaisesRegex(ValueError, r"0/rho: \S+0/rho.gz stands beside it"):
+            harness.haff.Case(case).field("rho", "0")
 
 
 class Changes(harness.Folder, unittest.TestCase):
