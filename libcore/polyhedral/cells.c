@@ -88,6 +88,7 @@ static status cells_make(struct gas *g) {
     TRY(cells_sweep_make(c->polyhedra, c->fit, &c->sweep));
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
+    TRY(cells_weight_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
@@ -111,6 +112,7 @@ static void cells_free(struct gas *g) {
     cells_sweep_free(&c->sweep);
     cells_sides_free(&c->sides);
     cells_diffuser_free(c->diffuser);
+    cells_weight_free(c->weight);
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);

@@ -47,6 +47,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *line;           /* [nown] scratch: values block by block */
     double **by_block;      /* [nblocks] into `line` */
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
+    struct cells_weight *weight;     /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
     struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
     struct cells_rules *rules;       /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_bed *bed;           /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
@@ -112,6 +113,14 @@ status cells_sweep_make(const struct polyhedra *m, struct fit *fit, struct cells
 void cells_sweep_free(struct cells_sweep *s);
 status cells_sides_make(const struct polyhedra *m, struct cells_sides *s);
 void cells_sides_free(struct cells_sides *s);
+
+/* ---- weight on walls (libcore/polyhedral/cells_weight.c) ---- */
+
+status cells_weight_make(struct gas *g);
+void cells_weight_free(struct cells_weight *w);
+/* Gives the mirrors beyond walls, plain images so far, what gas at rest has at their place, by gravity of the stage in
+ * hand: those of inner cells, or of the others, once their ghosts are known. For the stages alone. */
+void cells_weigh(const struct gas *g, bool inner, double *const U[MAX_VAR]);
 
 /* ---- gas at rest (libcore/polyhedral/cells_rest.c) ---- */
 

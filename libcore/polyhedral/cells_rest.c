@@ -172,8 +172,8 @@ static void note_faces(const struct gas *g) {
     }
 }
 
-/* The polynomials of U* see a mirror image beyond a wall, so that p(U*) there lacks the weight of half a cell; r makes
- * up for it in the cell, though it is the wall that carries it. */
+/* On a wall p(U*) misses p* and the weight of half a cell by an error of the scheme; r makes up for it in the cell,
+ * though it is the wall that carries it. */
 static void note_walls(const struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     struct cells_rest *r = g->cells->rest;
@@ -210,6 +210,7 @@ static void take_state(struct gas *g) {
     polyhedra_fill_start(m, g->nvar, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, 0, m->mirror.n, U);
+    for (int inner = 1; inner >= 0; inner--) cells_weigh(g, inner, U);
     for (int v = 0; v < 2; v++)
         memcpy(g->cells->rest->U[v], U[v * (g->components + 1)], (size_t)m->size * sizeof(double));
 }

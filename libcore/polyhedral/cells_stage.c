@@ -425,6 +425,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     struct stage t = {g, U0, from, to, U, a, dt, 0};
     polyhedra_fill_start(m, g->nvar, line);
     cells_mirrors(g, 0, own_mirrors, line);
+    cells_weigh(g, true, line);
     if (c->rest) cells_rest_find(g, 0, m->nown, U);
     if (c->rules) {
         cells_rules_note(g, 0, m->nown, U);
@@ -434,10 +435,11 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     sweep(&t);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
+    cells_weigh(g, false, line);
     if (c->rest) cells_rest_find(g, m->nown, m->nnear, U);
     if (c->rules) {
         cells_rules_note(g, m->nown, m->ncells, U);
-        cells_rules_note(g, m->ncells + own_mirrors, m->size, U);
+        cells_rules_note(g, m->ncells, m->size, U);
         cells_rules_look(g, m->ninner, m->nnear);
     }
     return finish_sweep(&t);
