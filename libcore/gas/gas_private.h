@@ -85,7 +85,7 @@ struct gas {
      * in a stage it would take the square of the velocity gained from an energy that is smaller. */
     double **falls;          /* [blocks][size] 1 in cold cells, else 0; NULL without gravity */
     bool *falling;           /* [blocks] has the block a cold cell? */
-    double gravity[MAX_DIM]; /* m/s^2: at the time of the stage in hand */
+    double gravity[MAX_DIM]; /* m/s^2: mean over the step in hand */
     double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
     /* [nraised] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
     double *denser;

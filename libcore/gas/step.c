@@ -37,21 +37,18 @@ static double part_of(const struct stepper *s, int stage) {
     return state;
 }
 
-/* Sets the gravity of a stage, and the values of patches at its time. */
+/* Gives the patches their values at the time of a stage. */
 static void set_time(struct gas *g, double t, double dt, int stage) {
-    if (!g->falls && !g->renew) return;
-    const double part = part_of(g->models.stepper, stage);
-    if (g->falls) source_gravity(&g->models.source, t, dt, part, g->gravity);
-    renew_patches(g, t + part * dt);
+    if (g->renew) renew_patches(g, t + part_of(g->models.stepper, stage) * dt);
 }
 
 /* Returns the eps above which cells are warm. */
 static double warm_of(const struct gas *g, double t, double dt) {
-    double gravity[2][MAX_DIM], square = 0;
-    for (int end = 0; end < 2; end++) source_gravity(&g->models.source, t, dt, end, gravity[end]);
+    double gravity[MAX_DIM], square = 0;
+    source_gravity(&g->models.source, t, dt, gravity);
     for (int k = 0; k < g->components; k++) {
-        const double most = dt * larger(fabs(gravity[0][k]), fabs(gravity[1][k]));
-        square += most * most;
+        const double gained = dt * gravity[k];
+        square += gained * gained;
     }
     return WARM * square;
 }
@@ -304,6 +301,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     struct ending ending = {.sources = sources ? &plan : NULL};
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
     g->dt = dt;
+    if (g->falls) source_gravity(&g->models.source, t, dt, g->gravity);
     if (guarded && sources && !g->hybrid && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
     const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;

@@ -70,12 +70,9 @@ void source_kick(const struct sources *s, double t, double dt, double kick[MAX_D
     for (int k = 0; k < MAX_DIM; k++) kick[k] = s->gravity[k] * time;
 }
 
-void source_gravity(const struct sources *s, double t, double dt, double part, double gravity[MAX_DIM]) {
-    double first[MAX_DIM], second[MAX_DIM];
-    source_kick(s, t, 0.5 * dt, first);
-    source_kick(s, t + 0.5 * dt, 0.5 * dt, second);
-    for (int k = 0; k < MAX_DIM; k++)
-        gravity[k] = (first[k] + second[k] + 4 * (part - 0.5) * (second[k] - first[k])) / dt;
+void source_gravity(const struct sources *s, double t, double dt, double gravity[MAX_DIM]) {
+    source_kick(s, t, dt, gravity);
+    for (int k = 0; k < MAX_DIM; k++) gravity[k] /= dt;
 }
 
 bool source_falls(const struct sources *s, int dim) {

@@ -118,8 +118,8 @@ void cells_sides_free(struct cells_sides *s);
 
 status cells_weight_make(struct gas *g);
 void cells_weight_free(struct cells_weight *w);
-/* Gives the mirrors beyond walls, plain images so far, what gas at rest has at their place, by gravity of the stage in
- * hand: those of inner cells, or of the others, once their ghosts are known. For the stages alone. */
+/* Gives the mirrors beyond walls, plain images so far, what gas at rest has at their place: those of inner cells, or of
+ * the others, once their ghosts are known. For the stages alone. */
 void cells_weigh(const struct gas *g, bool inner, double *const U[MAX_VAR]);
 
 /* ---- gas at rest (libcore/polyhedral/cells_rest.c) ---- */

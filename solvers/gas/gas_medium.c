@@ -16,6 +16,9 @@
 
 /* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
 static const double FALL_PART = 0.2;
+/* The part of a period of shaking that a step may last. Steps know the mean of g(t): in their frame the floor is where
+ * it should be but for (2 pi STROKE)^2/12 = 0.13 % of its amplitude. */
+static const double STROKE = 0.02;
 /* Dense flow is slow below this inertial number (docs/physics.md 4.8; GDR MiDi, Eur. Phys. J. E 14, 341, 2004: there
  * the friction of lasting contacts rules); the log says so after SLOW_STEPS steps of it. */
 static const double SLOWEST = 1e-2;
@@ -289,7 +292,7 @@ static double gas_memory(const struct medium *medium) {
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
-static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {
+static void plan_step(struct medium *m, const struct control *c, struct pace *out) {
     struct gas_state *g = of(m);
     const double most = c->adjust ? c->max_co : g->models->gas.stepper->courant;
     const double fall = c->adjust ? g->fall : HUGE_VAL; /* stability does not ask for it */
@@ -305,6 +308,14 @@ static void gas_plan(struct medium *m, const struct control *c, struct pace *out
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;
+}
+
+static void gas_plan(struct medium *m, const struct control *c, struct pace *out) {
+    const struct sources *s = &of(m)->models->gas.source;
+    plan_step(m, c, out);
+    if (!c->adjust || !source_shaken(s) || !(out->stable * s->frequency > STROKE)) return;
+    out->stable = STROKE / s->frequency;
+    out->limit = "stroke";
 }
 
 static double gas_knot(const struct medium *m, double t) {

@@ -2,6 +2,7 @@
 """Sources by name, `sources (..)` of constant/granularProperties: a uniform gas follows their equations on both engines, the
 budget books each under its own cause, mistakes are refused."""
 import os
+import shutil
 import unittest
 
 import numpy as np
@@ -118,6 +119,48 @@ class Sources(harness.Folder, unittest.TestCase):
                 harness.program("granularGas", "-case", path)
                 found.append(harness.haff.Case(path).field("U")[:, 0])
             np.testing.assert_allclose(found[0], found[1], atol=3e-3 * np.abs(found[1]).max(), rtol=0)
+
+    def shake(self, path, **control):
+        """Gives a case the gravity 10 along -y, and shakes it."""
+        boxes.write_dictionary(path, "constant", "g", "dimensions [0 1 -2 0 0 0 0];\nvalue (0 -10 0);\n")
+        boxes.write_dictionary(path, "constant", "shaking", "type sinusoidal; amplitude 2.2; frequency 37.3; phase 0.3;\n")
+        harness.edit(path, "system/controlDict", **control)
+        return path
+
+    def falls(self, path, end):
+        """T of a uniform gas that starts at T = 0.04 and falls is kept, and u is the integral of g(t), to the round-off of E."""
+        harness.program("granularGas", "-case", path)
+        case, w = harness.haff.Case(path), 2 * np.pi * 37.3
+        u = -10 * (end + 2.2 * (np.sin(w * end + 0.3) - np.sin(0.3)) / w)
+        np.testing.assert_allclose(case.field("T"), 0.04, rtol=1e-11)
+        np.testing.assert_allclose(case.field("U"), np.outer(np.ones(len(case.centres)), (0, u, 0)), atol=1e-12)
+        return case
+
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_shaken_fall(self):
+        """On any cells, coarse ones too, where the speed of sound alone would let steps be as long as a period; and by any scheme."""
+        def gas(at):
+            return {"rho": np.ones(len(at)), "p": np.full(len(at), 0.04), "U": np.zeros((len(at), 3))}
+        for mesh, dim, cells, stepper in (("lattice", 2, 10, "SSPRK3"), ("lattice", 2, 4, "SSPRK2"), ("lattice", 2, 4, "SSPRK43"),
+                                          ("lattice", 2, 4, "SSPRK104"), ("polyhedral", 2, 4, "SSPRK3"), ("simplices", 2, 5, "SSPRK3"),
+                                          ("simplices", 3, 5, "SSPRK3")):
+            with self.subTest(f"{mesh} {dim} {stepper}"):
+                path = runs.unit_box(os.path.join(self.folder, f"fall{mesh}{dim}{stepper}"), mesh, dim, cells, gas)
+                harness.edit(path, "system/fvSchemes", timeScheme=stepper)
+                self.falls(self.shake(path, endTime=0.1, writeInterval=0.1), 0.1)
+        log = harness.program("granularGas", "-case", self.shake(path, endTime=0.2, writeInterval=0.1)).stdout
+        self.assertIn("limited by: stroke", log)
+
+    def test_shaken_layer(self):
+        """A layer on a floor that is shaken: of second order in the step."""
+        found = []
+        y = (np.arange(24) + 0.5) / 24
+        for step in (2e-3, 1e-3, 5e-4):
+            path = boxes.box_case(os.path.join(self.folder, f"layer{step}"), (1, 24, 1), (0.1, 1, 0.1), np.exp(-2 * y), np.zeros((24, 3)),
+                                  5 * np.exp(-2 * y), 0.1, slip=("yLow", "yHigh"), adjust="no", step=step, eos="perfectGas")
+            harness.program("granularGas", "-case", self.shake(path))
+            found.append(harness.haff.Case(path).field("U")[:, 1])
+        self.assertGreater(np.abs(found[0] - found[1]).max() / np.abs(found[1] - found[2]).max(), 3.5)
 
     def test_budget_of_flow(self):
         """All sources at once in a gas that moves: the budget closes, the gas has the same bits with it, the tables are the
