@@ -322,6 +322,14 @@ KERNEL static void total_energy(int n, int dim, double *const U[MAX_VAR], const 
     for (int i = 0; i < n; i++) E[i] = rho[i] * eps[i] + 0.5 * E[i] / rho[i];
 }
 
+/* Drag takes eps to 0 within some 370 of its times. eps < 0 stays, for the check of states to see. */
+KERNEL static void hold_energy(int n, double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        const bool cold = (eps[i] >= 0) & (eps[i] < SOURCE_COLDEST);
+        eps[i] = cold ? SOURCE_COLDEST : eps[i];
+    }
+}
+
 KERNEL static bool find_falling(int n, double warm, const double *restrict eps, double *restrict falls) {
     uint64_t any = 0;
     for (int i = 0; i < n; i++) {
@@ -360,6 +368,7 @@ bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR
         else if (falling)
             fall(step, n, falls, U[0], U + 1);
     }
+    hold_energy(n, eps);
     total_energy(n, dim, U, eps);
     if (keeps) keep_energy(n, falls, before, U[dim + 1]);
     return falling;

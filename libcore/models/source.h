@@ -83,6 +83,10 @@ int source_gravity_row(void); /* its place in source_table */
 /* Has gravity a component along one of the first `dim` axes? */
 bool source_falls(const struct sources *s, int dim);
 
+/* J/kg: no source leaves a state less internal energy. It lies far below what any gas has, and far above where products
+ * of energies and densities would underflow: at eps = 0 there is no sound, and a state that cannot be read again. */
+#define SOURCE_COLDEST 1e-100
+
 struct source_plan { /* the active sources over one sub-step, in the order in which they act */
     int n;
     struct source_step step[SOURCE_MOST];
@@ -100,7 +104,7 @@ void source_pull(const struct sources *s, const struct eos *eos, const struct ma
 
 /* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] 1
  * where gravity acts, else 0, in or out as plan->warm says; NULL: it acts on all cells. Cells on which nothing acts
- * keep their bits. Returns whether falls is 1 anywhere. */
+ * keep their bits; eps is held at SOURCE_COLDEST. Returns whether falls is 1 anywhere. */
 bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
 
 #endif
