@@ -34,13 +34,16 @@ void bed_free(struct bed *b) {
 }
 
 /* Deals the lines of cells, each of n numbers, from one memory; returns how many there are. Cells that others work on
- * have U alone. */
+ * have states alone. */
 static int deal_cells(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
     double **single[] = {&x->rho,   &x->eps,      &x->p,        &x->c,      &x->root,
                          &x->slack, &x->residual, &x->diagonal, &x->change, &x->growth};
-    for (int v = 0; v < b->components + 2; v++) b->U[v] = memory + used++ * n;
+    for (int v = 0; v < b->components + 2; v++) {
+        b->U[v] = memory + used++ * n;
+        b->start[v] = memory + used++ * n;
+    }
     if (b->deal) return used;
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) *single[i] = memory + used++ * n;
     for (int v = 0; v < b->components + 2; v++) {
@@ -70,6 +73,9 @@ static void deal_lists(struct bed *b, const long room[4]) {
     b->number = b->first + room[0] + 1;
     b->work = b->lift + room[0];
     b->pushed = b->work + room[0];
+    b->peak = b->pushed + room[0];
+    b->peak_cell = b->peak + room[0];
+    x->block_sums = b->peak_cell + room[0];
     b->body = x->whole_cells;
     b->face_start = b->body + room[1];
     x->link_first = b->face_start + room[1] + 1;
@@ -94,7 +100,7 @@ static status grow(struct bed *b, const long wanted[4]) {
     TRY(allocate(&x->whole_sides, 2 * room[3], sizeof(int), "the bed"));
     TRY(allocate(&b->first, 2 * room[0] + 1, sizeof(int), "the bed"));
     TRY(allocate(&b->kind, room[2], 1, "the bed"));
-    TRY(allocate(&b->lift, 3 * room[0], sizeof(double), "the bed"));
+    TRY(allocate(&b->lift, (5 + BLUR_SUMS) * room[0], sizeof(double), "the bed"));
     (void)deal_cells(b, x->memory_cells, room[1]);
     (void)deal_faces(b, x->memory_faces, room[2]);
     x->weight = x->memory_cells + cells;
@@ -180,7 +186,9 @@ status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *d
     find_primitives(b);
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
-    const bool updated = bed_update(b, dt, gravity), moved = bed_remap(b, dt);
+    const bool updated = bed_update(b, dt, gravity);
+    bed_find_blur(b, dt, gravity);
+    const bool moved = bed_remap(b, dt);
     double failed = !updated || !moved;
     comm_max(b->comm, &failed, 1);
     *done = failed == 0;

@@ -63,6 +63,17 @@ struct bed_shapes {
     double *depth[2]; /* [left or right][shapes of faces] m: distance of the cell's centre from the face, > 0 */
 };
 
+/* What a step takes from a bed's sound. Backward Euler for rho u_t = -grad p, p_t = -rho c^2 div u takes exactly
+ *     L = sum V/2 (rho |du|^2 + dp^2/(rho c^2))
+ * of acoustic energy in a step that changes u by du and p by dp, whatever the wave's amplitude and phase. Here du and
+ * dp are the changes by acoustics or those since the start of the whole step, the less of the two, and du also without
+ * gravity's: in a bed at rest cooling and stress take what the weight gives back in every step, which is no wave. The
+ * energy of motion is that about the mean velocity of the bed, so that sound in a stream counts as sound. */
+struct bed_blur {
+    double whole; /* L over the energy of motion of the bed ahead of acoustics */
+    double local; /* the same of the block where it is greatest: a wave in a corner of a bed that moves elsewhere */
+};
+
 struct bed_lines; /* the work memory */
 struct multigrid;
 struct bed_halo;
@@ -88,6 +99,7 @@ struct bed {
 
     /* Set by the caller in every step; SI units, per volume: */
     double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
+    double *start[MAX_VAR];   /* [cells] U at the start of the whole step, ahead of its sources (bed_note_start) */
     double *kept[MAX_VAR];    /* [faces] BED_KEPT: the fluxes of U, from left to right, mean over the step */
     double *outside[MAX_VAR]; /* [faces] BED_KEPT, BED_HELD, BED_FREE: U of the gas beyond the face, at the start */
     /* [left or right][faces] numbers that are added to P. They make P_L = P_R in a state that is known to be at rest,
@@ -100,6 +112,8 @@ struct bed {
     int worked;                 /* cells that this rank has advanced, its own or others' */
     double *lift, *work;        /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
     double *pushed;             /* [blocks] of bed_push */
+    struct bed_blur blur;       /* the same bits on any number of ranks */
+    double *peak, *peak_cell;   /* [blocks] J/m^3: the greatest L/V of a cell; that cell, from the block's first on */
 
     struct bed_lines *lines;
     struct multigrid *multigrid;
@@ -123,6 +137,8 @@ status bed_number(struct bed *b, int cells, long *first);
 status bed_meet(struct bed *b);
 void bed_link(struct bed *b, const double *number);
 void bed_write(struct bed *b);
+/* Takes U, just set, as that at the start of the whole step. */
+void bed_note_start(struct bed *b);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. The ranks deal the cells among each other, by whole blocks
  * (bed_deal.c). Collective. */

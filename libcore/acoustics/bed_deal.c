@@ -15,6 +15,7 @@
 
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
 enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 7 };
+enum { RESULTS = 4 }; /* numbers of each block that come back */
 
 struct bed_deal {
     struct bed worker;                 /* the cells that this rank is dealt */
@@ -329,9 +330,9 @@ static void read_blocks(struct bed *b) {
 static status make_messages(struct bed *b) {
     struct bed_deal *d = b->deal;
     struct per most = of_geometry(b);
-    most.of[CELLS] = b->components + 2;
+    most.of[CELLS] = 2 * (b->components + 2);
     most.of[OUTER] = 2 * (b->components + 2) + 1;
-    most.of[BLOCKS] = 2;
+    most.of[BLOCKS] = RESULTS;
     const long all = sum_all(b, &most, d->out) + sum_all(b, &most, d->in);
     TRY(room_grow(&d->room[2], 2 * all, sizeof(double), &d->message_out));
     d->message_in = d->message_out + all;
@@ -416,6 +417,7 @@ static void move_all(struct bed *b, int (*n)[COUNTS], const int *face, bool resu
     const int last = b->components + 1;
     for (int r = 0, cell = 0, block = 0, before = 0; r < comm_size(b->comm); r++) {
         for (int v = 0; v <= last; v++) at = move(b->U[v] + cell, n[r][CELLS], at, out);
+        for (int v = 0; v <= last && !results; v++) at = move(b->start[v] + cell, n[r][CELLS], at, out);
         for (int i = before; i < before + n[r][FACES]; i++) {
             const int f = face ? face[i] : i;
             for (int side = 0; side < 2 && b->balanced && !results; side++) at = move(b->balance[side] + f, 1, at, out);
@@ -426,8 +428,8 @@ static void move_all(struct bed *b, int (*n)[COUNTS], const int *face, bool resu
             for (int v = 0; v <= last && !results; v++) at = move(b->outside[v] + f, 1, at, out);
             for (int v = 0; v <= last; v++) at = move(b->kept[v] + f, 1, at, out);
         }
-        if (results) at = move(b->lift + block, n[r][BLOCKS], at, out);
-        if (results) at = move(b->work + block, n[r][BLOCKS], at, out);
+        double *const line[RESULTS] = {b->lift, b->work, b->peak, b->peak_cell};
+        for (int i = 0; i < RESULTS && results; i++) at = move(line[i] + block, n[r][BLOCKS], at, out);
         cell += n[r][CELLS];
         block += n[r][BLOCKS];
         before += n[r][FACES];
@@ -446,7 +448,7 @@ static void take_results(struct bed *b) {
         for (int v = 0; v < variables; v++) w->kept[v][f] = flux[v];
     }
     move_all(w, d->in, NULL, true, d->message_out, true);
-    send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = 2}}, true);
+    send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = RESULTS}}, true);
     move_all(b, d->out, d->face, true, d->message_in, false);
 }
 
@@ -454,7 +456,7 @@ status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     struct bed_deal *d = b->deal;
     struct bed *w = &d->worker;
     const int variables = b->components + 2;
-    const struct per per = {{[CELLS] = variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}};
+    const struct per per = {{[CELLS] = 2 * variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}};
     bed_write(b);
     if (d->written) TRY(deal_out(b));
     w->balanced = b->balanced;
@@ -466,6 +468,7 @@ status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     b->linear = w->linear;
     b->lifted = w->lifted;
     b->worked = w->worked;
+    b->blur = w->blur;
     if (*done) take_results(b);
     return OK;
 }

@@ -6,7 +6,8 @@
 #include "libcore/acoustics/bed.h"
 #include "libcore/acoustics/multigrid.h"
 
-#define MOST_OUT 0.95 /* most of a cell's volume that may flow in, or out, in a step */
+enum { BLUR_SUMS = 4 + MAX_DIM }; /* of each block (bed_blur.c) */
+#define MOST_OUT 0.95             /* most of a cell's volume that may flow in, or out, in a step */
 
 struct bed_lines {
     double *memory_cells, *memory_faces;
@@ -24,6 +25,7 @@ struct bed_lines {
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
+    double *block_sums; /* [blocks][BLUR_SUMS] */
 };
 
 /* A face as one of its cells sees it. */
@@ -103,6 +105,8 @@ double bed_energy_near(const struct bed *b, int cell);
 void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt);
 /* Finds p_face and the state `after` acoustics. Returns whether no cell of this rank was lifted too much. */
 bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
+/* Finds b->blur and the peaks, behind bed_update. Collective. */
+void bed_find_blur(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* Carries the state with U and puts the result into b->U. Returns whether no cell of this rank gains or loses too
  * much. */
 bool bed_remap(struct bed *b, double dt);

@@ -47,4 +47,8 @@ bool multigrid_is_direct(const struct multigrid *m);
 status multigrid_solve(struct multigrid *m, const struct multigrid_rows *rows, const double *b, double reduction,
                        int most, double *x, int *iterations);
 
+/* Sums n <= 8 numbers of each of this rank's blocks, [blocks][n], over all blocks in the order of their numbers, after
+ * a set-up with these blocks. Collective. */
+void multigrid_sum_blocks(struct multigrid *m, int blocks, int n, const double *per_block, double *sum);
+
 #endif

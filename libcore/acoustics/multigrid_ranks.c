@@ -334,3 +334,9 @@ void multigrid_dots(const struct multigrid *m, const struct level *l, int n, con
             m->world.mine[k * n + d] = dot(l->block[k + 1] - l->block[k], a[d] + l->block[k], b[d] + l->block[k]);
     multigrid_add(m, l, n, sum);
 }
+
+void multigrid_sum_blocks(struct multigrid *m, int blocks, int n, const double *per_block, double *sum) {
+    const struct level all = {.blocks = blocks, .spread = true};
+    memcpy(m->world.mine, per_block, (size_t)(n * blocks) * sizeof *per_block);
+    multigrid_add(m, &all, n, sum);
+}

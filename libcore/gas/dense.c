@@ -22,6 +22,16 @@ static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
 static const double HARD = 0.98;
+/* An implicit step is no gain where it takes more than BLUR of a bed's energy of motion, or LOCAL of that of a block,
+ * for gain explicit steps that it saves. Waves lose 0.1 to 1, at 9 steps a period; beds that settle, pour and land 1e-6
+ * to 0.01, and their blocks, heaps' surfaces among them, up to 0.03 but for the first steps of a flow. */
+static const double BLUR = 0.02, LOCAL = 0.2;
+/* A step that is refused costs as much as two explicit ones. So behind it steps are explicit for its length, behind one
+ * after the other for twice as long each time, up to so many of them. */
+static const double LONGEST_PAUSE = 8;
+/* Most of dt times the rate of cooling in dense cells, over `governor`. A bed that loses all its pressure several times
+ * in a step falls onto itself, and only its density brings the pressure back, all but packed. */
+static const double MOST_COOLED = 2;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
@@ -94,14 +104,15 @@ enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
 static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
 
 /* Returns the longest step that the rate of cooling in dense cells allows. On demand a bed takes `gain` explicit steps
- * at once even where it cools faster. Where nobody asked for that, steps are explicit then, for hot dense gas has
- * shocks and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them a step at e =
- * 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools more slowly and has
- * the same waves, so that it is held as if e were MILD. */
+ * at once even where it cools faster, up to MOST_COOLED. Where nobody asked for that, steps are explicit then, for hot
+ * dense gas has shocks and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them
+ * a step at e = 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools more
+ * slowly and has the same waves, so that it is held as if e were MILD. */
 static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     const struct acoustics_params *p = &g->dense->bed.params;
     const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;
-    if (!g->models.acoustics->automatic) return larger(p->governor / rate, p->gain * plain);
+    if (!g->models.acoustics->automatic)
+        return smaller(larger(p->governor / rate, p->gain * plain), MOST_COOLED * p->governor / rate);
     return p->governor / (rate * larger(1, mild / loss));
 }
 
@@ -146,7 +157,9 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     double count = (double)g->engine->bed.find(g, d->above), step[CAUSES];
     comm_max(g->comm, &count, 1);
     d->longest = d->cooling = 0;
-    if (count == 0 || FALL * fall < gain * usual) return 0;
+    d->plain = plain;
+    d->usual = usual;
+    if (count == 0 || FALL * fall < gain * usual || d->pause > 0) return 0;
     struct bed_rates rates = find_rates(g, plain);
     find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
@@ -166,8 +179,60 @@ double gas_inertia(const struct gas *g) {
     return g->dense && g->dense->longest > 0 ? g->dense->inertia : HUGE_VAL;
 }
 
+/* Finds the centre of the cell that loses most of its sound in the step of the bed. */
+static void find_peak(const struct gas *g, double place[3]) {
+    const struct bed *b = &g->dense->bed;
+    struct first_place first = {.order = HUGE_VAL};
+    double most = 0;
+    for (int i = 0; i < b->blocks; i++) most = larger(most, b->peak[i]);
+    comm_max(g->comm, &most, 1);
+    for (int i = 0; i < b->blocks; i++) {
+        int block;
+        double here[3];
+        if (!(b->peak[i] == most) || b->first[i + 1] == b->first[i]) continue;
+        const long at = g->engine->bed.seat(g, b->first[i] + (int)b->peak_cell[i], &block);
+        g->engine->state.place(g, block, at, here);
+        first_place_offer(&first, here);
+    }
+    first_place_share(g, &first, place);
+}
+
+/* Does a step of dt damp what moves by sound? Then it is counted. The measure is the energy that it takes, per explicit
+ * step that it saves, as a bed whose sound crosses it many times in a step has none to lose: what changes then is the
+ * slow flow, at a small part of the cost of explicit steps. */
+static bool damps(struct gas *g, double dt) {
+    const struct dense *d = g->dense;
+    const struct bed_blur *part = &d->bed.blur;
+    const double worth = dt / (d->bed.params.gain * d->usual);
+    if (!(part->whole > BLUR * worth || part->local > LOCAL * worth)) return false;
+    g->counts.damped++;
+    if (part->local > g->counts.damping) {
+        g->counts.damping = part->local;
+        find_peak(g, g->counts.damped_at);
+    }
+    return true;
+}
+
+bool dense_refused(struct gas *g, double *dt) {
+    struct dense *d = g->dense;
+    if (!d || !d->refused) return false;
+    d->refused = g->hybrid = false;
+    d->longest = 0;
+    d->paused = d->pause = smaller(larger(*dt, 2 * d->paused), LONGEST_PAUSE * *dt);
+    /* the last two steps before an event share what is left (solvers/case/control.c), as if this had been planned */
+    *dt = *dt < 2 * d->plain ? 0.5 * *dt : d->plain;
+    g->engine->stage.clear_flags(g);
+    return true;
+}
+
+void dense_pass(struct gas *g, double dt) {
+    if (g->dense) g->dense->pause = larger(g->dense->pause - dt, 0);
+}
+
 status dense_begin(struct gas *g, const struct state *from) {
     TRY(g->engine->bed.list(g, from));
+    g->engine->bed.take(g, &g->U, true);
+    bed_note_start(&g->dense->bed);
     g->engine->bed.take(g, from, false);
     g->dense->begun = true;
     return OK;
@@ -185,6 +250,8 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     d->failed = bed_step(&d->bed, dt, d->kick, &done);
     if (d->failed || !done) return false;
+    d->refused = damps(g, dt) && g->models.acoustics->automatic;
+    if (d->refused) return false;
     double bad = (double)g->engine->bed.put(g, to);
     comm_max(g->comm, &bad, 1);
     g->share = 1;
@@ -199,6 +266,7 @@ status dense_count(struct gas *g) {
     long count[2] = {d->bed.lifted, d->bed.cells};
     double sum;
     comm_sum_long(g->comm, count, 2);
+    d->paused = 0;
     g->counts.beds++;
     g->counts.newton += d->bed.newton;
     g->counts.linear += d->bed.linear;

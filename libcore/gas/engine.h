@@ -190,6 +190,8 @@ struct bed_hooks {
     void (*keep)(struct gas *g, double weight);
     /* Copies the bed's result to `to`; returns the number of cells that are not admissible. */
     long (*put)(struct gas *g, const struct state *to);
+    /* Returns the place of a cell of the bed in the lines of a block. */
+    long (*seat)(const struct gas *g, int cell, int *block);
     /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->raised. */
     void (*spread)(struct gas *g, const double *per_block, double *raised);
 };

@@ -95,6 +95,10 @@ void gas_resume(struct gas *g, const struct gas_counts *counts, const double *li
     g->counts.energy = counts->energy;
     memcpy(g->counts.fill, counts->fill, sizeof counts->fill);
     memcpy(g->counts.place, counts->place, sizeof counts->place);
+    if (g->dense && g->models.acoustics->automatic) {
+        g->dense->pause = counts->pause[0];
+        g->dense->paused = counts->pause[1];
+    }
     if (limited) g->engine->state.set_limited(g, limited);
 }
 

@@ -66,6 +66,11 @@ struct gas_counts {
     long newton, linear; /* iterations of Newton's method in these steps, and of the linear solver in those */
     long lifted;         /* cells that took eps of bed.h's (*), as the conservative one was much less */
     double lift;         /* J: energy that this added */
+    /* steps with implicit acoustics that damp sound: on demand they stand, automatic ones give way to explicit steps;
+     * the greatest part of the bed's energy of motion that one takes, and the centre (m) of the cell that loses most */
+    long damped;
+    double damping, damped_at[3];
+    double pause[2]; /* s: for so long steps stay explicit because of that; for so long they do in all */
 };
 
 struct gas_speed {  /* of the whole domain */
@@ -154,8 +159,8 @@ void gas_heed(struct gas *g, bool (*asked)(void));
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed);
 struct gas_counts gas_counts(const struct gas *g);
-/* Goes on with the counts of an earlier run (all but halves and stages), and with its field GAS_LIMITED in the
- * cells of this rank, as gas_set_own has them (NULL: there is none). */
+/* Goes on with the counts of an earlier run (all but those of diffusion and beds), its pause, and with its field
+ * GAS_LIMITED in the cells of this rank, as gas_set_own has them (NULL: there is none). */
 void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited);
 /* Returns the share of the cell updates since gas_make that were computed, not left out as uniform. Collective. */
 double gas_computed_share(const struct gas *g);

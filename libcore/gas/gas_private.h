@@ -27,7 +27,11 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
     double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
     double longest;       /* s: the step that was planned; 0: the next step is explicit */
-    status failed;        /* why an attempt could not be made, other than that dt was too long */
+    double plain, usual;  /* s: the explicit step in the last plan, and that with which implicit ones are compared */
+    bool refused;         /* was the last step of the bed not taken because it would damp sound? */
+    double pause,
+        paused;    /* s: steps stay explicit for so long after that; that at first; a restart goes on with both */
+    status failed; /* why an attempt could not be made, other than that dt was too long */
 };
 
 struct gas {
@@ -163,6 +167,11 @@ void dense_keep(struct gas *g, double weight);
 /* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
  * Returns false, on all ranks, if the step must be done again. */
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to);
+/* Was the step of *dt just refused as it would damp the sound of the bed? Then sets *dt to an explicit one, and begins
+ * the pause. */
+bool dense_refused(struct gas *g, double *dt);
+/* A step of dt stands: the pause is shorter by that. */
+void dense_pass(struct gas *g, double dt);
 /* Counts a bed whose step stands. */
 status dense_count(struct gas *g);
 

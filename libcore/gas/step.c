@@ -448,6 +448,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         TRY(renewal_failure(g));
         if (stands) break;
         TRY(bed_failure(g));
+        if (dense_refused(g, dt)) return gas_step(g, t, dt, maxCo, least, fraction, speed);
         if (asked_to_leave(g)) return leave(g, &start, dt);
         if (hopeless(g) && !g->hybrid) return stop_of_diffusion(g, t);
         if (!tried.guarded && !tried.hot) {
@@ -464,6 +465,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
     g->slow_dt[1] = *dt;
     TRY(count_step(g));
+    dense_pass(g, *dt);
     swap(&g->U, &g->V);
     tally_keep(g, *dt);
     return audit_keep(g);
@@ -478,6 +480,8 @@ struct gas_counts gas_counts(const struct gas *g) {
     for (int i = 0; i < 5; i++) *cells[i] += before[i];
     c.rejected += b->rejected;
     c.repeated += b->repeated;
+    c.pause[0] = g->dense ? g->dense->pause : 0;
+    c.pause[1] = g->dense ? g->dense->paused : 0;
     return c;
 }
 

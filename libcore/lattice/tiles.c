@@ -484,6 +484,7 @@ const struct engine engine_lattice = {
             .take = tiles_bed_take,
             .keep = tiles_bed_keep,
             .put = tiles_bed_put,
+            .seat = tiles_bed_seat,
             .spread = tiles_bed_spread},
     .tally = {
         .make = tiles_tally_make, .stage = tiles_tally_stage, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};

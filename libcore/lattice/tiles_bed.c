@@ -578,6 +578,12 @@ void tiles_tally_bed(struct gas *g, double dt) {
     }
 }
 
+long tiles_bed_seat(const struct gas *g, int cell, int *tile) {
+    const struct seat seat = g->tiles->bed->seat[cell];
+    *tile = seat.tile;
+    return seat.at;
+}
+
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
     int block = 0;
     for (int t = 0; t < g->forest->ntiles; t++) {

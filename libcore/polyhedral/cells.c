@@ -386,6 +386,7 @@ const struct engine engine_polyhedral = {
             .take = cells_bed_take,
             .keep = cells_bed_keep,
             .put = cells_bed_put,
+            .seat = cells_bed_seat,
             .spread = cells_bed_spread},
     .tally = {.make = cells_tally_make,
               .stage = cells_tally_stage,

@@ -176,6 +176,7 @@ status cells_bed_list(struct gas *g, const struct state *from);
 void cells_bed_take(struct gas *g, const struct state *from, bool again);
 void cells_bed_keep(struct gas *g, double weight);
 long cells_bed_put(struct gas *g, const struct state *to);
+long cells_bed_seat(const struct gas *g, int cell, int *block);
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
 /* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion

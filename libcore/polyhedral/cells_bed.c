@@ -353,6 +353,11 @@ long cells_bed_put(struct gas *g, const struct state *to) {
     return bad;
 }
 
+long cells_bed_seat(const struct gas *g, int cell, int *block) {
+    *block = 0;
+    return g->cells->bed->seat[cell];
+}
+
 /* The first cell of a block stands for all of them. */
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised) {
     const struct polyhedra *m = g->cells->polyhedra;

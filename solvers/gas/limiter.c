@@ -47,7 +47,7 @@ status limiter_save(const struct gas *g, const char *folder, const char *locatio
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct file_sum sum;
     struct sink *o;
-    if (!n.cells && !n.rejected && !n.floored && !n.filled && !n.repeated) return OK;
+    if (!n.cells && !n.rejected && !n.floored && !n.filled && !n.repeated && !n.pause[1]) return OK;
     snprintf(path, sizeof path, "%s/uniform/limiter", folder);
     snprintf(where, sizeof where, "%s/uniform", location);
     TRY(sink_open(path, false, &o));
@@ -57,6 +57,7 @@ status limiter_save(const struct gas *g, const char *folder, const char *locatio
     sink_printf(o, "filled          %ld;\nfillMass        %.17g;\nfillEnergy      %.17g;\n", n.filled, n.fill[0],
                 n.fill[1]);
     sink_printf(o, "repeated        %ld;\nplain           %ld;\n", n.repeated, n.plain);
+    sink_printf(o, "pause           %.17g;\npaused          %.17g;\n", n.pause[0], n.pause[1]);
     sink_printf(o, "place           (%.17g %.17g %.17g);\n", n.place[0], n.place[1], n.place[2]);
     TRY(sink_close_sum(o, &sum));
     return checksums_add(sums, "uniform/limiter", sum);
@@ -76,6 +77,8 @@ static status read_counts(struct dict *d, struct gas_counts *n) {
     TRY(dict_number(d, "energy", NULL, &n->energy));
     TRY(dict_number(d, "fillMass", NULL, &n->fill[0]));
     TRY(dict_number(d, "fillEnergy", NULL, &n->fill[1]));
+    TRY(dict_number_or(d, "pause", NULL, 0, &n->pause[0]));
+    TRY(dict_number_or(d, "paused", NULL, 0, &n->pause[1]));
     TRY(dict_vector(d, "place", NULL, n->place));
     return dict_check_used(d);
 }
