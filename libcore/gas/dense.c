@@ -29,9 +29,6 @@ static const double BLUR = 0.02, LOCAL = 0.2;
 /* A step that is refused costs as much as two explicit ones. So behind it steps are explicit for its length, behind one
  * after the other for twice as long each time, up to so many of them. */
 static const double LONGEST_PAUSE = 8;
-/* Most of dt times the rate of cooling in dense cells, over `governor`. A bed that loses all its pressure several times
- * in a step falls onto itself, and only its density brings the pressure back, all but packed. */
-static const double MOST_COOLED = 2;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
@@ -103,17 +100,15 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
 enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
 static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
 
-/* Returns the longest step that the rate of cooling in dense cells allows. On demand a bed takes `gain` explicit steps
- * at once even where it cools faster, up to MOST_COOLED. Where nobody asked for that, steps are explicit then, for hot
- * dense gas has shocks and waves, which implicit steps blur: in grain-sized cells cooling lets sound cross four of them
- * a step at e = 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools more
- * slowly and has the same waves, so that it is held as if e were MILD. */
-static double limit_of_cooling(const struct gas *g, double plain, double rate) {
-    const struct acoustics_params *p = &g->dense->bed.params;
+/* Returns the longest step that the rate of cooling in dense cells allows, also on demand. In longer ones the sources
+ * take all pressure of a bed before the acoustics moves it, so that it falls onto itself and only its density brings
+ * the pressure back: it packs, and sound and cooling become so fast that steps are shorter than explicit ones. Hot
+ * dense gas has shocks and waves, too, which such steps blur: in grain-sized cells cooling lets sound cross four of
+ * them a step at e = 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools
+ * more slowly and has the same waves, so that it is held as if e were MILD. */
+static double limit_of_cooling(const struct gas *g, double rate) {
     const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;
-    if (!g->models.acoustics->automatic)
-        return smaller(larger(p->governor / rate, p->gain * plain), MOST_COOLED * p->governor / rate);
-    return p->governor / (rate * larger(1, mild / loss));
+    return rate > 0 ? g->dense->bed.params.governor / (rate * larger(1, mild / loss)) : HUGE_VAL;
 }
 
 /* Marks the parts of the bed and finds the rates, over all ranks. The second time only near vacuum has become dense,
@@ -131,11 +126,11 @@ static struct bed_rates find_rates(struct gas *g, double plain) {
 }
 
 /* Finds the limits of dt; thick: without near vacuum. */
-static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double plain, double fall,
-                        bool thick, double limit[CAUSES]) {
+static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double fall, bool thick,
+                        double limit[CAUSES]) {
     limit[BY_THIN] = THIN * maxCo / (thick ? rates->solid : rates->thin);
     limit[BY_FLOW] = FLOW / rates->flow;
-    limit[BY_COOLING] = limit_of_cooling(g, plain, rates->cooling);
+    limit[BY_COOLING] = limit_of_cooling(g, rates->cooling);
     limit[BY_FALL] = FALL * fall;
 }
 
@@ -161,12 +156,12 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     d->usual = usual;
     if (count == 0 || FALL * fall < gain * usual || d->pause > 0) return 0;
     struct bed_rates rates = find_rates(g, plain);
-    find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
+    find_limits(g, &rates, maxCo, fall, d->thin > 0, step);
     if (d->thin > 0) {
         count = (double)g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
         comm_max(g->comm, &count, 1);
         if (count > 0) rates = find_rates(g, plain);
-        find_limits(g, &rates, maxCo, plain, fall, false, step);
+        find_limits(g, &rates, maxCo, fall, false, step);
     }
     const int least = least_of(step);
     if (!(step[least] >= gain * usual && step[least] > plain)) return 0;

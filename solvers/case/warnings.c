@@ -15,7 +15,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
     [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
-    [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",
+    [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",        [WARN_DAMPED] = "dampedSound",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -35,6 +35,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_COLLAPSE] = "grains hit each other too slowly to part again: inelastic collapse",
     [WARN_FRICTION] = "dense gas is slow, where real grains would hold each other",
     [WARN_OUTSIDE] = "U leads along a side that is open, as the state outside is given there",
+    [WARN_DAMPED] = "implicit acoustics, which is asked for, damps waves in dense gas",
     [WARN_PICTURE] = "a picture of function object image could not be made",
 };
 

@@ -24,6 +24,7 @@ enum warning {
     WARN_LONG_STEP,
     WARN_COLLAPSE,
     WARN_FRICTION,
+    WARN_DAMPED,
     WARN_PICTURE,
     WARN_OUTSIDE,
     WARNINGS
