@@ -7,7 +7,7 @@ enum { LOST, MOTION, HEAT, MASS, MOMENTUM, SUMS = MOMENTUM + MAX_DIM };
 /* SLIGHT of the heat counts as motion: in a bed at rest both are round-off. QUIET of the mean motion of the bed counts
  * as that of each block: nobody sees what is lost where next to nothing moves. */
 static const double SLIGHT = 1e-10, QUIET = 0.01;
-_Static_assert(SUMS == BLUR_SUMS, "the memory has room for the sums");
+_Static_assert((int)SUMS == (int)BLUR_SUMS, "the memory has room for the sums");
 
 /* Finds the pressures of n states that have densities and energies per mass. */
 static void find_pressure(const struct bed *b, int n, const double *rho, const double *eps, double *p) {

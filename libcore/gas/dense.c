@@ -194,11 +194,12 @@ static void find_peak(const struct gas *g, double place[3]) {
 
 /* Does a step of dt damp what moves by sound? Then it is counted. The measure is the energy that it takes, per explicit
  * step that it saves, as a bed whose sound crosses it many times in a step has none to lose: what changes then is the
- * slow flow, at a small part of the cost of explicit steps. */
+ * slow flow, at a small part of the cost of explicit steps. A step that ends early, at a time to be written, counts as
+ * if it had gone on: L is as dt^2. */
 static bool damps(struct gas *g, double dt) {
     const struct dense *d = g->dense;
     const struct bed_blur *part = &d->bed.blur;
-    const double worth = dt / (d->bed.params.gain * d->usual);
+    const double saved = dt / (d->bed.params.gain * d->usual), worth = saved * smaller(saved, 1);
     if (!(part->whole > BLUR * worth || part->local > LOCAL * worth)) return false;
     g->counts.damped++;
     if (part->local > g->counts.damping) {

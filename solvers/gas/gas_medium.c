@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas as the medium (medium.h) of granularGas. */
+#include "solvers/gas/damped.h"
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
@@ -23,8 +24,7 @@ static const double STROKE = 0.02;
  * the friction of lasting contacts rules); the log says so after SLOW_STEPS steps of it. */
 static const double SLOWEST = 1e-2;
 enum { SLOW_STEPS = 1000 };
-static const double MOST_DAMPED = 0.05; /* part of a bed's steps that may damp waves without a warning */
-static const double DENSE = 0.9;        /* fraction of alphaMax beyond which it is packing that makes c large */
+static const double DENSE = 0.9; /* fraction of alphaMax beyond which it is packing that makes c large */
 
 struct gas_state {
     struct medium base;
@@ -485,29 +485,6 @@ static void print_state(FILE *f, const struct gas_state *g, const struct gas_cou
     print_beds(f, was, n);
 }
 
-/* Says once that implicit steps damp sound: those that were asked for, by a warning, unless that was a landing, a
- * single step among many; automatic ones are left out. */
-static status say_damped(struct gas_state *g, FILE *f, bool last) {
-    const struct gas_counts *n = &g->counts;
-    struct setup *s = g->base.setup;
-    const double *at = n->damped_at, percent = 100 * fmin(n->damping, 1);
-    const bool automatic = g->models->gas.acoustics->automatic, often = n->damped > 1 || last;
-    if (n->damped == 0 || g->damps || !(automatic || (often && n->damped > MOST_DAMPED * (double)n->beds))) return OK;
-    g->damps = true;
-    if (!automatic)
-        return warn(&s->warnings, WARN_DAMPED,
-                    "%s:%d: implicit steps damp waves in dense gas: one takes %.3g %% of the motion around (%.6g %.6g "
-                    "%.6g); acoustics automatic, or explicit, keeps waves",
-                    dict_path(g->models->solution), dict_line(g->models->solution, "acoustics"), percent, at[0], at[1],
-                    at[2]);
-    if (comm_root(s->comm))
-        fprintf(f,
-                "    implicit steps of the bed are left out: they would take %.3g %% of its motion by sound, most at "
-                "(%.6g %.6g %.6g)\n",
-                percent, at[0], at[1], at[2]);
-    return OK;
-}
-
 static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
     struct gas_state *g = of(m);
     struct gas_numbers numbers;
@@ -516,7 +493,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
     if (!f) return OK;
     if (comm_root(m->setup->comm)) print_state(f, g, &g->counts, &numbers);
     g->counts = numbers.counts;
-    TRY(say_damped(g, f, false));
+    TRY(damped_say(&g->damps, m->setup, g->models, &g->counts, f));
     if (g->slow >= SLOW_STEPS) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
@@ -529,8 +506,8 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
 
 static status gas_finish(struct medium *m, FILE *f) {
     double share = gas_computed_share(of(m)->gas);
-    of(m)->counts = gas_counts(of(m)->gas);
-    TRY(say_damped(of(m), f, true));
+    const struct gas_counts counts = gas_counts(of(m)->gas);
+    TRY(damped_say(&of(m)->damps, m->setup, of(m)->models, &counts, NULL));
     if (share < 1 && comm_root(m->setup->comm))
         fprintf(f, "%.3g %% of the cell updates were computed; the rest was uniform\n", 100 * share);
     return OK;
