@@ -13,9 +13,10 @@
 
 #include <stdlib.h>
 
-/* Shares of the limits of dt: of the Courant number of thin gas; of the volume of a cell that the flow carries; of the
- * step that falling gas is given by the explicit scheme. */
-static const double THIN = 0.5, FLOW = 0.4, FALL = 0.5;
+/* Shares of the limits of dt: the greatest Courant number of what the stages advance, for beyond 1 the upwind flux that
+ * both sides of the bed's border share would take more than a wave brings; the part of a cell of the bed that the flow
+ * carries; the part of the step that falling gas is given by the explicit scheme. */
+static const double BORDER = 1, FLOW = 0.4, FALL = 0.5;
 /* If cooling limits dt of a bed in a gas that can collapse, steps become explicit once the explicit dt is below CREEP
  * times that of the calm cells: explicit steps let gas_step see the collapse, while a bed's dt would fall for ever. */
 static const double CREEP = 1e-3;
@@ -79,14 +80,15 @@ static double rate_of_cooling(const struct gas *g, double dt, const struct bed_r
     return most;
 }
 
-void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most) {
+static void raise_rates(const struct gas *g, double dt, double thin, const struct bed_row *row,
+                        struct bed_rates *most) {
     const struct material *m = &g->models.material;
     const double grain = m->diameter / sqrt(packing_per_density(m)); /* sigma sqrt(rho of a grain) */
     bool dense = false;
     for (int i = 0; i < row->n; i++) {
         const double part = row->part ? row->part[i] : 0;
         const bool near_void = row->rho[i] < thin;
-        most->flow = larger(most->flow, row->flow[i]);
+        most->flow = larger(most->flow, part > 0 ? row->flow[i] : 0);
         most->thin = larger(most->thin, part < BED_FROZEN ? row->thin[i] : 0);
         most->solid = larger(most->solid, part < BED_FROZEN && !near_void ? row->thin[i] : 0);
         dense |= part >= BED_DENSE && (near_void || g->dense->cooling == 0);
@@ -96,9 +98,43 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
     if (dense) most->cooling = larger(most->cooling, rate_of_cooling(g, dt, row));
 }
 
-/* The limits of dt by their causes. */
-enum { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, CAUSES };
-static const char *const cause_name[CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
+/* Offers the places of those cells of a row that have the rate which refused an implicit step. */
+static void seek_row(const struct gas *g, double dt, double thin, const struct bed_row *row) {
+    const struct dense *d = g->dense;
+    for (int i = 0; i < row->n; i++) {
+        const struct bed_row one = {1,
+                                    row->block,
+                                    row->at + i,
+                                    row->rho + i,
+                                    row->eps + i,
+                                    row->p + i,
+                                    row->thin + i,
+                                    row->flow + i,
+                                    row->part ? row->part + i : NULL};
+        struct bed_rates r = {0};
+        double here[3];
+        raise_rates(g, dt, thin, &one, &r);
+        const double rate[BED_CAUSES] = {r.thin, r.flow, r.cooling};
+        if (rate[d->bound.cause] != d->bound.rate) continue;
+        g->engine->state.place(g, row->block, one.at, here);
+        first_place_offer(d->sought, here);
+    }
+}
+
+void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most) {
+    if (g->dense->sought)
+        seek_row(g, dt, thin, row);
+    else
+        raise_rates(g, dt, thin, row, most);
+}
+
+static const char *const cause_name[BED_CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
+static const char *const cause_cure[BED_CAUSES] = {
+    "sound of gas beside the bed is explicit: a lower `dense` takes more of it into the bed, larger cells there take "
+    "longer steps, and a lower `gain` (from 2 on it pays) shorter implicit ones",
+    "the bed's sound is so slow beside its flow that little can be gained: a lower `gain` (from 2 on it pays)",
+    "hot dense gas keeps its explicit steps, which know its waves; a thresholdSpeed lets a bed rest",
+    "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)"};
 
 /* Returns the longest step that the rate of cooling in dense cells allows, also on demand. In longer ones the sources
  * take all pressure of a bed before the acoustics moves it, so that it falls onto itself and only its density brings
@@ -127,18 +163,25 @@ static struct bed_rates find_rates(struct gas *g, double plain) {
 
 /* Finds the limits of dt; thick: without near vacuum. */
 static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double fall, bool thick,
-                        double limit[CAUSES]) {
-    limit[BY_THIN] = THIN * maxCo / (thick ? rates->solid : rates->thin);
+                        double limit[BED_CAUSES]) {
+    limit[BY_THIN] = smaller(maxCo, BORDER) / (thick ? rates->solid : rates->thin);
     limit[BY_FLOW] = FLOW / rates->flow;
     limit[BY_COOLING] = limit_of_cooling(g, rates->cooling);
     limit[BY_FALL] = FALL * fall;
 }
 
-static int least_of(const double limit[CAUSES]) {
+static int least_of(const double limit[BED_CAUSES]) {
     int least = 0;
-    for (int i = 1; i < CAUSES; i++)
+    for (int i = 1; i < BED_CAUSES; i++)
         if (limit[i] < limit[least]) least = i;
     return least;
+}
+
+/* Notes why the next step is explicit although gas is dense. */
+static double refuse(struct dense *d, enum bed_cause cause, double steps, double rate, double dt) {
+    d->bound =
+        (struct gas_bed_bound){.cause = cause, .steps = steps, .gain = d->bed.params.gain, .rate = rate, .dt = dt};
+    return 0;
 }
 
 /* Plans the next step, as gas.h says. Near vacuum above a bed is hot: where it would limit dt, `include` makes it a
@@ -149,25 +192,50 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     const double plain = smaller(maxCo / speed->rate, fall), gain = d->bed.params.gain;
     /* The steps that implicit ones are compared with. A small maxCo asks for accuracy, not for implicit steps. */
     const double usual = g->models.acoustics->automatic ? smaller(larger(maxCo, 1) / speed->rate, fall) : plain;
-    double count = (double)g->engine->bed.find(g, d->above), step[CAUSES];
+    double count = (double)g->engine->bed.find(g, d->above), step[BED_CAUSES];
     comm_max(g->comm, &count, 1);
     d->longest = d->cooling = 0;
     d->plain = plain;
     d->usual = usual;
-    if (count == 0 || FALL * fall < gain * usual || d->pause > 0) return 0;
+    d->bound = (struct gas_bed_bound){.cause = BED_CAUSES};
+    if (count == 0 || d->pause > 0) return 0;
+    if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
     struct bed_rates rates = find_rates(g, plain);
     find_limits(g, &rates, maxCo, fall, d->thin > 0, step);
     if (d->thin > 0) {
-        count = (double)g->engine->bed.include(g, d->thin, THIN * maxCo / step[least_of(step)]);
+        count = (double)g->engine->bed.include(g, d->thin, smaller(maxCo, BORDER) / step[least_of(step)]);
         comm_max(g->comm, &count, 1);
         if (count > 0) rates = find_rates(g, plain);
         find_limits(g, &rates, maxCo, fall, false, step);
     }
     const int least = least_of(step);
-    if (!(step[least] >= gain * usual && step[least] > plain)) return 0;
-    if (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->calm) return 0;
+    const double rate[] = {rates.thin, rates.flow, rates.cooling, 0};
+    if (!(step[least] >= gain * usual && step[least] > plain) ||
+        (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->calm))
+        return refuse(d, least, step[least] / usual, rate[least], plain);
     *limit = cause_name[least];
     return d->longest = step[least];
+}
+
+bool gas_bed_refused(const struct gas *g) {
+    return g->dense && g->dense->bound.cause < BED_CAUSES;
+}
+
+void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
+    struct dense *d = g->dense;
+    if (d->bound.rate > 0) {
+        struct first_place first = {.order = HUGE_VAL};
+        struct bed_rates none;
+        d->cooling = 0; /* all dense cells are to find their rates of cooling again */
+        d->sought = &first;
+        g->engine->bed.parts(g, d->bound.dt, d->thin, &none);
+        d->sought = NULL;
+        first_place_share(g, &first, d->bound.cell.place);
+        look_at(g, &d->bound.cell);
+    }
+    *out = d->bound;
+    out->name = cause_name[out->cause];
+    out->cure = cause_cure[out->cause];
 }
 
 double gas_inertia(const struct gas *g) {

@@ -139,6 +139,19 @@ double gas_inertia(const struct gas *g);
 struct gas_cell {
     double place[3], alpha, T, c; /* centre, m; state, m^2/s^2, m/s */
 };
+/* Why gas_bed_step planned an explicit step although gas is dense: the longest step with a bed, as the cause has it, is
+ * `steps` explicit ones, and at least `gain` are asked for. */
+enum bed_cause { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, BED_CAUSES };
+struct gas_bed_bound {
+    enum bed_cause cause;
+    const char *name, *cure;      /* the cause in words, and what a case may do about it */
+    double steps, gain, rate, dt; /* rate: 1/s, of the cell; 0: no cell is the cause. dt: s, the explicit step */
+    struct gas_cell cell;
+};
+/* Was the last planned step explicit although gas is dense? Then gas_bed_bound says why; the state must still be that
+ * of the plan. Collective. */
+bool gas_bed_refused(const struct gas *g);
+void gas_bed_bound(struct gas *g, struct gas_bed_bound *out);
 /* Finds such a cell with its state, the same on all ranks. */
 void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_cell *out);
 

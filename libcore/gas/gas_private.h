@@ -18,20 +18,22 @@ enum { MOST_STAGES = 100000 };
 
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
-    double thin;          /* kg/m^3: below it cells are near vacuum */
-    double above, hard;   /* kg/m^3: denser cells are dense, or hard */
-    double **part;        /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
-    bool alone;           /* is every cell one of the bed? */
-    double inertia;       /* of the dense cells in the last plan */
-    double cooling;       /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
-    bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
-    double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
-    double longest;       /* s: the step that was planned; 0: the next step is explicit */
-    double plain, usual;  /* s: the explicit step in the last plan, and that with which implicit ones are compared */
-    bool refused;         /* was the last step of the bed not taken because it would damp sound? */
+    double thin;                /* kg/m^3: below it cells are near vacuum */
+    double above, hard;         /* kg/m^3: denser cells are dense, or hard */
+    double **part;              /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    bool alone;                 /* is every cell one of the bed? */
+    double inertia;             /* of the dense cells in the last plan */
+    double cooling;             /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
+    bool begun;                 /* are the stages at work, whose results in cells of the bed are given up? */
+    double kick[MAX_DIM];       /* m/s^2: mean acceleration by gravity in the last step of the bed */
+    double longest;             /* s: the step that was planned; 0: the next step is explicit */
+    struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
+    double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
+    bool refused;        /* was the last step of the bed not taken because it would damp sound? */
     double pause,
-        paused;    /* s: steps stay explicit for so long after that; that at first; a restart goes on with both */
-    status failed; /* why an attempt could not be made, other than that dt was too long */
+        paused; /* s: steps stay explicit for so long after that; that at first; a restart goes on with both */
+    struct first_place *sought; /* of gas_bed_bound, while it looks for the cell; else NULL */
+    status failed;              /* why an attempt could not be made, other than that dt was too long */
 };
 
 struct gas {
@@ -153,8 +155,10 @@ status implicit_first(const struct gas *g, int cells, long *first);
 
 status dense_make(struct gas *g);
 void dense_free(struct gas *g);
-struct bed_row { /* n <= BATCH cells: rates as in struct bed_rates; part NULL: none is a bed's */
-    int n;
+struct bed_row { /* n <= BATCH cells, from `at` on in a block; rates as in struct bed_rates; part NULL: none is a bed's
+                  */
+    int n, block;
+    long at;
     const double *rho, *eps, *p, *thin, *flow, *part;
 };
 /* Raises `most` to the rates of a row, those of cooling over dt; thin: as in the hook `parts`. */
@@ -180,6 +184,8 @@ status dense_count(struct gas *g);
 /* Does the gas cool, however slow its impacts are, so that it may reach close packing in finite time? With a threshold
  * speed the steps of a bed at rest are short, but they fall no further. */
 bool gas_can_collapse(const struct gas *g);
+/* Finds the state of the cell at its place. Collective. */
+void look_at(struct gas *g, struct gas_cell *cell);
 /* Returns the error of a dt that falls below its least value. */
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
 /* Returns the error of a rate of wave speeds that is infinite or no number. */

@@ -29,8 +29,7 @@ static void look_row(void *look, const struct row *row) {
     }
 }
 
-/* Finds the state of the cell at a place. */
-static void look_at(struct gas *g, struct gas_cell *cell) {
+void look_at(struct gas *g, struct gas_cell *cell) {
     struct look l = {g, cell};
     cell->alpha = cell->T = cell->c = -HUGE_VAL;
     g->engine->state.rows(g, EVERY_CELL, &g->U, look_row, &l);

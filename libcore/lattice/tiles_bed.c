@@ -180,6 +180,7 @@ struct rating { /* finds the rates of a tile */
     struct gas *g;
     const double *U, *part; /* part: NULL in tiles without a bed */
     double dt, thin;
+    int tile;
     struct bed_rates most;
 };
 
@@ -196,8 +197,15 @@ static void rate_visit(void *rating, long offset, int n) {
             thin[i] += (fabs(u[i]) + c[i]) * inverse;
         }
     }
-    const struct bed_row row = {
-        n, r->U + offset, w->eps + offset, w->p + offset, thin, flow, r->part ? r->part + offset : NULL};
+    const struct bed_row row = {n,
+                                r->tile,
+                                offset,
+                                r->U + offset,
+                                w->eps + offset,
+                                w->p + offset,
+                                thin,
+                                flow,
+                                r->part ? r->part + offset : NULL};
     dense_rates(g, r->dt, r->thin, &row, &r->most);
 }
 
@@ -208,6 +216,7 @@ void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mi
     find_rings(g);
     for (int t = 0; t < f->ntiles; t++) {
         activity_unfold(g, t, &g->U);
+        r.tile = t;
         r.U = g->U.block[t];
         r.part = g->tiles->bed->holds[t] ? g->dense->part[t] : NULL;
         runs_visit(f, &f->tile[t], 0, rate_visit, &r);

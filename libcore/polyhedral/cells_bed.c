@@ -135,7 +135,8 @@ void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mi
         n = nown - at < BATCH ? nown - at : BATCH;
         find_rates(g, at, n, &q, flow, fast);
         dense_rates(g, dt, thin,
-                    &(struct bed_row){n, g->U.block[0] + at, q.eps, q.p, fast, flow, g->dense->part[0] + at}, mine);
+                    &(struct bed_row){n, 0, at, g->U.block[0] + at, q.eps, q.p, fast, flow, g->dense->part[0] + at},
+                    mine);
     }
 }
 

@@ -85,9 +85,9 @@ struct medium_type {
 
     void (*plan)(struct medium *m, const struct control *c, struct pace *out);
     double (*knot)(const struct medium *m, double t); /* s: the first kink in time after t; NULL: there is none */
-    void (*place)(struct medium *m, double place[3]); /* m, of the cell that gave the last plan's rate */
-    /* Says which cell, in which state, gave the last plan's rate, and what can be done about it: ", cell at ..".
-     * Collective; NULL: it cannot. */
+    /* cell says which cell, in which state, gave the last plan's rate: ", cell at .."; bound also what can be done
+     * about it. Collective; NULL: they cannot. */
+    void (*cell)(struct medium *m, char *text, size_t size);
     void (*bound)(struct medium *m, char *text, size_t size);
     /* Advances from t by *dt or, where that fails, by less, which *dt then says: 0 if the step took long and was left
      * because a rank had been asked to. After ERR_STATE the state is the last good one. */

@@ -40,6 +40,7 @@ struct gas_state {
     bool audited;                /* is a budget kept? */
     bool damps;                  /* was it said that implicit acoustics damps, or would damp, waves? */
     long slow;                   /* steps in a row in which dense gas was slow; -1: it was said */
+    long refused;                /* of limiter_note_beds */
     bool unknown;                /* is the start gone that would say what is at rest? */
 };
 static struct gas_state *of(const struct medium *m) {
@@ -306,6 +307,7 @@ static void plan_step(struct medium *m, const struct control *c, struct pace *ou
     }
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
+    limiter_note_beds(&g->refused, g->gas, comm_root(m->setup->comm));
     if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
@@ -324,19 +326,17 @@ static double gas_knot(const struct medium *m, double t) {
     return initial_knot(of(m)->initial, t);
 }
 
-static void gas_place(struct medium *m, double place[3]) {
-    gas_fastest_place(of(m)->gas, &of(m)->speed, place);
+static void gas_limiting_cell(struct medium *m, char *text, size_t size) {
+    (void)limiter_cell(of(m)->gas, &of(m)->speed, text, size);
 }
 
 static void gas_bound(struct medium *m, char *text, size_t size) {
     struct gas_state *g = of(m);
-    struct gas_cell q;
-    gas_fastest_cell(g->gas, &g->speed, &q);
     const struct gas_models *models = &g->models->gas;
-    const double most = models->material.alpha_max;
-    snprintf(text, size, ", cell at (%.6g %.6g %.6g) with alpha = %.6g, T = %.6g, c = %.6g\n      %s", q.place[0],
-             q.place[1], q.place[2], q.alpha, q.T, q.c,
-             most > 0 && q.alpha > DENSE * most && source_cools(&models->source, &models->material)
+    const double alpha = limiter_cell(g->gas, &g->speed, text, size), most = models->material.alpha_max;
+    const size_t n = strlen(text);
+    snprintf(text + n, size - n, "\n      %s",
+             most > 0 && alpha > DENSE * most && source_cools(&models->source, &models->material)
                  ? "near packing c has no bound: thresholdSpeed in `grain` keeps grains from collapsing, and larger "
                    "cells there take longer steps"
                  : "hot or fast gas, or a narrow cell (checkCase names such a cell): larger cells there take longer "
@@ -689,7 +689,7 @@ const struct medium_type gas_medium = {
     .memory = gas_memory,
     .plan = gas_plan,
     .knot = gas_knot,
-    .place = gas_place,
+    .cell = gas_limiting_cell,
     .bound = gas_bound,
     .step = gas_medium_step,
     .after = gas_after,

@@ -5,6 +5,9 @@
 
 #include <stdlib.h>
 
+/* So many explicit steps in a row, though gas is dense, are told of: before there was an implicit one, and later. */
+enum { FIRST_BED = 100, NEXT_BED = 1000, PLACE = 200 };
+
 static status open_table(struct limiter_table *l, const struct setup *s) {
     char folder[TIME_NAME + 16];
     snprintf(folder, sizeof folder, "limiter/%s", s->start.name);
@@ -115,6 +118,34 @@ status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas
     l->counts = gas_counts(g);
     free(limited);
     return components == 1 ? OK : fail(ERR_INPUT, "%s: it is a field of vectors; remove it", path);
+}
+
+static void print_cell(char *text, size_t size, const struct gas_cell *q) {
+    snprintf(text, size, ", cell at (%.6g %.6g %.6g) with alpha = %.6g, T = %.6g, c = %.6g", q->place[0], q->place[1],
+             q->place[2], q->alpha, q->T, q->c);
+}
+
+double limiter_cell(struct gas *g, const struct gas_speed *speed, char *text, size_t size) {
+    struct gas_cell q;
+    gas_fastest_cell(g, speed, &q);
+    print_cell(text, size, &q);
+    return q.alpha;
+}
+
+void limiter_note_beds(long *steps, struct gas *g, bool aloud) {
+    char cell[PLACE] = "";
+    struct gas_bed_bound b;
+    if (*steps < 0) return;
+    *steps = gas_bed_refused(g) ? *steps + 1 : 0;
+    if (*steps < (gas_counts(g).beds > 0 ? NEXT_BED : FIRST_BED)) return;
+    gas_bed_bound(g, &b);
+    if (b.rate > 0) print_cell(cell, sizeof cell, &b.cell);
+    if (aloud)
+        printf("    note: gas is dense, but the last %ld steps had no implicit acoustics. Such a step would be limited "
+               "by: "
+               "%s%s\n      to %.3g explicit steps, and `gain` of `acoustics` asks for %g\n      %s\n",
+               *steps, b.name, cell, b.steps, b.gain, b.cure);
+    *steps = -1;
 }
 
 void limiter_close(struct limiter_table *l) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table postProcessing/limiter/<start>/limiter.dat: a row for every step in which something kept the state
- * admissible (libcore/schemes/limit.h). The file is made with its first row. */
+ * admissible (libcore/schemes/limit.h). The file is made with its first row. Also what the log says of the cell that
+ * limits a step. */
 #ifndef SOLVERS_LIMITER_H
 #define SOLVERS_LIMITER_H
 
@@ -21,6 +22,12 @@ status limiter_record(struct limiter_table *l, const struct setup *s, const stru
 status limiter_save(const struct gas *g, const char *folder, const char *location, struct checksums *sums);
 /* Lets the gas, and the table, go on from the counts and the field `limited` of the time that the run starts from. */
 status limiter_resume(struct limiter_table *l, const struct setup *s, struct gas *g);
+/* Prints which cell limits an explicit step to `text`: ", cell at ..", with its state; returns its alpha. Collective.
+ */
+double limiter_cell(struct gas *g, const struct gas_speed *speed, char *text, size_t size);
+/* After each plan of a step, by gas_bed_step: says once in the log, `aloud`, why steps are explicit though gas is
+ * dense. *steps: such steps in a row so far, 0 at the start; -1: it was said. Collective. */
+void limiter_note_beds(long *steps, struct gas *g, bool aloud);
 void limiter_close(struct limiter_table *l);
 
 #endif

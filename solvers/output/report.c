@@ -202,8 +202,7 @@ static status write_row(struct progress *p, const struct setup *s, const struct 
 }
 
 static void print_step(const struct setup *s, const struct step_entry *e) {
-    printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s", e->t, e->step, e->dt, e->limit);
-    if (e->at_cell) printf(", cell at (%.6g %.6g %.6g)", e->place[0], e->place[1], e->place[2]);
+    printf("Time = %.10g  step %ld  deltaT = %.6g (limited by: %s%s", e->t, e->step, e->dt, e->limit, e->cell);
     printf(s->medium->type->event_driven ? ")\n" : ")  Courant %.4f\n", e->courant);
 }
 

@@ -28,8 +28,7 @@ struct step_entry { /* the numbers of one log entry */
     double t, dt, courant, end_time;
     long step;
     const char *limit;
-    double place[3]; /* m, of the cell that limits the step; valid if at_cell */
-    bool at_cell;
+    char cell[200]; /* the cell that limits the step, as the medium says; empty: none does */
 };
 void progress_start(struct progress *p, const struct setup *s);
 void progress_end(struct progress *p);

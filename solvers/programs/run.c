@@ -317,8 +317,7 @@ static status step_once(struct run *r) {
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
-    e.at_cell = w.log > 0 && limit == DT_COURANT && !pace.limit;
-    if (e.at_cell) m->type->place(m, e.place);
+    if (w.log > 0 && limit == DT_COURANT && !pace.limit) m->type->cell(m, e.cell, sizeof e.cell);
     TRY(functions_prepare(r->functions, r->now.t, end));
     m->end = end;
     TRY(m->type->step(m, c, r->now.t, &dt));
