@@ -67,7 +67,7 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
 struct rest { /* the pressure of gas at rest in the six cells of a stencil, 0 where none is taken */
     double P[6];
 };
-/* `on` is 0 or 1: its products are exact. */
+/* Where `on` is 0 or 1 its products are exact. */
 ALWAYS_INLINE struct rest rest_at(const bool balanced, const struct faces *f, int i, long stride) {
     struct rest r = {{0}};
     if (!balanced) return r;

@@ -286,7 +286,52 @@ struct two_bases { /* states and bases to the left (0) and to the right (1) of t
     struct face_states s[2];
     struct bases b[2];
     struct winds w;
+    ALIGNED double on[BATCH], base[2][BATCH]; /* under gravity, as in struct faces: what is taken (ease_dim) */
+    double restored[BATCH];                   /* what is added to the flux, less the caller's */
+    double rests[BATCH];                      /* part (1 - moves) of ease_dim */
 };
+
+/* Eases what two bases take of the pressure P of gas at rest (docs/physics.md 7.4). The cells m of a stencil lose
+ *     part (P_m - moves P) in place of P_m, and part (1 - moves) P is added in place of P,
+ *     moves = 2 rho c |u_n|/(weight of half of either cell) - 1,   part = 2 - 2 rho u^2/p,   both from 0 to 1.
+ * For two bases do not give back a uniform pressure: (Q_l + Q_r)(0, P, 0 ..) is (0, P, 0 ..) and a part of the order of
+ * the jump (struct excess). That part holds down the heating of walls, and cells beside them zigzag without it; at rest
+ * it would move mass. So it is there as soon as the pressure of the motion's sound reaches the weight, and not at all
+ * up to half of that, where it would make noise grow. Gas whose dynamic pressure exceeds its pressure is not carried by
+ * it, and has the flux without gravity, that of the paper. */
+ALWAYS_INLINE void ease_dim(const int dim, int n, const struct faces *f, struct two_bases *restrict t) {
+    const double *restrict on = f->on, *restrict P = f->rest, *restrict low = f->base[0], *restrict high = f->base[1];
+    const struct face_states *restrict l = &t->s[0], *restrict r = &t->s[1];
+    for (int i = 0; i < n; i++) {
+        double left = 0, right = 0; /* u^2, from the last axis on */
+        for (int k = dim - 1; k >= 0; k--) {
+            left += l->u[k][i] * l->u[k][i];
+            right += r->u[k][i] * r->u[k][i];
+        }
+        const double weight = fabs(P[i] - low[i]) + fabs(P[i] - high[i]);
+        const double sound =
+            0.125 * (l->rho[i] + r->rho[i]) * (t->b[0].c[i] + t->b[1].c[i]) * (fabs(l->u[0][i]) + fabs(r->u[0][i]));
+        const double dynamic = l->rho[i] * left + r->rho[i] * right, p = l->p[i] + r->p[i];
+        const double part = 2 * dynamic > p ? larger(2 - 2 * dynamic / p, 0) : 1;
+        const double moves = sound < weight ? larger(2 * sound / weight - 1, 0) : 1;
+        t->on[i] = part * on[i];
+        t->base[0][i] = part * (low[i] - moves * P[i]);
+        t->base[1][i] = part * (high[i] - moves * P[i]);
+        t->rests[i] = t->on[i] * (1 - moves);
+        t->restored[i] = t->rests[i] * P[i] - P[i];
+    }
+}
+
+KERNEL static void ease(int dim, int n, const struct faces *f, struct two_bases *restrict t) {
+    if (dim == 1) ease_dim(1, n, f, t);
+    if (dim == 2) ease_dim(2, n, f, t);
+    if (dim == 3) ease_dim(3, n, f, t);
+}
+
+/* A zero is not added: it would change the sign of another. */
+KERNEL static void restore(int n, const double *restrict restored, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = restored[i] != 0 ? out[i] + restored[i] : out[i];
+}
 
 /* Computes the fluxes of faces from .. to - 1 that split no field: each field comes from one side, all from the left or
  * all from the right if the faces' kind says so. */
@@ -317,13 +362,22 @@ static void split_apart(int from, int to, const struct faces *f, const struct re
     }
 }
 
-static void two_bases_flux(const struct faces *f, const struct eos *eos, const struct material *m,
+static void two_bases_flux(const struct faces *given, const struct eos *eos, const struct material *m,
                            const struct reconstruct *r, struct two_bases *t) {
+    const struct faces *f = given;
     const struct bases *b = t->b;
+    struct faces eased = *given;
     int kind[BATCH / GROUP];
     for (int s = 0; s < 2; s++) {
         flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
+    }
+    if (given->rise) {
+        ease(f->dim, f->n, f, t);
+        eased.on = t->on;
+        eased.base[0] = t->base[0];
+        eased.base[1] = t->base[1];
+        f = &eased;
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
     find_kinds(f->n, &t->w, SPLITS | ALL_LEFT | ALL_RIGHT, kind);
@@ -334,6 +388,7 @@ static void two_bases_flux(const struct faces *f, const struct eos *eos, const s
         else
             upwind_apart(from, to, f, r, t, kind[from / GROUP]);
     }
+    if (given->rise) restore(f->n, t->restored, f->out[1]);
 }
 
 /* Marquina's flux (docs/physics.md 6.4): Donat & Marquina (1996), Serna & Marquina (19)-(23) with w_r in phi_-
@@ -457,6 +512,19 @@ KERNEL static void tame(int dim, int n, const struct two_bases *restrict x, cons
     if (dim == 3) tame_dim(3, n, x, mean, e, out);
 }
 
+/* The pressure of gas at rest in both reconstructed states: what the flux takes from their cells, and what p of the
+ * states differs by from p that is reconstructed without it, so that nothing is left of gas at rest. */
+static void rests_of_states(const struct faces *f, const struct two_bases *t, const struct reconstruct *r,
+                            double (*rest)[BATCH]) {
+    double p[BATCH];
+    for (int side = 0; side < 2; side++) {
+        flux_sided_pressure(f, side ? -1 : 1, r, p);
+        for (int i = 0; i < f->n; i++)
+            rest[side][i] =
+                t->rests[i] * ((t->s[side].p[i] - f->base[side][i]) - (p[i] - f->rest[i])) + t->base[side][i];
+    }
+}
+
 static bool all_one_way(int n, const struct winds *w) {
     for (int i = 0; i < n; i++)
         if (w->speed[MINUS][i] != UPWIND_LEFT && w->speed[PLUS][i] != UPWIND_RIGHT) return false;
@@ -471,7 +539,7 @@ static void marquina_stable(const struct faces *f, const struct eos *eos, const 
     double rest[2][BATCH] = {{0}};
     two_bases_flux(f, eos, m, r, &t);
     if (all_one_way(f->n, &t.w)) return;
-    for (int side = 0; side < 2 && f->rise; side++) memcpy(rest[side], f->base[side], (size_t)f->n * sizeof(double));
+    if (f->rise) rests_of_states(f, &t, r, rest);
     means(f->dim, f->n, t.s, (const double(*)[BATCH])rest, &e);
     excess_of(f, &t, &e);
     common_bases(f, &t.w, &mean);

@@ -28,6 +28,9 @@ void flux_sided_states(const struct faces *f, const struct eos *eos, const struc
 /* Reconstructs a line q of cells to the faces from one side (+1: left, -1: right). */
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out);
 
+/* Does so with p; under gravity without the pressures of gas at rest, which the face's own then takes the place of. */
+void flux_sided_pressure(const struct faces *f, int side, const struct reconstruct *r, double *out);
+
 /* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----
  *
  * Three kinds of faces of the flux `common` follow a rule of their own (commonCoeffs; by default on lattices); all

@@ -200,9 +200,7 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     if (any & EXPANSION) bend_faces(f, r, w);
 }
 
-/* Reconstructs p to the faces from one side; under gravity without the pressures of gas at rest, which the face's own
- * then takes the place of. */
-static void pressure_of(const struct faces *f, int side, const struct reconstruct *r, double *out) {
+void flux_sided_pressure(const struct faces *f, int side, const struct reconstruct *r, double *out) {
     double taken[6][BATCH];
     const double *line[5];
     if (!f->rise) {
@@ -245,7 +243,7 @@ static void side_of(const struct faces *f, const struct eos *eos, const struct m
     double one[BATCH], p[BATCH], unit[BATCH], g[BATCH];
     flux_reconstruct(f, f->state[0], side, r, q->rho);
     for (int k = 0; k < f->dim; k++) flux_reconstruct(f, f->velocity[k], side, r, q->u[k]);
-    pressure_of(f, side, r, q->p);
+    flux_sided_pressure(f, side, r, q->p);
     for (int i = 0; i < n; i++) {
         one[i] = 1;
         if (q->rho[i] > 0 && q->rho[i] < limit && q->p[i] > 0) continue;

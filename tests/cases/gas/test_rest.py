@@ -70,6 +70,15 @@ class Rest(harness.Folder, unittest.TestCase):
                 self.scheme(case, "fluxScheme common; reconstruct WPENO5; timeScheme SSPRK3;", words)
                 self.stays(case, 5e-4)
 
+    def test_two_bases(self):
+        """Marquina's fluxes, whose bases differ where T jumps."""
+        for flux in ("Marquina", "MarquinaStable"):
+            for reconstruct in ("PHM", "WPENO5", "TENO5"):
+                with self.subTest(flux=flux, reconstruct=reconstruct):
+                    case = self.case(flux + reconstruct, COLUMN, n=(1, 40, 1), size=(0.5, 10.0, 0.5), T="y < 3 ? 5 : y < 6 ? 20 : 8")
+                    self.scheme(case, "fluxScheme common; reconstruct WPENO5;", f"fluxScheme {flux}; reconstruct {reconstruct};")
+                    self.stays(case, 1e-3)
+
     def test_without_heat(self):
         """A gas whose impacts are all too slow to cool, and one that conducts heat at a uniform T."""
         case = self.case("threshold", COLUMN, n=(1, 40, 1), size=(0.5, 10.0, 0.5), T=5.0)

@@ -16,6 +16,7 @@ struct strip { /* cells in a row, as the fluxes see them */
     double U[MAX_VAR][CELLS], F[MAX_VAR][CELLS], u[MAX_DIM][CELLS], eps[CELLS], p[CELLS], c[CELLS], g[CELLS];
     double out[MAX_VAR][CELLS];
     double fastest;
+    double gravity; /* times the cells' width; 0: no pressure of gas at rest is taken */
 };
 
 static inline void close_strip(struct strip *s) { /* from rho, u, eps */
@@ -34,6 +35,25 @@ static inline void close_strip(struct strip *s) { /* from rho, u, eps */
         s->F[s->dim + 1][i] += s->p[i] * un;
         s->fastest = larger(s->fastest, fabs(un) + s->c[i]);
     }
+}
+
+struct lifts { /* what a lattice takes at the faces behind the cells (libcore/lattice/tiles_balance.c) */
+    double base[2][CELLS], rise[CELLS], on[CELLS], P[CELLS];
+};
+
+static inline void lift(const struct strip *s, int first, struct lifts *l, struct faces *f) {
+    for (int i = 0; i + 1 < CELLS; i++) {
+        const double low = 0.5 * s->gravity * s->U[0][i], high = 0.5 * s->gravity * s->U[0][i + 1];
+        l->P[i] = 0.5 * ((s->p[i] + low) + (s->p[i + 1] - high));
+        l->base[0][i] = l->P[i] - low;
+        l->base[1][i] = l->P[i] + high;
+        l->rise[i] = low + high;
+        l->on[i] = 1;
+    }
+    for (int side = 0; side < 2; side++) f->base[side] = l->base[side] + first;
+    f->rise = l->rise + first;
+    f->on = l->on + first;
+    f->rest = l->P + first;
 }
 
 static inline void flux_with(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n,
@@ -56,7 +76,10 @@ static inline void flux_with(struct strip *s, const struct flux *flux, const str
         f.out[v] = s->out[v];
     }
     for (int k = 0; k < s->dim; k++) f.velocity[k] = s->u[k] + first;
+    struct lifts l;
+    if (s->gravity != 0) lift(s, first, &l, &f);
     flux->through(&f, eos_find("GoldshteinShapiro"), &granular, r);
+    for (int i = 0; i < n && s->gravity != 0; i++) s->out[1][i] += l.P[first + i];
 }
 
 static inline void flux_of(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n) {
