@@ -77,6 +77,8 @@ struct gas_speed {  /* of the whole domain */
     double rate;    /* 1/s: max over cells of sum_k (|u_k| + c)/width_k; dt = maxCo / rate */
     double calm;    /* 1/s: the same without cells above 0.99 alpha_max, as the rate would be without a collapse */
     double axis[3]; /* m/s: max |u_k| + c */
+    /* Pa: least and largest pressure; HUGE_VAL and 0 where no fronts are looked for (docs/physics.md 6.12) */
+    double low, high;
 };
 
 struct gas; /* opaque: state and work memory of this rank's cells */

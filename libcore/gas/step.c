@@ -171,9 +171,11 @@ static const struct state *after_stage(struct gas *g, const struct state *U0, in
 }
 
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
-    double all[] = {is_void, mine->rate, mine->calm, mine->axis[0], mine->axis[1], mine->axis[2]};
-    comm_max(g->comm, all, 6);
-    g->speed = (struct gas_speed){.rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}};
+    double all[] = {is_void,       mine->rate,    mine->calm, mine->axis[0],
+                    mine->axis[1], mine->axis[2], -mine->low, mine->high};
+    comm_max(g->comm, all, 8);
+    g->speed = (struct gas_speed){
+        .rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
     g->speed_known = all[0] == 0;
     return g->speed_known;
 }
@@ -387,6 +389,11 @@ struct attempt {            /* at a step */
     const struct state *U0; /* the start of the stages; NULL: diffusion, or the making of a bed, failed */
 };
 
+/* Is a step of dt one with implicit acoustics? allowed: the explicit step. */
+static bool takes_bed(const struct gas *g, double dt, double allowed) {
+    return g->dense && g->dense->longest > 0 && dt > allowed;
+}
+
 /* Tries a step of dt from g->U to g->V; returns whether V is of use. */
 static bool try_step(struct gas *g, double t, double dt, double maxCo, const struct gas_speed *speed,
                      struct attempt *a) {
@@ -394,7 +401,7 @@ static bool try_step(struct gas *g, double t, double dt, double maxCo, const str
     long bad;
     *a = (struct attempt){.guarded = g->guarded > 0};
     attempt_begin(g);
-    g->hybrid = g->dense && g->dense->longest > 0 && dt > maxCo / speed->rate;
+    g->hybrid = takes_bed(g, dt, maxCo / speed->rate);
     a->U0 = first_halves(g, t, dt, sources, a->guarded, &bad);
     if (a->U0 && g->hybrid && !start_bed(g, a->U0, t, dt, bad)) a->U0 = NULL;
     a->hot = a->U0 && !g->hybrid && overheated(g, dt, maxCo, speed);
@@ -442,6 +449,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         return stop_of_collapse(g, t, g->slow_dt[1], speed);
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = g->held = false;
+    g->hybrid = takes_bed(g, *dt, allowed); /* whose dense tiles are written out, and remain so */
+    g->engine->stage.fronts(g, speed);
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         const bool stands = try_step(g, t, *dt, maxCo, speed, &tried);

@@ -116,6 +116,7 @@ static status tiles_make(struct gas *g) {
     TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
     TRY(seams_make(g));
+    TRY(fronts_make(g));
     TRY(make_falls(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
@@ -146,6 +147,7 @@ static void tiles_free(struct gas *g) {
     blocks_free(g->forest, x->held);
     free_work(&x->work);
     seams_free(g);
+    fronts_free(g);
     void *single[] = {
         x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed,
         x->activity.quiet, x};
@@ -365,6 +367,7 @@ void speed_visit(void *context, long offset, int n) {
     const struct work *w = &g->tiles->work;
     double rate[BATCH] = {0}, fast[BATCH];
     primitives_of_row(g, s->U, offset, n);
+    if (g->tiles->fronts) pressures_widen(&s->p, n, w->p + offset);
     for (int k = 0; k < g->dim; k++) {
         rate_row(n, 1 / g->forest->width[k], w->velocity[k] + offset, w->c + offset, rate);
         fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
@@ -378,7 +381,11 @@ void speed_visit(void *context, long offset, int n) {
 }
 
 void speed_of_background(struct speeds *s) {
-    if (!s->last || !same_background(s->g, s->last, s->U)) speed_visit(s, 0, 1);
+    if (!s->last || !same_background(s->g, s->last, s->U)) {
+        speed_visit(s, 0, 1);
+        s->background = s->p;
+    }
+    s->p = s->background;
     s->last = s->U;
 }
 
@@ -386,10 +393,13 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     struct speeds s = {.g = g, .found = -1};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U.block[t];
+        s.p = NO_PRESSURES;
         if (activity_find(g, t, &g->U)) speed_of_background(&s);
         varied_visit(g, t, &g->U, speed_visit, &s);
+        fronts_note(g, t, &s.p);
     }
     *speed = s.most;
+    fronts_speed(g, speed);
 }
 
 static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
@@ -456,7 +466,8 @@ const struct engine engine_lattice = {
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,
               .totals = tiles_totals},
-    .stage = {.stage = tiles_stage,
+    .stage = {.fronts = tiles_fronts,
+              .stage = tiles_stage,
               .last_stage = tiles_last_stage,
               .share_flags = tiles_share_flags,
               .redo = tiles_redo,

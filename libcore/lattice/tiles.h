@@ -71,6 +71,7 @@ struct tiles {
     struct work work;
     struct activity activity;
     struct seams seams;
+    struct fronts *fronts;     /* libcore/lattice/tiles_fronts.c; NULL: nothing is done about fronts */
     struct tiles_bed *bed;     /* libcore/lattice/tiles_bed.c; NULL without implicit acoustics */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
 };
@@ -153,17 +154,32 @@ static inline void varied_visit(const struct gas *g, int tile, const struct stat
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
 
+struct pressures { /* least and largest, Pa */
+    double low, high;
+};
+#define NO_PRESSURES ((struct pressures){HUGE_VAL, 0})
 struct speeds { /* wave speeds that speed_visit gathers on this rank */
     struct gas *g;
     double *U;          /* the tile's block */
     const double *last; /* the block whose background was looked at last; NULL: there is none */
     struct gas_speed most;
-    double wanted; /* if > 0, the rate of the cell that is looked for */
-    long found;    /* the offset of that cell; -1: none yet */
+    struct pressures p, background; /* of the tile in hand, and of the background that was looked at last */
+    double wanted;                  /* if > 0, the rate of the cell that is looked for */
+    long found;                     /* the offset of that cell; -1: none yet */
 };
 void speed_visit(void *speeds, long offset, int n);
 /* As speed_visit for the tile's background, which often is that of the tile before. */
 void speed_of_background(struct speeds *s);
+
+/* Fronts of shocks (libcore/lattice/tiles_fronts.c). */
+status fronts_make(struct gas *g);
+void fronts_free(struct gas *g);
+void tiles_fronts(struct gas *g, const struct gas_speed *speed);
+/* Widens the extremes by n <= BATCH pressures. */
+void pressures_widen(struct pressures *of, int n, const double *p);
+/* Notes the extremes of a tile; then sets those of this rank in the wave speeds. */
+void fronts_note(struct gas *g, int tile, const struct pressures *of);
+void fronts_speed(const struct gas *g, struct gas_speed *speed);
 
 /* Centre of the cell at `offset` of a tile, m */
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]);
@@ -184,6 +200,9 @@ struct strip {
     int from; /* place of the first left cell along the axis: -1 below the tile */
     int row;  /* of activity_row: that of the left cells */
 };
+
+/* Returns the floors of a strip of faces beside fronts, which hold until the next call; NULL: they have none. */
+const double *fronts_floor(const struct gas *g, const struct strip *s);
 
 /* Does a side of a tile lie on a patch that gives the mass that flows in? */
 bool tiles_fed(const struct gas *g, int tile, int side);

@@ -67,18 +67,21 @@ static void nodal_visit(void *context, long offset, int n) {
               g->tiles->work.velocity[pass->axis] + offset, g->tiles->work.p + offset, flux);
 }
 
-/* Makes f the faces along `axis` whose left cells start at `offset`; out[v] are the lines of variable v in program
+/* Makes f the faces of a strip; out[v] are the lines of variable v in program
  * order, filled from `column` on. Written where it stays: a copy of what was just written waits until the writes are
  * done. */
-static void make_faces(const struct gas *g, const double *U, int axis, long offset, int n, double (*out)[BATCH],
-                       int column, struct faces *f) {
+static void make_faces(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column,
+                       struct faces *f) {
     const struct work *w = &g->tiles->work;
+    const int axis = s->axis;
+    const long offset = s->offset;
     const struct axis_lines *lines = &w->along[axis];
     memset(f, 0, sizeof *f);
-    f->n = whole_vectors(n);
+    f->n = whole_vectors(s->n);
     f->dim = g->components;
     f->stride = g->forest->stride[axis];
     f->p = w->p + offset;
+    f->floor = fronts_floor(g, s);
     f->eps = w->eps + offset;
     f->c = w->c + offset;
     f->gruneisen = w->gruneisen + offset;
@@ -105,7 +108,7 @@ static bool is_counted(const struct gas *g, const struct strip *s, int i) {
 static void limit_flagged(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     double limited[MAX_VAR][BATCH], theta[BATCH];
     struct faces f;
-    make_faces(g, U, s->axis, s->offset, s->n, limited, 0, &f);
+    make_faces(g, U, s, limited, 0, &f);
     const double *flag = g->tiles->flag[s->tile] + s->offset;
     bool any = false;
     for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
@@ -135,7 +138,7 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
                            int column) {
     double lower[MAX_VAR][BATCH];
     struct faces f;
-    make_faces(g, U, s->axis, s->offset, s->n, lower, 0, &f);
+    make_faces(g, U, s, lower, 0, &f);
     const double *rho = f.state[0];
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
@@ -148,7 +151,7 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     struct faces f;
-    make_faces(g, U, s->axis, s->offset, s->n, out, column, &f);
+    make_faces(g, U, s, out, column, &f);
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);

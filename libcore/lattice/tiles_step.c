@@ -112,11 +112,13 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
     c->tile = tile;
     c->half.from = c->half.to = s;
     c->speeds.U = s->block[tile];
+    c->speeds.p = NO_PRESSURES;
     if (activity_find(g, tile, s)) {
         if (c->half.plan) source_row(&c->half, &(struct row){tile, 0, 1});
         speed_of_background(&c->speeds);
     }
     varied_visit(g, tile, s, close_visit, c);
+    fronts_note(g, tile, &c->speeds.p);
 }
 
 struct settled { /* the background that was advanced last, which many tiles have in common */
@@ -181,5 +183,6 @@ long tiles_last_stage(struct gas *g, const struct state *U0, const struct state 
     struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g, .found = -1}};
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;
+    fronts_speed(g, &ending->speed);
     return bad + c.half.bad;
 }

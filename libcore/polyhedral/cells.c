@@ -89,6 +89,7 @@ static status cells_make(struct gas *g) {
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
     TRY(cells_weight_make(g));
+    TRY(cells_fronts_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
@@ -115,6 +116,7 @@ static void cells_free(struct gas *g) {
     cells_weight_free(c->weight);
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
+    cells_fronts_free(c->fronts);
     for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);
@@ -252,37 +254,41 @@ KERNEL static void rate_line(int n, int dim, int components, const struct cells_
     for (int i = 0; i < n; i++) fast[i] = sqrt(fast[i]) + q->c[i];
 }
 
-static void rate_batch(const struct gas *g, int from, int n, double *rate, double *fast) {
+static void rate_batch(const struct gas *g, int from, int n, struct cells_primitives *q, double *rate, double *fast) {
     const struct cells *c = g->cells;
-    struct cells_primitives q;
     double *girth[MAX_DIM];
     for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
-    cells_primitives(g, n, g->U.block[0] + from, &q);
-    rate_line(n, g->dim, g->components, &q, girth, c->total_girth + from, rate, fast);
+    cells_primitives(g, n, g->U.block[0] + from, q);
+    rate_line(n, g->dim, g->components, q, girth, c->total_girth + from, rate, fast);
 }
 
 static void cells_speed(struct gas *g, struct gas_speed *speed) {
     const struct polyhedra *m = g->cells->polyhedra;
-    double most[3] = {0, 0, 0}, rate[BATCH], fast[BATCH]; /* rate, calm, speed */
+    double most[4] = {0, 0, 0, 0}, least = HUGE_VAL, rate[BATCH], fast[BATCH]; /* rate, calm, speed, pressure */
+    struct cells_primitives q;
     for (int from = 0; from < m->nown; from += BATCH) {
         int n = m->nown - from < BATCH ? m->nown - from : BATCH;
         const double *rho = g->U.block[0] + from;
-        rate_batch(g, from, n, rate, fast);
+        rate_batch(g, from, n, &q, rate, fast);
         for (int i = 0; i < n; i++) {
             most[0] = larger(most[0], rate[i]);
             most[1] = larger(most[1], rho[i] < PACKED * g->limit ? rate[i] : 0);
             most[2] = larger(most[2], fast[i]);
+            most[3] = larger(most[3], q.p[i]);
+            least = smaller(least, q.p[i]);
         }
     }
-    *speed = (struct gas_speed){.rate = most[0], .calm = most[1], .axis = {most[2], most[2], most[2]}};
+    *speed = (struct gas_speed){
+        .rate = most[0], .calm = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
 }
 
 static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
     const struct polyhedra *m = g->cells->polyhedra;
     double rate[BATCH], fast[BATCH], cell = HUGE_VAL;
+    struct cells_primitives q;
     for (int from = 0; from < m->nown; from += BATCH) {
         int n = m->nown - from < BATCH ? m->nown - from : BATCH;
-        rate_batch(g, from, n, rate, fast);
+        rate_batch(g, from, n, &q, rate, fast);
         for (int i = 0; i < n; i++)
             if (rate[i] == speed->rate) cell = smaller(cell, m->cell[from + i]);
     }
@@ -359,7 +365,8 @@ const struct engine engine_polyhedral = {
               .speed = cells_speed,
               .fastest_place = cells_fastest_place,
               .totals = cells_totals},
-    .stage = {.stage = cells_stage,
+    .stage = {.fronts = cells_fronts,
+              .stage = cells_stage,
               .share_flags = cells_share_flags,
               .redo = cells_redo,
               .sum_raised = cells_sum_raised,

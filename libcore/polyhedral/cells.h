@@ -49,6 +49,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_weight *weight;     /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
     struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
+    struct cells_fronts *fronts;     /* libcore/polyhedral/cells_fronts.c; NULL: nothing is done about fronts */
     struct cells_rules *rules;       /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_bed *bed;           /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
@@ -164,6 +165,18 @@ void cells_rules_look(const struct gas *g, int from, int to);
 bool cells_rules_find(const struct gas *g, int n, const int *face, const double *const *U, unsigned char *rule);
 /* Sets the pressures p[n] that contacts have on one side of points from <= i < from + n of internal faces. */
 void cells_rules_pressures(const struct gas *g, int side, int from, int n, const int *face, double *p);
+
+/* Returns the speed at which the cells of a face part along its normal. */
+double cells_parting(const struct gas *g, int face, const double *const *U);
+
+/* ---- fronts of shocks (libcore/polyhedral/cells_fronts.c) ---- */
+
+status cells_fronts_make(struct gas *g);
+void cells_fronts_free(struct cells_fronts *x);
+void cells_fronts(struct gas *g, const struct gas_speed *speed);
+/* Finds the floors of n points of faces beside fronts, face[n]; returns whether there is any, and then sets floor[n].
+ */
+bool cells_fronts_floor(const struct gas *g, int n, const int *face, double *floor);
 
 /* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
 

@@ -109,8 +109,7 @@ static struct window window_of(const struct gas *g, int left, int right, int rin
     return w;
 }
 
-/* Returns the speed at which the cells of a face part along its normal. */
-static double parting(const struct gas *g, int face, const double *const *U) {
+double cells_parting(const struct gas *g, int face, const double *const *U) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const int l = f->left[face], r = f->right[face];
     double speed = 0;
@@ -148,7 +147,7 @@ static enum face_rule rule_of(const struct gas *g, int face, const double *const
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const struct wanted_rules *on = &g->cells->rules->on;
     const int left = f->left[face], right = f->right[face];
-    const double speed = parting(g, face, U);
+    const double speed = cells_parting(g, face, U);
     if (on->shocks && speed < 0 && is_shock(g, left, right, U)) return SHOCK_RULE;
     if (on->expansions && is_expansion(g, face, speed, U[0])) return EXPANSION_RULE;
     return on->contacts && is_contact(g, left, right) ? CONTACT_RULE : NO_RULE;

@@ -16,7 +16,8 @@ struct points { /* a batch of points, or of states on both sides of faces; norma
     double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
     bool ruled; /* does any face follow a rule of its own? Then rule says which. */
     unsigned char rule[BATCH];
-    double pace[BATCH]; /* for fluxes that are paced */
+    double floor[BATCH]; /* beside fronts */
+    double pace[BATCH];  /* for fluxes that are paced */
     double out[MAX_VAR][BATCH];
 };
 
@@ -209,6 +210,12 @@ static void set_rules(const struct gas *g, int from, struct points *p, struct fa
     faces->p = p->p[LEFT];
 }
 
+/* Gives the batch the floors of its faces. */
+static void set_floors(struct points *p, struct faces *faces) {
+    for (int i = p->n; i < faces->n; i++) p->floor[i] = 0;
+    faces->floor = p->floor;
+}
+
 /* flux <- the area times the sum over the points of each face; sum_single: each face has one point, of weight 1 */
 KERNEL static void sum_single(int n, const double *restrict area, const double *restrict out, double *restrict flux) {
     for (int i = 0; i < n; i++) flux[i] = area[i] * (0 + out[i]);
@@ -240,6 +247,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     if (g->models.flux->paced) set_paces(g, p);
     struct faces faces = point_primitives(g, p);
     if (p->ruled) set_rules(g, from, p, &faces);
+    if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
     out_of_frames(g, p, p->out);
     for (int v = 0; v < g->nvar; v++)

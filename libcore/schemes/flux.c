@@ -220,6 +220,7 @@ static void common(const struct faces *f, const struct eos *eos, const struct ma
     struct rules rules;
     winds_of_cells(f, false, 0, &w);
     rules_find(f, &w, &rules);
+    if (f->floor) rules_fronts(f, &w);
     one_basis(f, r, &w, &rules);
     rules_contacts(f, eos, m, r, &rules);
 }
@@ -553,6 +554,8 @@ static const struct param common_param[] = {
     RULE(shocks, "strong shocks are damped in entropy, too, so that they leave less noise behind"),
     RULE(expansions, "steep expansions are damped less, so that they heat dense gas less; not under gravity"),
     RULE(contacts, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
+    CHOICE("fronts", fronts, RULE_ON, rule_words,
+           "entropy and shears are damped beside fronts of shocks, so that these stay straight (2D, 3D)"),
 };
 #undef RULE
 #undef PARAM_STRUCT

@@ -33,9 +33,10 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
 
 /* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----
  *
- * Three kinds of faces of the flux `common` follow a rule of their own (commonCoeffs; by default on lattices); all
- * others keep their flux to the bit. The fluxes stay consistent and single, so everything is conserved. No rule but the
- * last acts where all waves run one way. Numbers and reasons: postprocessing/reports/denseShocks.md.
+ * Four kinds of faces of the flux `common` follow a rule of their own (commonCoeffs; by default on lattices, that of
+ * fronts everywhere); all others keep their flux to the bit. The fluxes stay consistent and single, so everything is
+ * conserved. No rule but the last acts where all waves run one way. Numbers and reasons:
+ * postprocessing/reports/denseShocks.md.
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
  *   beside): the entropy is split with max(|u| + c), and reconstructed by PHM. Upwinded, entropy is not damped inside
  *   of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
@@ -46,7 +47,11 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
  *   damping would have to be limited. Not under gravity: a bed that is thrown up has steep pressures for long, and less
  *   damping makes it less accurate.
  * - Contacts of dense gas (g = p_eps/rho changes 2 times over four cells, p less than 1.5 times; never in a perfect
- *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps. */
+ *   gas): HLLC of reconstructed rho, u, p. One eigenbasis does not keep p and u where g jumps.
+ * - Faces beside the front of a shock (struct faces' floor, which the engines find: a face across which the gas closes
+ *   in and the pressure differs 2 times gives its cells a speed, and the other faces of these cells and of those beside
+ *   take it): entropy and shears are split with that speed. Else nothing damps them along a front that stands along a
+ *   line of the mesh, and it breaks up (the carbuncle of Quirk 1994). Where waves run both ways, and cells differ. */
 struct span { /* faces from .. to - 1 of a batch; none if from >= to */
     int from, to;
 };
@@ -55,6 +60,8 @@ struct rules { /* 1 where a face follows a rule, else 0 */
     struct span shocks, contacts; /* the faces outside follow no such rule; the arrays are set inside */
 };
 
+/* Gives the faces beside fronts, f->floor, another wind of entropy and shears. */
+void rules_fronts(const struct faces *f, struct winds *w);
 /* Finds the faces that follow a rule and gives those of expansions other winds. */
 void rules_find(const struct faces *f, struct winds *w, struct rules *r);
 /* Computes the fluxes f->out of contacts. */

@@ -200,6 +200,30 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     if (any & EXPANSION) bend_faces(f, r, w);
 }
 
+/* Splits entropy and shears with the floor, if that is the larger speed. Cells that are equal need no damping, and
+ * where all cells around are, none may be there, even by round-off: they may have been left out (skipUniform). */
+ALWAYS_INLINE void raise_dim(const int dim, const struct faces *f, struct winds *restrict w) {
+    const double *u = f->velocity[0], *floor = f->floor;
+    const long s = f->stride;
+    double *restrict entropy = w->speed[ENTROPY];
+    EACH_ALONE
+    for (int i = 0; i < f->n; i++) {
+        const double most = larger(fabs(u[i]), fabs(u[i + s]));
+        uint64_t raised = is(floor[i] > most) & -(uint64_t)runs_both_ways(w, i), differs = 0;
+        for (int v = 0; v < dim + 2; v++) differs |= is(f->state[v][i] != f->state[v][i + s]);
+        entropy[i] = select_masked(raised & differs, floor[i], entropy[i]);
+    }
+}
+
+KERNEL static void raise_floors(const struct faces *f, struct winds *restrict w) {
+    if (f->dim == 2) raise_dim(2, f, w);
+    if (f->dim == 3) raise_dim(3, f, w);
+}
+
+void rules_fronts(const struct faces *f, struct winds *w) {
+    raise_floors(f, w);
+}
+
 void flux_sided_pressure(const struct faces *f, int side, const struct reconstruct *r, double *out) {
     double taken[6][BATCH];
     const double *line[5];
@@ -299,7 +323,8 @@ static struct faces faces_of(const struct faces *f, struct span s) {
     part.eps = f->eps + s.from;
     part.c = f->c + s.from;
     part.gruneisen = f->gruneisen + s.from;
-    part.rule = NULL; /* which is read no more */
+    part.rule = NULL; /* which is read no more, as is the floor */
+    part.floor = NULL;
     if (!f->rise) return part;
     for (int side = 0; side < 2; side++) part.base[side] = f->base[side] + s.from;
     part.rise = f->rise + s.from;

@@ -15,11 +15,12 @@
 #define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
 #define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
 #define SIMPLE  0.3  /* share of |dp|/(rho c), the rise of the velocity in a simple wave, above which they do */
+#define FRONT   2.   /* ratio of the pressures of two cells from which on they may be a front */
 
 enum rule_switch { RULE_OFF, RULE_ON, RULE_LATTICES }; /* the last: on lattices, off on polyhedra */
 
 struct common_rules { /* parameters of the flux `common` */
-    enum rule_switch shocks, expansions, contacts;
+    enum rule_switch shocks, expansions, contacts, fronts;
 };
 OWN_PARAMS_FIT(struct common_rules);
 
@@ -27,16 +28,18 @@ static inline bool rule_is_wanted(enum rule_switch is, bool lattice) {
     return is == RULE_ON || (is == RULE_LATTICES && lattice);
 }
 struct wanted_rules {
-    bool shocks, expansions, contacts;
+    bool shocks, expansions, contacts; /* which the flux finds by its stencil */
+    bool fronts;                       /* which the engine finds, for struct faces' floor */
 };
 /* Returns the rules that `common` has with these parameters (NULL: none) on a lattice or on polyhedra; falls: under
  * gravity. */
 static inline struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls) {
-    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF};
+    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF, RULE_OFF};
     if (params) memcpy(&is, params, sizeof is);
     return (struct wanted_rules){.shocks = rule_is_wanted(is.shocks, lattice),
                                  .expansions = rule_is_wanted(is.expansions, lattice) && !falls,
-                                 .contacts = rule_is_wanted(is.contacts, lattice)};
+                                 .contacts = rule_is_wanted(is.contacts, lattice),
+                                 .fronts = rule_is_wanted(is.fronts, lattice)};
 }
 
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
@@ -54,6 +57,16 @@ ALWAYS_INLINE int expands(double du, double cl, double cr, const double impedanc
 ALWAYS_INLINE int near_hugoniot(double du2, double rho_a, double rho_b, double pa, double pb) {
     const double jump = (pb - pa) * (rho_b - rho_a), square = du2 * (rho_a * rho_b);
     return (jump > 0) & exceeds(STRONG, pa, pb) & (square > (1 - LOOSE) * jump) & (square < (1 + LOOSE) * jump);
+}
+
+/* Returns the speed (m/s) that entropy and shears get beside the front of a shock between two cells that close in at
+ * the speed du; 0 where there is no front: the pressures differ FRONT times, and the cells close in as fast as in a
+ * simple wave, so that the weight of gas at rest is none. The jumps of u and c are those of an H-correction (Sanders,
+ * Morano & Druguet 1998), half of the jump of an acoustic speed. */
+ALWAYS_INLINE double front_speed(double du, double cl, double cr, const double impedance[2], double pl, double pr) {
+    const double wave = 2 * SIMPLE * fabs(pr - pl);
+    const int front = (du > 0) & exceeds(FRONT, pl, pr) & (du * (impedance[0] + impedance[1]) > wave);
+    return select_masked(-(uint64_t)front, 0.5 * (du + fabs(cl - cr)), 0);
 }
 
 #endif
