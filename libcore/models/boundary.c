@@ -289,18 +289,29 @@ double patch_feed(const struct patch_rules *r, int components, int face, int axi
     return value_of(&r->velocity, components, face, axis);
 }
 
+/* Does the velocity u that is given at a face let nothing through? */
+static bool shuts_face(const struct patch_rules *r, int components, const double *u, double through) {
+    bool still = true;
+    for (int c = 0; c < components; c++) still &= u[c] == 0;
+    return still || (!patch_gives_outside(r) && leads_along(components, u, through));
+}
+
 void patch_feed_mass(const struct patch_rules *r, int components, int n, const int *face, const double *into,
                      const double *rho, double *flux) {
     const struct rule *u = &r->velocity;
     for (int i = 0; i < n; i++)
         if (!u->shuts)
             flux[i] = u->volume ? rho[i] * into[i] : into[i];
-        else if (leads_along(components, u->values ? u->values + (long)face[i] * components : u->uniform, into[i]))
+        else if (shuts_face(r, components, u->values ? u->values + (long)face[i] * components : u->uniform, into[i]))
             flux[i] = 0;
 }
 
 bool patch_gives_velocity(const struct patch_rules *r) {
     return r->velocity.type->ghost == fixed;
+}
+
+bool patch_gives_outside(const struct patch_rules *r) {
+    return patch_gives_velocity(r) && rule_holds(&r->density) && rule_holds(&r->temperature);
 }
 
 bool leads_along(int components, const double *u, double through) {

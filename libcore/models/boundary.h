@@ -101,8 +101,9 @@ struct rule {
     double uniform[3];        /* the value, if `values` is NULL */
     const double *values;     /* [faces of the patch][components], or NULL; borrowed */
     bool changes;             /* do the values change in time? */
-    /* Of a velocity only: are the values of a flow rate u, and not rho u? Does the patch let nothing through where its
-     * given velocity leads along it? (Gas comes in elsewhere, or at other times.) */
+    /* Of a velocity only: are the values of a flow rate u, and not rho u? Does the patch let nothing through faces
+     * where its given velocity is 0 or, unless density and temperature are given, too, leads along them? (Gas comes in
+     * elsewhere, or at other times.) */
     bool volume, shuts;
 };
 struct patch_rules {         /* the rules of one patch; an empty or cyclic patch has none (type NULL) */
@@ -122,8 +123,9 @@ double patch_feed(const struct patch_rules *r, int components, int face, int axi
  * the patch. Turns flux[n], the mass per area and time (kg/m^2 s) that would flow in, into what does. */
 void patch_feed_mass(const struct patch_rules *r, int components, int n, const int *face, const double *into,
                      const double *rho, double *flux);
-/* Is a velocity given whatever the gas does, as by fixedValue? */
+/* Is a velocity given whatever the gas does, as by fixedValue? Is the whole state given, that of the gas outside? */
 bool patch_gives_velocity(const struct patch_rules *r);
+bool patch_gives_outside(const struct patch_rules *r);
 /* Does u lead along a face, up to round-off, if its component along the normal is `through`? */
 bool leads_along(int components, const double *u, double through);
 bool patch_needs_values(const struct patch_rules *r); /* are the patch's ghosts made from rho, u and T? */

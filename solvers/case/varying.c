@@ -186,32 +186,30 @@ bool varying_alike(const struct varying *v, long a, long b) {
     return true;
 }
 
+void varying_lead_note(struct varying_lead *lead, const double u[3], const double normal[3]) {
+    const double through = u[0] * normal[0] + u[1] * normal[1] + u[2] * normal[2];
+    *(leads_along(3, u, through) ? &lead->along : &lead->through) = true;
+    lead->still |= u[0] == 0 && u[1] == 0 && u[2] == 0;
+}
+
 /* Of expressions in time only this is known: which components are 0 at all times. */
-static void expression_leads(const struct varying *v, struct varying_lead *out) {
-    const bool timed = varying_in_time(v);
-    double u[3];
-    out->along = timed;
-    for (long i = 0; i < v->nfaces; i++) {
-        const double *x = v->centre + 3 * i, *n = v->normal + 3 * i;
-        double through = 0;
-        for (int c = 0; c < 3; c++) {
-            u[c] = timed ? varying_leads(v, c) : expr_value(v->expr[c], x[0], x[1], x[2], 0);
-            through += timed ? fabs(n[c] * u[c]) : n[c] * u[c];
-        }
-        *(leads_along(3, u, through) ? &out->along : &out->through) = true;
-    }
+static void timed_lead(const struct varying *v, struct varying_lead *out) {
+    out->along = out->still = true;
+    for (long i = 0; i < 3L * v->nfaces; i++)
+        out->through |= fabs(v->normal[i]) > 1e-6 && varying_leads(v, (int)(i % 3));
 }
 
 struct varying_lead varying_lead(const struct varying *v) {
-    struct varying_lead out = {v->rate, false};
-    if (v->text) expression_leads(v, &out);
-    for (int k = 0; k < v->knots && !v->rate; k++) {
-        const double *u = v->table + k * v->width + 1;
-        for (long i = 0; i < v->nfaces; i++) {
-            const double *n = v->normal + 3 * i;
-            *(leads_along(3, u, u[0] * n[0] + u[1] * n[1] + u[2] * n[2]) ? &out.along : &out.through) = true;
-        }
+    struct varying_lead out = {v->rate, false, false};
+    if (v->text && varying_in_time(v)) timed_lead(v, &out);
+    for (long i = 0; i < v->nfaces && v->text && !varying_in_time(v); i++) {
+        const double *x = v->centre + 3 * i;
+        double u[3];
+        for (int c = 0; c < 3; c++) u[c] = expr_value(v->expr[c], x[0], x[1], x[2], 0);
+        varying_lead_note(&out, u, v->normal + 3 * i);
     }
+    for (int k = 0; k < v->knots && !v->rate; k++)
+        for (long i = 0; i < v->nfaces; i++) varying_lead_note(&out, v->table + k * v->width + 1, v->normal + 3 * i);
     return out;
 }
 

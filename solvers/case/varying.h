@@ -28,10 +28,12 @@ bool varying_in_time(const struct varying *v);
 bool varying_in_space(const struct varying *v);              /* else all faces have one value */
 bool varying_leads(const struct varying *v, int x);          /* may component x be other than 0? */
 bool varying_alike(const struct varying *v, long a, long b); /* are two faces the same at any time? */
-/* May a velocity lead through a face of the patch at some time? May it lead along one, or be 0 there? */
+/* May a velocity lead through a face of the patch at some time? May it lead along one? May it be 0 at one? */
 struct varying_lead {
-    bool through, along;
+    bool through, along, still;
 };
+/* Notes the velocity u (m/s) at a face of that unit normal. */
+void varying_lead_note(struct varying_lead *lead, const double u[3], const double normal[3]);
 struct varying_lead varying_lead(const struct varying *v);
 bool varying_is_volumetric(const struct varying *v); /* is it a flowRateInletVelocity that gives u? */
 const char *varying_key(const struct varying *v);    /* the entry that gives the rule */

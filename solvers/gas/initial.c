@@ -342,17 +342,16 @@ static status check_feed(const struct reader *r, const struct initial *s, int p)
                 dict_path(U->dict), U->patch[p].line, r->place->mesh->patch[p].name);
 }
 
-/* Finds whether the velocity that is given on a patch leads through faces and along faces, at any time. */
+/* Finds how the velocity that is given on a patch leads, at all times. */
 static struct varying_lead lead_of(const struct polymesh *m, const struct patch_field *U, int p) {
-    struct varying_lead out = {false, false};
+    struct varying_lead out = {false, false, false};
     if (U->varying) return varying_lead(U->varying);
     for (int i = 0; i < m->patch[p].nfaces; i++) {
-        const double *u = U->values ? U->values + 3L * i : U->uniform;
-        double centre[3], area[3];
-        polymesh_patch_face(m, p, i, centre, area);
-        const double size = sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
-        const double through = (u[0] * area[0] + u[1] * area[1] + u[2] * area[2]) / size;
-        *(leads_along(3, u, through) ? &out.along : &out.through) = true;
+        double centre[3], normal[3];
+        polymesh_patch_face(m, p, i, centre, normal);
+        const double size = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        for (int k = 0; k < 3; k++) normal[k] /= size;
+        varying_lead_note(&out, U->values ? U->values + 3L * i : U->uniform, normal);
     }
     return out;
 }
@@ -364,9 +363,10 @@ static status check_along(const struct reader *r, struct initial *s, int p) {
     const struct field *U = s->field[FIELD_U];
     if (!patch_gives_velocity(rules)) return OK;
     const struct varying_lead lead = lead_of(r->place->mesh, &U->patch[p], p);
-    rules->velocity.shuts = lead.through && lead.along;
-    s->outside[p] = !lead.through && rule_holds(&rules->density) && rule_holds(&rules->temperature);
-    if (lead.through || s->outside[p]) return OK;
+    const bool outside = patch_gives_outside(rules);
+    rules->velocity.shuts = lead.through && (outside ? lead.still : lead.along);
+    s->outside[p] = outside && !lead.through;
+    if (lead.through || outside) return OK;
     return fail(ERR_INPUT,
                 "%s:%d: patch %s: U is '%s' and leads along the patch, so that nothing is to flow through it, but the "
                 "type lets gas through: a wall is  type %s;  (for a state outside give alpha and T, too)",

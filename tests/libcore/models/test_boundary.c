@@ -126,22 +126,28 @@ static void feeding(void **state) {
     assert_false(patch_feeds(&(struct patch_rules){.pressure = false})); /* an empty patch */
 }
 
-/* By volume the mass is rho u; where a given velocity leads along a face nothing flows, if the patch shuts. */
+/* By volume the mass is rho u. A patch that shuts lets nothing through faces where its velocity is 0, nor where that
+ * leads along them, unless the whole state is given, that of the gas outside. */
 static void feeding_faces(void **state) {
     (void)state;
     const double values[4][3] = {{2, 5, 1}, {0, 5, 1}, {0, 0, 0}, {-3, 0, 0}}, into[] = {2, 0, 0, -3},
                  rho[] = {7, 7, 7, 7};
-    const int face[] = {0, 1, 2, 3};
-    const double of_volume[] = {14, 0, 0, -21}, of_mass[] = {2, 0, 0, -3}, shut[] = {40, 0, 0, 43};
-    struct patch_rules r = {.velocity = {.type = boundary_find("flowRateInletVelocity"), .values = values[0]}};
-    for (int k = 0; k < 3; k++) {
+    const struct boundary_type *rate = boundary_find("flowRateInletVelocity"), *fixed = boundary_find("fixedValue"),
+                               *free = boundary_find("zeroGradient");
+    const struct {
+        struct rule velocity, density;
+        double want[4];
+    } row[] = {{{.type = rate}, {.type = fixed}, {2, 0, 0, -3}},
+               {{.type = rate, .volume = true}, {.type = free}, {14, 0, 0, -21}},
+               {{.type = fixed, .shuts = true}, {.type = free}, {40, 0, 0, 43}},
+               {{.type = fixed, .shuts = true}, {.type = fixed}, {40, 41, 0, 43}}};
+    for (int k = 0; k < 4; k++) {
+        struct patch_rules r = {.velocity = row[k].velocity, .density = row[k].density, .temperature = {.type = fixed}};
         double flux[] = {40, 41, 42, 43};
-        const double *want = k == 0 ? of_mass : k == 1 ? of_volume : shut;
-        if (k == 1) r.velocity.volume = true;
-        if (k == 2) r.velocity = (struct rule){.type = boundary_find("fixedValue"), .values = values[0], .shuts = true};
+        r.velocity.values = values[0];
         assert_true(patch_feeds(&r));
-        patch_feed_mass(&r, 3, 4, face, into, rho, flux);
-        for (int i = 0; i < 4; i++) assert_true(flux[i] == want[i]);
+        patch_feed_mass(&r, 3, 4, (const int[]){0, 1, 2, 3}, into, rho, flux);
+        for (int i = 0; i < 4; i++) assert_true(flux[i] == row[k].want[i]);
     }
 }
 
