@@ -85,6 +85,7 @@ static status cells_make(struct gas *g) {
     TRY(make_lines(g));
     measure_cells(c);
     TRY(make_fit(g));
+    fit_keep(c->fit, g->least, g->limit);
     TRY(cells_sweep_make(c->polyhedra, c->fit, &c->sweep));
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));

@@ -3,12 +3,16 @@
  * sources below; polynomial_fit.c makes the weights. */
 #include "libcore/schemes/polynomial_fit.h"
 
+#include "libcore/schemes/limit.h"
+
 #define EACH_LANE for (int l = 0; l < LANES; l++)
 static const double SMALL = 1e-6; /* squared ratio of variation to scale below which nothing is limited */
 /* The epsilon of CWENO3's weights: a variation by 1 % of the scale per cell is smooth. */
 static const double EPSILON = 1e-4;
 static const double OVER = 0.2;    /* how far CWENO3 may leave the range of its stencil, in units of that range */
 static const double TINY = 1e-100; /* keeps 0/0 away */
+/* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
+static const double SURE = 1.001 * KEPT;
 
 ALWAYS_INLINE void own_values(const struct fit *f, int batch, const double *restrict q, double *restrict own) {
     int first = batch * LANES, n = f->polyhedra->nnear - first < LANES ? f->polyhedra->nnear - first : LANES;
@@ -43,6 +47,7 @@ ALWAYS_INLINE void take_calm(const int *restrict cell, const struct calm *restri
 struct frame {
     double velocity[MAX_DIM][LANES], half_square[LANES];
     double square[MAX_VAR][LANES]; /* squares of the scales rho, rho sqrt(2 eps), rho eps */
+    double energy[LANES];          /* rho eps */
 };
 ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct frame *restrict f) {
     EACH_LANE {
@@ -53,6 +58,7 @@ ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct frame
         }
         double energy = own[m + 1][l] - 0.5 * rho * sum;
         f->half_square[l] = 0.5 * sum;
+        f->energy[l] = energy;
         f->square[0][l] = rho * rho;
         for (int k = 0; k < m; k++) f->square[k + 1][l] = fabs(2 * rho * energy);
         f->square[m + 1][l] = energy * energy;
@@ -149,9 +155,93 @@ ALWAYS_INLINE double *values_of(const struct fit *f, int batch, int v, int j) {
     return f->value + v * f->nvalues + (long)(f->slot[batch] + j - f->point.start[batch]) * LANES;
 }
 
+/* Do the bounds of the changes alone, widened by `over` of their range, say that all states keep their distance? In
+ * smooth gas they do, and no point is looked at. */
+ALWAYS_INLINE bool bounds_kept(int m, const struct fit *f, const double *restrict mean,
+                               const struct frame *restrict frame, const struct bounds *restrict b, double over) {
+    double square[LANES] = {0}, lost[LANES], any = 0;
+    for (int k = 1; k <= m; k++) EACH_LANE {
+            const double wider = over * (b[k].high[l] - b[k].low[l]), most = wider + larger(b[k].high[l], -b[k].low[l]);
+            square[l] += most * most;
+        }
+    EACH_LANE {
+        const double wider = over * (b[0].high[l] - b[0].low[l]), rho = mean[l] + (b[0].low[l] - wider);
+        const double energy =
+            (1 - SURE) * frame->energy[l] + (b[m + 1].low[l] - over * (b[m + 1].high[l] - b[m + 1].low[l]));
+        const double low = smaller(f->least + SURE * (mean[l] - f->least), mean[l]);
+        const bool kept = (rho > low) & (b[0].high[l] + wider < (1 - SURE) * (f->most - mean[l])) & (energy > 0) &
+                          (energy * rho > 0.5 * square[l]);
+        lost[l] = kept ? 0 : 1;
+    }
+    EACH_LANE any += lost[l];
+    return any == 0;
+}
+
+/* Do the states at all face points of the cells keep their distance from the edge of the admissible set? (NaN: no) */
+ALWAYS_INLINE bool all_kept(int m, const struct fit *f, int batch, const double *restrict mean,
+                            const struct frame *restrict frame) {
+    double low[LANES], high[LANES], warm[LANES], lost[LANES] = {0};
+    EACH_LANE {
+        low[l] = smaller(f->least + KEPT * (mean[l] - f->least), mean[l]) - mean[l];
+        high[l] = (1 - KEPT) * (f->most - mean[l]);
+        warm[l] = KEPT * frame->energy[l];
+    }
+    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
+        const double *restrict line[MAX_VAR];
+        double square[LANES] = {0};
+        for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
+        for (int k = 1; k <= m; k++) EACH_LANE square[l] += line[k][l] * line[k][l];
+        EACH_LANE {
+            const double rho = mean[l] + line[0][l], over = frame->energy[l] - warm[l] + line[m + 1][l];
+            const bool kept = (line[0][l] >= low[l]) & (line[0][l] <= high[l]) & (over * rho >= 0.5 * square[l]);
+            lost[l] = kept ? lost[l] : 1;
+        }
+    }
+    double any = 0;
+    EACH_LANE any += lost[l];
+    return any == 0;
+}
+
+/* Draws the changes at the face points of each cell to 0, all by one factor, until all states keep their distance: with
+ * factors of their own, more mass would leave a cell at all its faces than it has (docs/physics.md 7.3). rho e is
+ * concave: on the way to the average it rises at least linearly. */
+ALWAYS_INLINE void draw_points(int m, const struct fit *f, int batch, const double *restrict mean,
+                               const struct frame *restrict frame) {
+    double theta[LANES];
+    EACH_LANE theta[l] = frame->energy[l] > 0 ? 1 : 0;
+    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
+        double *line[MAX_VAR];
+        for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
+        EACH_LANE {
+            const double change = line[0][l], low = smaller(f->least + KEPT * (mean[l] - f->least), mean[l]) - mean[l];
+            const double high = (1 - KEPT) * (f->most - mean[l]), edge = change < low ? low : high;
+            const bool inside = (change >= low) & (change <= high);
+            const double here = inside ? 1 : edge / change;
+            double square = 0;
+            for (int k = 1; k <= m; k++) square += line[k][l] * line[k][l];
+            const double e =
+                frame->energy[l] + here * line[m + 1][l] - 0.5 * here * here * square / (mean[l] + here * change);
+            const double warm = KEPT * frame->energy[l], some = (frame->energy[l] - warm) / (frame->energy[l] - e);
+            const double share = here * (e >= warm ? 1 : some);
+            theta[l] = share < theta[l] ? share : share >= theta[l] ? theta[l] : 0; /* NaN: 0 */
+        }
+    }
+    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++)
+        for (int v = 0; v < m + 2; v++) {
+            double *restrict line = values_of(f, batch, v, j);
+            EACH_LANE {
+                const double drawn = theta[l] * line[l];
+                line[l] = theta[l] > 0 ? drawn : 0;
+            }
+        }
+}
+
 /* Turns changes at face points, in the frame of the cell, into values. */
-ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, double (*restrict own)[LANES],
-                                 const struct frame *restrict frame) {
+ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, const struct batch *restrict c, double over) {
+    const double(*own)[LANES] = c->own;
+    const struct frame *frame = &c->frame;
+    if (f->most > 0 && !bounds_kept(m, f, own[0], frame, c->bounds, over) && !all_kept(m, f, batch, own[0], frame))
+        draw_points(m, f, batch, own[0], frame);
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
         double *line[MAX_VAR];
         for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
@@ -181,7 +271,7 @@ ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const 
         limit(dim, &f->halfway, batch, c.frame.square[v], &c.bounds[v], a[v]);
         linear_changes(dim, f, batch, v, &c.bounds[v], a[v]);
     }
-    finish_points(m, f, batch, c.own, &c.frame);
+    finish_points(m, f, batch, &c, 0);
 }
 
 /* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000; docs/physics.md 6.11) with the quadratic of the whole
@@ -336,7 +426,7 @@ ALWAYS_INLINE void cweno3(int dim, int m, const struct fit *f, int batch, const 
     sector_gradients(dim, m, f, batch, sectors, U, c.own, &c.frame, gradient);
     combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
     for (int v = 0; v < m + 2; v++) quadratic_changes(dim, f, batch, v, &c.bounds[v], a[v]);
-    finish_points(m, f, batch, c.own, &c.frame);
+    finish_points(m, f, batch, &c, OVER);
 }
 
 /* One function for every dimension and every number of components of u: loops over coefficients unroll. */
@@ -371,6 +461,11 @@ void fit_rest(struct fit *f, const double *rho, const double *E, const double *n
     f->rest[0] = rho;
     f->rest[f->nvar - 1] = E;
     f->near = near;
+}
+
+void fit_keep(struct fit *f, double least, double most) {
+    f->least = least;
+    f->most = most;
 }
 
 void fit_cells(struct fit *f, int from, int to, const double *const *U) {

@@ -40,6 +40,10 @@ void fit_free(struct fit *f);
  * arrays are borrowed. */
 void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
 
+/* From now on fits draw a polynomial towards the average of its cell, as a whole, until at all face points rho stays
+ * between `least` and `most` and the internal energy above 0, each by the share KEPT of the average's distance. */
+void fit_keep(struct fit *f, double least, double most);
+
 /* From now on fits keep the values at the face points of a cell only as long as they are wanted, in little memory, when
  * they take turns: turn k < n fits cells up to cells[k], then reads the points of the faces up to faces[k] (of the
  * latter, no cell may be beyond the former). After the last turn the rest of the cells are fitted and all other points

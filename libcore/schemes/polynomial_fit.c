@@ -260,19 +260,44 @@ static status list_points(const struct polyhedra *m, struct point_list *l) {
     return OK;
 }
 
+/* Gives the rows that a cell lacks beside others of its batch its first point once more, so that what is found over all
+ * rows does not depend on the other cells. */
+static void repeat_points(struct fit *f, const int *length) {
+    const struct rows *r = &f->point;
+    for (int i = 0; i < f->polyhedra->nnear; i++) {
+        const int b = i / LANES, rows = r->start[b + 1] - r->start[b];
+        for (int j = length[i]; j < rows && length[i] > 0; j++)
+            for (int k = 0; k < r->width; k++)
+                r->data[(row_of(r, i, j) * r->width + k) * LANES + i % LANES] =
+                    r->data[(row_of(r, i, 0) * r->width + k) * LANES + i % LANES];
+    }
+}
+
+static int rim_of(const struct polyhedra *m, int i, int *first) {
+    if (i < m->nown) return 0;
+    *first = m->rim.start[i - m->nown];
+    return m->rim.start[i - m->nown + 1] - *first;
+}
+
 static status make_points(struct fit *f, const struct point_list *l, int *length) {
     const struct polyhedra *m = f->polyhedra;
+    int rim = 0;
     for (int side = 0; side < 2; side++)
         TRY(allocate(&f->place[side], m->point.n, sizeof *f->place[side], "face points of a fit"));
-    for (int i = 0; i < m->nnear; i++) length[i] = l->start[i + 1] - l->start[i];
+    for (int i = 0; i < m->nnear; i++) length[i] = l->start[i + 1] - l->start[i] + rim_of(m, i, &rim);
     TRY(rows_make(f, length, m->dim, false, &f->point));
-    for (int i = 0; i < m->nnear; i++)
-        for (int j = 0; j < length[i]; j++) {
+    for (int i = 0; i < m->nnear; i++) {
+        const int mine = length[i] - rim_of(m, i, &rim);
+        for (int j = mine; j < length[i]; j++)
+            for (int k = 0; k < m->dim; k++) put(&f->point, i, j, k, m->rim.arm[k][rim + j - mine] / unit(m, i));
+        for (int j = 0; j < mine; j++) {
             int point = l->entry[l->start[i] + j] / 2, side = l->entry[l->start[i] + j] % 2;
             bool whole = f->kind->cells == NULL;
             f->place[side][point] = whole ? i : (int)row_of(&f->point, i, j) * LANES + i % LANES;
             for (int k = 0; k < m->dim; k++) put(&f->point, i, j, k, m->point.arm[side][k][point] / unit(m, i));
         }
+    }
+    repeat_points(f, length);
     TRY(allocate(&f->slot, f->nbatches, sizeof *f->slot, "values at face points"));
     for (int b = 0; b < f->nbatches; b++) f->slot[b] = f->point.start[b];
     f->nvalues = f->kind->cells ? (long)f->point.start[f->nbatches] * LANES : 0;

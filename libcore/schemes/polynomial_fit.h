@@ -34,6 +34,7 @@ struct fit {
     long nvalues;        /* values of one variable */
     int *slot;           /* [nbatches] */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
+    double least, most;                 /* of fit_keep; most 0: no density is kept in between */
     int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */
 };
 

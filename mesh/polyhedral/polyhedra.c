@@ -261,7 +261,7 @@ static void work_free(struct work *w) {
 status work_local(struct polyhedra *m, struct work *w, int rings) {
     TRY(number_cells(m, w));
     TRY(make_faces(m, w));
-    TRY(geometry_make(m, &w->links, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
+    TRY(geometry_make(m, &w->links, w->local, w->link_of, w->mirror_link, rings == 1 ? 1 : 3));
     TRY(stencil_make(m, &w->grower, w->local, w->mirror_of));
     for (int i = 0; i < m->ncells; i++) m->cell[i] = links_cell_name(&w->links, m->cell[i]);
     return OK;
@@ -423,6 +423,8 @@ void polyhedra_free(struct polyhedra *m) {
     faces_free(&m->face);
     mirrors_free(&m->mirror);
     points_free(&m->point);
+    free(m->rim.start);
+    lines_free(m->rim.arm, 3);
     int *const list[] = {m->cell,          m->face_start, m->face_of_cell, m->stencil_start,
                          m->stencil,       m->ring,       m->corner_start, m->corner_first,
                          m->corner_member, m->block_id,   m->block_start,  m->block_cell};

@@ -41,6 +41,12 @@ struct polyhedra_points {
     double *weight;    /* [n] sum to 1 over a face */
     double *arm[2][3]; /* [left or right][dim][n] from the centre of the cell on that side, m */
 };
+/* The points on those faces of near ghosts that are not among the faces of this rank: with them a rank has all points
+ * of each cell whose polynomial it computes. */
+struct polyhedra_rims {
+    int *start;     /* [nnear - nown + 1] */
+    double *arm[3]; /* [dim][start[nnear - nown]] from the centre of the ghost, m */
+};
 /* Mirror i is cell ncells + i; the first face.n - face.ninternal mirrors belong to faces of my cells. */
 struct polyhedra_mirrors {
     int n;
@@ -64,6 +70,7 @@ struct polyhedra {
     int *face_start, *face_of_cell;
     struct polyhedra_faces face;
     struct polyhedra_points point;
+    struct polyhedra_rims rim;
     /* a mirror's centre, volume, moments are the cell's, reflected in the plane of the face */
     struct polyhedra_mirrors mirror;
 

@@ -360,6 +360,40 @@ static status make_points(struct polyhedra *m, const struct links *l, const int 
     return OK;
 }
 
+/* Does one pass over the faces of near ghosts that are not mine: counts their points, or (r) puts their arms in. */
+static void walk_rims(struct polyhedra *m, const struct links *l, const int *local, int order, struct rule *r) {
+    struct polyhedra_rims *rim = &m->rim;
+    for (int i = m->nown, at = 0; i < m->nnear; i++, rim->start[i - m->nown] = at)
+        for (int c = m->cell[i], j = l->cell_start[c]; j < l->cell_start[c + 1]; j++) {
+            const int code = l->cell_link[j], link = code < 0 ? ~code : code;
+            int image, to = links_cross(l, code, 0, &image);
+            if (to >= 0 && local[to] >= 0 && local[to] < m->nown) continue;
+            (void)links_cross(l, link, 0, &image);
+            if (r) place_points(l, l->face[link], order, r);
+            for (int p = 0; r && p < r->n; p++)
+                for (int k = 0; k < m->dim; k++)
+                    rim->arm[k][at + p] = (r->x[p][k] - (code < 0 ? l->image[image][k] : 0)) - m->centre[k][i];
+            at += count_points(l, l->face[link], order);
+        }
+}
+
+static status make_rims(struct polyhedra *m, const struct links *l, const int *local, int order) {
+    struct rule r = {0};
+    const int near = m->nnear - m->nown;
+    TRY(allocate(&m->rim.start, near + 1L, sizeof *m->rim.start, "the points of ghosts"));
+    walk_rims(m, l, local, order, NULL);
+    TRY(lines_make(m->rim.arm, m->dim, m->rim.start[near], "the points of ghosts"));
+    for (int i = 0; i < near; i++) {
+        const int n = m->rim.start[i + 1] - m->rim.start[i];
+        r.room = n > r.room ? n : r.room;
+    }
+    TRY(allocate(&r.weight, 4L * r.room, sizeof *r.weight, "the points of ghosts"));
+    r.x = (double(*)[3])(r.weight + r.room);
+    walk_rims(m, l, local, order, &r);
+    free(r.weight);
+    return OK;
+}
+
 /* Keeps centres and volumes of my cells as OpenFOAM's tools compute them. */
 static status make_places(struct polyhedra *m, const struct links *l) {
     double *centre = NULL, *volume = NULL;
@@ -377,11 +411,12 @@ static status make_places(struct polyhedra *m, const struct links *l) {
     return e;
 }
 
-status geometry_make(struct polyhedra *m, const struct links *l, const int *link_of, const int *mirror_link,
-                     int order) {
+status geometry_make(struct polyhedra *m, const struct links *l, const int *local, const int *link_of,
+                     const int *mirror_link, int order) {
     TRY(make_places(m, l));
     TRY(make_cells(m, l));
     TRY(make_mirrors(m, l, mirror_link));
     TRY(make_faces(m, l, link_of));
-    return make_points(m, l, link_of, order);
+    TRY(make_points(m, l, link_of, order));
+    return make_rims(m, l, local, order);
 }

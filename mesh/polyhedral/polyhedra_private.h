@@ -110,7 +110,9 @@ status grower_run(struct grower *g, int cell);
 status stencil_make(struct polyhedra *m, struct grower *g, const int *local, const int *mirror_of);
 
 /* Fills all geometry; link_of[faces] and mirror_link[mirrors] are the links of faces and mirrors. */
-status geometry_make(struct polyhedra *m, const struct links *l, const int *link_of, const int *mirror_link, int order);
+/* local: [cells of the links] number on this rank, or below 0. */
+status geometry_make(struct polyhedra *m, const struct links *l, const int *local, const int *link_of,
+                     const int *mirror_link, int order);
 
 status lines_make(double **line, int count, long n, const char *what);
 void lines_free(double **line, int count);

@@ -477,11 +477,69 @@ static void pieces_do_not_matter(void **state) {
     }
 }
 
+static double cliff(const double x[3]) { /* falls tenfold from cell to cell */
+    const double fall = 1 / (1 + 4e6 * x[0] * x[0] * x[0] * x[0] * x[0] * x[0]);
+    return fall * fall + 1e-9;
+}
+
+/* The shares of the way from the average to the state of `loose` that are left at the points of each cell: least and
+ * greatest. Checks on the way that all states keep their distance. */
+static void find_shares(const struct subject *loose, const struct subject *s, double *least, double *greatest) {
+    const struct polyhedra *m = s->polyhedra;
+    const double kept = 0.1 * (1 - 1e-10);
+    for (int c = 0; c < m->size; c++) least[c] = 2, greatest[c] = -1;
+    for (int p = 0; p < m->point.n; p++)
+        for (int side = 0; side < 2 && inner(m, p, side); side++) {
+            const int face = m->point.face[p], c = side ? m->face.right[face] : m->face.left[face];
+            const double mean = s->average[0][c], rho = s->value[side][0][p], change = loose->value[side][0][p] - mean;
+            double energy = s->value[side][m->dim + 1][p];
+            for (int a = 0; a < m->dim; a++) energy -= 0.5 * pow(s->value[side][a + 1][p], 2) / rho;
+            assert_true(rho >= kept * mean && 1.5 - rho >= kept * (1.5 - mean) && energy > 0);
+            if (fabs(change) < 1e-3 * mean) continue;
+            least[c] = smaller(least[c], (rho - mean) / change);
+            greatest[c] = larger(greatest[c], (rho - mean) / change);
+        }
+}
+
+/* Beside a void all states at a cell's points are admissible, and all have gone the same share of the way to the
+ * average: with a share for each point, more mass would leave a cell at all its faces than it has. */
+static void cells_are_drawn_as_a_whole(void **state) {
+    (void)state;
+    for (int k = 1; k < polynomial_count; k++) {
+        int drawn = 0, whole = 0;
+        for (enum shape shape = QUADS; shape <= TETS; shape++) {
+            struct subject s[2]; /* loose, kept */
+            double *range[2];
+            for (int i = 0; i < 2; i++) {
+                subject_make(&s[i], shape, sample_flat(shape) ? 20 : 8, 1, 0.2, polynomial_table[k].model.name);
+                average(&s[i], cliff);
+                blow(&s[i]);
+                if (i) fit_keep(s[i].fit, 0, 1.5);
+                values(&s[i]);
+                ok(allocate(&range[i], s[0].polyhedra->size, sizeof(double), "shares"));
+            }
+            find_shares(&s[0], &s[1], range[0], range[1]);
+            for (int c = 0; c < s[0].polyhedra->nown; c++) {
+                if (range[1][c] < 0) continue;
+                assert_true(range[1][c] - range[0][c] < 1e-10); /* round-off over 1e-3 */
+                drawn += range[1][c] < 0.999;
+                whole += range[1][c] > 1 - 1e-12;
+            }
+            for (int i = 0; i < 2; i++) {
+                free(range[i]);
+                subject_free(&s[i]);
+            }
+        }
+        assert_true(drawn > 10 && whole > 10);
+    }
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(constants_are_exact),
                                        cmocka_unit_test(polynomials_are_exact),
                                        cmocka_unit_test(orders),
                                        cmocka_unit_test(jumps),
+                                       cmocka_unit_test(cells_are_drawn_as_a_whole),
                                        cmocka_unit_test(units_do_not_matter),
                                        cmocka_unit_test(observers_do_not_matter),
                                        cmocka_unit_test(shocks_cool_nothing),
