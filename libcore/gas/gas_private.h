@@ -263,6 +263,17 @@ int row_inadmissible(const struct gas *g, const double *U, long offset, int n, d
  * more there. */
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags);
 
+/* ---- the heat flux of grad rho ---- */
+
+/* Returns the heat flux cross grad rho between two cells, times their distance, for the jump of rho and the mean of
+ * their coefficients. Beside gas thinner than `thin` it is at most twice the mean of cross rho, which is what the
+ * thinner cell conducts at a jump of T by some T; the jump of rho is that of the denser one, which carries a hundred
+ * times as much, and would heat the thin cell a hundredfold. */
+static inline double cross_jump(double thin, double mean, double jump, double low, double most) {
+    const double q = mean * jump, cut = larger(smaller(q, most), -most);
+    return low < thin ? cut : q;
+}
+
 /* ---- floors (libcore/gas/floors.c) ---- */
 
 /* Allocates g->nraised places for what the floors add. */

@@ -88,12 +88,14 @@ KERNEL static void face_coefficients(int n, long step, long size, double trace, 
 }
 
 /* cross has either sign (it is below 0 near packing at e = 0.5): where the signs differ it passes through 0. */
-KERNEL static void cross_faces(int n, long step, double width, const double *restrict rho, const double *restrict cross,
-                               double *restrict face) {
+KERNEL static void cross_faces(int n, long step, double width, double thin, const double *restrict rho,
+                               const double *restrict cross, double *restrict face) {
     const double square = 1 / (width * width);
     for (int i = 0; i < n; i++) {
         const double a = cross[i - step], b = cross[i];
-        face[i] = square * select_double(a * b > 0, harmonic(a, b), 0) * (rho[i] - rho[i - step]);
+        const double r = rho[i - step], s = rho[i], most = 2 * harmonic(fabs(a) * r, fabs(b) * s);
+        face[i] =
+            cross_jump(thin, square * select_double(a * b > 0, harmonic(a, b), 0), s - r, smaller(r, s), square * most);
     }
 }
 
@@ -106,6 +108,7 @@ static void tile_faces(struct gas *g, int tile, const double *rho) {
     const int *n = f->tile[tile].n;
     const struct work *w = &g->tiles->work;
     const double trace = trace_share(&g->models.material);
+    const double thin = g->terms.thin / packing_per_density(&g->models.material);
     for (int axis = 0; axis < g->dim; axis++) {
         double *face = g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size;
         double *cross = g->terms.cross ? g->tiles->diffuser->cross[tile] : NULL;
@@ -115,7 +118,7 @@ static void tile_faces(struct gas *g, int tile, const double *rho) {
                 face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
                                   w->c + at, w->gruneisen + at, face + at);
                 if (cross)
-                    cross_faces(n[0] + (axis == 0), f->stride[axis], f->width[axis], rho + at,
+                    cross_faces(n[0] + (axis == 0), f->stride[axis], f->width[axis], thin, rho + at,
                                 cross + g->dim * f->size + at, cross + axis * f->size + at);
             }
     }

@@ -116,7 +116,8 @@ struct garzo_line { /* of a batch: nu, X and 1 + L at densities within the range
 /* Finds the state of a batch at which the coefficients are taken: below alpha_min and above EOS_PACKING of alpha_max
  * that at the end of the range, and `share` = rho/(rho there) multiplies them. The Knudsen cut nu/(nu + knudsen)
  * multiplies them, too: grains that cross a thin gas without a collision carry less momentum and heat than the law
- * says. */
+ * says. Below alpha_min `share` also multiplies cross, which else would be constant there: heat rises against grad rho
+ * because denser gas cools faster, and gas without impacts would get T ~ rho^-0.4 over all decades of rho. */
 static void garzo_state(const struct garzo_dufty *own, const struct eos *eos, const struct material *m, int n,
                         const double *rho, struct garzo_line *l) {
     const double per = packing_per_density(m), low = larger(own->alpha_min / per, 1e-200);
@@ -154,7 +155,8 @@ KERNEL static void garzo_crossing(int n, const struct garzo_constants *c, const 
     for (int i = 0; i < n; i++) {
         const double X = l->X[i], inverse = l->nu[i] / X, steep = l->steep[i];
         const double kinetic = k.z * steep * (k.h1 + k.h2 * X) / k.h0 + k.c1 + k.c2 * X * (0.5 + 0.5 * steep);
-        const double unit = l->cut[i] * k.shear0 * k.heat_ratio * sqrt(T[i]) * T[i] * (per / l->nu[i]);
+        const double thin = smaller(l->share[i], 1);
+        const double unit = thin * l->cut[i] * k.shear0 * k.heat_ratio * sqrt(T[i]) * T[i] * (per / l->nu[i]);
         cross[i] = unit * (kinetic * inverse / k.c0 * (1 + k.h3 * X));
     }
 }
@@ -203,7 +205,8 @@ static void garzo_dilation(const struct own_params *params, const struct eos *eo
 static struct transport_terms garzo_terms(const struct own_params *params) {
     struct garzo_dufty own;
     memcpy(&own, params, sizeof own);
-    return (struct transport_terms){.cross = true, .dilation = own.zeta_u != ZETA_OFF, .diagonal = own.stress == 1};
+    return (struct transport_terms){
+        .cross = true, .dilation = own.zeta_u != ZETA_OFF, .diagonal = own.stress == 1, .thin = own.alpha_min};
 }
 
 #define PARAM_STRUCT struct garzo_dufty

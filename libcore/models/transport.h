@@ -17,6 +17,7 @@ static inline enum grains_shape shape_of(const struct material *m) {
 struct transport_terms {  /* terms of a law besides stress and q = -heat grad T */
     bool cross, dilation; /* has the law these coefficients? */
     bool diagonal;        /* is the stress on a face made by derivatives across it alone? On lattices only */
+    double thin;          /* packing fraction below which the coefficients fall with the density; 0: they do not */
 };
 
 struct transport {
@@ -39,7 +40,7 @@ struct transport {
 
 /* Returns the terms of a law; without a law there are none. */
 static inline struct transport_terms transport_terms(const struct transport *t, const struct own_params *params) {
-    return t && t->terms ? t->terms(params) : (struct transport_terms){false, false, false};
+    return t && t->terms ? t->terms(params) : (struct transport_terms){false, false, false, 0};
 }
 
 /* Returns 2/d, the share of the shear viscosity in the trace of the stress. */

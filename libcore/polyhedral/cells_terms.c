@@ -34,14 +34,17 @@ static void find_slopes(struct gas *g, const double *rho) {
 static void open_faces(struct gas *g, const double *rho, bool skewed) {
     const struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const double *cross = d->start[0];
+    const double *cross = d->start[0], thin = g->terms.thin / packing_per_density(&g->models.material);
     for (int i = 0; i < f->n; i++) {
         const int left = f->left[i], right = f->right[i];
         double slope = (rho[right] - rho[left]) * d->inverse[i];
         for (int k = 0; k < g->dim && skewed && i < f->ninternal; k++)
             slope += d->keep[i] * d->rest[k][i] * (0.5 * (d->gradient[k][left] + d->gradient[k][right]));
         const bool alike = cross[left] * cross[right] > 0; /* else cross passes through 0 between the cells */
-        d->cross[i] = alike ? -f->area[i] * harmonic(d->share[i], cross[left], cross[right]) * slope : 0;
+        const double most = 2 * harmonic(d->share[i], fabs(cross[left]) * rho[left], fabs(cross[right]) * rho[right]);
+        const double mean = alike ? harmonic(d->share[i], cross[left], cross[right]) : 0;
+        d->cross[i] = cross_jump(thin, -f->area[i] * mean, slope, smaller(rho[left], rho[right]),
+                                 f->area[i] * most * d->inverse[i]);
     }
 }
 

@@ -81,7 +81,8 @@ static bool has_param(const struct model *row, const char *name) {
 }
 
 /* Below alphaMin, of laws that have it, and above packing the coefficients are proportional to rho, so that
- * diffusivities are bounded, and the coefficient of grad rho, which goes as T heat/rho, is constant. */
+ * diffusivities are bounded. The coefficient of grad rho, which goes as T heat/rho, is constant above packing; in thin
+ * gas it falls with rho, too, as nothing there makes heat rise against grad rho. */
 static void ends_of_the_range(void **state) {
     (void)state;
     for (int row = 0; row < transport_count; row++) {
@@ -97,8 +98,9 @@ static void ends_of_the_range(void **state) {
             for (int i = 0; i < 4; i += 2)
                 assert_close(out[k][i + 1] / rho[i + 1], out[k][i] / rho[i], 1e-10, "coefficient per density");
         if (t->cross) t->cross(&own, eos, &m, 4, rho, T, cross);
-        for (int i = 0; i < 4 && t->cross; i += 2)
-            assert_close(cross[i + 1], cross[i], 1e-10, "coefficient of grad rho");
+        if (!t->cross) continue;
+        assert_close(cross[1] / rho[1], cross[0] / rho[0], 1e-10, "coefficient of grad rho in thin gas");
+        assert_close(cross[3], cross[2], 1e-10, "coefficient of grad rho above packing");
     }
 }
 
