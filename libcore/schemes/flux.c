@@ -329,6 +329,12 @@ KERNEL static void ease(int dim, int n, const struct faces *f, struct two_bases 
     if (dim == 3) ease_dim(3, n, f, t);
 }
 
+static bool is_any(int n, const double *q) {
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) any |= is(q[i] != 0);
+    return any != 0;
+}
+
 /* A zero is not added: it would change the sign of another. */
 KERNEL static void restore(int n, const double *restrict restored, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = restored[i] != 0 ? out[i] + restored[i] : out[i];
@@ -378,6 +384,7 @@ static void two_bases_flux(const struct faces *given, const struct eos *eos, con
         eased.on = t->on;
         eased.base[0] = t->base[0];
         eased.base[1] = t->base[1];
+        eased.rise = is_any(f->n, t->on) ? f->rise : NULL;
         f = &eased;
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
@@ -518,11 +525,13 @@ KERNEL static void tame(int dim, int n, const struct two_bases *restrict x, cons
 static void rests_of_states(const struct faces *f, const struct two_bases *t, const struct reconstruct *r,
                             double (*rest)[BATCH]) {
     double p[BATCH];
+    const bool any = is_any(f->n, t->rests);
     for (int side = 0; side < 2; side++) {
+        memcpy(rest[side], t->base[side], (size_t)f->n * sizeof(double));
+        if (!any) continue;
         flux_sided_pressure(f, side ? -1 : 1, r, p);
         for (int i = 0; i < f->n; i++)
-            rest[side][i] =
-                t->rests[i] * ((t->s[side].p[i] - f->base[side][i]) - (p[i] - f->rest[i])) + t->base[side][i];
+            rest[side][i] += t->rests[i] * ((t->s[side].p[i] - f->base[side][i]) - (p[i] - f->rest[i]));
     }
 }
 
