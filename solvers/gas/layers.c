@@ -35,7 +35,7 @@ static const struct param settled_param[] = {
     NUMBER("laidAt", laid, 0, FROM_TO(0, 1), NO_UNIT,
            "packing of the uniform layer (hydrostatic no), which is as deep as its mass asks; 0: packing"),
     NUMBER("background", background, 1e-6, BETWEEN(0, 1), NO_UNIT,
-           "least packing of a cell; counted in the mass of the layer"),
+           "least packing of a cell; counted in the mass of the layer, of which it may add 1 %"),
 };
 static const struct param perturbation_param[] = {
     WHOLE("modes", modes, 20, FROM_TO(1, 100000), "the longest waves of the box"),
@@ -494,17 +494,37 @@ static double packing_of(const struct bed *b, int i, double mass) {
     return b->per * (column_above(b->column, bottom, low) - column_above(b->column, bottom, high)) / (high - low);
 }
 
+static double packing_with_waves(const struct bed *b, int i, double mass) {
+    const double flat = b->l->of_depth ? 1 : b->factor[i], column = b->l->of_depth ? mass * b->factor[i] : mass;
+    return flat * packing_of(b, i, column);
+}
+
 /* Sets alpha of a layer of the nominal `mass` per area; *held is the mass that the box then holds per area of its
  * floor. */
 static status fill(const struct bed *b, double mass, double *alpha, double *held) {
     if (b->resting) TRY(rest_columns(b, mass));
     for (int i = 0; i < b->n; i++) {
-        const double flat = b->l->of_depth ? 1 : b->factor[i], column = b->l->of_depth ? mass * b->factor[i] : mass;
-        alpha[i] = fmax(flat * packing_of(b, i, column), b->l->background);
+        alpha[i] = fmax(packing_with_waves(b, i, mass), b->l->background);
         b->term[i] = alpha[i] * b->volume[i];
     }
     *held = sum_terms(b) / b->area / b->per;
     return OK;
+}
+
+/* Fails if the background adds more than 1 % to a layer that fill has laid: it does not rest, and its fall would set
+ * the layer in motion. mass: what was asked for per area; nominal: of the layer without background. */
+static status check_background(const struct bed *b, double mass, double nominal, const double *alpha) {
+    const double most = 0.01 * mass;
+    for (int i = 0; i < b->n; i++) {
+        const double own = nominal > 0 ? packing_with_waves(b, i, nominal) : 0;
+        b->term[i] = fmax(alpha[i] - own, 0) * b->volume[i];
+    }
+    const double added = sum_terms(b) / b->area / b->per;
+    if (added <= most) return OK;
+    return cannot(b->l, "settledLayer",
+                  "its background of alpha %g is %g of the %g kg/m^2 that the box is to hold, and would fall on the "
+                  "layer; say  background %g;",
+                  b->l->background, added, mass, pow(10, floor(log10(b->l->background * most / added))));
 }
 
 /* Sets alpha so that the box holds `mass`. The background, waves that do not sum to zero over uneven cells, and cells
@@ -520,10 +540,10 @@ static status settle(const struct bed *b, double mass, double *alpha) {
         TRY(fill(b, nominal, alpha, &held));
         missing = mass - held;
     }
+    TRY(check_background(b, mass, nominal, alpha));
     if (fabs(missing) < 1e-12 * mass) return OK;
     return cannot(b->l, "settledLayer",
-                  "the box cannot hold it: of %g kg/m^2 %g are missing; lower depth, or background, or raise the lid",
-                  mass, missing);
+                  "the box cannot hold it: of %g kg/m^2 %g are missing; lower depth, or raise the lid", mass, missing);
 }
 
 static status make_column(struct bed *b, double mass, const struct field *T) {
