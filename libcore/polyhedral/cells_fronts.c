@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds the fronts of shocks on polyhedra, once a step (docs/physics.md 6.12): the speed S of a cell is the largest
  * front_speed of its faces, and no less than S of the cells across them, as no face of triangles lies along a front. A
- * face gets the larger S of its two cells as the floor of struct faces. Faces of patches are no fronts. */
+ * face gets the larger S of its two cells as the floor of struct faces. Faces of patches are no fronts. S is doubled:
+ * with once front_speed, strong shocks keep three times the noise on triangles, with four times no less. */
 #include "libcore/polyhedral/cells.h"
 #include "libcore/schemes/flux_rules.h"
 
@@ -53,7 +54,7 @@ static void find(const struct gas *g, const double *const *U) {
         const int l = f->left[face], r = f->right[face];
         if (!exceeds(FRONT, x->p[l], x->p[r])) continue;
         const double impedance[2] = {U[0][l] * x->c[l], U[0][r] * x->c[r]};
-        const double S = front_speed(-cells_parting(g, face, U), x->c[l], x->c[r], impedance, x->p[l], x->p[r]);
+        const double S = 2 * front_speed(-cells_parting(g, face, U), x->c[l], x->c[r], impedance, x->p[l], x->p[r]);
         x->speed[l] = larger(x->speed[l], S);
         x->speed[r] = larger(x->speed[r], S);
     }
