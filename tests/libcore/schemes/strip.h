@@ -16,7 +16,8 @@ struct strip { /* cells in a row, as the fluxes see them */
     double U[MAX_VAR][CELLS], F[MAX_VAR][CELLS], u[MAX_DIM][CELLS], eps[CELLS], p[CELLS], c[CELLS], g[CELLS];
     double out[MAX_VAR][CELLS];
     double fastest;
-    double gravity; /* times the cells' width; 0: no pressure of gas at rest is taken */
+    double gravity;      /* times the cells' width; 0: no pressure of gas at rest is taken */
+    const double *floor; /* [n] of the faces whose flux is computed, or NULL */
 };
 
 static inline void close_strip(struct strip *s) { /* from rho, u, eps */
@@ -69,6 +70,7 @@ static inline void flux_with(struct strip *s, const struct flux *flux, const str
                       .gruneisen = s->g + first,
                       .fastest = s->fastest,
                       .pace = pace,
+                      .floor = s->floor,
                       .params = params};
     for (int v = 0; v < s->dim + 2; v++) {
         f.state[v] = s->U[v] + first;

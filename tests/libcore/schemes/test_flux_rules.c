@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The rules of single faces of the flux `common`: which faces they take, which flux those get, and that all other faces
  * keep theirs. */
+#include "libcore/schemes/flux_rules.h"
+
 #include "tests/libcore/oracle.h"
 
 #include "tests/libcore/schemes/strip.h"
@@ -184,6 +186,58 @@ static void expansions_are_damped_less(void **state) {
     assert_false(differ(&s, "expansions", "none", "WPENO5", FACE)); /* all waves run one way */
 }
 
+/* The flux of first order with a floor, which differs from that without by `part` (0 or 1) of what splitting the fields
+ * changes that are upwinded from the left else: the entropy and the shears, by (l.dF - floor l.dU)/2 each. */
+static void floor_changes(struct strip s, double floor, double part) {
+    struct strip own = s;
+    const struct fields_of_face q = fields_of(s.dim, &s);
+    s.floor = &floor;
+    flux_by(&s, "none", "firstOrder", FACE);
+    flux_by(&own, "none", "firstOrder", FACE);
+    for (int v = 0; v < s.dim + 2; v++) {
+        double more = 0;
+        for (int k = 1; k <= s.dim; k++)
+            more += 0.5 * (dot(s.dim + 2, q.left[k], q.dF) - floor * dot(s.dim + 2, q.left[k], q.dU)) * q.right[v][k];
+        if (part > 0)
+            assert_near(s.out[v][0], own.out[v][0] + more, 1e-11 * fabs(s.F[v][FACE]) + 1e-12);
+        else
+            assert_true(s.out[v][0] == own.out[v][0]);
+    }
+    assert_true(part == 0 || fabs(s.out[2][0] - own.out[2][0]) > 1e-3 * fabs(own.out[2][0]));
+}
+
+/* Beside fronts entropy and shears are split with the floor, where it is the larger speed, waves run both ways, and the
+ * cells differ; else the flux keeps its bits. */
+static void floors_are_taken(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        struct strip s = jump(dim, (struct gas_state){0.1, 0.5, 1000}, (struct gas_state){0.11, 0.4, 1200}, 0.4);
+        for (int i = FACE + 1; i < CELLS; i++) s.u[dim - 1][i] += 0.3;
+        for (int i = FACE + 1; i < CELLS; i++) s.u[1][i] += 0.2;
+        close_strip(&s);
+        assert_true(s.c[FACE] > 0.6);
+        floor_changes(s, 3, 1);
+        floor_changes(s, 0.4999, 0);
+        floor_changes(s, 0, 0);
+        floor_changes(jump(dim, (struct gas_state){0.1, 50, 1000}, (struct gas_state){0.11, 49, 1200}, 0.4), 100, 0);
+        floor_changes(jump(dim, (struct gas_state){0.1, 0.5, 1000}, (struct gas_state){0.1, 0.5, 1000}, 0.4), 3, 0);
+    }
+}
+
+/* The speed that a front gives: half of the closing speed and of the jump of c, where pressures differ twice and the
+ * cells close in faster than 0.3 |dp|/(rho c). */
+static void fronts_are_told(void **state) {
+    (void)state;
+    const double impedance[2] = {1, 3};
+    assert_near(front_speed(2, 1, 4, impedance, 1, 10), 2.5, 1e-15);
+    assert_near(front_speed(2, 4, 1, impedance, 10, 1), 2.5, 1e-15);
+    assert_true(front_speed(2, 1, 4, impedance, 1, 1.9) == 0);
+    assert_true(front_speed(-2, 1, 4, impedance, 1, 10) == 0);
+    assert_true(front_speed(0, 1, 4, impedance, 1, 10) == 0);
+    assert_true(front_speed(1.3, 1, 4, impedance, 1, 10) == 0); /* 4 1.3 < 0.6 9: weight, not a front */
+    assert_true(front_speed(1.4, 1, 4, impedance, 1, 10) > 0);
+}
+
 /* Faces that no jump is near keep their bits, and so do all faces without the rules. */
 static void other_faces_keep_their_bits(void **state) {
     (void)state;
@@ -211,9 +265,13 @@ static void other_faces_keep_their_bits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(contacts_are_carried),        cmocka_unit_test(contacts_at_rest_stay),
-        cmocka_unit_test(shocks_are_damped),           cmocka_unit_test(expansions_are_damped_less),
+        cmocka_unit_test(contacts_are_carried),
+        cmocka_unit_test(contacts_at_rest_stay),
+        cmocka_unit_test(shocks_are_damped),
+        cmocka_unit_test(expansions_are_damped_less),
         cmocka_unit_test(other_faces_keep_their_bits),
+        cmocka_unit_test(floors_are_taken),
+        cmocka_unit_test(fronts_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
