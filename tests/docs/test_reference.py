@@ -52,7 +52,7 @@ WRITTEN = {
     "solvers/case/times.c": {"index"},
     "solvers/functions/functions_average.c": {"total", "averages", "lines"},
     "solvers/functions/functions_phase.c": {"counts"},
-    "solvers/gas/limiter.c": {"energy", "fillMass", "fillEnergy", "place"},
+    "solvers/gas/limiter.c": {"energy", "fillMass", "fillEnergy", "pause", "paused", "place"},
 }
 READERS = ["dict_" + what for what in ("has sub sub_optional number number_or count_or switch_or word word_or vector choice words numbers "
                                        "vectors dimensions table raw").split()]

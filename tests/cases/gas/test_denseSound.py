@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sound and shocks in hot dense gas (docs/physics.md 9.2): a threshold speed that has no effect on the gas leaves the default the bits of
-explicit steps, on both engines, on any ranks and over restarts; implicit steps on demand say that they damp waves, and are no more than
-explicit ones where a bed cools faster than it moves."""
+"""Sound and shocks in hot dense gas, whose cells take no implicit steps then (docs/physics.md 9.2): a threshold speed that has no effect on
+the gas leaves the default the bits of explicit steps, on both engines, on any ranks and over restarts; implicit steps on demand say that
+they damp waves, and are no more than explicit ones where a bed cools faster than it moves."""
 import os
 import re
 import shutil
