@@ -260,14 +260,14 @@ static void find_peak(const struct gas *g, double place[3]) {
     first_place_share(g, &first, place);
 }
 
-/* Does a step of dt damp what moves by sound? Then it is counted. The measure is the energy that it takes, per explicit
- * step that it saves, as a bed whose sound crosses it many times in a step has none to lose: what changes then is the
- * slow flow, at a small part of the cost of explicit steps. A step that ends early, at a time to be written, counts as
- * if it had gone on: L is as dt^2. */
+/* Does a step of dt damp what moves by sound? Then it is counted. The measure is the energy that it takes, and from
+ * twice gain explicit steps on that energy per explicit step saved: a bed whose sound crosses it many times in a step
+ * has none to lose; what changes then is the slow flow, at a small part of the cost of explicit steps. A step that ends
+ * early, at a time to be written, counts as if it had gone on: L is as dt^2. */
 static bool damps(struct gas *g, double dt) {
     const struct dense *d = g->dense;
     const struct bed_blur *part = &d->bed.blur;
-    const double saved = dt / (d->bed.params.gain * d->usual), worth = saved * smaller(saved, 1);
+    const double saved = dt / (d->bed.params.gain * d->usual), worth = larger(smaller(saved * saved, 1), 0.5 * saved);
     if (!(part->whole > BLUR * worth || part->local > LOCAL * worth)) return false;
     g->counts.damped++;
     if (part->local > g->counts.damping) {
