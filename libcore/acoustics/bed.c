@@ -38,8 +38,8 @@ void bed_free(struct bed *b) {
 static int deal_cells(struct bed *b, double *memory, long n) {
     struct bed_lines *x = b->lines;
     int used = 0;
-    double **single[] = {&x->rho,   &x->eps,      &x->p,        &x->c,      &x->root,
-                         &x->slack, &x->residual, &x->diagonal, &x->change, &x->growth};
+    double **single[] = {&x->rho,      &x->eps,      &x->p,      &x->c,      &x->root,   &x->slack,
+                         &x->residual, &x->diagonal, &x->change, &x->growth, &x->first_p};
     for (int v = 0; v < b->components + 2; v++) {
         b->U[v] = memory + used++ * n;
         b->start[v] = memory + used++ * n;
@@ -184,6 +184,7 @@ status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *d
     if (b->deal) return bed_deal_step(b, dt, gravity, done);
     b->worked = b->cells;
     find_primitives(b);
+    memcpy(b->lines->first_p, b->lines->p, (size_t)b->cells * sizeof(double));
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
     const bool updated = bed_update(b, dt, gravity);

@@ -9,52 +9,58 @@ enum { LOST, MOTION, HEAT, MASS, MOMENTUM, SUMS = MOMENTUM + MAX_DIM };
 static const double SLIGHT = 1e-10, QUIET = 0.01;
 _Static_assert((int)SUMS == (int)BLUR_SUMS, "the memory has room for the sums");
 
-/* Finds the pressures of n states that have densities and energies per mass. */
-static void find_pressure(const struct bed *b, int n, const double *rho, const double *eps, double *p) {
-    double c2[BATCH], gruneisen[BATCH];
-    b->eos->state(b->material, n, rho, eps, p, c2, gruneisen);
-}
-
-/* Finds the pressures at the start of the whole step in n cells from `at` on. */
-static void find_start(const struct bed *b, int at, int n, double *p) {
-    const int components = b->components;
-    double rho[BATCH], eps[BATCH];
+/* Finds velocity u and eps of n states U. */
+KERNEL static void blur_primitives(int n, int components, const double *const *U, int at, double (*u)[BATCH],
+                                   double *restrict rho, double *restrict eps) {
+    double inverse[BATCH], square[BATCH];
     for (int i = 0; i < n; i++) {
-        double square = 0;
-        rho[i] = b->start[0][at + i];
-        for (int k = components; k >= 1; k--) square += b->start[k][at + i] * b->start[k][at + i];
-        eps[i] = (b->start[components + 1][at + i] - 0.5 * square / rho[i]) / rho[i];
+        rho[i] = U[0][at + i];
+        inverse[i] = 1 / rho[i];
+        square[i] = 0;
     }
-    find_pressure(b, n, rho, eps, p);
+    for (int k = components - 1; k >= 0; k--) {
+        const double *restrict mom = U[k + 1] + at;
+        for (int i = 0; i < n; i++) {
+            u[k][i] = mom[i] * inverse[i];
+            square[i] += u[k][i] * u[k][i];
+        }
+    }
+    for (int i = 0; i < n; i++) eps[i] = U[components + 1][at + i] * inverse[i] - 0.5 * square[i];
 }
 
-/* Returns the least of |du|^2 and |du - g dt|^2, for du the change of a cell's velocity since acoustics and since the
- * step began. */
-static double least_change(const struct bed *b, double dt, const double gravity[MAX_DIM], int cell) {
-    const struct bed_lines *x = b->lines;
-    double square[4] = {0, 0, 0, 0};
-    for (int k = 0; k < b->dim; k++) {
-        const double u = x->after[k + 1][cell], fall = dt * gravity[k];
-        const double change[4] = {u - x->u[k][cell], u - x->u[k][cell] - fall,
-                                  u - b->start[k + 1][cell] / b->start[0][cell],
-                                  u - b->start[k + 1][cell] / b->start[0][cell] - fall};
-        for (int i = 0; i < 4; i++) square[i] += change[i] * change[i];
+/* Adds to |du|^2 and |du - fall|^2 the part of an axis along which the velocity changes from u to `after`. */
+KERNEL static void blur_change(int n, double fall, const double *restrict u, const double *restrict after,
+                               double *restrict square, double *restrict less) {
+    for (int i = 0; i < n; i++) {
+        const double du = after[i] - u[i], rest = du - fall;
+        square[i] += du * du;
+        less[i] += rest * rest;
     }
-    return smaller(smaller(square[0], square[1]), smaller(square[2], square[3]));
+}
+
+KERNEL static void blur_loss(int n, const double *restrict rho, const double *restrict c, const double *restrict p,
+                             const double *restrict before, const double *restrict start, double (*square)[BATCH],
+                             double *restrict loss) {
+    for (int i = 0; i < n; i++) {
+        const double dp = p[i] - before[i], all = p[i] - start[i], least = smaller(dp * dp, all * all);
+        const double motion = smaller(smaller(square[0][i], square[1][i]), smaller(square[2][i], square[3][i]));
+        loss[i] = 0.5 * (least / (rho[i] * c[i] * c[i]) + rho[i] * motion);
+    }
 }
 
 /* Finds L/V of n cells. */
 static void find_loss(const struct bed *b, double dt, const double gravity[MAX_DIM], int at, int n, double *loss) {
     const struct bed_lines *x = b->lines;
-    double before[BATCH], start[BATCH];
-    find_pressure(b, n, x->rho + at, x->eps + at, before);
-    find_start(b, at, n, start);
-    for (int i = 0; i < n; i++) {
-        const double rho = x->rho[at + i], z = x->c[at + i], p = x->p[at + i];
-        const double change[2] = {p - before[i], p - start[i]};
-        const double least = smaller(change[0] * change[0], change[1] * change[1]);
-        loss[i] = 0.5 * (least / (rho * z * z) + rho * least_change(b, dt, gravity, at + i));
+    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], start[BATCH], c2[BATCH], gruneisen[BATCH], square[4][BATCH];
+    blur_primitives(n, b->components, (const double *const *)b->start, at, u, rho, eps);
+    b->eos->state(b->material, n, rho, eps, start, c2, gruneisen);
+    for (int i = 0; i < 4; i++) memset(square[i], 0, (size_t)n * sizeof(double));
+    for (int k = 0; k < b->dim; k++) {
+        const double *after = x->after[k + 1] + at, fall = dt * gravity[k];
+        blur_change(n, fall, x->u[k] + at, after, square[0], square[1]);
+        blur_change(n, fall, u[k], after, square[2], square[3]);
     }
+    blur_loss(n, x->rho + at, x->c + at, x->p + at, x->first_p + at, start, square, loss);
 }
 
 static void add_cell(const struct bed *b, int cell, double loss, double sum[SUMS]) {

@@ -13,7 +13,7 @@ struct bed_lines {
     double *memory_cells, *memory_faces;
     int *whole_cells, *whole_faces, *whole_sides; /* memory of the lists of integers */
     /* [cells + ghosts] of the start */
-    double *rho, *u[MAX_DIM], *eps, *p, *c;
+    double *rho, *u[MAX_DIM], *eps, *p, *c, *first_p; /* Newton's method moves p, first_p stays */
     /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual and diagonal times V, change of p */
     double *root, *slack, *residual, *diagonal, *change;
     /* [cells + ghosts] after acoustics: rho, u, eps; L - 1 */

@@ -262,7 +262,7 @@ static void gas_provenance(const struct medium *m, struct sink *o) {
  * grow. */
 static double bed_memory(int dim, int components, double cells, double faces) {
     const int nvar = components + 2;
-    return 1.5 * (cells * (12 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));
+    return 1.5 * (cells * (13 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));
 }
 
 /* Returns the bytes of the state and of the memory for a step, of all cells, if all are dense. */

@@ -60,7 +60,7 @@ status limiter_save(const struct gas *g, const char *folder, const char *locatio
     sink_printf(o, "filled          %ld;\nfillMass        %.17g;\nfillEnergy      %.17g;\n", n.filled, n.fill[0],
                 n.fill[1]);
     sink_printf(o, "repeated        %ld;\nplain           %ld;\n", n.repeated, n.plain);
-    sink_printf(o, "pause           %.17g;\npaused          %.17g;\n", n.pause[0], n.pause[1]);
+    if (n.pause[1] > 0) sink_printf(o, "pause           %.17g;\npaused          %.17g;\n", n.pause[0], n.pause[1]);
     sink_printf(o, "place           (%.17g %.17g %.17g);\n", n.place[0], n.place[1], n.place[2]);
     TRY(sink_close_sum(o, &sum));
     return checksums_add(sums, "uniform/limiter", sum);
