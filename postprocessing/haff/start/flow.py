@@ -35,6 +35,7 @@ class Flow:
         self.open = [p for p in geometry.patches if kind[p.name] in ("inlet", "outlet", "open")]
         self.stream = any(kind[p.name] == "inlet" for p in self.open) or bool(self.open and (o.Mach or o.speed))
         self.layer = bool(np.any(self.g)) and not self.stream and self.floor() is not None
+        self.falls = bool(np.any(self.g)) and not self.stream and not self.layer  # it has no flat floor to lie on, as in a funnel
         self.restitution = o.restitution if o.restitution is not None else 0.95 if self.stream else 0.9
         self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer else 0.2)
         self.diameter = o.diameter or rounded(min(geometry.width / 4, geometry.least / 1.5))
@@ -105,8 +106,9 @@ class Flow:
 
     def speeds(self):
         """Velocity and temperature of the start, and the speed below which impacts are elastic."""
-        given = self.o.speed or [1.0]
-        self.velocity, fall = np.zeros(3), math.sqrt(float(np.linalg.norm(self.g)) * self.diameter)
+        g = float(np.linalg.norm(self.g))
+        given = self.o.speed or [rounded(math.sqrt(g * self.geometry.size[self.down])) if self.falls else 1.0]  # as after a fall of half the height
+        self.velocity, fall = np.zeros(3), math.sqrt(g * self.diameter)
         if self.stream:
             self.velocity = np.array(given) if len(given) == 3 else given[0] * self.direction()
             self.speed, self.Mach = float(np.linalg.norm(self.velocity)), self.o.Mach or 3.0
@@ -119,7 +121,8 @@ class Flow:
             self.T = rounded(fall**2 * (0.05 if self.o.shaking else 1 / 900))
         else:
             self.T = rounded(given[0] ** 2, 4)
-        self.threshold = rounded(fall / 30 if self.layer else math.sqrt(self.T) / 10) if self.restitution < 1 else 0
+        # gas that falls packs: with a threshold of a fall through a grain its sound stays some ten times as fast as its flow, and steps as long
+        self.threshold = rounded(fall if self.falls and not self.grains else fall / 30 if np.any(self.g) and not self.stream else math.sqrt(self.T) / 10) if self.restitution < 1 else 0
 
     def times(self):
         """End, and time between writes."""

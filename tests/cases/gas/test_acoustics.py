@@ -92,6 +92,25 @@ class Acoustics(harness.Folder, unittest.TestCase):
                 self.same(results[0][0], results[1][0], f"{end:g}")
                 self.assertEqual(["implicit acoustics" in log for _, log in results], [False, False, True][:len(words)])
 
+    def test_says_why_not(self):
+        """Dense gas whose steps stay explicit: the log says once which bound forbids implicit ones, with its cell, and the same on two ranks."""
+        note = (r"note: gas is dense, but the last 100 steps had no implicit acoustics\. Such a step would be limited by: ([a-z ]+)"
+                r"(?:, cell at \(\S+ \S+ \S+\) with alpha = (\S+), T = (\S+), c = (\S+))?\n +to (\S+) explicit steps, and `gain` of `acoustics` asks for (\S+)\n +\w")
+        for name, cause, text, end, options in (
+                ("hot", "cooling of the bed", "", 0.2, {"alpha": 0.62, "p": 1e3}),
+                ("soft", "free fall", "acoustics { type implicit; implicitCoeffs { gain 50; } }\n", 0.3, {"alpha": 0.62, "p": 10, "threshold": 3})):
+            with self.subTest(name):
+                logs = [self.run_case(self.block(f"{name}{ranks}", (70, 14, 1), end, text, courant=1.0, **options), ranks)[1] for ranks in (1, 2)]
+                found = [re.findall(note, log) for log in logs]
+                self.assertEqual([len(x) for x in found], [1, 1], logs[0][-3000:])
+                self.assertEqual(found[0], found[1])
+                said, alpha, T, c, steps, gain = found[0][0]
+                self.assertEqual(said, cause)
+                self.assertLess(float(steps), float(gain))
+                if cause == "cooling of the bed":
+                    self.assertGreater(float(alpha), 0.9 * LIMIT)
+                    self.assertGreater(float(c), np.sqrt(5 / 3 * float(T)))
+
     def test_bits_on_ranks_and_over_restarts(self):
         """Two tiles side by side, with the bed across their border; uniform gas skipped or not."""
         whole, log = self.run_case(self.block("whole", (70, 14, 1), 0.8, interval=0.2))

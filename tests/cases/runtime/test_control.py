@@ -167,7 +167,7 @@ class Control(harness.Folder, unittest.TestCase):
         start += 1.5 * (result.field("p", "0") / harness.expected.gas(result).p(result.field("rho", "0"), 1.0)
                         * result.field("rho", "0")).sum() * 1e-3
         self.assertAlmostEqual(change, (energy.sum() - start) / max(energy.sum(), start), delta=0.006 * abs(change))  # three digits are printed
-        self.assertRegex(text, r"deltaT = \S+ \(limited by: Courant, cell at \(\d\S* \d\S* \d\S*\)\)  Courant 0\.5000")
+        self.assertRegex(text, r"deltaT = \S+ \(limited by: Courant, cell at \(\d\S* \d\S* \d\S*\) with alpha = \d\S*, T = \d\S*, c = \d\S*\)  Courant 0\.5000")
         self.assertRegex(text, r"limited by: (write time|endTime)")
         self.assertRegex(text, r"ETA \d")
         self.assertRegex("\n".join(text.splitlines()[-2:]), r"^end at time 0\.05: \d+ steps in .*\n1 warning: fewGrains$")
