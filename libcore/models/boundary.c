@@ -306,12 +306,12 @@ void patch_feed_mass(const struct patch_rules *r, int components, int n, const i
             flux[i] = 0;
 }
 
-bool patch_gives_velocity(const struct patch_rules *r) {
-    return r->velocity.type->ghost == fixed;
+bool rule_fixes(const struct rule *rule) {
+    return rule->type && rule->type->ghost == fixed;
 }
 
 bool patch_gives_outside(const struct patch_rules *r) {
-    return patch_gives_velocity(r) && rule_holds(&r->density) && rule_holds(&r->temperature);
+    return rule_fixes(&r->velocity) && rule_holds(&r->density) && rule_holds(&r->temperature);
 }
 
 bool leads_along(int components, const double *u, double through) {

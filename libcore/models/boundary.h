@@ -123,8 +123,8 @@ double patch_feed(const struct patch_rules *r, int components, int face, int axi
  * the patch. Turns flux[n], the mass per area and time (kg/m^2 s) that would flow in, into what does. */
 void patch_feed_mass(const struct patch_rules *r, int components, int n, const int *face, const double *into,
                      const double *rho, double *flux);
-/* Is a velocity given whatever the gas does, as by fixedValue? Is the whole state given, that of the gas outside? */
-bool patch_gives_velocity(const struct patch_rules *r);
+bool rule_fixes(const struct rule *rule); /* are values given whatever the gas does, as by fixedValue? */
+/* Is the whole state given, that of the gas outside? */
 bool patch_gives_outside(const struct patch_rules *r);
 /* Does u lead along a face, up to round-off, if its component along the normal is `through`? */
 bool leads_along(int components, const double *u, double through);

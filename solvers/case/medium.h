@@ -118,6 +118,8 @@ struct medium_type {
      * which follow from the quantities of edge_state (-1 ends them) in these cells. NULL: both are the same. */
     void (*edge)(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face, double *values);
     const int *edge_state;
+    /* Is the quantity given on the patch, whatever is in the cells? Then `edge` replaces NAN, too. NULL as `edge`. */
+    bool (*gives)(const struct medium *m, int quantity, int patch);
     /* Lets the medium note from the next step on what leaves it through patches; *dt is the length of the last step
      * that it noted (s), 0 before. Collective. NULL: the medium does not know it. */
     status (*follow)(struct medium *m, double *dt);

@@ -16,8 +16,10 @@ static const struct param probes_param[] = {
     NOTED("probeLocations", "list of vectors", NULL, "the points", "probeLocations ((0.01 0.02 0));"),
     SWITCH("allowOutside", outside, false,
            "points outside the mesh give -1e300, as in OpenFOAM; else they are an error"),
-    CHOICE("interpolationScheme", scheme, SPOT_CELL, spot_schemes,
-           "values are those of the cell; or linear inside it, of second order, exact for linear fields"),
+    CHOICE(
+        "interpolationScheme", scheme, SPOT_CELL, spot_schemes,
+        "values are those of the cell; or linear inside it, of second order, exact for linear fields, and on patches "
+        "what these give"),
     IGNORED("fixedLocations", "for OpenFOAM: points stay where they are"),
 };
 

@@ -40,8 +40,10 @@ static const struct param ends_param[] = {
 #define PARAM_STRUCT struct sets
 static const struct param sets_param[] = {
     ONLY("setFormat", 0, formats, "columns of text"),
-    CHOICE("interpolationScheme", scheme, SPOT_CELL, spot_schemes,
-           "values are those of the cell; or linear inside it, of second order, exact for linear fields"),
+    CHOICE(
+        "interpolationScheme", scheme, SPOT_CELL, spot_schemes,
+        "values are those of the cell; or linear inside it, of second order, exact for linear fields, and on patches "
+        "what these give"),
     NOTED("sets", "dictionary", NULL, "a dictionary for each line; its name, which is yours, is that of the file",
           "sets { upwards { type uniform; axis y; start (0.01 0 0); end (0.01 0.04 0); nPoints 100; } }"),
 };

@@ -4,6 +4,7 @@
 #include "solvers/functions/functions_private.h"
 
 #include "mesh/grid/vicinity.h"
+#include "solvers/output/edges.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -65,6 +66,9 @@ struct spots_linear {
     struct vicinity *vicinity; /* on the root, as what follows */
     struct corner *corner;     /* [spots][4] */
     double *value;             /* [ncells] of one component; only wanted cells have theirs */
+    struct edges *edges;       /* of the patches that the simplices touch; NULL: they touch none */
+    double *at_point;          /* [npoints] values that these give to points; NULL, as `count`: they touch none */
+    int *count;
 };
 
 /* Tells every rank the cell of the mesh that holds each spot; -1: it is outside. */
@@ -96,6 +100,41 @@ static status find_simplices(struct spots_linear *l, const struct spots *s, cons
         }
     }
     return OK;
+}
+
+/* Marks the points that a corner of a simplex needs. */
+static void mark_points(const struct polymesh *m, long node, bool *points) {
+    if (node < m->npoints) points[node] = true;
+    const long face = node - m->npoints - m->ncells;
+    for (int k = face < 0 ? 0 : m->face_start[face]; face >= 0 && k < m->face_start[face + 1]; k++)
+        points[m->face_points[k]] = true;
+}
+
+/* Finds the patches that the simplices touch, on the root. */
+static status find_patches(struct spots_linear *l, int nspots, const struct polymesh *m, bool *takes) {
+    bool *points, any = false;
+    TRY(allocate(&points, m->npoints, sizeof *points, "points"));
+    for (long i = 0; i < 4L * nspots; i++)
+        if (l->corner[i].weight != 0) mark_points(m, l->corner[i].node, points);
+    for (int p = 0; p < m->npatches; p++)
+        for (int f = m->patch[p].start; f < m->patch[p].start + m->patch[p].nfaces; f++)
+            for (int k = m->face_start[f]; k < m->face_start[f + 1]; k++) takes[p] |= points[m->face_points[k]];
+    free(points);
+    for (int p = 0; p < m->npatches; p++) any |= takes[p] && strcmp(m->patch[p].type, "empty") != 0;
+    if (!any) return OK;
+    TRY(allocate(&l->at_point, m->npoints, sizeof *l->at_point, "points"));
+    return allocate(&l->count, m->npoints, sizeof *l->count, "points");
+}
+
+static status find_edges(struct spots_linear *l, int nspots, const struct setup *s) {
+    bool *takes;
+    TRY(comm_agree(s->comm, allocate(&takes, s->mesh->npatches + 1L, sizeof *takes, "patches")));
+    status e = comm_agree(s->comm, comm_root(s->comm) ? find_patches(l, nspots, s->mesh, takes) : OK);
+    takes[s->mesh->npatches] = l->at_point != NULL;
+    comm_broadcast(s->comm, takes, (s->mesh->npatches + 1L) * (long)sizeof *takes);
+    if (!e && takes[s->mesh->npatches]) e = edges_make(s, takes, &l->edges);
+    free(takes);
+    return e;
 }
 
 /* Numbers the wanted cells, and finds those of this rank. */
@@ -134,6 +173,7 @@ static status linear_make(const struct spots *s, const struct function *f, struc
         comm_broadcast(setup->comm, wanted, (long)sizeof *wanted * setup->mesh->ncells);
         e = comm_agree(setup->comm, find_picks(l, setup, wanted));
     }
+    if (!e) e = find_edges(l, s->n, setup);
     free(wanted);
     free(cell);
     return e;
@@ -158,8 +198,10 @@ static status linear_sample(const struct spots *s, const struct function *f, int
     const struct spots_linear *l = s->fit;
     const int components = quantity_of(f, field)->components;
     gather_slots(l, f, field, components);
+    TRY(edges_find(l->edges));
     for (int k = 0; k < components && comm_root(f->setup->comm); k++) {
-        const struct vicinity_field values = {l->vicinity, l->value, 1, NULL, NULL};
+        const struct vicinity_field values = {l->vicinity, l->value, 1, NULL, l->edges ? l->at_point : NULL};
+        if (l->edges) edges_points(l->edges, field, k, l->at_point, l->count);
         for (long i = 0; i < l->nslots; i++) l->value[l->cell[i]] = l->slots[i * components + k];
         for (int i = 0; i < s->n; i++) {
             double sum = 0;
@@ -174,6 +216,9 @@ static status linear_sample(const struct spots *s, const struct function *f, int
 static void linear_free(struct spots_linear *l) {
     if (!l) return;
     vicinity_free(l->vicinity);
+    edges_free(l->edges);
+    free(l->at_point);
+    free(l->count);
     free(l->cell);
     free(l->pick);
     free(l->slots);

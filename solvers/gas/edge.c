@@ -80,7 +80,8 @@ static void edge_batch(const struct gas_view *v, int quantity, int patch, int n,
     const bool wall = find_states(v, patch, face, &on);
     if (!vector) find_scalar(v, quantity, &on, out);
     for (int i = 0; i < n; i++) {
-        if (stays(quantity, s->components + 1, wall, &cell, &on, i)) continue;
+        const double was = values[(vector ? 3L : 1L) * i];
+        if (!isnan(was) && stays(quantity, s->components + 1, wall, &cell, &on, i)) continue;
         if (!vector) values[i] = out[i];
         for (int k = 0; k < s->components && vector; k++)
             values[3L * i + s->axis[k]] = (quantity == GAS_MOMENTUM ? on.q[0][i] : 1) * on.q[k + 1][i];

@@ -530,6 +530,24 @@ static void gas_edge_values(const struct medium *m, int quantity, int patch, int
     gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
 }
 
+/* Is a quantity of the gas given on a patch? p is where rho and T are; on a wall it never is. */
+static bool gas_gives(const struct medium *m, int quantity, int patch) {
+    const struct patch_rules *r = &of(m)->initial->rules[patch];
+    if (!r->velocity.type) return false;
+    if (patch_is_wall(r) && quantity == GAS_T)
+        return of(m)->models->gas.transport && wall_conducts(r) && r->temperature.type->temperature;
+    if (patch_is_wall(r)) return quantity == GAS_U && wall_drags(r);
+    const bool rho = rule_fixes(&r->density), u = rule_fixes(&r->velocity) || (patch_feeds(r) && rho);
+    const bool heat = rule_fixes(&r->temperature), T = heat && (rho || !r->pressure), p = heat && (rho || r->pressure);
+    return quantity == GAS_RHO || quantity == GAS_ALPHA ? rho
+           : quantity == GAS_U                          ? u
+           : quantity == GAS_T                          ? T
+           : quantity == GAS_P                          ? p
+           : quantity == GAS_C                          ? rho && T
+           : quantity == GAS_MACH                       ? rho && u && T
+                                                        : false;
+}
+
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {
     return gas_view_uniform(&of(m)->view, block, quantity, value);
 }
@@ -704,6 +722,7 @@ const struct medium_type gas_medium = {
     .patch = gas_patch,
     .edge = gas_edge_values,
     .edge_state = gas_edge_state,
+    .gives = gas_gives,
     .follow = gas_follow,
     .crossings = gas_crossings,
     .budget = gas_medium_budget,

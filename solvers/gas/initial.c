@@ -361,7 +361,7 @@ static struct varying_lead lead_of(const struct polymesh *m, const struct patch_
 static status check_along(const struct reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     const struct field *U = s->field[FIELD_U];
-    if (!patch_gives_velocity(rules)) return OK;
+    if (!rule_fixes(&rules->velocity)) return OK;
     const struct varying_lead lead = lead_of(r->place->mesh, &U->patch[p], p);
     const bool outside = patch_gives_outside(rules);
     rules->velocity.shuts = lead.through && (outside ? lead.still : lead.along);

@@ -167,3 +167,31 @@ void edges_values(const struct edges *e, int quantity, int patch, int n, const i
     for (int i = 0; face && i < n; i++)
         m->type->edge(m, quantity, patch, 1, first + face[i], values + (long)i * components);
 }
+
+/* Adds the value on face i of a patch to its points. */
+static void add_face(const struct polymesh *m, int p, int i, double value, double *at_point, int *count) {
+    const int face = m->patch[p].start + i;
+    for (int k = m->face_start[face]; k < m->face_start[face + 1]; k++) {
+        const int point = m->face_points[k];
+        at_point[point] = count[point]++ ? at_point[point] + value : value;
+    }
+}
+
+void edges_points(const struct edges *e, int quantity, int component, double *at_point, int *count) {
+    const struct medium *medium = e->setup->medium;
+    const struct polymesh *m = e->setup->mesh;
+    for (int i = 0; i < m->npoints; i++) {
+        at_point[i] = NAN;
+        count[i] = 0;
+    }
+    for (int p = 0; p < m->npatches; p++) {
+        if (e->first[p] < 0 || !medium->type->gives(medium, quantity, p)) continue;
+        for (int i = 0; i < m->patch[p].nfaces; i++) {
+            double value[3] = {NAN, NAN, NAN};
+            edges_values(e, quantity, p, 1, &i, value);
+            add_face(m, p, i, value[component], at_point, count);
+        }
+    }
+    for (int i = 0; i < m->npoints; i++)
+        if (count[i]) at_point[i] /= count[i];
+}

@@ -17,5 +17,8 @@ status edges_find(struct edges *e);
 /* Replaces a quantity's values in the cells beside n faces of a patch, [n][components] along physical axes, by those on
  * the faces. face[n]: faces within the patch; NULL: the first n. e may be NULL: nothing changes. */
 void edges_values(const struct edges *e, int quantity, int patch, int n, const int *face, double *values);
+/* Sets at_point[npoints] to a component of a quantity, as the mean of the faces around, at points of the mesh on listed
+ * patches that give the quantity; to NAN elsewhere. count[npoints]: room. The mesh must be complete. */
+void edges_points(const struct edges *e, int quantity, int component, double *at_point, int *count);
 
 #endif

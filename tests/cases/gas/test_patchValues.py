@@ -39,6 +39,9 @@ class PatchValues(harness.Folder, unittest.TestCase):
         runs.add(case, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n" + engine)
         functions = "".join(ENTRY % (p, o, p, o, f) for p in PATCHES
                             for o, f in (("areaAverage", "rho alpha U T p c Ma"), ("areaNormalAverage", "U")))
+        # on the inlet, the warm wall, the lid, the outlet; inside
+        functions += ("probes { type probes; interpolationScheme cellPoint; fields (rho alpha U T p c); writeControl writeTime; "
+                      "probeLocations ((0 0.5 0.05) (0.6 0 0.05) (0.6 1 0.05) (1.2 0.5 0.05) (0.5 0.5 0.05)); }\n")
         runs.add(case, "system/controlDict", "functions\n{\n" + functions + "}\n")
         return case
 
@@ -95,6 +98,31 @@ class PatchValues(harness.Folder, unittest.TestCase):
                 found = result.table("xLow_areaAverage", "surfaceFieldValue.dat")[-1]
                 t, c, Ma = found[0], found[-2], found[-1]
                 np.testing.assert_allclose([c, Ma * c], [GAS.c(90 + 1000 * t, 2), 3 + t], rtol=1e-9)  # the slope of GAS is good to that
+
+    def probed(self, case):
+        """field -> [probes] or [probes][3], of the last time."""
+        found = {}
+        for name in ("rho", "alpha", "U", "T", "p", "c"):
+            with open(f"{case}/postProcessing/probes/0/{name}") as f:
+                row = np.array(f.read().split("\n")[-2].replace("(", " ").replace(")", " ").split(), float)
+            found[name], t = row[1:].reshape(-1, 3) if name == "U" else row[1:], row[0]
+        return t, found
+
+    def test_probes(self):
+        """A probe on a patch has what the patch gives, with cellPoint; elsewhere what it had."""
+        for engine in ("", POLYHEDRAL):
+            with self.subTest(engine=engine):
+                case = self.case(f"probes{len(engine)}", engine)
+                harness.program("granularGas", "-case", case)
+                t, q = self.probed(case)
+                rho = 90 + 1000 * t
+                np.testing.assert_allclose([q[f][0] for f in ("rho", "alpha", "T", "p")], [rho, GAS.nu(rho), 2, GAS.p(rho, 2)], rtol=1e-11)
+                np.testing.assert_allclose(q["c"][0], GAS.c(rho, 2), rtol=1e-9)  # the slope of GAS is good to that
+                np.testing.assert_allclose(q["U"][:3], [(3 + t, 0, 0), (0, 0, 0), (1, 0, 0)], rtol=1e-11, atol=1e-15)
+                self.assertAlmostEqual(q["T"][1], 4, places=11)
+                self.assertGreater(abs(q["U"][3, 0] - 3 - t), 1e-9)  # of the gas
+                result = harness.haff.Case(case)
+                np.testing.assert_allclose(q["T"][4], result.field("T")[2 + 2 * N[0]], rtol=1e-11)  # the centre of a cell
 
     @unittest.skipUnless(shutil.which("postProcess"), "OpenFOAM is not installed")
     def test_openfoam(self):
