@@ -95,3 +95,19 @@ void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, con
     for (int at = 0; at < n; at += BATCH)
         edge_batch(v, quantity, patch, n - at < BATCH ? n - at : BATCH, face + at, values + (long)at * components);
 }
+
+bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity) {
+    if (!r->velocity.type) return false;
+    if (patch_is_wall(r) && quantity == GAS_T)
+        return models->transport && wall_conducts(r) && r->temperature.type->temperature;
+    if (patch_is_wall(r)) return quantity == GAS_U && wall_drags(r);
+    const bool rho = rule_fixes(&r->density), u = rule_fixes(&r->velocity) || (patch_feeds(r) && rho);
+    const bool heat = rule_fixes(&r->temperature), T = heat && (rho || !r->pressure), p = heat && (rho || r->pressure);
+    return quantity == GAS_RHO || quantity == GAS_ALPHA ? rho
+           : quantity == GAS_U                          ? u
+           : quantity == GAS_T                          ? T
+           : quantity == GAS_P                          ? p
+           : quantity == GAS_C                          ? rho && T
+           : quantity == GAS_MACH                       ? rho && u && T
+                                                        : false;
+}

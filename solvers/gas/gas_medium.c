@@ -138,19 +138,6 @@ static status check_scheme(struct setup *s, const struct gas_state *g) {
                 polyhedral ? g->models->gas.polynomial->model.name : g->models->gas.reconstruct->model.name);
 }
 
-/* Warns of patches of type patch that look like walls, and let gas through. */
-static status check_outside(struct setup *s, const struct initial *i) {
-    const struct field *U = i->field[FIELD_U];
-    for (int p = 0; p < i->npatches; p++)
-        if (i->outside[p])
-            TRY(warn(&s->warnings, WARN_OUTSIDE,
-                     "%s:%d: patch %s: U is '%s' and leads along the patch; with alpha and T that is the state of the "
-                     "gas outside, and gas flows through; a wall is  type %s;",
-                     dict_path(U->dict), U->patch[p].line, s->mesh->patch[p].name, U->patch[p].type,
-                     of(s->medium)->models->gas.transport ? "noSlip;  or  type translatingWallVelocity" : "slip"));
-    return OK;
-}
-
 static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
@@ -162,7 +149,7 @@ static status gas_read_state(struct setup *s) {
     TRY(read_initial(s, g, &place));
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
-    TRY(check_outside(s, g->initial));
+    TRY(initial_warn(g->initial, models->transport != NULL, &s->warnings));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
@@ -530,22 +517,8 @@ static void gas_edge_values(const struct medium *m, int quantity, int patch, int
     gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
 }
 
-/* Is a quantity of the gas given on a patch? p is where rho and T are; on a wall it never is. */
 static bool gas_gives(const struct medium *m, int quantity, int patch) {
-    const struct patch_rules *r = &of(m)->initial->rules[patch];
-    if (!r->velocity.type) return false;
-    if (patch_is_wall(r) && quantity == GAS_T)
-        return of(m)->models->gas.transport && wall_conducts(r) && r->temperature.type->temperature;
-    if (patch_is_wall(r)) return quantity == GAS_U && wall_drags(r);
-    const bool rho = rule_fixes(&r->density), u = rule_fixes(&r->velocity) || (patch_feeds(r) && rho);
-    const bool heat = rule_fixes(&r->temperature), T = heat && (rho || !r->pressure), p = heat && (rho || r->pressure);
-    return quantity == GAS_RHO || quantity == GAS_ALPHA ? rho
-           : quantity == GAS_U                          ? u
-           : quantity == GAS_T                          ? T
-           : quantity == GAS_P                          ? p
-           : quantity == GAS_C                          ? rho && T
-           : quantity == GAS_MACH                       ? rho && u && T
-                                                        : false;
+    return gas_rules_give(&of(m)->initial->rules[patch], &of(m)->models->gas, quantity);
 }
 
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {

@@ -492,6 +492,18 @@ status initial_read(const char *case_dir, const struct instant *at, const struct
     return e;
 }
 
+status initial_warn(const struct initial *s, bool transport, struct warnings *w) {
+    const struct field *U = s->field[FIELD_U];
+    for (int p = 0; p < s->npatches; p++)
+        if (s->outside[p])
+            TRY(warn(w, WARN_OUTSIDE,
+                     "%s:%d: patch %s: U is '%s' and leads along the patch; with alpha and T that is the state of the "
+                     "gas outside, and gas flows through; a wall is  type %s;",
+                     dict_path(U->dict), U->patch[p].line, s->mesh->patch[p].name, U->patch[p].type,
+                     transport ? "noSlip;  or  type translatingWallVelocity" : "slip"));
+    return OK;
+}
+
 static status read_rest(struct reader *r, struct initial *s) {
     const int n = r->place->mesh->ncells;
     s->ncells = n;

@@ -6,6 +6,7 @@
 #include "libcore/gas/gas.h"
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
+#include "solvers/case/warnings.h"
 
 /* The end of the message about a density that a gas cannot start from. */
 #define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
@@ -50,6 +51,8 @@ status initial_read(const char *case_dir, const struct instant *at, const struct
  * *out is NULL if there is no such layer. */
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out);
+/* Warns of patches that may be meant as walls and are open (`outside`). */
+status initial_warn(const struct initial *s, bool transport, struct warnings *w);
 void initial_free(struct initial *s);
 /* For engines whose cells hold averages: if fields are given by expressions, sets s->conserved to the averages of the
  * conserved variables over the cells (mesh/grid/quadrature.h). Uniform values and lists stay as they are, and so does a

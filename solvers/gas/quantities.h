@@ -38,12 +38,15 @@ const char *gas_view_lacks(const struct gas_models *models, int quantity);
 /* Computes a derived quantity, unless it is known; does nothing for any other quantity. Collective. */
 status gas_view_derive(struct gas_view *v, int quantity);
 /* As the hooks block, exact and uniform of a medium; of a derived quantity, after gas_view_derive. */
+void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);
+void gas_view_exact(const struct gas_view *v, int block, int quantity, double *const out[3]);
+bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]);
+
 /* As the hook edge of a medium, with its edge_state: rho, U, T. */
 extern const int gas_edge_state[];
 void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
                    double *values);
-void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]);
-void gas_view_exact(const struct gas_view *v, int block, int quantity, double *const out[3]);
-bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]);
+/* Is a quantity given on a patch of these rules, whatever is in the cells? p is where rho and T are, on no wall. */
+bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity);
 
 #endif
