@@ -3,6 +3,7 @@
 #include "solvers/output/edges.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,29 +62,50 @@ static status list_faces(struct edges *e, const bool *takes, struct wanted **wan
     return OK;
 }
 
-/* Returns the first of n entries, in the order of their cells, that has the cell; n: none has. */
-static long first_of(const struct wanted *w, long n, int cell) {
-    long low = 0, high = n;
+/* What is looked for: entries in the order of their cells, and which of a few places a cell among them may have, by
+ * which most cells of the mesh are ruled out at once. */
+struct lookup_table {
+    const struct wanted *entry;
+    long n;
+    size_t mask; /* places less 1, a power of two less 1 */
+    bool *may;
+};
+static size_t place_of(const struct lookup_table *l, int cell) {
+    return (size_t)((uint32_t)cell * 2654435761U >> 3) & l->mask;
+}
+
+static status make_table(const struct wanted *entry, long n, struct lookup_table *l) {
+    *l = (struct lookup_table){.entry = entry, .n = n, .mask = 255};
+    while ((long)l->mask < 8 * n) l->mask = 2 * l->mask + 1;
+    TRY(allocate(&l->may, (long)l->mask + 1, sizeof *l->may, "faces of patches"));
+    for (long i = 0; i < n; i++) l->may[place_of(l, entry[i].cell)] = true;
+    return OK;
+}
+
+/* Returns the first entry that has the cell; n: none has. */
+static long first_of(const struct lookup_table *l, int cell) {
+    long low = 0, high = l->n;
+    if (!l->may[place_of(l, cell)]) return l->n;
     while (low < high) {
         const long middle = low + (high - low) / 2;
-        if (w[middle].cell < cell)
+        if (l->entry[middle].cell < cell)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < n && w[low].cell == cell ? low : n;
+    return low < l->n && l->entry[low].cell == cell ? low : l->n;
 }
 
 /* Finds the cells of this rank, and with their centres the gaps, which all ranks get. */
-static void find_own(struct edges *e, const struct wanted *wanted) {
+static void find_own(struct edges *e, const struct lookup_table *l) {
     const struct grid *g = e->setup->grid;
     double *gap = e->state;
     for (long i = 0; i < e->n; i++) gap[i] = -HUGE_VAL;
     for (int b = 0; b < g->nblocks; b++)
         for (int i = 0; i < g->block[b].ncells; i++)
-            for (long w = first_of(wanted, e->n, g->block[b].cell[i]); w < e->n; w++) {
-                if (wanted[w].cell != g->block[b].cell[i]) break;
-                const long at = wanted[w].face;
+            for (long w = first_of(l, g->block[b].cell[i]); w < l->n; w++) {
+                if (l->entry[w].cell != g->block[b].cell[i]) break;
+                const long at = l->entry[w].face;
                 double x[3];
                 grid_centre(g, b, i, x);
                 gap[at] = e->face[at].gap;
@@ -99,6 +121,7 @@ static void find_own(struct edges *e, const struct wanted *wanted) {
 
 status edges_make(const struct setup *s, const bool *takes, struct edges **out) {
     struct wanted *wanted = NULL;
+    struct lookup_table table = {.may = NULL};
     *out = NULL;
     if (!s->medium->type->edge) return OK;
     status e = allocate(out, 1, sizeof **out, "faces of patches");
@@ -106,8 +129,10 @@ status edges_make(const struct setup *s, const bool *takes, struct edges **out) 
         (*out)->setup = s;
         e = list_faces(*out, takes, &wanted);
     }
+    if (!e) e = make_table(wanted, (*out)->n, &table);
     e = comm_agree(s->comm, e);
-    if (!e) find_own(*out, wanted);
+    if (!e) find_own(*out, &table);
+    free(table.may);
     free(wanted);
     return e;
 }
