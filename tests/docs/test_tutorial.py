@@ -62,6 +62,16 @@ class Tutorial(harness.Folder, unittest.TestCase):
         self.assertEqual(self.said.count("which checkCase finds sound"), 4)
         self.assertEqual(len(re.findall(r"^end at time ", self.said, re.M)), 4)
 
+    def test_wake_is_no_hotter_than_the_stream(self):
+        """Behind the cylinder, where there is next to nothing, no gas is faster or hotter than an unsteady expansion of the stream can make it:
+        (u + 2 c/(gamma - 1))^2/2 of energy at Mach 3 and u = 1. A cell on the wall had 400 times that T."""
+        with open(os.path.join(self.folder, "cylinder", "postProcessing", "run", "0", "run.dat"), encoding="utf-8") as f:
+            names = [name.strip() for name in f.readline()[1:].split("\t")]
+            rows = np.array([[float(row[names.index(name)]) for name in ("magUMax", "TMax")] for row in (line.split("\t") for line in f)])
+        most = 1 + 3 / 3
+        self.assertLess(rows[:, 0].max(), most)
+        self.assertLess(rows[:, 1].max(), 2 / 3 * most**2 / 2)
+
     def test_block_is_a_lattice(self):
         self.assertRegex(self.said, r"mesh +29000 cells, 3D, a lattice")
 
