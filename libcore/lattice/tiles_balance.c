@@ -220,6 +220,6 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
     f.base[1] = l->base[1] + at;
     f.rise = l->rise + at;
     f.rest = l->face + at;
-    g->models.flux->through(&f, g->models.eos, &g->models.material, r);
+    flux_calmed(g->models.flux, &f, g->models.eos, &g->models.material, r);
     add_line(f.n, f.rest, f.out[1]);
 }

@@ -609,14 +609,15 @@ const struct flux flux_table[] = {
      .through = marquina},
     {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"),
      .through = marquina_stable},
-    {MODEL("FORCE", "centred, from both face states and dt/dx (Toro 1996)"), .through = flux_force, .paced = true},
+    {MODEL("FORCE", "centred, from both face states and dt/dx (Toro 1996)"), .through = flux_force, .paced = true,
+     .damps = true},
     {MODEL_WITH("MUSTA", "FORCE in stages towards Godunov's flux (Titarev & Toro 2004; Shakeri et al.)", musta_param),
-     .through = flux_musta, .paced = true},
-    {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"),
-     .through = local_lax_friedrichs},
+     .through = flux_musta, .paced = true, .damps = true},
+    {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"), .through = local_lax_friedrichs,
+     .damps = true},
     {MODEL("globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed"),
-     .through = global_lax_friedrichs},
-    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), .through = flux_rusanov},
+     .through = global_lax_friedrichs, .damps = true},
+    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), .through = flux_rusanov, .damps = true},
 };
 const int flux_count = sizeof flux_table / sizeof *flux_table;
 

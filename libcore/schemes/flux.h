@@ -45,11 +45,17 @@ struct flux {
     void (*through)(const struct faces *f, const struct eos *eos, const struct material *m,
                     const struct reconstruct *r);
     bool paced; /* does it depend on the time step? */
+    bool damps; /* does it damp jumps of gas at rest? */
 };
 
 extern const struct flux flux_table[];
 extern const int flux_count;
 const struct flux *flux_find(const char *name); /* NULL: none */
+
+/* Does what flux->through does under gravity (f->rise), but where gas is at rest by the flux `common` if the flux damps
+ * jumps (flux_calm.c). */
+void flux_calmed(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
+                 const struct reconstruct *r);
 
 /* The first-order flux with a bound of the wave speeds (Rusanov 1961); eos, m and r are ignored. */
 void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);

@@ -80,7 +80,10 @@ static inline void flux_with(struct strip *s, const struct flux *flux, const str
     for (int k = 0; k < s->dim; k++) f.velocity[k] = s->u[k] + first;
     struct lifts l;
     if (s->gravity != 0) lift(s, first, &l, &f);
-    flux->through(&f, eos_find("GoldshteinShapiro"), &granular, r);
+    if (s->gravity != 0)
+        flux_calmed(flux, &f, eos_find("GoldshteinShapiro"), &granular, r);
+    else
+        flux->through(&f, eos_find("GoldshteinShapiro"), &granular, r);
     for (int i = 0; i < n && s->gravity != 0; i++) s->out[1][i] += l.P[first + i];
 }
 

@@ -420,10 +420,9 @@ static void next_to_no_gravity(void **state) {
 /* Gas at rest, with any T, moves no mass. */
 static void gas_at_rest(void **state) {
     (void)state;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < flux_count; k++)
         for (int r = 0; r < reconstruct_count; r++)
             for (int dim = 1; dim <= 3; dim++) {
-                const char *const name[] = {"common", "Marquina", "MarquinaStable"};
                 struct strip s = {.dim = dim, .gravity = 0.5};
                 for (int i = 0; i < CELLS; i++) {
                     double one = 1, p, c, g; /* p is linear in eps (eos.h) */
@@ -433,7 +432,7 @@ static void gas_at_rest(void **state) {
                     s.eps[i] = s.p[i] / p;
                 }
                 close_strip(&s);
-                flux_of(&s, flux_find(name[k]), &reconstruct_table[r], 2, 7);
+                flux_of(&s, &flux_table[k], &reconstruct_table[r], 2, 7);
                 for (int i = 0; i < 7; i++) {
                     const double P = s.p[2 + i] + 0.5 * s.gravity * s.U[0][2 + i];
                     assert_near(s.out[0][i], 0, 1e-14 * P / s.c[2 + i]);
