@@ -15,7 +15,7 @@ from haff.paths import program
 from haff.runs import boxes
 
 ON = "commonCoeffs { shocks on; expansions on; contacts on; }\n"
-OFF = "commonCoeffs { shocks off; expansions off; contacts off; }\n"
+OFF = "commonCoeffs { shocks off; expansions off; contacts off; fronts off; }\n"
 DEFAULTS = {"flux": "common", "reconstruct": "WPENO5", "stepper": "SSPRK43", "courant": 1.0, "binary": True}
 
 
