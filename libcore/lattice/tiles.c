@@ -396,7 +396,7 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
         s.p = NO_PRESSURES;
         if (activity_find(g, t, &g->U)) speed_of_background(&s);
         varied_visit(g, t, &g->U, speed_visit, &s);
-        fronts_note(g, t, &s.p);
+        fronts_note(g, t, &g->U, &s.p);
     }
     *speed = s.most;
     fronts_speed(g, speed);

@@ -177,8 +177,8 @@ void fronts_free(struct gas *g);
 void tiles_fronts(struct gas *g, const struct gas_speed *speed);
 /* Widens the extremes by n <= BATCH pressures. */
 void pressures_widen(struct pressures *of, int n, const double *p);
-/* Notes the extremes of a tile; then sets those of this rank in the wave speeds. */
-void fronts_note(struct gas *g, int tile, const struct pressures *of);
+/* Notes the extremes of a tile of s, whose primitives are there; then sets those of this rank in the wave speeds. */
+void fronts_note(struct gas *g, int tile, const struct state *s, const struct pressures *of);
 void fronts_speed(const struct gas *g, struct gas_speed *speed);
 
 /* Centre of the cell at `offset` of a tile, m */

@@ -11,10 +11,13 @@
 #include <stdlib.h>
 
 struct fronts {
-    double **speed;              /* [ntiles] of [dim][size] m/s: S, with one layer of ghosts; 0 beyond patches */
-    bool *found;                 /* [ntiles] is any S of the tile's cells above 0? */
-    bool *near;                  /* [ntiles] may any be, of its cells or of ghosts? */
-    struct pressures *p;         /* [ntiles] of the state whose wave speeds were found last */
+    double **speed; /* [ntiles] of [dim][size] m/s: S, with one layer of ghosts; 0 beyond patches */
+    bool *found;    /* [ntiles] is any S of the tile's cells above 0? */
+    bool *near;     /* [ntiles] may any be, of its cells or of ghosts? */
+    /* Of the state whose wave speeds were found last: [ntiles] extremes in the tile, [ntiles][6] in the layer inside
+     * each side, [ntiles] may there be a front between two cells of the tile? */
+    struct pressures *p, (*side)[6];
+    bool *steep;
     ALIGNED double floor[BATCH]; /* of the faces in hand */
 };
 
@@ -29,6 +32,8 @@ status fronts_make(struct gas *g) {
     TRY(allocate(&x->found, f->ntiles, sizeof *x->found, "fronts"));
     TRY(allocate(&x->near, f->ntiles, sizeof *x->near, "fronts"));
     TRY(allocate(&x->p, f->ntiles, sizeof *x->p, "fronts"));
+    TRY(allocate(&x->side, f->ntiles, sizeof *x->side, "fronts"));
+    TRY(allocate(&x->steep, f->ntiles, sizeof *x->steep, "fronts"));
     for (int t = 0; t < f->ntiles; t++) TRY(allocate(&x->speed[t], g->dim * f->size + SLACK, sizeof(double), "fronts"));
     return OK;
 }
@@ -40,6 +45,8 @@ void fronts_free(struct gas *g) {
     free(x->found);
     free(x->near);
     free(x->p);
+    free(x->side);
+    free(x->steep);
     free(x);
 }
 
@@ -74,8 +81,51 @@ static void join(struct pressures *a, const struct pressures *b) {
     a->high = larger(a->high, b->high);
 }
 
-void fronts_note(struct gas *g, int tile, const struct pressures *of) {
-    if (g->tiles->fronts) g->tiles->fronts->p[tile] = *of;
+/* Do the pressures of n cells and of those `s` further differ as at a front, for any of them? */
+KERNEL static bool look_steep(int n, long s, const double *restrict p) {
+    int any = 0;
+    for (int i = 0; i < n; i++) any |= exceeds(FRONT, p[i], p[i + s]);
+    return any != 0;
+}
+
+/* Do those of neighbours within a tile whose primitives are there? */
+static bool is_steep(const struct gas *g, const int n[3]) {
+    const struct forest *f = g->forest;
+    bool steep = false;
+    for (int k = 0; k < n[2] && !steep; k++)
+        for (int j = 0; j < n[1] && !steep; j++) {
+            const double *p = g->tiles->work.p + f->first + j * f->stride[1] + k * f->stride[2];
+            steep = look_steep(n[0] - 1, 1, p) || (j + 1 < n[1] && look_steep(n[0], f->stride[1], p)) ||
+                    (k + 1 < n[2] && look_steep(n[0], f->stride[2], p));
+        }
+    return steep;
+}
+
+/* Finds the extremes of the layer inside a side. */
+static struct pressures side_pressures(const struct gas *g, const int n[3], int side) {
+    const struct forest *f = g->forest;
+    const int axis = side / 2;
+    int low[3] = {0, 0, 0}, high[3] = {n[0], n[1], n[2]};
+    struct pressures of = NO_PRESSURES;
+    if (side % 2)
+        low[axis] = n[axis] - 1;
+    else
+        high[axis] = 1;
+    for (int k = low[2]; k < high[2]; k++)
+        for (int j = low[1]; j < high[1]; j++)
+            widen_row(high[0] - low[0], g->tiles->work.p + f->first + low[0] + j * f->stride[1] + k * f->stride[2],
+                      &of);
+    return of;
+}
+
+void fronts_note(struct gas *g, int tile, const struct state *s, const struct pressures *of) {
+    struct fronts *x = g->tiles->fronts;
+    const int *n = g->forest->tile[tile].n;
+    if (!x) return;
+    const bool may = exceeds(FRONT, of->low, of->high), whole = may && !activity_has_background(g, tile, s);
+    x->p[tile] = *of;
+    x->steep[tile] = may && !(whole && !is_steep(g, n));
+    for (int side = 0; side < 2 * g->dim; side++) x->side[tile][side] = whole ? side_pressures(g, n, side) : *of;
 }
 
 void fronts_speed(const struct gas *g, struct gas_speed *speed) {
@@ -88,10 +138,15 @@ void fronts_speed(const struct gas *g, struct gas_speed *speed) {
 /* May there be a front in a tile or at its sides? What lies on other ranks is not known. */
 static bool may_hold(const struct gas *g, int tile) {
     const struct tile *t = &g->forest->tile[tile];
-    struct pressures near = g->tiles->fronts->p[tile];
-    for (int side = 0; side < 2 * g->dim; side++)
-        if (t->side[side].neighbour >= 0) join(&near, &g->tiles->fronts->p[t->side[side].neighbour]);
-    return t->remote || exceeds(FRONT, near.low, near.high);
+    const struct fronts *x = g->tiles->fronts;
+    bool may = t->remote || x->steep[tile];
+    for (int side = 0; side < 2 * g->dim && !may; side++) {
+        struct pressures both = x->side[tile][side];
+        if (t->side[side].neighbour < 0) continue;
+        join(&both, &x->side[t->side[side].neighbour][side ^ 1]);
+        may = exceeds(FRONT, both.low, both.high);
+    }
+    return may;
 }
 
 struct looking { /* at a tile of the state U */
@@ -103,19 +158,6 @@ struct looking { /* at a tile of the state U */
 static void look_visit(void *context, long offset, int n) {
     const struct looking *l = context;
     primitives_of_row(l->g, l->U, offset, n);
-}
-
-/* Writes out the cells of a tile that are not kept up, and the first layer of its ghosts. */
-static void complete(struct gas *g, int tile) {
-    const struct activity *a = &g->tiles->activity;
-    const int *n = g->forest->tile[tile].n, reach1 = 1, reach2 = g->dim > 2 ? 1 : 0;
-    for (int k = -reach2; k < n[2] + reach2; k++)
-        for (int j = -reach1; j < n[1] + reach1; j++) {
-            const bool inside = j >= 0 && j < n[1] && k >= 0 && k < n[2];
-            *activity_row(a, a->needed, j, k) = inside ? (struct span){-1, n[0] + 1} : (struct span){0, n[0]};
-        }
-    forest_fill_tile(g->forest, tile, a->quiet + 6 * tile);
-    activity_store(g, tile, &g->U, a->needed, 1);
 }
 
 /* Gives the ghosts beyond the patches of a tile the pressure inside, so that there is no front. */
@@ -135,12 +177,6 @@ static void level_patches(const struct gas *g, int tile) {
     }
 }
 
-KERNEL static bool look_steep(int n, long s, const double *restrict p) {
-    int any = 0;
-    for (int i = 0; i < n; i++) any |= exceeds(FRONT, p[i - s], p[i]) | exceeds(FRONT, p[i], p[i + s]);
-    return any != 0;
-}
-
 /* Finds S of n cells along the axis whose neighbours are `s` apart; returns whether any is above 0. */
 KERNEL static bool front_row(int n, long s, const double *restrict rho, const double *restrict u,
                              const double *restrict c, const double *restrict p, double *restrict S) {
@@ -155,33 +191,51 @@ KERNEL static bool front_row(int n, long s, const double *restrict rho, const do
     return any != 0;
 }
 
+/* Finds S of a row; it is 0 outside of the active span, as there cells and their neighbours are equal. */
 static bool find_row(const struct looking *l, int axis, int j, int k) {
-    const struct forest *f = l->g->forest;
-    const struct work *w = &l->g->tiles->work;
-    const long s = f->stride[axis], at = f->first + j * f->stride[1] + k * f->stride[2];
-    const int n = f->tile[l->tile].n[0];
-    double *S = l->g->tiles->fronts->speed[l->tile] + axis * f->size + at;
-    if (look_steep(n, s, w->p + at)) return front_row(n, s, l->U + at, w->velocity[axis] + at, w->c + at, w->p + at, S);
-    memset(S, 0, (size_t)n * sizeof *S);
-    return false;
+    const struct gas *g = l->g;
+    const struct forest *f = g->forest;
+    const struct activity *a = &g->tiles->activity;
+    const struct work *w = &g->tiles->work;
+    const struct span span = *activity_row(a, a->active, j, k);
+    const long s = f->stride[axis], row = f->first + j * f->stride[1] + k * f->stride[2], at = row + span.low;
+    const int n = span.high - span.low;
+    double *S = g->tiles->fronts->speed[l->tile] + axis * f->size;
+    memset(S + row, 0, (size_t)f->tile[l->tile].n[0] * sizeof *S);
+    if (span_empty(span) || !(look_steep(n, s, w->p + at) || look_steep(n, s, w->p + at - s))) return false;
+    return front_row(n, s, l->U + at, w->velocity[axis] + at, w->c + at, w->p + at, S + at);
 }
 
+/* Looks at the cells of a tile that differ from its background and at those beside, as a stage would. */
 static void look(struct gas *g, int tile) {
     struct fronts *x = g->tiles->fronts;
     const struct tile *t = &g->forest->tile[tile];
+    struct activity *a = &g->tiles->activity;
     struct looking l = {g, g->U.block[tile], tile};
-    if (!may_hold(g, tile)) {
+    bool may = may_hold(g, tile);
+    if (may) {
+        forest_fill_tile(g->forest, tile, a->quiet + 6 * tile);
+        may = activity_spread(g, tile, &g->U, &g->U);
+    }
+    if (!may) {
         if (x->found[tile]) memset(x->speed[tile], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
         x->found[tile] = false;
         return;
     }
-    complete(g, tile);
-    runs_visit(g->forest, t, 1, look_visit, &l);
+    activity_store(g, tile, &g->U, a->needed, 1);
+    spans_visit(g, tile, a->needed, 1, look_visit, &l);
     level_patches(g, tile);
     x->found[tile] = false;
     for (int axis = 0; axis < g->dim; axis++)
         for (int k = 0; k < t->n[2]; k++)
             for (int j = 0; j < t->n[1]; j++) x->found[tile] |= find_row(&l, axis, j, k);
+}
+
+/* May any tile hold a front? If none may that needs another rank, nothing is sent to one. */
+static bool any_may_hold(const struct gas *g) {
+    bool may = false;
+    for (int t = 0; t < g->forest->ntiles && !may; t++) may = may_hold(g, t);
+    return may;
 }
 
 static bool is_near(const struct gas *g, int tile) {
@@ -198,7 +252,7 @@ void tiles_fronts(struct gas *g, const struct gas_speed *speed) {
     struct forest *f = g->forest;
     if (!x) return;
     memset(x->near, 0, (size_t)f->ntiles * sizeof *x->near);
-    if (!exceeds(FRONT, speed->low, speed->high)) return;
+    if (!exceeds(FRONT, speed->low, speed->high) || !any_may_hold(g)) return;
     activity_prepare(g, &g->U);
     forest_fill_start(f, 1, g->nvar, g->U.block);
     forest_fill_finish(f);

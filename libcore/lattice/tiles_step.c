@@ -118,7 +118,7 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
         speed_of_background(&c->speeds);
     }
     varied_visit(g, tile, s, close_visit, c);
-    fronts_note(g, tile, &c->speeds.p);
+    fronts_note(g, tile, s, &c->speeds.p);
 }
 
 struct settled { /* the background that was advanced last, which many tiles have in common */
