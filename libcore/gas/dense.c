@@ -27,9 +27,9 @@ static const double HARD = 0.98;
  * for gain explicit steps that it saves. Waves lose 0.1 to 1, at 9 steps a period; beds that settle, pour and land 1e-6
  * to 0.01, and their blocks, heaps' surfaces among them, up to 0.03 but for the first steps of a flow. */
 static const double BLUR = 0.02, LOCAL = 0.2;
-/* A step that is refused costs as much as two explicit ones. So behind it steps are explicit for its length, behind one
- * after the other for twice as long each time, up to so many of them. */
-static const double LONGEST_PAUSE = 8;
+/* A step that is refused costs as much as two to ten explicit ones. So behind it steps are explicit for its length,
+ * behind one after the other for LONGER times the pause before, up to so many explicit steps. */
+static const double LONGER = 4, LONGEST_PAUSE = 128;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
@@ -282,7 +282,7 @@ bool dense_refused(struct gas *g, double *dt) {
     if (!d || !d->refused) return false;
     d->refused = g->hybrid = false;
     d->longest = 0;
-    d->paused = d->pause = smaller(larger(*dt, 2 * d->paused), LONGEST_PAUSE * *dt);
+    d->paused = d->pause = larger(*dt, smaller(LONGER * d->paused, LONGEST_PAUSE * d->usual));
     /* the last two steps before an event share what is left (solvers/case/control.c), as if this had been planned */
     *dt = *dt < 2 * d->plain ? 0.5 * *dt : d->plain;
     g->engine->stage.clear_flags(g);
