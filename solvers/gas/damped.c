@@ -4,11 +4,13 @@
 
 #include <math.h>
 
-/* The part of a bed's steps that may damp sound without a warning: a bed that lands does so in a step among many. */
+/* A bed that lands damps sound in a step or two among many. So there is a warning while a run goes on if more of its
+ * steps than LANDING have done so, and MOST of all; at its end if MOST have. */
+enum { LANDING = 2 };
 static const double MOST = 0.05;
 
 status damped_say(bool *said, struct setup *s, const struct case_models *models, const struct gas_counts *n, FILE *f) {
-    const bool automatic = models->gas.acoustics->automatic, often = n->damped > (f ? 1 : 0);
+    const bool automatic = models->gas.acoustics->automatic, often = n->damped > (f ? LANDING : 0);
     const double *at = n->damped_at, percent = 100 * fmin(n->damping, 1);
     if (*said || n->damped == 0) return OK;
     if (!automatic && !(often && (double)n->damped > MOST * (double)n->beds)) return OK;
