@@ -129,12 +129,13 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
 }
 
 static const char *const cause_name[BED_CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
-static const char *const cause_cure[BED_CAUSES] = {
+static const char *const cause_cure[BED_CAUSES + 1] = {
     "sound of gas beside the bed is explicit: a lower `dense` takes more of it into the bed, larger cells there take "
     "longer steps, and a lower `gain` (from 2 on it pays) shorter implicit ones",
     "the bed's sound is so slow beside its flow that little can be gained: a lower `gain` (from 2 on it pays)",
     "hot dense gas keeps its explicit steps, which know its waves; a thresholdSpeed lets a bed rest",
-    "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)"};
+    "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)",
+    "near vacuum is that hot or fast: alphaFloor in `limits` keeps thin gas from growing so"};
 
 /* Returns the longest step that the rate of cooling in dense cells allows, also on demand. In longer ones the sources
  * take all pressure of a bed before the acoustics moves it, so that it falls onto itself and only its density brings
@@ -235,7 +236,8 @@ void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
     }
     *out = d->bound;
     out->name = cause_name[out->cause];
-    out->cure = cause_cure[out->cause];
+    const bool near_void = out->rate > 0 && out->cell.alpha < d->bed.params.thin * g->models.material.alpha_max;
+    out->cure = cause_cure[near_void ? BED_CAUSES : out->cause];
 }
 
 double gas_inertia(const struct gas *g) {
