@@ -57,7 +57,7 @@ class Acoustics(harness.Folder, unittest.TestCase):
         self.assertGreater(start.field("alpha").max(), 0.95 * 0.64)
         self.assertLess(np.abs(start.field("U")).max(), 1e-11 * np.sqrt(60))
         steps = int(re.findall(r"(\d+) steps in", log)[-1])
-        self.assertGreater(steps, 1000)
+        self.assertGreater(steps, 500)  # each of them could move it
 
     def test_explicit_until_a_cell_is_dense(self):
         explicit, _ = self.run_case(self.block("explicit", (24, 16, 1), 0.2, EXPLICIT, interval=0.05))
@@ -97,8 +97,8 @@ class Acoustics(harness.Folder, unittest.TestCase):
         note = (r"note: gas is dense, but the last 100 steps had no implicit acoustics\. Such a step would be limited by: ([a-z ]+)"
                 r"(?:, cell at \(\S+ \S+ \S+\) with alpha = (\S+), T = (\S+), c = (\S+))?\n +to (\S+) explicit steps, and `gain` of `acoustics` asks for (\S+)\n +\w")
         for name, cause, text, end, options in (
-                ("hot", "cooling of the bed", "", 0.2, {"alpha": 0.62, "p": 1e3}),
-                ("soft", "free fall", "acoustics { type implicit; implicitCoeffs { gain 50; } }\n", 0.3, {"alpha": 0.62, "p": 10, "threshold": 3})):
+                ("whyHot", "cooling of the bed", "", 0.2, {"alpha": 0.62, "p": 1e3}),
+                ("whySoft", "free fall", "acoustics { type implicit; implicitCoeffs { gain 50; } }\n", 0.3, {"alpha": 0.62, "p": 10, "threshold": 3})):
             with self.subTest(name):
                 logs = [self.run_case(self.block(f"{name}{ranks}", (70, 14, 1), end, text, courant=1.0, **options), ranks)[1] for ranks in (1, 2)]
                 found = [re.findall(note, log) for log in logs]
