@@ -137,15 +137,19 @@ static const char *const cause_cure[BED_CAUSES + 1] = {
     "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)",
     "near vacuum is that hot or fast: alphaFloor in `limits` keeps thin gas from growing so"};
 
-/* Returns the longest step that the rate of cooling in dense cells allows, also on demand. In longer ones the sources
- * take all pressure of a bed before the acoustics moves it, so that it falls onto itself and only its density brings
- * the pressure back: it packs, and sound and cooling become so fast that steps are shorter than explicit ones. Hot
- * dense gas has shocks and waves, too, which such steps blur: in grain-sized cells cooling lets sound cross four of
- * them a step at e = 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools
- * more slowly and has the same waves, so that it is held as if e were MILD. */
-static double limit_of_cooling(const struct gas *g, double rate) {
+/* Returns the longest step that the rate of cooling in dense cells allows. In longer ones the sources take all pressure
+ * of a bed before the acoustics moves it, so that it falls onto itself and only its density brings the pressure back:
+ * it packs, and sound and cooling become so fast that steps are shorter than explicit ones. Where viscous stress heats
+ * what cools, a bed bears that: on demand it takes `gain` explicit steps at once even where it cools faster. Hot dense
+ * gas has shocks and waves, too, which such steps blur: in grain-sized cells cooling lets sound cross four of them a
+ * step at e = 0.9, at any density, until most impacts are slower than the threshold. Less inelastic gas cools more
+ * slowly and has the same waves, so that it is held as if e were MILD. */
+static double limit_of_cooling(const struct gas *g, double plain, double rate) {
+    const struct acoustics_params *p = &g->dense->bed.params;
     const double e = g->models.material.restitution, loss = 1 - e * e, mild = 1 - MILD * MILD;
-    return rate > 0 ? g->dense->bed.params.governor / (rate * larger(1, mild / loss)) : HUGE_VAL;
+    if (!(rate > 0)) return HUGE_VAL;
+    if (!g->models.acoustics->automatic && g->models.transport) return larger(p->governor / rate, p->gain * plain);
+    return p->governor / (rate * larger(1, mild / loss));
 }
 
 /* Marks the parts of the bed and finds the rates, over all ranks. The second time only near vacuum has become dense,
@@ -163,11 +167,11 @@ static struct bed_rates find_rates(struct gas *g, double plain) {
 }
 
 /* Finds the limits of dt; thick: without near vacuum. */
-static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double fall, bool thick,
-                        double limit[BED_CAUSES]) {
+static void find_limits(const struct gas *g, const struct bed_rates *rates, double maxCo, double plain, double fall,
+                        bool thick, double limit[BED_CAUSES]) {
     limit[BY_THIN] = smaller(maxCo, BORDER) / (thick ? rates->solid : rates->thin);
     limit[BY_FLOW] = FLOW / rates->flow;
-    limit[BY_COOLING] = limit_of_cooling(g, rates->cooling);
+    limit[BY_COOLING] = limit_of_cooling(g, plain, rates->cooling);
     limit[BY_FALL] = FALL * fall;
 }
 
@@ -202,12 +206,12 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     if (count == 0 || d->pause > 0) return 0;
     if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
     struct bed_rates rates = find_rates(g, plain);
-    find_limits(g, &rates, maxCo, fall, d->thin > 0, step);
+    find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
         count = (double)g->engine->bed.include(g, d->thin, smaller(maxCo, BORDER) / step[least_of(step)]);
         comm_max(g->comm, &count, 1);
         if (count > 0) rates = find_rates(g, plain);
-        find_limits(g, &rates, maxCo, fall, false, step);
+        find_limits(g, &rates, maxCo, plain, fall, false, step);
     }
     const int least = least_of(step);
     const double rate[] = {rates.thin, rates.flow, rates.cooling, 0};
