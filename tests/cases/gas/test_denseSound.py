@@ -75,7 +75,7 @@ class DenseSound(harness.Folder, unittest.TestCase):
 
     def settling(self, name, scheme):
         """Dense gas with a wave comes to rest under gravity: first steps are refused, then implicit."""
-        return self.wave(name, n=(70, 24, 1), alpha=lambda x, y: np.where(y < 20, 0.6, 1e-4), end=1.25, interval=0.25, threshold=0.3, walls=True,
+        return self.wave(name, n=(32 if scheme else 70, 24, 1), alpha=lambda x, y: np.where(y < 20, 0.6, 1e-4), end=1.25, interval=0.25, threshold=0.3, walls=True,
                          gravity=(0.0, -3.0, 0.0), scheme=scheme)
 
     def test_bits_on_ranks_and_over_restarts(self):
