@@ -10,7 +10,7 @@ static const double SMALL = 1e-6; /* squared ratio of variation to scale below w
 /* The epsilon of CWENO3's weights: a variation by 1 % of the scale per cell is smooth. */
 static const double EPSILON = 1e-4;
 static const double OVER = 0.2;    /* how far CWENO3 may leave the range of its stencil, in units of that range */
-static const double TINY = 1e-100; /* keeps 0/0 away */
+static const double TINY = 1e-300; /* keeps 0/0 away, in any unit */
 /* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
 static const double SURE = 1.001 * KEPT;
 

@@ -56,6 +56,34 @@ class Invariance(harness.Folder, unittest.TestCase):
                     with self.subTest(f"{reconstruct} {n} {field}"):
                         np.testing.assert_array_equal(got[field], reference[field])
 
+    def in_units(self, name, mass, length, time, engine, reconstruct):
+        """Layers that fall in a cooling gas, in a unit of mass, length and time; its fields in the first one."""
+        n, speed = (24, 16, 1), length / time
+        size = np.array((2.4, 1.6, 0.1))
+        x, y, _ = boxes.centres(n, size).T
+        rho = np.where(x + 0.3 * y < 1.1, 300.0, 40 + 10 * np.sin(7 * y))
+        u = np.stack([np.sin(3 * x + y), np.cos(2 * x - y), 0 * x], axis=1)
+        case = harness.box_case(os.path.join(self.folder, name), n, size * length, rho * mass / length**3, u * speed,
+                                500 * rho * mass / length / time**2, 0.02 * time, e=0.9, cooling="Haff", step=1e-6 * time,
+                                gravity=(-3.0 * length / time**2, -20.0 * length / time**2, 0.0), reconstruct=reconstruct, binary=True)
+        harness.edit(case, "constant/granularProperties", diameter=0.1 * length, mass=mass)
+        harness.write_dictionary(case, "system", "fvSchemes", f"fluxScheme common; reconstruct {reconstruct}; timeScheme SSPRK43;\n"
+                                 f"meshEngine {engine};\n")
+        harness.program("granularGas", "-case", case)
+        result = harness.haff.Case(case)
+        units = {"rho": mass / length**3, "U": speed, "T": speed**2, "p": mass / length / time**2, "alpha": 1}
+        return {f: result.field(f) / unit for f, unit in units.items()}
+
+    def test_units(self):
+        """Units of mass, length and time whose ratios are powers of two give the same bits."""
+        for engine, reconstruct in (("lattice", "WPENO5"), ("lattice", "TENO5"), ("polyhedral", "WPENO5")):
+            first = self.in_units(f"{engine}{reconstruct}", 1, 1, 1, engine, reconstruct)
+            for i, powers in enumerate(((-66, 0, 0), (66, 10, -6), (-40, -8, 12))):
+                other = self.in_units(f"{engine}{reconstruct}{i}", *(2.0**k for k in powers), engine, reconstruct)
+                for field, values in other.items():
+                    with self.subTest(f"{engine} {reconstruct} {powers} {field}"):
+                        np.testing.assert_array_equal(values, first[field])
+
     def test_conservation(self):
         """Between slip walls and with periodic ends: mass always; momentum and energy where nothing takes them."""
         n, size = (40, 30, 1), (4.0, 3.0, 0.1)

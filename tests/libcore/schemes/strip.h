@@ -57,8 +57,8 @@ static inline void lift(const struct strip *s, int first, struct lifts *l, struc
     f->rest = l->P + first;
 }
 
-static inline void flux_with(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n,
-                             const struct own_params *params) {
+static inline void flux_of_grains(struct strip *s, const struct material *m, const struct flux *flux,
+                                  const struct reconstruct *r, int first, int n, const struct own_params *params) {
     double pace[CELLS];
     for (int i = 0; i < CELLS; i++) pace[i] = 0.7 / s->fastest; /* a Courant number of 0.7 */
     struct faces f = {.n = n,
@@ -81,10 +81,15 @@ static inline void flux_with(struct strip *s, const struct flux *flux, const str
     struct lifts l;
     if (s->gravity != 0) lift(s, first, &l, &f);
     if (s->gravity != 0)
-        flux_calmed(flux, &f, eos_find("GoldshteinShapiro"), &granular, r);
+        flux_calmed(flux, &f, eos_find("GoldshteinShapiro"), m, r);
     else
-        flux->through(&f, eos_find("GoldshteinShapiro"), &granular, r);
+        flux->through(&f, eos_find("GoldshteinShapiro"), m, r);
     for (int i = 0; i < n && s->gravity != 0; i++) s->out[1][i] += l.P[first + i];
+}
+
+static inline void flux_with(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n,
+                             const struct own_params *params) {
+    flux_of_grains(s, &granular, flux, r, first, n, params);
 }
 
 static inline void flux_of(struct strip *s, const struct flux *flux, const struct reconstruct *r, int first, int n) {

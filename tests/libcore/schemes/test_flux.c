@@ -157,6 +157,49 @@ static void mirror_image(void **state) {
     }
 }
 
+/* Turns a strip into units of which `mass` and `speed` are the old ones; that of length is kept. */
+static void change_units(struct strip *s, double mass, double speed) {
+    const int last = s->dim + 1;
+    for (int i = 0; i < CELLS; i++) {
+        for (int v = 0; v <= last; v++) {
+            const double unit = mass * (v == 0 ? 1 : v < last ? speed : speed * speed);
+            s->U[v][i] *= unit;
+            s->F[v][i] *= unit * speed;
+        }
+        for (int k = 0; k < s->dim; k++) s->u[k][i] *= speed;
+        s->eps[i] *= speed * speed;
+        s->p[i] *= mass * speed * speed;
+        s->c[i] *= speed;
+    }
+    s->fastest *= speed;
+}
+
+/* Other units give the flux in these units, to the bit if they are powers of two, else to round-off. */
+static void units_do_not_matter(void **state) {
+    (void)state;
+    static const double mass[] = {0x1p-66, 0x1p66, 0x1p20, 0x1p-20, 1e-20, 1e20},
+                        speed[] = {1, 1, 0x1p20, 0x1p-20, 1, 1};
+    FOR_EVERY(k, r, dim, drift) for (int u = 0; u < 6; u++) {
+        struct strip s = waves(dim, drift), other = s;
+        struct material grains = granular;
+        const struct own_params params = own_defaults(&flux_table[k].model);
+        grains.mass *= mass[u];
+        change_units(&other, mass[u], speed[u]);
+        flux_of(&s, &flux_table[k], &reconstruct_table[r], 2, CELLS - 5);
+        flux_of_grains(&other, &grains, &flux_table[k], &reconstruct_table[r], 2, CELLS - 5, &params);
+        for (int v = 0; v < dim + 2; v++) {
+            const double unit = mass[u] * speed[u] * (v == 0 ? 1 : v < dim + 1 ? speed[u] : speed[u] * speed[u]);
+            const double most = s.fastest * (200 + s.fastest * (v > 0 ? 200 : 0)) * (v == dim + 1 ? s.fastest : 1);
+            for (int i = 0; i < CELLS - 5; i++) {
+                const double error = fabs(other.out[v][i] / unit - s.out[v][i]);
+                if (!(error <= (u < 4 ? 0 : 1e-12 * most)))
+                    fail_msg("%s %s, dim %d, units %g, %g: off by %g of %g", flux_table[k].model.name,
+                             reconstruct_table[r].model.name, dim, mass[u], speed[u], error, s.out[v][i]);
+            }
+        }
+    }
+}
+
 /* A face's flux does not depend on the batch it is in, nor a planar flow's on the dimension. */
 static void batches_and_dimensions(void **state) {
     (void)state;
@@ -448,6 +491,7 @@ int main(void) {
         cmocka_unit_test(left_times_right_is_one),
         cmocka_unit_test(uniform_gas),
         cmocka_unit_test(mirror_image),
+        cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(batches_and_dimensions),
         cmocka_unit_test(faint_speeds),
         cmocka_unit_test(supersonic_flux_is_clean),

@@ -296,21 +296,21 @@ static void units_do_not_matter(void **state) {
     (void)state;
     for (int k = 0; k < polynomial_count; k++)
         for (enum shape shape = QUADS; shape <= TETS; shape++) {
-            struct subject s, t; /* t: lengths times 2^-10, densities 2^20, velocities 2^-7 */
+            struct subject s, t; /* t: lengths times 2^-10, densities 2^-200, velocities 2^-7 */
             subject_make(&s, shape, 6, 1, 0.2, polynomial_table[k].model.name);
             subject_make(&t, shape, 6, 0x1p-10, 0.2, polynomial_table[k].model.name);
             const int energy = s.polyhedra->dim + 1;
             average(&s, jump);
             for (int v = 0; v <= energy; v++)
                 for (int i = 0; i < s.polyhedra->size; i++)
-                    t.average[v][i] = (v == 0 ? 0x1p20 : v < energy ? 0x1p13 : 0x1p6) * s.average[v][i];
+                    t.average[v][i] = (v == 0 ? 0x1p-200 : v < energy ? 0x1p-207 : 0x1p-214) * s.average[v][i];
             values(&s);
             values(&t);
             for (int side = 0; side < 2; side++)
                 for (int p = 0; p < s.polyhedra->point.n; p++)
                     for (int v = 0; v <= energy && inner(s.polyhedra, p, side); v++) {
                         double a = s.value[side][v][p];
-                        double b = t.value[side][v][p] / (v == 0 ? 0x1p20 : v < energy ? 0x1p13 : 0x1p6);
+                        double b = t.value[side][v][p] / (v == 0 ? 0x1p-200 : v < energy ? 0x1p-207 : 0x1p-214);
                         if (!(fabs(a - b) <= 1e-12)) fail_msg("%s: %.17g, %.17g", polynomial_table[k].model.name, a, b);
                     }
             subject_free(&t);
