@@ -30,8 +30,8 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
     bool refused;        /* was the last step of the bed not taken because it would damp sound? */
-    double pause,
-        paused; /* s: steps stay explicit for so long after that; that at first; a restart goes on with both */
+    double pause;        /* s: steps stay explicit for so long after that */
+    double paused;       /* s: so long the pause was at first; a restart goes on with both */
     struct first_place *sought; /* of gas_bed_bound, while it looks for the cell; else NULL */
     status failed;              /* why an attempt could not be made, other than that dt was too long */
 };
