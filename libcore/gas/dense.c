@@ -133,8 +133,7 @@ static const char *const cause_cure[BED_CAUSES + 1] = {
     "sound of gas beside the bed is explicit: a lower `dense` takes more of it into the bed, larger cells there take "
     "longer steps, and a lower `gain` (from 2 on it pays) shorter implicit ones",
     "the bed's sound is so slow beside its flow that little can be gained: a lower `gain` (from 2 on it pays)",
-    "hot dense gas keeps its explicit steps, which know its waves; a larger thresholdSpeed lets a bed rest, and a "
-    "larger "
+    "hot dense gas keeps its explicit steps, which know its waves; a larger thresholdSpeed lets a bed rest, a larger "
     "`governor` takes longer steps all the same",
     "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)",
     "near vacuum is that hot or fast: alphaFloor in `limits` keeps thin gas from growing so"};
