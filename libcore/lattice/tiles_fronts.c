@@ -11,9 +11,9 @@
 #include <stdlib.h>
 
 struct fronts {
-    double **speed; /* [ntiles] of [dim][size] m/s: S, with one layer of ghosts; 0 beyond patches */
-    bool *found;    /* [ntiles] is any S of the tile's cells above 0? */
-    bool *near;     /* [ntiles] may any be, of its cells or of ghosts? */
+    double **speed;    /* [ntiles] of [dim][size] m/s: S, with one layer of ghosts; 0 beyond patches */
+    bool *found;       /* [ntiles] is any S of the tile's cells above 0? */
+    bool *near, **row; /* [ntiles] may any be, of its cells or of ghosts? [rows of activity_row] in that row? */
     /* Of the state whose wave speeds were found last: [ntiles] extremes in the tile, [ntiles][6] in the layer inside
      * each side, [ntiles] may there be a front between two cells of the tile? */
     struct pressures *p, (*side)[6];
@@ -35,6 +35,9 @@ status fronts_make(struct gas *g) {
     TRY(allocate(&x->side, f->ntiles, sizeof *x->side, "fronts"));
     TRY(allocate(&x->steep, f->ntiles, sizeof *x->steep, "fronts"));
     for (int t = 0; t < f->ntiles; t++) TRY(allocate(&x->speed[t], g->dim * f->size + SLACK, sizeof(double), "fronts"));
+    TRY(allocate(&x->row, f->ntiles, sizeof *x->row, "fronts"));
+    for (int t = 0; t < f->ntiles; t++)
+        TRY(allocate(&x->row[t], g->tiles->activity.nspans, sizeof *x->row[t], "fronts"));
     return OK;
 }
 
@@ -42,6 +45,8 @@ void fronts_free(struct gas *g) {
     struct fronts *x = g->tiles->fronts;
     if (!x) return;
     blocks_free(g->forest, x->speed);
+    for (int t = 0; x->row && t < g->forest->ntiles; t++) free(x->row[t]);
+    free(x->row);
     free(x->found);
     free(x->near);
     free(x->p);
@@ -191,6 +196,11 @@ KERNEL static bool front_row(int n, long s, const double *restrict rho, const do
     return any != 0;
 }
 
+static bool *row_flag(const struct gas *g, int tile, int j, int k) {
+    const struct activity *a = &g->tiles->activity;
+    return g->tiles->fronts->row[tile] + (activity_row(a, a->active, j, k) - a->active);
+}
+
 /* Finds S of a row; it is 0 outside of the active span, as there cells and their neighbours are equal. */
 static bool find_row(const struct looking *l, int axis, int j, int k) {
     const struct gas *g = l->g;
@@ -203,7 +213,9 @@ static bool find_row(const struct looking *l, int axis, int j, int k) {
     double *S = g->tiles->fronts->speed[l->tile] + axis * f->size;
     memset(S + row, 0, (size_t)f->tile[l->tile].n[0] * sizeof *S);
     if (span_empty(span) || !(look_steep(n, s, w->p + at) || look_steep(n, s, w->p + at - s))) return false;
-    return front_row(n, s, l->U + at, w->velocity[axis] + at, w->c + at, w->p + at, S + at);
+    const bool found = front_row(n, s, l->U + at, w->velocity[axis] + at, w->c + at, w->p + at, S + at);
+    *row_flag(g, l->tile, j, k) |= found;
+    return found;
 }
 
 /* Looks at the cells of a tile that differ from its background and at those beside, as a stage would. */
@@ -213,6 +225,7 @@ static void look(struct gas *g, int tile) {
     struct activity *a = &g->tiles->activity;
     struct looking l = {g, g->U.block[tile], tile};
     bool may = may_hold(g, tile);
+    memset(x->row[tile], 0, (size_t)a->nspans * sizeof *x->row[tile]);
     if (may) {
         forest_fill_tile(g->forest, tile, a->quiet + 6 * tile);
         may = activity_spread(g, tile, &g->U, &g->U);
@@ -238,13 +251,22 @@ static bool any_may_hold(const struct gas *g) {
     return may;
 }
 
-static bool is_near(const struct gas *g, int tile) {
+/* Notes where a tile may see fronts, once all of them are found: those of a tile beside it in any row of ghosts, and in
+ * any row at its ends along axis 0. */
+static void find_near(const struct gas *g, int tile) {
+    struct fronts *x = g->tiles->fronts;
     const struct tile *t = &g->forest->tile[tile];
-    const bool *found = g->tiles->fronts->found;
-    bool near = t->remote || found[tile];
-    for (int side = 0; side < 2 * g->dim; side++)
-        near |= t->side[side].neighbour >= 0 && found[t->side[side].neighbour];
-    return near;
+    const int reach2 = g->dim > 2 ? 1 : 0;
+    bool beside = t->remote, end = t->remote;
+    for (int side = 0; side < 2 * g->dim; side++) {
+        const bool found = t->side[side].neighbour >= 0 && x->found[t->side[side].neighbour];
+        beside |= found;
+        end |= found && side < 2;
+    }
+    x->near[tile] = beside || x->found[tile];
+    for (int k = -reach2; k < t->n[2] + reach2 && beside; k++)
+        for (int j = -1; j <= t->n[1]; j++)
+            if (end || j < 0 || j == t->n[1] || k < 0 || k == t->n[2]) *row_flag(g, tile, j, k) = true;
 }
 
 void tiles_fronts(struct gas *g, const struct gas_speed *speed) {
@@ -258,7 +280,7 @@ void tiles_fronts(struct gas *g, const struct gas_speed *speed) {
     forest_fill_finish(f);
     for (int t = 0; t < f->ntiles; t++) look(g, t);
     forest_fill_layers(f, 1, g->dim, x->speed);
-    for (int t = 0; t < f->ntiles; t++) x->near[t] = is_near(g, t);
+    for (int t = 0; t < f->ntiles; t++) find_near(g, t);
 }
 
 /* Raises floors to S of the two cells of n faces; returns bits that are all 0 if no floor of them is above 0. */
@@ -274,8 +296,9 @@ KERNEL static uint64_t raise_row(int n, long s, const double *restrict S, double
 const double *fronts_floor(const struct gas *g, const struct strip *s) {
     const struct forest *f = g->forest;
     struct fronts *x = g->tiles->fronts;
+    const int up = s->axis == 1 ? 1 : s->axis == 2 ? g->tiles->activity.rows : 0; /* to the row of the right cells */
     uint64_t any = 0;
-    if (!x || !x->near[s->tile]) return NULL;
+    if (!x || !x->near[s->tile] || !(x->row[s->tile][s->row] || x->row[s->tile][s->row + up])) return NULL;
     memset(x->floor, 0, sizeof x->floor);
     for (int axis = 0; axis < g->dim; axis++)
         if (axis != s->axis)
