@@ -81,8 +81,8 @@ struct state_hooks {
 };
 
 struct stage_hooks {
-    /* Finds the fronts of shocks in U (docs/physics.md 6.12), for the fluxes of all stages of a step. speed: of U.
-     * Collective. */
+    /* Finds the fronts of shocks in U, for the rule of single faces beside them (docs/physics.md 6.12) in all stages of
+     * a step. speed: of U. Collective. */
     void (*fronts)(struct gas *g, const struct gas_speed *speed);
     /* Computes to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of
      * the cells to be limited (row_limited), and returns their number. */

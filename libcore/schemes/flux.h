@@ -23,8 +23,8 @@ struct faces {
     /* [n] an enum face_rule each, where the caller has found them, and p those of contacts; NULL: the flux finds them.
      */
     const unsigned char *rule;
-    /* [n] m/s: the least speed with which entropy and shears are split beside the front of a shock (docs/physics.md
-     * 6.12), 0: none; NULL: none at all */
+    /* [n] m/s: the least speed with which entropy and shears are split, for single faces beside the front of a
+     * shock (docs/physics.md 6.12, rules of faces), 0: none; NULL: none at all */
     const double *floor;
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the

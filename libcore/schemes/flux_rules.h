@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the sensors of the rules of single faces share (flux_private.h states the rules): those of lattices in
- * flux_rules.c, those of polyhedra in libcore/polyhedral/cells_rules.c. */
+/* What the sensors of the rules of single faces share (docs/physics.md 6.12; flux_private.h states the rules): those of
+ * lattices in flux_rules.c, those of polyhedra in libcore/polyhedral/cells_rules.c. */
 #ifndef LIBCORE_FLUX_RULES_H
 #define LIBCORE_FLUX_RULES_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fronts of shocks (docs/physics.md 6.12) on both engines: a shock that stands along a line of the mesh stays straight,
- * and the bits depend on neither ranks, tiles, skipping nor restarts. */
+/* The rule of single faces beside fronts of shocks (docs/physics.md 6.12) on both engines: a shock that stands along a
+ * line of the mesh stays straight, and the bits depend on neither ranks, tiles, skipping nor restarts. */
 #include "libcore/gas/gas.h"
 
 #include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
