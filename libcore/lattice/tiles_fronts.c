@@ -283,26 +283,30 @@ void tiles_fronts(struct gas *g, const struct gas_speed *speed) {
     for (int t = 0; t < f->ntiles; t++) find_near(g, t);
 }
 
-/* Raises floors to S of the two cells of n faces; returns bits that are all 0 if no floor of them is above 0. */
-KERNEL static uint64_t raise_row(int n, long s, const double *restrict S, double *restrict floor) {
+/* Returns bits that are all 0 if S of the two cells of n faces is 0. */
+KERNEL static uint64_t look_row(int n, long s, const double *restrict S) {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++) {
-        floor[i] = larger(floor[i], larger(S[i], S[i + s]));
-        any |= bits_of(floor[i]);
-    }
+    for (int i = 0; i < n; i++) any |= bits_of(S[i]) | bits_of(S[i + s]);
     return any;
+}
+
+/* Raises floors to S of the two cells of n faces. */
+KERNEL static void raise_row(int n, long s, const double *restrict S, double *restrict floor) {
+    for (int i = 0; i < n; i++) floor[i] = larger(floor[i], larger(S[i], S[i + s]));
 }
 
 const double *fronts_floor(const struct gas *g, const struct strip *s) {
     const struct forest *f = g->forest;
     struct fronts *x = g->tiles->fronts;
     const int up = s->axis == 1 ? 1 : s->axis == 2 ? g->tiles->activity.rows : 0; /* to the row of the right cells */
-    uint64_t any = 0;
+    bool any = false;
     if (!x || !x->near[s->tile] || !(x->row[s->tile][s->row] || x->row[s->tile][s->row + up])) return NULL;
-    memset(x->floor, 0, sizeof x->floor);
-    for (int axis = 0; axis < g->dim; axis++)
-        if (axis != s->axis)
-            any |= raise_row(whole_vectors(s->n), f->stride[s->axis], x->speed[s->tile] + axis * f->size + s->offset,
-                             x->floor);
+    for (int axis = 0; axis < g->dim; axis++) {
+        const double *S = x->speed[s->tile] + axis * f->size + s->offset;
+        if (axis == s->axis || !look_row(whole_vectors(s->n), f->stride[s->axis], S)) continue;
+        if (!any) memset(x->floor, 0, sizeof x->floor);
+        raise_row(whole_vectors(s->n), f->stride[s->axis], S, x->floor);
+        any = true;
+    }
     return any ? x->floor : NULL;
 }
