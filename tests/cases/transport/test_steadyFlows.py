@@ -70,29 +70,31 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
 
     def test_spheres(self):
         """The heat flux of inelastic spheres follows grad rho, too: at walls that hold T, pulled onto one of them, and at one that
-        takes heat. Under gravity errors fall with an order of 1.46 to 2.3 between these grids: the step in which gas is pulled onto a
-        wall, and then pushed back, is split. test_mpi_conduction has the second order of conduction alone."""
+        takes heat. On polyhedra the order is 1.7 between these grids under the stronger gravity, and 2.0 to 2.2 from 40 to 80 cells.
+        test_mpi_conduction has the second order of conduction alone."""
         absorbs = ("0.orig/T", "right { type fixedValue; value uniform 4; }", "right { type granularWall; restitution 0.8; }")
-        for e, gravity, other, measured in ((0.8, -0.1, [], 8.7e-4), (0.8, -0.1, [POLYHEDRAL], 1.9e-3), (0.9, 0.02, [absorbs], 2e-4),
-                                            (0.9, 0.02, [absorbs, POLYHEDRAL], 1e-3)):
+        for e, gravity, other, least, measured in (
+                (0.8, -0.1, [], 1.85, 7.9e-4), (0.8, -0.1, [POLYHEDRAL], 1.65, 1.4e-3), (0.9, 0.02, [absorbs], 1.9, 2.5e-4),
+                (0.9, 0.02, [absorbs, POLYHEDRAL], 1.9, 9e-4), (0.8, 0.0, [absorbs], 1.9, 4.2e-4)):
             with self.subTest(restitution=e, gravity=gravity, other=other):
                 errors, order = self.errors("heatedWalls", (20, 40), lambda case: disks.heated_walls(case, garzoDufty.Grains(3, e), gravity),
                                             (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.4, "endTime": 2000, "writeInterval": 2000},
                                             [spheres(e, gravity), *other])
-                self.assertGreater(order.min(), 1.4, f"orders {order}, errors {errors}")
+                self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
     def test_spheres_along_walls_with_friction(self):
+        """On the lattice what is left of the start at t = 1200 would hide the second order: the gas relaxes slowly."""
         def rough(case):
             """Two walls that are alike: with other walls the mean velocity would take long to become steady."""
             friction(case, (-2, 0.8, 0.9), (2, 0.8, 0.9))
             replace(case, "0.orig/T", "internalField   uniform 0.34;", "internalField   uniform 0.07;")
             replace(case, "0.orig/U", "0.15*(y - 10) + 0.14", "0.17*(y - 10)")
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
-        for other, least, measured in (([], 1.6, 1.3e-4), ([POLYHEDRAL], 1.5, 1.9e-3)):
+        for other, end, least, measured in (([], 2400, 1.9, 9.8e-5), ([POLYHEDRAL], 1200, 1.5, 1.9e-3)):
             with self.subTest(other=other):
                 errors, order = self.errors("couetteDisks", (16, 32), lambda case: disks.frictional(case, garzoDufty.Grains(3, 0.9)), fields, {},
-                                            {"maxCo": 0.4, "endTime": 1200, "writeInterval": 1200}, [spheres(0.9), rough, *other])
+                                            {"maxCo": 0.4, "endTime": end, "writeInterval": end}, [spheres(0.9), rough, *other])
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
