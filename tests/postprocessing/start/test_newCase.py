@@ -208,7 +208,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         with open(os.path.join(case, "Allrun")) as f:
             self.assertNotIn("gmsh -3", f.read())
         self.assertNotIn("mesh.geo", os.listdir(case))
-        case, said = self.new(geo, "-patch", "quux=outlet", "-patch", "foo7=inlet", "-speed", "0,2,0")
+        case, said = self.new(geo, "-patch", "quux=outlet", "-patch", "foo7=inlet", "-speed", "2,0,0")
         self.assertEqual((self.patch(case, "U", "quux"), self.patch(case, "U", "foo7")), ("zeroGradient", "fixedValue"))
         self.assertNotIn("note", said)
 
