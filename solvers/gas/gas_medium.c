@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas as the medium (medium.h) of granularGas. */
-#include "solvers/gas/damped.h"
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
@@ -24,7 +23,6 @@ static const double STROKE = 0.02;
  * the friction of lasting contacts rules); the log says so after SLOW_STEPS steps of it. */
 static const double SLOWEST = 1e-2;
 enum { SLOW_STEPS = 1000 };
-static const double DENSE = 0.9; /* fraction of alphaMax beyond which it is packing that makes c large */
 
 struct gas_state {
     struct medium base;
@@ -318,16 +316,7 @@ static void gas_limiting_cell(struct medium *m, char *text, size_t size) {
 }
 
 static void gas_bound(struct medium *m, char *text, size_t size) {
-    struct gas_state *g = of(m);
-    const struct gas_models *models = &g->models->gas;
-    const double alpha = limiter_cell(g->gas, &g->speed, text, size), most = models->material.alpha_max;
-    const size_t n = strlen(text);
-    snprintf(text + n, size - n, "\n      %s",
-             most > 0 && alpha > DENSE * most && source_cools(&models->source, &models->material)
-                 ? "near packing c has no bound: thresholdSpeed in `grain` keeps grains from collapsing, and larger "
-                   "cells there take longer steps"
-                 : "hot or fast gas, or a narrow cell (checkCase names such a cell): larger cells there take longer "
-                   "steps; alphaFloor keeps thin gas from growing hot");
+    limiter_bound(of(m)->gas, &of(m)->speed, &of(m)->models->gas, text, size);
 }
 
 static status gas_medium_step(struct medium *m, const struct control *c, double t, double *dt) {
@@ -480,7 +469,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
     if (!f) return OK;
     if (comm_root(m->setup->comm)) print_state(f, g, &g->counts, &numbers);
     g->counts = numbers.counts;
-    TRY(damped_say(&g->damps, m->setup, g->models, &g->counts, f));
+    TRY(limiter_note_damped(&g->damps, m->setup, g->models, &g->counts, f));
     if (g->slow >= SLOW_STEPS) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
@@ -494,7 +483,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
 static status gas_finish(struct medium *m, FILE *f) {
     double share = gas_computed_share(of(m)->gas);
     const struct gas_counts counts = gas_counts(of(m)->gas);
-    TRY(damped_say(&of(m)->damps, m->setup, of(m)->models, &counts, NULL));
+    TRY(limiter_note_damped(&of(m)->damps, m->setup, of(m)->models, &counts, NULL));
     if (share < 1 && comm_root(m->setup->comm))
         fprintf(f, "%.3g %% of the cell updates were computed; the rest was uniform\n", 100 * share);
     return OK;

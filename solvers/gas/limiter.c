@@ -1,12 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes limiter.dat, with a row for each step whose state had to be kept admissible, and takes its counts over
- * restarts (limiter.h). */
+/* Writes limiter.dat, with a row for each step whose state had to be kept admissible, takes its counts over restarts,
+ * and says what limits steps (limiter.h). */
 #include "solvers/gas/limiter.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* The fraction of alphaMax beyond which it is packing that makes c large. */
+static const double DENSE = 0.9;
 
 /* So many explicit steps in a row, though gas is dense, are told of: before there was an implicit one, and later. */
 enum { FIRST_BED = 100, NEXT_BED = 1000, PLACE = 200 };
+
+/* A bed that lands damps sound in a step or two among many. So there is a warning while a run goes on if more of its
+ * steps than LANDING have done so, and MOST of all; at its end if MOST have. */
+enum { LANDING = 2 };
+static const double MOST = 0.05;
 
 static status open_table(struct limiter_table *l, const struct setup *s) {
     char folder[TIME_NAME + 16];
@@ -132,6 +142,17 @@ double limiter_cell(struct gas *g, const struct gas_speed *speed, char *text, si
     return q.alpha;
 }
 
+void limiter_bound(struct gas *g, const struct gas_speed *speed, const struct gas_models *m, char *text, size_t size) {
+    const double alpha = limiter_cell(g, speed, text, size), most = m->material.alpha_max;
+    const size_t n = strlen(text);
+    snprintf(text + n, size - n, "\n      %s",
+             most > 0 && alpha > DENSE * most && source_cools(&m->source, &m->material)
+                 ? "near packing c has no bound: thresholdSpeed in `grain` keeps grains from collapsing, and larger "
+                   "cells there take longer steps"
+                 : "hot or fast gas, or a narrow cell (checkCase names such a cell): larger cells there take longer "
+                   "steps; alphaFloor keeps thin gas from growing hot");
+}
+
 void limiter_note_beds(long *steps, struct gas *g, bool aloud) {
     char cell[PLACE] = "";
     struct gas_bed_bound b;
@@ -146,6 +167,27 @@ void limiter_note_beds(long *steps, struct gas *g, bool aloud) {
                "%s%s\n      to %.3g explicit steps, and `gain` of `acoustics` asks for %g\n      %s\n",
                *steps, b.name, cell, b.steps, b.gain, b.cure);
     *steps = -1;
+}
+
+status limiter_note_damped(bool *said, struct setup *s, const struct case_models *models, const struct gas_counts *n,
+                           FILE *f) {
+    const bool automatic = models->gas.acoustics->automatic, often = n->damped > (f ? LANDING : 0);
+    const double *at = n->damped_at, percent = 100 * fmin(n->damping, 1);
+    if (*said || n->damped == 0) return OK;
+    if (!automatic && !(often && (double)n->damped > MOST * (double)n->beds)) return OK;
+    *said = true;
+    if (!automatic)
+        return warn(&s->warnings, WARN_DAMPED,
+                    "%s:%d: implicit steps damp waves in dense gas: one takes %.3g %% of the motion around (%.6g %.6g "
+                    "%.6g); acoustics automatic, or explicit, keeps waves",
+                    dict_path(models->solution), dict_line(models->solution, "acoustics"), percent, at[0], at[1],
+                    at[2]);
+    if (f && comm_root(s->comm))
+        fprintf(f,
+                "    implicit steps of the bed are left out: they would take %.3g %% of its motion by sound, most at "
+                "(%.6g %.6g %.6g)\n",
+                percent, at[0], at[1], at[2]);
+    return OK;
 }
 
 void limiter_close(struct limiter_table *l) {
