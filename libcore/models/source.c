@@ -71,8 +71,10 @@ void source_kick(const struct sources *s, double t, double dt, double kick[MAX_D
 }
 
 void source_gravity(const struct sources *s, double t, double dt, double gravity[MAX_DIM]) {
-    source_kick(s, t, dt, gravity);
-    for (int k = 0; k < MAX_DIM; k++) gravity[k] /= dt;
+    double first[MAX_DIM], second[MAX_DIM];
+    source_kick(s, t, 0.5 * dt, first);
+    source_kick(s, t + 0.5 * dt, 0.5 * dt, second);
+    for (int k = 0; k < MAX_DIM; k++) gravity[k] = (first[k] + second[k]) / dt;
 }
 
 bool source_falls(const struct sources *s, int dim) {

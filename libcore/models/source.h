@@ -75,9 +75,10 @@ bool source_heats(const struct sources *s);
 
 /* Computes the velocity (m/s) that gravity gives from t to t + dt, the exact integral of g(t). */
 void source_kick(const struct sources *s, double t, double dt, double kick[MAX_DIM]);
-/* Computes the mean acceleration (m/s^2) from t to t + dt. The stages of a step have it throughout: gas that falls then
- * gains the exact velocity, and every Runge-Kutta scheme of order 2 or more keeps its T to round-off. With an
- * acceleration that changes from stage to stage, the work u.g of a step is not the energy of motion that gas gains. */
+/* Computes the mean acceleration (m/s^2) from t to t + dt, of the kicks of both halves. The stages of a step have it
+ * throughout: gas that falls then gains the exact velocity, and every Runge-Kutta scheme of order 2 or more keeps its T
+ * to round-off. With an acceleration that changes from stage to stage, the work u.g of a step is not the energy of
+ * motion that gas gains. */
 void source_gravity(const struct sources *s, double t, double dt, double gravity[MAX_DIM]);
 int source_gravity_row(void); /* its place in source_table */
 /* Has gravity a component along one of the first `dim` axes? */

@@ -63,6 +63,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
     model_defaults(&m.eos->model, &m.material);
     m.transport_params = own_defaults(&m.transport->model);
     for (int p = 0; p < 6; p++) {
+        rules[p] = (struct patch_rules){.density = {.type = NULL}};
         rules[p].density.type = rules[p].temperature.type = boundary_find("zeroGradient");
         rules[p].velocity.type = boundary_find("slip");
     }

@@ -112,6 +112,7 @@ static status run(const struct comm *c, int periods, const struct scheme *s, str
     if (!s->diffusion->plan) TRY(linear_load(&m.linear));
     memset(rules, 0, sizeof rules);
     for (int p = 0; p < 6; p++) {
+        rules[p] = (struct patch_rules){.density = {.type = NULL}};
         rules[p].density.type = rules[p].temperature.type = boundary_find("zeroGradient");
         rules[p].velocity.type = boundary_find("slip");
     }

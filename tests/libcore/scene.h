@@ -22,6 +22,7 @@ struct scene { /* a gas on a lattice (box, forest) or on a polyhedral mesh (mesh
 
 static inline void set_walls(struct scene *s, const char *velocity) {
     for (int p = 0; p < 6; p++) {
+        s->rules[p] = (struct patch_rules){.density = {.type = NULL}};
         s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
         s->rules[p].velocity.type = boundary_find(velocity);
     }

@@ -73,6 +73,7 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
+        s->rules[i] = (struct patch_rules){.density = {.type = NULL}};
         s->rules[i].density.type = s->rules[i].temperature.type = boundary_find("zeroGradient");
         s->rules[i].velocity.type = boundary_find(open ? "zeroGradient" : "slip");
         if (!open && p->wall[i].velocity) set_wall(&p->wall[i], i / 2, &s->rules[i]);

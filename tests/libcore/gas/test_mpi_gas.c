@@ -36,10 +36,10 @@ static void open_scene(struct scene *s, int dim, const int n[3], bool periodic, 
         .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK3"),
         .skip_uniform = true};
-    for (int p = 0; p < 6; p++) {
-        s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
-        s->rules[p].velocity.type = boundary_find("slip");
-    }
+    for (int p = 0; p < 6; p++)
+        s->rules[p] = (struct patch_rules){.density = {.type = boundary_find("zeroGradient")},
+                                           .temperature = {.type = boundary_find("zeroGradient")},
+                                           .velocity = {.type = boundary_find("slip")}};
     s->cells = s->box.mesh.ncells;
     must(forest_make(&s->box.lattice, &s->box.mesh, world, dim == 1 ? 16 : 8, &s->forest));
     must(gas_make(s->forest, &s->models, 6, s->rules, &s->gas));

@@ -31,6 +31,7 @@ static inline void open_scene(struct scene *s, const struct cells_recipe *r, con
         .polynomial = polynomial_find(polynomial),
         .stepper = stepper_find("SSPRK3")};
     for (int p = 0; p < 6; p++) {
+        s->rules[p] = (struct patch_rules){.density = {.type = NULL}};
         s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
         s->rules[p].velocity.type = boundary_find("slip");
     }

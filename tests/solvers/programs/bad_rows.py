@@ -551,7 +551,7 @@ FIELDS = [
     Row("mass flux of a scalar", ("0/T", "type fixedValue;", "type flowRateInletVelocity; massFlowRate 1;"), "allowed are"),
     Row("mass flux with implicit acoustics", both(replace("0/U", "type fixedValue;", "type flowRateInletVelocity; massFlowRate 1;"),
                                                   append(SOLUTION, "acoustics { type implicit; }\n")),
-        "massFlowRate is for explicit acoustics", at="type flowRateInletVelocity", where="0/U"),
+        "a flow rate is for explicit acoustics", at="type flowRateInletVelocity", where="0/U"),
     Row("moving wall by a table without viscosity", ("0/U", "type slip;", "type translatingWallVelocity; U table ((0 (0 1 0)));"),
         "'translatingWallVelocity'", "transport"),
     Row("moving wall whose table leads through", ("0/U", "type slip;", "type translatingWallVelocity; U table ((0 (0 1 0)) (1 (1 1 0)));"),
