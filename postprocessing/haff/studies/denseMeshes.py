@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same problems on triangles and out of a ball, for denseShocks."""
+"""The same problems on triangles and out of a ball, and air that meets a cylinder, for denseShocks."""
 import os
 import shutil
 import subprocess
@@ -8,9 +8,11 @@ import tempfile
 import numpy as np
 
 import haff
-from haff.exact.eos import GoldshteinShapiro
+from haff.exact.eos import GoldshteinShapiro, PerfectGas
+from haff.exact.obliqueShock import ObliqueShock
 from haff.paths import program
 from haff.runs import boxes, triangles
+from haff.studies import shocks
 from haff.studies.denseTubes import DEFAULTS, OFF, ON, finish
 
 
@@ -131,6 +133,56 @@ Physical Surface("high") = {o[0], o[3], o[4]}; Physical Volume("gas") = {o[1]};
         inside = r < 1
         errors = [np.average(np.abs(a - b)[inside], weights=V[inside]) / np.ptp(b) for a, b in ((rho, known[0]), ((u * x).sum(axis=1) / r, known[1]))]
         return (front - self.shock) / h, above, errors, limited, len(r)
+
+
+class Body:
+    """A cylinder of radius 1 in a stream of air (gamma 1.4, rho 1, c 1) of which the first state has noise of 1e-3: both halves, the mesh
+    of the lower one the image of the upper, 2 n sides along a quarter of the cylinder where it is of quads, 1.6 n where of triangles."""
+
+    GEO = """n = %d;
+Point(1) = {0, 0, 0, 1/n}; Point(2) = {-1, 0, 0, 1/n}; Point(3) = {0, 1, 0, 1/n}; Point(4) = {0, -1, 0, 1/n};
+Point(5) = {-2, 0, 0, 2/n}; Point(6) = {0, 3, 0, 2/n}; Point(7) = {0, -3, 0, 2/n};
+Line(1) = {5, 2}; Circle(2) = {2, 1, 3}; Line(3) = {3, 6}; Ellipse(4) = {6, 1, 6, 5}; Circle(5) = {2, 1, 4}; Line(6) = {4, 7}; Ellipse(7) = {7, 1, 7, 5};
+Curve Loop(1) = {1:4}; Plane Surface(1) = {1}; Curve Loop(2) = {1, 5:7}; Plane Surface(2) = {2};
+Periodic Curve {5:7} = {2:4} Affine {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+Periodic Surface {2} = {1} Affine {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+%s Mesh.Algorithm = 6; Physical Curve("inlet") = {4, 7}; Physical Curve("outlet") = {3, 6}; Physical Curve("wall") = {2, 5};
+Physical Surface("gas") = {1, 2};
+"""
+    QUADS = "Transfinite Curve {1:7} = 2*n + 1; Transfinite Surface {1, 2}; Recombine Surface {1, 2};"
+
+    def __init__(self, n, quads, folder):
+        self.name, self.case = "quads" if quads else "triangles", os.path.join(folder, "quads" if quads else "triangles")
+        boxes.write_dictionary(self.case, "system", "meshDict", "patches { }\n")
+        geo, msh = os.path.join(self.case, "mesh.geo"), os.path.join(self.case, "mesh.msh")
+        with open(geo, "w") as f:
+            f.write(self.GEO % (n, self.QUADS if quads else ""))
+        subprocess.run(["gmsh", "-2", "-v", "2", geo, "-o", msh], check=True, capture_output=True)
+        subprocess.run([program("gmshToCase"), msh, "-case", self.case, "-binary"], check=True, capture_output=True)
+        os.remove(msh)
+        self.mesh = haff.Case(self.case).mesh
+        self.x = haff.Case(self.case).centres[:, :2]
+        away = lambda at: np.linalg.norm(self.x - at, axis=1)
+        self.image = np.array([away(at).argmin() for at in self.x * (1, -1)])
+
+    def run(self, mach, schemes, end=40):
+        """Distance of the shock from the nose when the stream has gone `end` radii, and the largest difference of the density to its
+        image over the jump."""
+        shock, random = ObliqueShock(PerfectGas(1.4), 1.0, 1 / 1.4, mach), np.random.default_rng(24)
+        noise = lambda: 1 + 1e-3 * random.uniform(-1, 1, len(self.x))
+        stream = {"rho": noise(), "U": mach * np.outer(noise(), (1, 0, 0)), "p": noise() / 1.4}
+        kinds = {name: kind for name, (kind, _, _) in self.mesh.patches.items()}
+        with tempfile.TemporaryDirectory() as folder:
+            case = os.path.join(folder, "case")
+            shutil.copytree(self.case, case)
+            boxes.write_case(case, kinds, *stream.values(), end / mach, **{**DEFAULTS, "eos": "perfectGas", "gamma": 1.4, "cooling": "none"})
+            for name, value in (("rho", "1"), ("U", f"({mach!r} 0 0)"), ("p", repr(1 / 1.4))):
+                patches = {"inlet": f"fixedValue; value uniform {value}", "wall": "slip" if name == "U" else "zeroGradient", "outlet": "zeroGradient"}
+                boxes.write_field(case, name, stream[name], "\n".join(f"{k} {patches.get(k, kind)}" for k, kind in kinds.items()), binary=True)
+            rho = finish(case, len(self.x), schemes)[0]
+            jump, flow = float(shock.behind(np.pi / 2).rho) - 1, shocks.Samples(haff.Case(case), ("rho",))
+            at = shocks.crossing(flow, (-2, 0), (-1, 0), 1e-2, 1 + jump / 2)
+        return -at[0] - 1, np.abs(rho - rho[self.image]).max() / jump
 
 
 def spherical(eos, left, right, radius, end, n):

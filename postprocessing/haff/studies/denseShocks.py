@@ -14,8 +14,9 @@ import numpy as np
 
 from haff import command
 from haff.exact.eos import GoldshteinShapiro, PerfectGas, TorquatoSpheres
-from haff.studies.denseMeshes import Ball, Strip
+from haff.studies.denseMeshes import Ball, Body, Strip
 from haff.studies.denseTubes import BURSTS, Cooled, Slant, Standing, Tube, burst, contact, drifting_burst, head_on, others, randoms
+from haff.studies.shocks import billig
 
 
 def per_mille(errors):
@@ -217,6 +218,16 @@ def balls(sizes, cells):
         yield f"| {'tetrahedra, ' + polynomial if polynomial else 'lattice'} | {show.cells} | {row} |"
 
 
+def bodies(n):
+    yield ("| cylinder in air | cells | Mach | stand-off, Billig (1967) | `fronts off`: stand-off / density apart from its mirror image, over the "
+           "jump | on |\n|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for body in (Body(n, quads, folder) for quads in (True, False)):
+            for mach in (5, 10, 20):
+                off, on = ("%.3f / %.0e" % body.run(mach, f"commonCoeffs {{ fronts {word}; }}\n") for word in ("off", "on"))
+                yield f"| {body.name} | {body.mesh.cells} | {mach} | {billig(mach, 'cylinder'):.3f} | {off} | {on} |"
+
+
 def tables(quick):
     grids = (100, 200) if quick else (100, 200, 400, 800, 1600)
     yield "bursts", bursts(grids)
@@ -229,6 +240,7 @@ def tables(quick):
     yield "standing", standing(40 if quick else 100)
     yield "random", ratios(4 if quick else 40)
     yield "polyhedra", polyhedra((50, 100) if quick else (100, 200, 400))
+    yield "bodies", bodies(6 if quick else 12)
     sizes = ((16, ""), (8, "CWENO3")) if quick else ((32, ""), (64, ""), (12, "CWENO3"), (24, "CWENO3"), (12, "linear"), (24, "linear"))
     yield "balls", balls(sizes, 400 if quick else 6400)
 
@@ -237,7 +249,7 @@ def main():
     parser = command.parser(__doc__)
     parser.add_argument("-out", metavar="FILE.md", help="writes the tables there")
     parser.add_argument("-quick", action="store_true", help="coarse grids, four random problems")
-    parser.add_argument("-problem", help="one table: bursts, contacts, noise, others, equations, cooling, diagonal, standing, random, polyhedra, balls")
+    parser.add_argument("-problem", help="one table: bursts, contacts, noise, others, equations, cooling, diagonal, standing, random, polyhedra, bodies, balls")
     options = parser.parse_args()
     out = open(options.out, "w") if options.out else sys.stdout
     for name, rows in tables(options.quick):
