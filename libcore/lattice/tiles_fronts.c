@@ -189,8 +189,8 @@ KERNEL static bool front_row(int n, long s, const double *restrict rho, const do
     EACH_ALONE
     for (int i = 0; i < n; i++) {
         const double low[2] = {rho[i - s] * c[i - s], rho[i] * c[i]}, high[2] = {low[1], rho[i + s] * c[i + s]};
-        S[i] = larger(front_speed(u[i - s] - u[i], c[i - s], c[i], low, p[i - s], p[i]),
-                      front_speed(u[i] - u[i + s], c[i], c[i + s], high, p[i], p[i + s]));
+        S[i] = larger(front_speed(FRONT, u[i - s] - u[i], c[i - s], c[i], low, p[i - s], p[i]),
+                      front_speed(FRONT, u[i] - u[i + s], c[i], c[i + s], high, p[i], p[i + s]));
         any |= bits_of(S[i]);
     }
     return any != 0;
