@@ -82,7 +82,7 @@ struct state_hooks {
 
 struct stage_hooks {
     /* Finds the fronts of shocks in U, for the rule of single faces beside them (docs/physics.md 6.12) in all stages of
-     * a step. speed: of U. Collective. */
+     * a step, before each attempt at it. speed: of U. Collective. */
     void (*fronts)(struct gas *g, const struct gas_speed *speed);
     /* Computes to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of
      * the cells to be limited (row_limited), and returns their number. */

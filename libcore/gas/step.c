@@ -450,9 +450,9 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
     g->speed_known = g->held = false;
     g->hybrid = takes_bed(g, *dt, allowed); /* whose dense tiles are written out, and remain so */
-    g->engine->stage.fronts(g, speed);
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
+        g->engine->stage.fronts(g, speed);
         const bool stands = try_step(g, t, *dt, maxCo, speed, &tried);
         TRY(renewal_failure(g));
         if (stands) break;

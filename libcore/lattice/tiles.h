@@ -197,8 +197,9 @@ static inline int whole_vectors(int n) {
 struct strip {
     int tile, axis, n;
     long offset;
-    int from; /* place of the first left cell along the axis: -1 below the tile */
-    int row;  /* of activity_row: that of the left cells */
+    int from;   /* place of the first left cell along the axis: -1 below the tile */
+    int row;    /* of activity_row: that of the left cells */
+    int column; /* along axis 0, of the first left cell */
 };
 
 /* Returns the floors of a strip of faces beside fronts, which hold until the next call; NULL: they have none. */

@@ -330,7 +330,8 @@ static void row_faces(const struct sweep *x, int axis, int j, int k, double (*ou
                                 .n = s.high - s.low + below - last,
                                 .offset = f->first + s.low - below + j * f->stride[1] + k * f->stride[2],
                                 .from = axis == 0 ? s.low - below : at[axis],
-                                .row = (int)(row - g->tiles->activity.active)};
+                                .row = (int)(row - g->tiles->activity.active),
+                                .column = s.low - below};
     face_fluxes(g, x->pass.U, &strip, out, axis == 0 ? 1 - below : s.low);
 }
 
