@@ -35,6 +35,8 @@ def make(path, n, rho, u, T, end, rules=None, thick=False, engine="lattice", fit
         given = (rules or {}).get(field, {})
         boxes.write_field(case, field, values, "\n".join(f"{p} {given.get(p, usual)}" for p in patches) + rest)
     runs.add(case, "system/fvSchemes", f"meshEngine {engine}; polyReconstruct {fit};\n")
+    if engine == "polyhedral":  # there the rule of fronts damps across a shock, too, but not on a line of cells
+        runs.add(case, "system/fvSchemes", "commonCoeffs { fronts off; }\n")
     runs.add(case, "system/fvSolution", f"skipUniformAxes no; diffusion {{ type {diffusion}; }}\n" + solution)
     if viscous:
         path = os.path.join(case, "constant", "granularProperties")

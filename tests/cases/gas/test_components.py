@@ -132,8 +132,6 @@ class Components(harness.Folder, unittest.TestCase):
                 options = {"viscous": False, "cooling": "Haff", "engine": engine, "step": 1e-4, "solution": "limits { alphaFloor 5e-9; }\n"}
                 cases = [sections.make(os.path.join(self.folder, "limited" + engine, kind), (0, 30, 0), apart, against, tepid, 0.003,
                                        thick=kind == "thick", **options) for kind in ("thin", "thick")]
-                for case in cases:  # on polyhedra the rule damps across fronts, too, but not on a line of cells
-                    runs.add(case, "system/fvSchemes", "commonCoeffs { fronts off; }\n")
                 tables = []
                 for case in cases:
                     harness.program("granularGas", "-case", case)
