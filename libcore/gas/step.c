@@ -359,6 +359,7 @@ static double shorter(struct gas *g, const struct state *U0, double dt, double m
 static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_speed *speed) {
     if (!source_heats(&g->models.source)) return false;
     const double rate = rate_of_start(g);
+    g->engine->stage.fronts(g, speed); /* those that came with the speeds of U0 are of another state */
     return rate > 2 * speed->rate && dt * rate > 2 * maxCo;
 }
 

@@ -148,7 +148,7 @@ KERNEL static bool find_speeds(int n, const struct side_of_faces *l, const struc
     EACH_ALONE
     for (int i = 0; i < n; i++) {
         const double impedance[2] = {l->rho[i] * l->c[i], r->rho[i] * r->c[i]};
-        speed[i] = front_speed(FRONT, l->u[i] - r->u[i], l->c[i], r->c[i], impedance, l->p[i], r->p[i]);
+        speed[i] = front_speed(l->u[i] - r->u[i], l->c[i], r->c[i], impedance, l->p[i], r->p[i]);
         any |= bits_of(speed[i]);
     }
     return any != 0;

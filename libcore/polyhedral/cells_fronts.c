@@ -8,10 +8,6 @@
 
 #include <stdlib.h>
 
-/* The ratio of pressures that may be a front: centres of neighbours lie nearer than a side, so that a shock of Mach 3
- * has less than FRONT from one tetrahedron to the next. */
-#define NEARER_FRONT STEEP
-
 struct cells_fronts {
     double *p, *c;         /* [size] of the averages */
     double *speed, *wider; /* [size] m/s: S of the cell's own faces, and with its neighbours'; 0 in mirrors */
@@ -56,10 +52,9 @@ static void find(const struct gas *g, const double *const *U) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     for (int face = 0; face < f->ninternal; face++) {
         const int l = f->left[face], r = f->right[face];
-        if (!exceeds(NEARER_FRONT, x->p[l], x->p[r])) continue;
+        if (!exceeds(FRONT, x->p[l], x->p[r])) continue;
         const double impedance[2] = {U[0][l] * x->c[l], U[0][r] * x->c[r]};
-        const double S =
-            2 * front_speed(NEARER_FRONT, -cells_parting(g, face, U), x->c[l], x->c[r], impedance, x->p[l], x->p[r]);
+        const double S = 2 * front_speed(-cells_parting(g, face, U), x->c[l], x->c[r], impedance, x->p[l], x->p[r]);
         x->speed[l] = larger(x->speed[l], S);
         x->speed[r] = larger(x->speed[r], S);
     }
@@ -87,7 +82,7 @@ void cells_fronts(struct gas *g, const struct gas_speed *speed) {
     double *line[MAX_VAR];
     if (!x) return;
     x->any = false;
-    if (!exceeds(NEARER_FRONT, speed->low, speed->high)) return;
+    if (!exceeds(FRONT, speed->low, speed->high)) return;
     cells_lines(g, &g->U, line);
     fill(m, g->nvar, line);
     note(g, 0, m->ncells, line[0]);

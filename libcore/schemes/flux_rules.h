@@ -15,7 +15,7 @@
 #define LOOSE   0.25 /* share by which the Hugoniot relation may fail within a shock */
 #define PARTING 0.5  /* share of the sum of both speeds of sound below which two cells part in an expansion */
 #define SIMPLE  0.3  /* share of |dp|/(rho c), the rise of the velocity in a simple wave, above which they do */
-#define FRONT   2.   /* ratio of the pressures of two cells of a lattice from which on they may be a front */
+#define FRONT   2.   /* ratio of the pressures of two cells from which on they may be a front */
 
 enum rule_switch { RULE_OFF, RULE_ON, RULE_LATTICES }; /* the last: on lattices, off on polyhedra */
 
@@ -60,13 +60,12 @@ ALWAYS_INLINE int near_hugoniot(double du2, double rho_a, double rho_b, double p
 }
 
 /* Returns the speed (m/s) that entropy and shears get beside the front of a shock between two cells that close in at
- * the speed du; 0 where there is no front: the pressures differ `ratio` times, and the cells close in as fast as in a
+ * the speed du; 0 where there is no front: the pressures differ FRONT times, and the cells close in as fast as in a
  * simple wave, so that the weight of gas at rest is none. The jumps of u and c are those of an H-correction (Sanders,
  * Morano & Druguet 1998), half of the jump of an acoustic speed. */
-ALWAYS_INLINE double front_speed(double ratio, double du, double cl, double cr, const double impedance[2], double pl,
-                                 double pr) {
+ALWAYS_INLINE double front_speed(double du, double cl, double cr, const double impedance[2], double pl, double pr) {
     const double wave = 2 * SIMPLE * fabs(pr - pl);
-    const int front = (du > 0) & exceeds(ratio, pl, pr) & (du * (impedance[0] + impedance[1]) > wave);
+    const int front = (du > 0) & exceeds(FRONT, pl, pr) & (du * (impedance[0] + impedance[1]) > wave);
     return select_masked(-(uint64_t)front, 0.5 * (du + fabs(cl - cr)), 0);
 }
 

@@ -125,6 +125,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     struct gas_speed speed;
     gas_speed(g, &speed);
     for (int k = 0; k < 3; k++) g->fastest[k] = speed.axis[k];
+    g->engine->stage.fronts(g, &speed);
     g->dt = dt > 0 ? dt : largest_step(g);
     (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt);
     if (dt == 0) dt = largest_step(g);

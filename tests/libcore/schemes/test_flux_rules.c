@@ -229,13 +229,13 @@ static void floors_are_taken(void **state) {
 static void fronts_are_told(void **state) {
     (void)state;
     const double impedance[2] = {1, 3};
-    assert_near(front_speed(FRONT, 2, 1, 4, impedance, 1, 10), 2.5, 1e-15);
-    assert_near(front_speed(FRONT, 2, 4, 1, impedance, 10, 1), 2.5, 1e-15);
-    assert_true(front_speed(FRONT, 2, 1, 4, impedance, 1, 1.9) == 0);
-    assert_true(front_speed(FRONT, -2, 1, 4, impedance, 1, 10) == 0);
-    assert_true(front_speed(FRONT, 0, 1, 4, impedance, 1, 10) == 0);
-    assert_true(front_speed(FRONT, 1.3, 1, 4, impedance, 1, 10) == 0); /* 4 1.3 < 0.6 9: weight, not a front */
-    assert_true(front_speed(FRONT, 1.4, 1, 4, impedance, 1, 10) > 0);
+    assert_near(front_speed(2, 1, 4, impedance, 1, 10), 2.5, 1e-15);
+    assert_near(front_speed(2, 4, 1, impedance, 10, 1), 2.5, 1e-15);
+    assert_true(front_speed(2, 1, 4, impedance, 1, 1.9) == 0);
+    assert_true(front_speed(-2, 1, 4, impedance, 1, 10) == 0);
+    assert_true(front_speed(0, 1, 4, impedance, 1, 10) == 0);
+    assert_true(front_speed(1.3, 1, 4, impedance, 1, 10) == 0); /* 4 1.3 < 0.6 9: weight, not a front */
+    assert_true(front_speed(1.4, 1, 4, impedance, 1, 10) > 0);
 }
 
 /* Faces that no jump is near keep their bits, and so do all faces without the rules. */
