@@ -210,7 +210,7 @@ class Components(harness.Folder, unittest.TestCase):
 
     def block(self, name, gravity=0.0, **options):
         """A cold dense block falls into a corner, with implicit acoustics, and slides along z, down which gravity may pull, too."""
-        case = sections.make(os.path.join(self.folder, name), (12, 14, 0), packed, sliding, chilled, 0.2, step=1e-3, gravity=(0.0, -9.0, gravity),
+        case = sections.make(os.path.join(self.folder, name), (12, 14, 0), packed, sliding, chilled, 0.2, step=1.25e-3, gravity=(0.0, -9.0, gravity),
                              solution="acoustics { type implicit; }\n", **options)
         harness.edit(case, "constant/granularProperties", restitution="0.9; thresholdSpeed 0.03")
         self.assertIn("implicit acoustics", harness.program("granularGas", "-case", case).stdout)
