@@ -299,7 +299,7 @@ static void set_axes(const struct search *s, struct lattice *l) {
         int to = s->gone[k] ? out++ : l->dim++;
         l->axis[to] = k;
         l->n[to] = s->n[k];
-        l->origin[to] = s->low[k];
+        l->origin[to] = s->low[k] + 0.0; /* no -0: which of both zeros is the least depends on the order */
         l->width[to] = s->width[k];
         l->periodic[to] = s->periodic[k];
         if (s->gone[k]) l->thickness *= s->extent[k];

@@ -158,7 +158,7 @@ static void set_axes(const struct polymesh *m, const int n[3], const double low[
     for (int k = 0; k < 3; k++) {
         const int x = l->axis[k];
         l->n[k] = n[x];
-        l->origin[k] = low[x];
+        l->origin[k] = low[x] + 0.0; /* no -0 */
         l->width[k] = width[x];
         if (k >= l->dim) l->thickness *= extent[x];
     }
