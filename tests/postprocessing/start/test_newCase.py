@@ -155,7 +155,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertEqual(self.patch(gas, "U", "left"), "cyclic")
 
     def test_funnel(self):
-        """What falls through a funnel of triangles takes implicit steps where it is dense, half as many as explicit ones, and runs out as fast;
+        """What falls through a funnel of triangles takes implicit steps where it is dense, two thirds as many as explicit ones, and runs out as fast;
         the default of `acoustics`, which asks for more than a funnel has, says why it takes none."""
         case, _ = self.new(self.geo("funnel"), "-gravity", "9.81", "-diameter", "1e-3", "-end", "0.3")
         solution, grain = os.path.join(case, "system", "fvSolution"), os.path.join(case, "constant", "granularProperties")
@@ -175,7 +175,7 @@ class NewCase(harness.Folder, unittest.TestCase):
                 logs[word] = f.read()
             steps[word] = int(re.search(r"end at time .*: (\d+) steps", logs[word])[1])
             left[word] = [(made.field("rho", t) * made.volumes).sum() for t in ("0", made.times[-1])]
-        self.assertLess(steps["written"], 0.6 * steps["explicit"])
+        self.assertLess(steps["written"], 0.7 * steps["explicit"])
         self.assertAlmostEqual((left["written"][1] - left["explicit"][1]) / left["explicit"][0], 0, delta=0.01)
         why = (r"note: gas is dense, but the last 100 steps had no implicit acoustics\. Such a step would be limited by: (?:thin gas|flow), cell at "
                r"\(\S+ \S+ \S+\) with alpha = 0\.\d+, T = \S+, c = \S+\n +to \d\S* explicit steps, and `gain` of `acoustics` asks for 8\n.*`gain`")
