@@ -14,10 +14,10 @@ from haff.runs import boxes
 from haff.studies import scaling
 
 
-def lattice(case, n, **options):
-    """A periodic box of gas that is disturbed everywhere."""
+def lattice(case, n, speed=0.1, **options):
+    """A periodic box of gas that is disturbed everywhere; at 0.1 m/s without shocks, at 0.3 m/s with some."""
     random, cells = np.random.default_rng(3), math.prod(n)
-    u = 0.3 * random.standard_normal((cells, 3)) * (np.array(n) > 1)
+    u = speed * random.standard_normal((cells, 3)) * (np.array(n) > 1)
     return boxes.box_case(case, n, [0.1 * k for k in n], 1 + 0.2 * random.random(cells), u, 1 + 0.1 * random.random(cells), 1000.0,
                           types={k: "cyclic" for k in "xyz"}, binary=True, **options)
 
@@ -28,14 +28,27 @@ class Counted(harness.Folder, unittest.TestCase):
         case = lattice(os.path.join(self.folder, "box"), (150, 130, 1))
         counted = {n: scaling.count(case, n, 4, 2)[0] for n in (1, 2, 3, 4)}
         self.assertEqual((counted[1].most("messages"), counted[1].most("sent")), (0, 0))
-        for known in (2, 3, 4):
-            model = scaling.Lattice(case, counted[known], known)
+        for model in self.foretold(case, counted):
             self.assertEqual(model.exchanges, 3, "one exchange for each stage of SSPRK3")
             self.assertEqual(model.width, 3 * 3 * 4 * 8, "three stages, three layers, four variables of eight bytes")
+        self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
+
+    def test_shocks(self):
+        """A step with shocks has two exchanges more, one layer each: the state, and the speeds of the fronts along two axes."""
+        case = lattice(os.path.join(self.folder, "box"), (150, 130, 1), 0.3)
+        counted = {n: scaling.count(case, n, 4, 2)[0] for n in (2, 3, 4)}
+        for model in self.foretold(case, counted):
+            share = (model.exchanges - 3) / 2
+            self.assertIn(share, (0.25, 0.5, 0.75, 1), "of the four steps")
+            self.assertEqual(model.width, 3 * 3 * 4 * 8 + share * (4 + 2) * 8)
+
+    def foretold(self, case, counted):
+        for known in (2, 3, 4):
+            model = scaling.Lattice(case, counted[known], known)
             for n in (2, 3, 4):
                 rank = model.rank(n)[1]
                 self.assertEqual((rank.messages, rank.sent), (counted[n].most("messages"), counted[n].most("sent")), f"{n} ranks from {known}")
-        self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
+            yield model
 
     def test_reductions(self):
         """Every rank takes part in as many reductions, two a step at least, and its memory is told."""
