@@ -11,6 +11,7 @@
 #include "libcore/schemes/limit.h"
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
+#define VOID 100.   /* a cell this many times thinner than one in its stencil has fluxes of first order */
 /* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */
 #define MOST_RATIO 1e16
 /* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */

@@ -367,7 +367,7 @@ void speed_visit(void *context, long offset, int n) {
     const struct work *w = &g->tiles->work;
     double rate[BATCH] = {0}, fast[BATCH];
     primitives_of_row(g, s->U, offset, n);
-    if (g->tiles->fronts) pressures_widen(&s->p, n, w->p + offset);
+    if (g->tiles->fronts) range_widen(&s->p, n, w->p + offset);
     for (int k = 0; k < g->dim; k++) {
         rate_row(n, 1 / g->forest->width[k], w->velocity[k] + offset, w->c + offset, rate);
         fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
@@ -393,7 +393,7 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     struct speeds s = {.g = g, .found = -1};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U.block[t];
-        s.p = NO_PRESSURES;
+        s.p = RANGE_EMPTY;
         if (activity_find(g, t, &g->U)) speed_of_background(&s);
         varied_visit(g, t, &g->U, speed_visit, &s);
         fronts_note(g, t, &g->U, &s.p);

@@ -19,11 +19,18 @@ struct axis_lines {
 };
 /* Fluxes of a row of faces: a line each of the variables. */
 typedef double face_lines[MAX_VAR][BATCH];
+struct range { /* the least and the largest of numbers >= 0 */
+    double low, high;
+};
+#define RANGE_EMPTY ((struct range){HUGE_VAL, 0})
+/* Widens it by n numbers. */
+void range_widen(struct range *of, int n, const double *q);
 struct work { /* scratch of the tile in hand, [size] each */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     struct axis_lines along[MAX_DIM];
     face_lines *planes[2];       /* 3D: [rows] faces along axis 2 below and above a plane, in turn */
     double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
+    bool voids;                  /* may a cell be VOID times thinner than another one of its faces' stencils? */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -154,18 +161,14 @@ static inline void varied_visit(const struct gas *g, int tile, const struct stat
 void velocities_of_row(const struct gas *g, const double *U, long offset, int n);
 void primitives_of_row(const struct gas *g, const double *U, long offset, int n);
 
-struct pressures { /* least and largest, Pa */
-    double low, high;
-};
-#define NO_PRESSURES ((struct pressures){HUGE_VAL, 0})
 struct speeds { /* wave speeds that speed_visit gathers on this rank */
     struct gas *g;
     double *U;          /* the tile's block */
     const double *last; /* the block whose background was looked at last; NULL: there is none */
     struct gas_speed most;
-    struct pressures p, background; /* of the tile in hand, and of the background that was looked at last */
-    double wanted;                  /* if > 0, the rate of the cell that is looked for */
-    long found;                     /* the offset of that cell; -1: none yet */
+    struct range p, background; /* Pa: of the tile in hand, and of the background that was looked at last */
+    double wanted;              /* if > 0, the rate of the cell that is looked for */
+    long found;                 /* the offset of that cell; -1: none yet */
 };
 void speed_visit(void *speeds, long offset, int n);
 /* As speed_visit for the tile's background, which often is that of the tile before. */
@@ -175,10 +178,8 @@ void speed_of_background(struct speeds *s);
 status fronts_make(struct gas *g);
 void fronts_free(struct gas *g);
 void tiles_fronts(struct gas *g, const struct gas_speed *speed);
-/* Widens the extremes by n <= BATCH pressures. */
-void pressures_widen(struct pressures *of, int n, const double *p);
 /* Notes the extremes of a tile of s, whose primitives are there; then sets those of this rank in the wave speeds. */
-void fronts_note(struct gas *g, int tile, const struct state *s, const struct pressures *of);
+void fronts_note(struct gas *g, int tile, const struct state *s, const struct range *of);
 void fronts_speed(const struct gas *g, struct gas_speed *speed);
 
 /* Centre of the cell at `offset` of a tile, m */

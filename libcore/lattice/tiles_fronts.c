@@ -22,7 +22,7 @@ struct fronts {
     /* Of the state whose wave speeds were found last: its blocks, [ntiles] extremes of p, [ntiles][6] p in the layers
      * inside the sides, lower axis fastest, unless all cells of the tile are equal */
     double *const *noted;
-    struct pressures *p;
+    struct range *p;
     double *(*layer)[6];
     ALIGNED double floor[BATCH]; /* of the faces in hand */
 };
@@ -90,33 +90,7 @@ static long offset_of(const struct forest *f, int i, int j, int k) {
     return f->first + i + j * f->stride[1] + k * f->stride[2];
 }
 
-KERNEL static void widen_row(int n, const double *restrict p, struct pressures *restrict of) {
-    double low[8], high[8];
-    int i = 0;
-    for (int j = 0; j < 8; j++) {
-        low[j] = of->low;
-        high[j] = of->high;
-    }
-    for (; i + 8 <= n; i += 8)
-        for (int j = 0; j < 8; j++) {
-            low[j] = smaller(low[j], p[i + j]);
-            high[j] = larger(high[j], p[i + j]);
-        }
-    for (; i < n; i++) {
-        low[0] = smaller(low[0], p[i]);
-        high[0] = larger(high[0], p[i]);
-    }
-    for (int j = 0; j < 8; j++) {
-        of->low = smaller(of->low, low[j]);
-        of->high = larger(of->high, high[j]);
-    }
-}
-
-void pressures_widen(struct pressures *of, int n, const double *p) {
-    widen_row(n, p, of);
-}
-
-static void join(struct pressures *a, const struct pressures *b) {
+static void join(struct range *a, const struct range *b) {
     a->low = smaller(a->low, b->low);
     a->high = larger(a->high, b->high);
 }
@@ -280,7 +254,7 @@ static void forget(const struct gas *g, int tile, int axis) {
         }
 }
 
-void fronts_note(struct gas *g, int tile, const struct state *s, const struct pressures *of) {
+void fronts_note(struct gas *g, int tile, const struct state *s, const struct range *of) {
     struct fronts *x = g->tiles->fronts;
     if (!x) return;
     for (int axis = 0; axis < g->dim && x->near[tile]; axis++) forget(g, tile, axis);
@@ -294,7 +268,7 @@ void fronts_note(struct gas *g, int tile, const struct state *s, const struct pr
 }
 
 void fronts_speed(const struct gas *g, struct gas_speed *speed) {
-    struct pressures all = NO_PRESSURES;
+    struct range all = RANGE_EMPTY;
     for (int t = 0; t < g->forest->ntiles && g->tiles->fronts; t++) join(&all, &g->tiles->fronts->p[t]);
     speed->low = all.low;
     speed->high = all.high;
@@ -349,7 +323,7 @@ static void raise_line(const struct gas *g, int tile, int side, int m, struct sp
 /* Returns the pressures in the layer inside a side. */
 static const double *layer_of(const struct gas *g, int tile, int side) {
     const struct fronts *x = g->tiles->fronts;
-    const struct pressures p = x->p[tile];
+    const struct range p = x->p[tile];
     const long n = p.low == p.high ? cells_of_side(&g->forest->tile[tile], side) : 0;
     for (long i = 0; i < n; i++) x->layer[tile][side][i] = p.low;
     return x->layer[tile][side];
@@ -380,7 +354,7 @@ static bool may_be_front(const struct gas *g, int tile, int side) {
     const int other = g->forest->tile[tile].side[side].neighbour;
     const struct fronts *x = g->tiles->fronts;
     if (other < 0) return g->forest->tile[tile].side[side].patch < 0;
-    struct pressures both = x->p[tile];
+    struct range both = x->p[tile];
     join(&both, &x->p[other]);
     return side % 2 && exceeds(FRONT, both.low, both.high);
 }

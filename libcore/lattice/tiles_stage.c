@@ -30,6 +30,32 @@ void primitives_of_row(const struct gas *g, const double *U, long offset, int n)
     root_row(n, w->c + offset);
 }
 
+KERNEL static void widen_row(int n, const double *restrict q, struct range *restrict of) {
+    double low[8], high[8];
+    int i = 0;
+    for (int j = 0; j < 8; j++) {
+        low[j] = of->low;
+        high[j] = of->high;
+    }
+    for (; i + 8 <= n; i += 8)
+        for (int j = 0; j < 8; j++) {
+            low[j] = smaller(low[j], q[i + j]);
+            high[j] = larger(high[j], q[i + j]);
+        }
+    for (; i < n; i++) {
+        low[0] = smaller(low[0], q[i]);
+        high[0] = larger(high[0], q[i]);
+    }
+    for (int j = 0; j < 8; j++) {
+        of->low = smaller(of->low, low[j]);
+        of->high = larger(of->high, high[j]);
+    }
+}
+
+void range_widen(struct range *of, int n, const double *q) {
+    widen_row(n, q, of);
+}
+
 struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
@@ -131,22 +157,57 @@ static void through(const struct gas *g, const struct strip *s, const struct fac
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
 
-/* Takes the flux of first order at the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a
- * millionth of u^2, so that an undershoot of E by as little would leave the cell without pressure, and its neighbours
- * would press it to packing: the collapse that the threshold keeps away. */
-static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
-                           int column) {
+/* Takes the flux of first order at the chosen faces of a strip. */
+static void flatten(const struct gas *g, const double *U, const struct strip *s, const bool *chosen,
+                    double (*out)[BATCH], int column) {
     double lower[MAX_VAR][BATCH];
     struct faces f;
     make_faces(g, U, s, lower, 0, &f);
-    const double *rho = f.state[0];
-    bool packed[BATCH], any = false;
-    for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], rho[i + f.stride]) > PACKED * g->limit;
-    if (!any) return;
-    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    through(g, s, &f, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
-            if (packed[i]) out[v][column + i] = lower[v][i];
+            if (chosen[i]) out[v][column + i] = lower[v][i];
+}
+
+/* Flattens the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a millionth of u^2, so
+ * that an undershoot of E by as little would leave the cell without pressure, and its neighbours would press it to
+ * packing: the collapse that the threshold keeps away. */
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
+                           int column) {
+    const double *rho = U + s->offset, *next = rho + g->forest->stride[s->axis];
+    bool packed[BATCH], any = false;
+    for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], next[i]) > PACKED * g->limit;
+    if (any) flatten(g, U, s, packed, out, column);
+}
+
+/* Chooses the faces of cells that are VOID times thinner than another cell of the face's stencil; returns bits that are
+ * all 0 if there are none. rho: of the left cells; reach: cells of the stencil on either side. */
+KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *restrict rho, double *restrict thin) {
+    uint64_t any = 0;
+    double most[BATCH];
+    for (int i = 0; i < n; i++) {
+        thin[i] = smaller(rho[i], rho[i + stride]);
+        most[i] = larger(rho[i], rho[i + stride]);
+    }
+    for (int k = 1; k < reach; k++)
+        for (int i = 0; i < n; i++) most[i] = larger(most[i], larger(rho[i - k * stride], rho[i + (k + 1) * stride]));
+    for (int i = 0; i < n; i++) {
+        thin[i] = most[i] > VOID * thin[i] ? 1 : 0;
+        any |= bits_of(thin[i]);
+    }
+    return any;
+}
+
+/* Flattens the faces of thin cells beside dense ones: a polynomial through densities a hundredfold apart carries energy
+ * where there is no mass to hold it, and the cell gets a T and a speed beyond what the gas has. */
+static void flatten_voids(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
+                          int column) {
+    const int reach = g->models.reconstruct->reach + 1;
+    double thin[BATCH];
+    bool chosen[BATCH];
+    if (!g->tiles->work.voids || !find_voids(s->n, reach, g->forest->stride[s->axis], U + s->offset, thin)) return;
+    for (int i = 0; i < s->n; i++) chosen[i] = thin[i] > 0;
+    flatten(g, U, s, chosen, out, column);
 }
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
@@ -154,6 +215,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     make_faces(g, U, s, out, column, &f);
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
+    flatten_voids(g, U, s, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
     if (g->fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
@@ -425,6 +487,23 @@ static void sweep_tile(struct sweep *x) {
     }
 }
 
+struct densities { /* what density_visit looks at, and what it has found */
+    const double *rho;
+    struct range range;
+};
+static void density_visit(void *context, long offset, int n) {
+    struct densities *d = context;
+    range_widen(&d->range, n, d->rho + offset);
+}
+
+/* May the tile in hand have a cell VOID times thinner than another one of its faces' stencils? */
+static bool may_hold_voids(const struct gas *g, int tile, const double *U) {
+    struct densities d = {.rho = U, .range = RANGE_EMPTY};
+    if (g->models.reconstruct->reach == 0) return false;
+    spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, density_visit, &d);
+    return d.range.high > VOID * d.range.low;
+}
+
 /* Sets dt/dx of the faces along each axis. */
 static void set_paces(struct gas *g) {
     for (int k = 0; k < g->dim; k++)
@@ -457,6 +536,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
         seams_of_tile(g, tile, sweep.seam);
+        g->tiles->work.voids = may_hold_voids(g, tile, from->block[tile]);
         sweep_tile(&sweep);
         seams_end(g, tile);
     }

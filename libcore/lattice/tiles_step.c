@@ -112,7 +112,7 @@ static void close_tile(struct gas *g, int tile, const struct state *s, struct cl
     c->tile = tile;
     c->half.from = c->half.to = s;
     c->speeds.U = s->block[tile];
-    c->speeds.p = NO_PRESSURES;
+    c->speeds.p = RANGE_EMPTY;
     if (activity_find(g, tile, s)) {
         if (c->half.plan) source_row(&c->half, &(struct row){tile, 0, 1});
         speed_of_background(&c->speeds);

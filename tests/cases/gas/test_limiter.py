@@ -112,6 +112,20 @@ class Limiter(harness.Folder, unittest.TestCase):
         going.communicate(timeout=60)
         self.assertEqual(going.returncode, 0)
 
+    def test_burst(self):
+        """A disk of gas bursts into next to nothing. Rusanov on 320 x 320 cells, has u up to 25.1 and T up to 191."""
+        n, size = (80, 80, 1), (2.0, 2.0, 0.025)
+        at = boxes.centres(n, size) - 1
+        rho = np.where(np.hypot(at[:, 0], at[:, 1]) < 0.3, 600.0, 2e-6)
+        for reconstruct in ("PHM", "WPENO5"):
+            case = harness.box_case(os.path.join(self.folder, reconstruct), n, size, rho, np.zeros((6400, 3)), 20 * rho, 0.05, eos="perfectGas",
+                                    reconstruct=reconstruct)
+            runs.add(case, CONTROL, "runTable everyStep;\n")
+            harness.program("granularGas", "-case", case)
+            table = harness.haff.Case(case).table("run", frame=True)
+            self.assertLess(table["magUMax"].max(), 1.25 * 25.1, reconstruct)
+            self.assertLess(table["TMax"].max(), 1.25 * 191, reconstruct)
+
     def test_density_floor(self):
         """Lumps fly apart in a gas on the floor: told, counted, the same on two ranks and after a restart."""
         for engine in ("lattice", "polyhedral"):
