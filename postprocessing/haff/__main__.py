@@ -13,6 +13,7 @@ from haff.command import version_text
 
 COMMANDS = {
     "newCase": ("start.newCase", "a new case around a geometry of gmsh; also called newCase"),
+    "fromOpenFOAM": ("openfoam.fromOpenFOAM", "a case of rhoCentralFoam, rhoPimpleFoam or sonicFoam as a case of haff"),
     "Plot": ("plot.plotCase", "a picture of any field of a case; also called haffPlot"),
     "Movie": ("plot.movie", "a film of a field; also called haffMovie"),
     "Log": ("plot.log", "how a run goes: time steps, extremes, drift, speed; also called haffLog"),
