@@ -29,6 +29,7 @@ COMMANDS = {
     "faradayOnset": ("studies.faradayOnset", "growth of single waves on a shaken layer"),
     "faradayFigures": ("studies.faradayFigures", "gas and grains on a shaken plate side by side"),
     "clustering": ("studies.clustering", "gas and grains that cool in the same box"),
+    "tutorials": ("studies.tutorials", "tutorials of OpenFOAM, converted, beside what OpenFOAM itself makes of them"),
     "workPrecision": ("studies.workPrecision", "run time against error of every scheme, and of rhoCentralFoam"),
     "denseShocks": ("studies.denseShocks", "dense gas and strong shocks against exact solutions, with and without rules of faces"),
     "scaling": ("studies.scaling", "a case on more ranks than are at hand, from the messages that it sends"),

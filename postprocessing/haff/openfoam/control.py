@@ -157,10 +157,10 @@ class Schemes:
         return made
 
 
-def schemes_text(schemes, control, lattice):
+def schemes_text(schemes, control):
     """The new fvSchemes; OpenFOAM's tools want its six dictionaries."""
-    which = f"reconstruct     {schemes.reconstruct};" if lattice else f"polyReconstruct {schemes.poly};"
-    return f"fluxScheme      {schemes.flux};\n{which}\ntimeScheme      {control.scheme};\n\n// OpenFOAM's own tools want these to be there.\n" + "".join(
+    return (f"fluxScheme      {schemes.flux};\nreconstruct     {schemes.reconstruct}; // of lattices\npolyReconstruct {schemes.poly}; // of other meshes\n"
+            f"timeScheme      {control.scheme};\n\n// OpenFOAM's own tools want these to be there.\n") + "".join(
         f"{name} {{}}\n" for name in "ddtSchemes gradSchemes divSchemes laplacianSchemes interpolationSchemes snGradSchemes".split())
 
 

@@ -88,9 +88,11 @@ class Reader:
                 at = self.directive(scope, at)
             elif key == ";":
                 at += 1
+            elif key == "$" and self.word(at + 1) == "{" and self.word(at + 3) == "}":
+                at = self.insert(scope, self.word(at + 2), at, at + 4)
             elif key in "()[]{":
                 raise FormatError(f"{self.place(at)}: '{key}' where the name of an entry should be")
-            elif at + 1 < len(self.spans) and self.word(at + 1) == "{" and key != "$":
+            elif at + 1 < len(self.spans) and self.word(at + 1) == "{":
                 at = self.dictionary(scope, key, at)
             else:
                 at = self.entry(scope, key, at)
@@ -113,13 +115,8 @@ class Reader:
         if end is None:
             raise FormatError(f"{self.place(at)}: entry '{key}' is not closed by ';'")
         here, name, place = scope[-1], key.strip('"'), self.place(at)
-        if key.startswith("$"):  # of a dictionary: all its entries
-            found = lookup(self.whole[self.spans[at][0]:self.spans[end][0]].strip().strip("${}"), scope, place)
-            if not isinstance(found, Dictionary):
-                raise FormatError(f"{place}: {key} is no dictionary")
-            here.update(found)
-            here.patterns |= found.patterns
-            return end + 1
+        if key.startswith("$"):
+            return self.insert(scope, self.whole[self.spans[at][0]:self.spans[end][0]].strip().strip("$"), at, end + 1)
         raw = self.whole[self.spans[at + 1][0]:self.spans[end - 1][1]] if end > at + 1 else ""
         value = expanded(raw, scope, place)
         if not isinstance(value, Dictionary):
@@ -130,6 +127,15 @@ class Reader:
         if key.startswith('"'):
             here.patterns.add(name)
         return end + 1
+
+    def insert(self, scope, name, at, end):
+        """All entries of the dictionary that a macro names."""
+        found = lookup(name, scope, self.place(at))
+        if not isinstance(found, Dictionary):
+            raise FormatError(f"{self.place(at)}: ${name} is no dictionary")
+        scope[-1].update(found)
+        scope[-1].patterns |= found.patterns
+        return end
 
     def directive(self, scope, at):
         key, place = self.word(at), self.place(at)

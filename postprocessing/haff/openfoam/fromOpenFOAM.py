@@ -32,7 +32,7 @@ DROPPED = {"fvSolution": "solvers of equations that haff does not solve so", "de
            "fvOptions": "sources and constraints: haff has those of granularGas -keywords sources", "radiationProperties": "no radiation",
            "MRFProperties": "no rotating frames", "chemistryProperties": "no chemistry", "combustionProperties": "no chemistry", "sample": "sets of controlDict: functions",
            "sampleDict": "sets of controlDict: functions"}
-ACCEPTED = {"temperature": "T is R times kelvin: sound is much faster than the flow", "openSide": "gas at rest beyond a patch"}
+ACCEPTED = {"temperature": "T is R times kelvin: sound is much faster than the flow", "openSide": "the state beyond a patch is given, whichever way U leads there"}
 
 
 class Conversion:
@@ -50,7 +50,6 @@ class Conversion:
         self.mesh = Converted(case, new, self.report, by_block_mesh)
         self.folder = state.convert(case, new, d, self.mesh, self.gas, self.report)
         self.functions = functions.found_in(case, d, self.report)
-        self.lattice = self.mesh.mesh.lattice is not None
         self.properties()
         self.write_schemes()
         self.write_control()
@@ -82,7 +81,7 @@ transport        none;
         self.report.added("constant/granularProperties", f"perfectGas, gamma {g.gamma:.10g}, restitution 1, cooling none, transport none")
 
     def write_schemes(self):
-        boxes.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control, self.lattice))
+        boxes.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control))
         boxes.write_dictionary(self.new, "system", "fvSolution", "\n// haff's defaults: granularGas -keywords lists what may stand here.\n")
 
     def write_control(self):

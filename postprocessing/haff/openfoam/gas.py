@@ -57,7 +57,7 @@ class Gas:
                   "thermo": (("hConst", "eConst"), "haff has one gamma, so Cp must be constant: take hConst with Cp at the temperature of the flow")}
         for key, (allowed, why) in wanted.items():
             if kind.get(key) not in allowed:
-                raise Refused(f"{getattr(kind.get(key), 'place', kind.place)}: {key} {kind.get(key)}: {why} ({' or '.join(allowed)})")
+                raise Refused(f"{getattr(kind.get(key), 'place', kind.place)}: {key} {kind.get(key, 'is missing')}: {why} ({' or '.join(allowed)})")
 
     def ratio(self, d, mixture):
         key = "Cp" if self.thermo == "hConst" else "Cv"

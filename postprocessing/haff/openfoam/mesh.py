@@ -5,6 +5,9 @@ import re
 import shutil
 import subprocess
 import tempfile
+import warnings
+
+import numpy as np
 
 from haff.case import entries
 from haff.case.blocks import mesh_of
@@ -57,6 +60,13 @@ def without_comments(text):
     return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
 
 
+def box_mesh(case):
+    """Of system/blockMeshDict. FormatError where its blocks are no boxes, collapsed ones among them."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return mesh_of(case)
+
+
 class Converted:
     """The mesh in the folder of the new case. patches; mesh: a haff.case.mesh.Mesh; write_types() writes the types as they are then."""
 
@@ -93,10 +103,10 @@ class Converted:
             rest.name = self.free_name(rest)
             with open(target, "a", encoding="latin-1") as f:
                 f.write(f"\ndefaultPatch {{ name {rest.name}; type {rest.type}; }}\n")
-            found = mesh_of(self.new)
+            found = box_mesh(self.new)
             if rest.name not in found.patches:
                 shutil.copyfile(path, target)
-                found = mesh_of(self.new)
+                found = box_mesh(self.new)
             else:
                 self.patches.append(rest)
                 self.report.changed(where, f"the sides that `boundary` leaves, {rest.old} -> the patch {rest.name} of type {rest.type}")
@@ -122,7 +132,9 @@ class Converted:
             raise Refused(f"{where}: haff does not read it as it is ({why}), and OpenFOAM's blockMesh is not there: run blockMesh in the case, or install "
                           "Debian's package openfoam")
         with tempfile.TemporaryDirectory(prefix="blockMesh") as folder:
-            shutil.copytree(os.path.join(self.case, "system"), os.path.join(folder, "system"))
+            for part in ("system", "constant"):
+                if os.path.isdir(os.path.join(self.case, part)):
+                    shutil.copytree(os.path.join(self.case, part), os.path.join(folder, part), ignore=shutil.ignore_patterns("polyMesh"))
             if not os.path.exists(os.path.join(folder, "system", "blockMeshDict")):
                 shutil.copyfile(path, os.path.join(folder, "system", "blockMeshDict"))
             boxes.write_dictionary(folder, "system", "controlDict", CONTROL)

@@ -18,13 +18,9 @@ class Series:
         return np.interp(times, self.times, self.values)
 
 
-def plain(text, place):
-    """Numbers of a text that holds one number or one (vector). Refused."""
-    numbers = re.sub(r"\[[^\]]*\]|[()]", " ", text).split()
-    try:
-        return np.array([float(word) for word in numbers])
-    except ValueError:
-        raise Refused(f"{place}: '{text[:60]}': a number or a vector was expected") from None
+def plain(text):
+    """Numbers of a text that holds one number or one (vector). ValueError."""
+    return np.array([float(word) for word in re.sub(r"\[[^\]]*\]|[()]", " ", text).split()])
 
 
 def value_of(entry, lists):
@@ -37,9 +33,12 @@ def value_of(entry, lists):
     table = re.fullmatch(r"table\s*\d*\s*(\(.*\))", text, re.S)
     if table:
         return series(table[1], entry.place)
-    found = plain(re.sub(r"^(uniform|constant)\b", "", text), entry.place)
+    try:
+        found = plain(re.sub(r"^(uniform|constant)\b", "", text))
+    except ValueError:
+        found = ()
     if len(found) not in (1, 3):
-        raise Refused(f"{entry.place}: '{text[:60]}': of values that change haff has  table ((t v) ..)  only")
+        raise Refused(f"{entry.place}: '{text[:60]}': a number or a vector was expected; of values that change in time haff has  table ((t v) ..)  only")
     return found
 
 
