@@ -21,6 +21,7 @@ from haff.case.mesh import Mesh
 TOLERANCE = 1e-6  # of a cell
 SIDES = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7))  # own axes 0, 1, 2: low, high
 ENDS = (1, 3, 4)  # the corner one step from corner 0 along an own axis
+CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))  # steps along the own axes to each corner
 OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow,
              ast.USub: operator.neg, ast.UAdd: operator.pos}
 FUNCTIONS = {"sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "pow": math.pow,
@@ -78,7 +79,8 @@ class Block:
         self.vertices, self.first = vertices, first
         steps = [corners[end] - corners[0] for end in ENDS]
         self.axis = [int(np.abs(step).argmax()) for step in steps]
-        if sorted(self.axis) != [0, 1, 2] or any(abs(step[k]) != n[a] for a, (step, k) in enumerate(zip(steps, self.axis))):
+        if (sorted(self.axis) != [0, 1, 2] or any(abs(step[k]) != n[a] for a, (step, k) in enumerate(zip(steps, self.axis)))
+                or (corners != corners[0] + np.array(CORNERS) @ np.array(steps)).any()):
             raise FormatError("blocks must be boxes along the axes, and all cells equal")
         self.down = [bool(step[k] < 0) for step, k in zip(steps, self.axis)]
         self.low, self.n = corners.min(axis=0), np.ptp(corners, axis=0)

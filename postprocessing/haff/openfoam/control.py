@@ -10,14 +10,15 @@ PRESSURE = ("rhoPimpleFoam", "sonicFoam", "rhoPimpleAdiabaticFoam")  # implicit:
 ON, OFF = ("on", "yes", "true", "y", "t"), ("off", "no", "false", "n", "f", "none")
 KEPT = ("startFrom", "startTime", "stopAt", "endTime")
 WRITTEN = ("purgeWrite", "writeFormat", "writePrecision", "timeFormat", "timePrecision")
-SILENT = ("application", "functions", "deltaT", "adjustTimeStep", "maxCo", "maxDeltaT", "writeControl", "writeInterval", "writeCompression", "runTimeModifiable", "haffVersion")
+SILENT = ("application", "functions", "deltaT", "adjustTimeStep", "maxCo", "maxDeltaT", "writeControl", "writeInterval", "writeCompression",
+          "runTimeModifiable", "haffVersion")
 REASONS = {"libs": "nothing is loaded", "cycleWrite": "haff overwrites no written times but by purgeWrite", "graphFormat": "haff has raw tables",
            "maxAcousticCo": "sound is what maxCo counts in haff", "maxDi": "no diffusion"}
 LIMITS = {"SSPRK3": 1.0, "SSPRK43": 2.0}
 FLUXES = {"Kurganov": ("common", "upwind by waves: as robust, and sharper at contacts"),
           "Tadmor": ("LaxFriedrichs", "the one speed of a face that Tadmor's has, wave by wave")}
-LIMITERS = ("vanLeer", "vanAlbada", "Minmod", "minmod", "superBee", "SuperBee", "MUSCL", "UMIST", "OSPRE", "QUICK", "limitedLinear", "Gamma", "SFCD", "limitedVanLeer", "limitedMUSCL")
-TIMES = {"Euler": "SSPRK3", "localEuler": None, "steadyState": None}
+LIMITERS = ("vanLeer", "vanAlbada", "Minmod", "minmod", "superBee", "SuperBee", "MUSCL", "UMIST", "OSPRE", "QUICK", "limitedLinear", "Gamma",
+            "SFCD", "limitedVanLeer", "limitedMUSCL")
 
 
 def switch(d, key, default=False):
@@ -42,8 +43,8 @@ class Control:
         self.d, self.report, self.version = d, report, version
         self.application = d.get("application", "")
         if self.application not in DENSITY + PRESSURE:
-            raise Refused(f"{getattr(d.get('application'), 'place', d.place)}: application {self.application or 'is missing'}: what is converted are the cases of "
-                          f"{', '.join(DENSITY + PRESSURE)}")
+            place = getattr(d.get("application"), "place", d.place)
+            raise Refused(f"{place}: application {self.application or 'is missing'}: what is converted are the cases of {', '.join(DENSITY + PRESSURE)}")
         self.pressure = self.application in PRESSURE
         self.scheme = self.time_scheme(schemes)
         self.entries = [("application", "granularGas"), ("haffVersion", version), *self.times(), *self.steps(), *self.writing()]
@@ -56,8 +57,8 @@ class Control:
         ddt = schemes.get("ddtSchemes", {})
         kind = (ddt.get("default", "Euler").split() or ["Euler"])[0]
         if kind in ("steadyState", "localEuler", "SLTS"):
-            raise Refused(f"{ddt['default'].place}: ddtSchemes {kind}: haff goes through times, and knows no steady state but the one a run comes to; take Euler, "
-                          "and an endTime in seconds")
+            raise Refused(f"{ddt['default'].place}: ddtSchemes {kind}: haff goes through times, and knows no steady state but the one that a run comes to; "
+                          "take Euler, and an endTime in seconds")
         made = "SSPRK3" if not self.pressure and number(self.d, "maxCo", 0.5) <= 0.5 else "SSPRK43"
         self.report.changed(getattr(ddt.get("default"), "place", schemes.place), f"ddtSchemes {kind} -> timeScheme {made}, of third order")
         return made
@@ -74,7 +75,8 @@ class Control:
         step = number(d, "deltaT")
         adjust = switch(d, "adjustTimeStep")
         if self.pressure and not adjust:
-            say.changed(d["deltaT"].place, f"deltaT {d['deltaT']} of all steps -> adjustTimeStep yes, maxCo 1: haff's steps follow sound, those of {self.application} do not")
+            say.changed(d["deltaT"].place, f"deltaT {d['deltaT']} of all steps -> adjustTimeStep yes, maxCo 1: haff's steps follow sound, those of "
+                        f"{self.application} do not")
             return [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "yes"), ("maxCo", "1")]
         if not adjust:
             self.fixed(step)
@@ -138,6 +140,7 @@ class Schemes:
             if name in d:
                 report.dropped(d[name].place, f"{name}: nothing of it is left without viscosity" if name != "divSchemes" or kind else
                                "divSchemes: what is carried goes through the one flux above")
+
     @staticmethod
     def reconstruction(d, report):
         inner = d.get("interpolationSchemes", {})

@@ -25,14 +25,17 @@ from haff.runs import boxes
 from haff.start import newCase
 
 READ = {"constant": ("polyMesh", "thermophysicalProperties", "physicalProperties"),
-        "system": ("controlDict", "fvSchemes", "blockMeshDict", "setFieldsDict"), "0": ("p", "T", "U", "rho", "uniform", "include", "phi", "rhoU", "rhoE")}
+        "system": ("controlDict", "fvSchemes", "blockMeshDict", "setFieldsDict"),
+        "0": ("p", "T", "U", "rho", "uniform", "include", "phi", "rhoU", "rhoE")}
+NO_TURBULENCE = "haff has no model of turbulence"
 DROPPED = {"fvSolution": "solvers of equations that haff does not solve so", "decomposeParDict": "granularGas -np N deals the mesh out itself",
-           "turbulenceProperties": "haff has no model of turbulence", "momentumTransport": "haff has no model of turbulence", "RASProperties": "haff has no model of turbulence",
-           "LESProperties": "haff has no model of turbulence", "g": "rhoCentralFoam and its kin do not read it; copy it where gravity is meant",
-           "fvOptions": "sources and constraints: haff has those of granularGas -keywords sources", "radiationProperties": "no radiation",
-           "MRFProperties": "no rotating frames", "chemistryProperties": "no chemistry", "combustionProperties": "no chemistry", "sample": "sets of controlDict: functions",
-           "sampleDict": "sets of controlDict: functions"}
-ACCEPTED = {"temperature": "T is R times kelvin: sound is much faster than the flow", "openSide": "the state beyond a patch is given, whichever way U leads there"}
+           **dict.fromkeys(("turbulenceProperties", "momentumTransport", "RASProperties", "LESProperties"), NO_TURBULENCE),
+           "g": "rhoCentralFoam and its kin do not read it; copy it where gravity is meant",
+           "fvOptions": "haff has the sources of granularGas -keywords sources", "radiationProperties": "haff has no radiation",
+           "MRFProperties": "haff has no rotating frames", **dict.fromkeys(("chemistryProperties", "combustionProperties"), "haff has no chemistry"),
+           **dict.fromkeys(("sample", "sampleDict"), "haff has such lines as function objects of the type sets, in controlDict")}
+ACCEPTED = {"temperature": "T is R times kelvin: sound is much faster than the flow",
+            "openSide": "the state beyond a patch is given, whichever way U leads there"}
 
 
 class Conversion:

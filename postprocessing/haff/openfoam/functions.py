@@ -5,7 +5,7 @@ import re
 
 from haff.openfoam import dictionary
 
-TYPES = ("probes", "sets", "fieldMinMax", "volFieldValue", "fieldAverage", "forces", "forceCoeffs", "surfaceFieldValue", "writeObjects", "surfaces", "phaseAverage")
+TYPES = ("probes", "sets", "fieldMinMax", "volFieldValue", "fieldAverage", "forces", "forceCoeffs", "surfaceFieldValue", "writeObjects", "surfaces")
 FIELDS = ("rho", "U", "T", "p", "Ma", "phi")
 ALSO = {"MachNo": "Ma", "vorticity": "vorticity"}  # types that are fields of writeObjects
 TRIES = 40

@@ -16,9 +16,9 @@ GIVEN = {"fixedValue": "value", "uniformFixedValue": "uniformValue", "freestream
          "totalTemperature": "T0", "supersonicFreestream": None}
 TOTAL = {"totalPressure": "p0", "uniformTotalPressure": "p0"}
 TURNING = {"inletOutlet": "inletValue", "uniformInletOutlet": "uniformInletValue", "inletOutletTotalTemperature": "T0"}
-FREE = {"zeroGradient": "", "calculated": "", "slip": "", "symmetry": "", "fixedFluxPressure": "", "buoyantPressure": "", "waveTransmissive": "waves leave; fieldInf is not held",
-        "advective": "waves leave", "fixedGradient": "its gradient is left out", "smoluchowskiJumpT": "", "fixedMean": "its mean is not held",
-        "fixedUnburntEnthalpy": ""}
+FREE = {"zeroGradient": "", "calculated": "", "slip": "", "symmetry": "", "fixedFluxPressure": "", "buoyantPressure": "", "advective": "waves leave",
+        "waveTransmissive": "waves leave; fieldInf is not held", "fixedGradient": "its gradient is left out", "smoluchowskiJumpT": "",
+        "fixedMean": "its mean is not held"}
 WALLS = {"noSlip": "", "slip": "", "partialSlip": "", "maxwellSlipU": "", "movingWallVelocity": "", "translatingWallVelocity": "", "rotatingWallVelocity": "",
          "symmetry": "", "symmetryPlane": "", "fixedNormalSlip": ""}
 STREAMS = {"fixedValue": "value", "uniformFixedValue": "uniformValue", "freestream": "freestreamValue", "freestreamVelocity": "freestreamValue"}
@@ -142,7 +142,8 @@ class Translator:
         rule = Rule(self.velocity(patch, own["U"], kind))
         rule.p, rule.T = p, T
         if kind == "flowRateInletVelocity" and "volumetricFlowRate" in own["U"] and p.kind == "free":
-            self.report.changed(own["p"]["type"].place, f"{patch.name}: p {kind_of(own['p'], 'p')} -> given as it stands inside: haff's volumetricFlowRate wants rho")
+            self.report.changed(own["p"]["type"].place, f"{patch.name}: p {kind_of(own['p'], 'p')} -> given as it stands inside at the start: a "
+                                "volumetricFlowRate wants rho in haff")
             rule.p = Condition("given", self.sides.beside("p", patch))
         return rule
 
@@ -150,7 +151,8 @@ class Translator:
         entry = own["U"]
         rule = Rule(f"type fixedValue; value {values.as_entry(value(entry, 'UInf', 'U'))};")
         rule.p, rule.T = (Condition("given", value(entry, key, "U")) for key in ("pInf", "TInf"))
-        self.report.changed(entry["type"].place, f"{patch.name}: U supersonicFreestream -> fixedValue of U, rho and T at UInf, pInf, TInf: the state beyond the patch")
+        self.report.changed(entry["type"].place, f"{patch.name}: U supersonicFreestream -> fixedValue of U, rho and T at UInf, pInf, TInf: the state beyond "
+                            "the patch")
         return rule
 
     def reservoir(self, patch, own, p, T):
@@ -158,8 +160,8 @@ class Translator:
         rule = Rule("type fixedValue; value uniform (0 0 0);")
         rule.p, rule.T = p, T if T.value is not None else Condition("given", self.sides.beside("T", patch))
         rule.T.kind = "given"
-        self.report.changed(own["p"]["type"].place, f"{patch.name}: p {own['p']['type']} -> gas at rest beyond the patch, U (0 0 0), at p0 and T: it enters through a wave, "
-                            "not along an isentrope, so less comes in than at the same p0")
+        self.report.changed(own["p"]["type"].place, f"{patch.name}: p {own['p']['type']} -> gas at rest beyond the patch, U (0 0 0), at p0 and T: it enters "
+                            "through a wave, not along an isentrope, so less comes in than at the same p0")
         return rule
 
     def velocity(self, patch, entry, kind):
@@ -228,7 +230,7 @@ class Scalars:
 
     def density(self, patch, p, T, energy, other):
         """Given where both are; free where only the energy's own is; else what makes the other come out."""
-        kind = "given" if {p.kind, T.kind} == {"given"} else "inletOutlet" if "inletOutlet" in (p.kind, T.kind) else "given" if other.kind == "given" else "free"
+        kind = "inletOutlet" if "inletOutlet" in (p.kind, T.kind) else "given" if other.kind == "given" else "free"
         if kind == "free":
             if energy.kind == "given" and energy is T:
                 self.report.changed(self.places[patch.name], f"{patch.name}: p free and T given -> rho free and T given")
@@ -239,7 +241,8 @@ class Scalars:
         for name in known:
             if known[name] is None:
                 known[name] = self.sides.beside(name, patch)
-                self.report.changed(self.places[patch.name], f"{patch.name}: {name} is free and the other is not: rho beyond the patch is that of the {name} that stands inside at the start")
+                self.report.changed(self.places[patch.name], f"{patch.name}: {name} is free and the other is not: rho beyond the patch is that of the {name} "
+                                    "that stands inside at the start")
         return Condition(kind, combined(known["p"], times(known["T"], self.R), lambda a, b: a / b))
 
     @staticmethod
@@ -248,8 +251,8 @@ class Scalars:
             return "type zeroGradient;"
         inlet = c.kind == "inletOutlet"
         if isinstance(c.value, Series):
-            return f"type {'uniformInletOutlet' if inlet else 'uniformFixedValue'}; {'uniformInletValue' if inlet else 'uniformValue'} {values.as_table(c.value)}; " \
-                   f"value uniform {values.row(np.atleast_1d(c.value.values[0]))};"
+            kind, key = ("uniformInletOutlet", "uniformInletValue") if inlet else ("uniformFixedValue", "uniformValue")
+            return f"type {kind}; {key} {values.as_table(c.value)}; value uniform {values.row(np.atleast_1d(c.value.values[0]))};"
         text = values.as_entry(c.value)
         return f"type inletOutlet; inletValue {text}; value {text};" if inlet else f"type fixedValue; value {text};"
 

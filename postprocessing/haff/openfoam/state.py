@@ -53,7 +53,8 @@ class State:
         found = values.value_of(d["internalField"], d.lists)
         wanted = 3 if name == "U" else 1
         if found.shape[-1] != wanted or (found.ndim == 2 and len(found) not in (1, self.mesh.cells)):
-            raise Refused(f"{d['internalField'].place}: {name} has {found.size // found.shape[-1]} values of {found.shape[-1]} components on a mesh of {self.mesh.cells} cells")
+            raise Refused(f"{d['internalField'].place}: {name} has {found.size // found.shape[-1]} values of {found.shape[-1]} components on a mesh of "
+                          f"{self.mesh.cells} cells")
         self.cells[name], self.boundary[name] = found, d["boundaryField"]
 
     def check_dimensions(self, d, name):
@@ -62,7 +63,7 @@ class State:
             exponents = [float(x) for x in text.strip("[] ").split()][:4]
         except ValueError:
             return  # units by their names
-        if exponents and exponents != DIMENSIONS[name] + [] and any(exponents):
+        if exponents and exponents != DIMENSIONS[name] and any(exponents):
             why = "p over rho, of an incompressible solver" if name == "p" and exponents[:3] == [0, 2, -2] else f"{DIMENSIONS[name]} were expected"
             raise Refused(f"{d['dimensions'].place}: dimensions {text} of {name}: {why}")
 
@@ -110,5 +111,6 @@ def convert(case, new, control, mesh, gas, report):
     write(new, folder, energy, p if energy == "p" else gas.R * T, {name: e[1] for name, e in entries.items()},
           "Pa, as OpenFOAM has it" if energy == "p" else f"m^2/s^2: R T, R = {gas.R:.10g} m^2/s^2/K; T/R is kelvin")
     report.took(f"{state.folder}/U", f"-> {folder}/U")
-    report.changed(f"{state.folder}/p, {state.folder}/T", f"-> {folder}/rho = p/(R T) and {folder}/{energy}" + (" = R T, in m^2/s^2" if energy == "T" else "; haff's T is R times kelvin"))
+    report.changed(f"{state.folder}/p, {state.folder}/T", f"-> {folder}/rho = p/(R T) and {folder}/{energy}"
+                   + (" = R T, in m^2/s^2" if energy == "T" else "; haff's T is R times kelvin"))
     return state.folder

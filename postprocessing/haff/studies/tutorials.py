@@ -181,8 +181,10 @@ def table(studies):
         for k, pair in enumerate(pairs):
             grown = f" ({order(pairs[k - 1], pair, lambda r: r.apart['rho']):.2f})" if k else ""
             errors = [f"{e:.4f}" for e in pair.errors] if pair.errors else ["", ""]
-            lines.append(f"| {name if k == 0 else ''} | {len(pair.geometry.at)}{' (as shipped)' if pair.factor == 1 else ''} | {pair.end:g} | {pair.apart['rho']:.4f}{grown} | "
-                         + " | ".join(f"{pair.apart[f]:.4f}" for f in ("U", "T", "p")) + f" | {' | '.join(errors)} | {pair.cpu[0]:.1f} / {pair.cpu[1]:.1f} |")
+            cells = f"{len(pair.geometry.at)}{' (as shipped)' if pair.factor == 1 else ''}"
+            title = name if k == 0 else ""
+            lines.append(f"| {title} | {cells} | {pair.end:g} | {pair.apart['rho']:.4f}{grown} | " + " | ".join(f"{pair.apart[f]:.4f}" for f in ("U", "T", "p"))
+                         + f" | {' | '.join(errors)} | {pair.cpu[0]:.1f} / {pair.cpu[1]:.1f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -212,7 +214,8 @@ def arguments():
 def main():
     o = arguments()
     if not rhocentral.installed() or not os.path.isdir(o.examples):
-        print(f"{rhocentral.MISSING}: no comparison" if not rhocentral.installed() else f"{o.examples} is not there: install Debian's package openfoam-examples, or say -from FOLDER")
+        print(f"{o.examples} is not there: install Debian's package openfoam-examples, or say -from FOLDER" if rhocentral.installed() else
+              f"{rhocentral.MISSING}: no comparison")
         return 77
     os.makedirs(o.out, exist_ok=True)
     try:
