@@ -67,8 +67,10 @@ def more_cells(path, factor):
     """blockMeshDict with other numbers of cells; an axis of one cell keeps it."""
     text = entries.read(path)
     times = lambda n: n if n == "1" else str(max(1, round(int(n) * factor)))
-    text = re.sub(r"(hex\s*\([\d\s]+\)\s*)\(\s*(\d+)\s+(\d+)\s+(\d+)\s*\)",
-                  lambda m: f"{m[1]}({' '.join(times(m[k]) for k in (2, 3, 4))})", text)
+    text, found = re.subn(r"(hex\s*\([\d\s]+\)\s*)\(\s*(\d+)\s+(\d+)\s+(\d+)\s*\)",
+                          lambda m: f"{m[1]}({' '.join(times(m[k]) for k in (2, 3, 4))})", text)
+    if not found:
+        raise twin.Refused(f"{path}: there are no numbers of cells in its blocks")
     with open(path, "w", encoding="latin-1") as f:
         f.write(text)
 
