@@ -31,6 +31,8 @@ COMMANDS = {
     "haff expected CASE": "tests/cases/runtime/test_checkCases.py::test_expected",
     "haff faraday CASE": "tests/postprocessing/studies/test_faraday.py::test_command",
     "haff crossCheck CASE": "tests/postprocessing/studies/test_crossCheck.py::test_agrees",
+    "haff fromOpenFOAM CASE NEWCASE": "tests/postprocessing/openfoam/test_fromOpenFOAM.py::test_state",
+    "granularGas -case NEWCASE": "tests/postprocessing/openfoam/test_fromOpenFOAM.py::test_run",
 }
 
 # Pages all of whose commands one test takes from the page and runs: that test.

@@ -6,10 +6,11 @@
 
 Each tutorial is copied, its mesh made with several numbers of cells (the tutorial's times a factor), and run by its own solver and, as
 converted, by granularGas, with the schemes and the time step of both as the tutorial and the conversion have them. FOLDER gets all runs and
-tutorials.md: mean differences of rho, U, T (R times kelvin) and p over the range of each field (the measure of `haff crossCheck`), and the
-errors of rho of both against granularGas on twice the cells of the finest grid, or against the exact solution of a shock tube.
+tutorials.md, a table of all that were run into it: mean differences of rho, U, T (R times kelvin) and p over the range of each field (the
+measure of `haff crossCheck`), and the errors of rho of both against granularGas on twice the cells of the finest grid, or against the exact
+solution of a shock tube.
 
-NAME: forwardStep, obliqueShock, shockTube, wedge15Ma5, sonicForwardStep (all of them). EXAMPLES: the folder of Debian's package
+NAME: shockTube, obliqueShock, wedge15Ma5, forwardStep, sonicForwardStep, sonicShockTube, prism (all of them). EXAMPLES: the folder of Debian's package
 openfoam-examples (a copy will do: its files may be zipped). -coarse: the first grid only. -keep: the table goes into docs/fromOpenFOAM.md.
 Exit code 77: OpenFOAM or its examples are not there.
 """
@@ -52,6 +53,8 @@ TUTORIALS = {
     "wedge15Ma5": Tutorial("rhoCentralFoam/wedge15Ma5", (0.5, 1)),
     "forwardStep": Tutorial("rhoCentralFoam/forwardStep", (0.25, 0.5, 1)),
     "sonicForwardStep": Tutorial("sonicFoam/laminar/forwardStep", (0.4, 0.8), end=4),
+    "sonicShockTube": Tutorial("sonicFoam/laminar/shockTube", (0.25, 0.5, 1), exact=True),
+    "prism": Tutorial("sonicFoam/RAS/prism", (0.5, 1)),
 }
 
 
@@ -177,17 +180,30 @@ def study(o, name):
     return found
 
 
-def table(studies):
-    lines = ["| tutorial | cells | to t | rho apart (order) | U | T | p | error of rho: haff | its own solver | CPU s, haff / its own |", "|" + "---|" * 10]
-    for name, pairs in studies.items():
-        for k, pair in enumerate(pairs):
-            grown = f" ({order(pairs[k - 1], pair, lambda r: r.apart['rho']):.2f})" if k else ""
-            errors = [f"{e:.4f}" for e in pair.errors] if pair.errors else ["", ""]
-            cells = f"{len(pair.geometry.at)}{' (as shipped)' if pair.factor == 1 else ''}"
-            title = name if k == 0 else ""
-            lines.append(f"| {title} | {cells} | {pair.end:g} | {pair.apart['rho']:.4f}{grown} | " + " | ".join(f"{pair.apart[f]:.4f}" for f in ("U", "T", "p"))
-                         + f" | {' | '.join(errors)} | {pair.cpu[0]:.1f} / {pair.cpu[1]:.1f} |")
-    return "\n".join(lines) + "\n"
+HEAD = ["| tutorial | cells | to t | rho apart (order) | U | T | p | error of rho: haff | its own solver | CPU s, haff / its own |", "|" + "---|" * 10]
+
+
+def rows(name, pairs):
+    """Of the table, a row for each grid."""
+    lines = []
+    for k, pair in enumerate(pairs):
+        grown = f" ({order(pairs[k - 1], pair, lambda r: r.apart['rho']):.2f})" if k else ""
+        errors = [f"{e:.4f}" for e in pair.errors] if pair.errors else ["", ""]
+        cells = f"{len(pair.geometry.at)}{' (as shipped)' if pair.factor == 1 else ''}"
+        title = name if k == 0 else ""
+        lines.append(f"| {title} | {cells} | {pair.end:g} | {pair.apart['rho']:.4f}{grown} | " + " | ".join(f"{pair.apart[f]:.4f}" for f in ("U", "T", "p"))
+                     + f" | {' | '.join(errors)} | {pair.cpu[0]:.1f} / {pair.cpu[1]:.1f} |")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def table(folder):
+    """All tutorials that the folder has rows of."""
+    text = "".join(f"{line}\n" for line in HEAD)
+    for path in (os.path.join(folder, f"{name}.rows") for name in TUTORIALS):
+        if os.path.exists(path):
+            with open(path, encoding="utf-8") as f:
+                text += f.read()
+    return text
 
 
 def keep(text):
@@ -221,10 +237,14 @@ def main():
         return 77
     os.makedirs(o.out, exist_ok=True)
     try:
-        text = table({name: study(o, name) for name in o.names or TUTORIALS})
+        for name in o.names or TUTORIALS:
+            made = rows(name, study(o, name))
+            with open(os.path.join(o.out, f"{name}.rows"), "w", encoding="utf-8") as f:
+                f.write(made)
     except (twin.Refused, ValueError, OSError) as why:
         print(f"error: {why}", file=sys.stderr)
         return 1
+    text = table(o.out)
     with open(os.path.join(o.out, "tutorials.md"), "w", encoding="utf-8") as f:
         f.write(text)
     print(text)

@@ -37,7 +37,8 @@ class Dictionaries(harness.Folder, unittest.TestCase):
         self.assertEqual((d["k"], d["twice"], "m" in d, d["n"]["k"].place), ("1", "14.0", False, "system/more:2"))
 
     def test_faults(self):
-        for text, words in (("a $b;", "system/d:2: macro '$b' names no entry"), ("a 1", "entry 'a' is not closed by ';'"), ("a { b 1; ", "is not closed by '}'"),
+        for text, words in (("a $b;", "system/d:2: macro '$b' names no entry"), ("a 1", "entry 'a' is not closed by ';'"),
+                            ("a { b 1; ", "is not closed by '}'"),
                             ("} a 1;", "closes nothing"), ('#include "gone"', "there is no"), ("#if 1\n", "#if is not read here"),
                             ("a #calc \"system(1)\";", "cannot be computed here"), ("d { } a (1 $d);", "is a dictionary")):
             with self.subTest(text):

@@ -64,7 +64,8 @@ class Tube(Converting, unittest.TestCase):
         case = foam.tube(self.folder)
         before = sorted(os.path.join(p, n) for p, _, names in os.walk(case) for n in names)
         new = self.converted(case, "boxToCell: set in 50 cells", "defaultFaces -> the patch frontAndBack of type empty", "system/blockMeshDict: 100 cells",
-                             f"Cp 1004.5 -> gamma {GAMMA:.10g}", "dropped  system/controlDict:4: cycleWrite", "took     constant/thermophysicalProperties:4: mu 0")
+                             f"Cp 1004.5 -> gamma {GAMMA:.10g}", "dropped  system/controlDict:4: cycleWrite",
+                             "took     constant/thermophysicalProperties:4: mu 0")
         self.assertEqual(sorted(os.path.join(p, n) for p, _, names in os.walk(case) for n in names), before)
         p, T = np.repeat((1e5, 1e4), 50), np.repeat((348.432, 278.746), 50)
         np.testing.assert_allclose(haff.read_field(os.path.join(new, "0.orig", "T"), 100), R * T, rtol=1e-14)
@@ -74,15 +75,15 @@ class Tube(Converting, unittest.TestCase):
             self.assertIn("boxToCell: set in 50 cells", f.read())
 
     def test_run(self):
-        """The solver runs it; the exact solution, of which first-order jumps of 100 cells miss a per cent of the range in the mean."""
+        """The solver runs it, to the exact solution."""
         new = self.converted(foam.tube(self.folder))
         harness.program("granularGas", "-case", new)
         done = haff.Case(new)
         sides = [(p / (R * T), 0.0, p) for p, T in ((1e5, 348.432), (1e4, 278.746))]
         exact = Riemann(PerfectGas(GAMMA), *sides).averages(np.linspace(-5, 5, 101), 0.0, 0.005)
-        for name, values in zip(("rho", "p"), (exact[0], exact[2])):
+        for name, values, measured in (("rho", exact[0], 0.00536), ("p", exact[2], 0.0044)):  # on 100 cells; at the tutorial's end 0.0055, of which 400 leave 0.0018
             error = np.abs(done.field(name) - values).mean() / np.ptp(values)
-            self.assertLess(error, 0.01, name)
+            self.assertLess(error, 1.3 * measured, name)
         np.testing.assert_allclose(done.field("p"), done.field("rho") * done.field("T"), rtol=1e-10)
 
     @needs_foam
@@ -212,7 +213,8 @@ class Dictionaries(Converting, unittest.TestCase):
             self.entry("maxDeltaT")
 
     def test_by_pressure(self):
-        control = foam.CONTROL.replace("rhoCentralFoam", "sonicFoam").replace("adjustTimeStep yes; ", "").replace("adjustable; writeInterval 0.005", "timeStep; writeInterval 500")
+        control = foam.CONTROL.replace("rhoCentralFoam", "sonicFoam").replace("adjustTimeStep yes; ", "")
+        control = control.replace("adjustable; writeInterval 0.005", "timeStep; writeInterval 500")
         schemes = foam.SCHEMES.replace("fluxScheme Kurganov; ", "")
         self.converted(self.case(control, schemes), "sonicFoam goes by pressure", "-> adjustTimeStep yes, maxCo 1")
         self.assertEqual((self.entry("writeControl"), self.entry("writeInterval"), self.entry("maxCo")), ("adjustableRunTime", 5e-4, 1))
@@ -222,7 +224,8 @@ class Dictionaries(Converting, unittest.TestCase):
             with self.subTest(limiter):
                 schemes = foam.SCHEMES.replace("vanLeerV", limiter).replace("vanLeer", limiter).replace("Kurganov", "Tadmor")
                 self.converted(self.case(schemes=schemes))
-                self.assertEqual([self.entry(key, "fvSchemes") for key in ("fluxScheme", "reconstruct", "polyReconstruct")], ["LaxFriedrichs", reconstruct, poly])
+                self.assertEqual([self.entry(key, "fvSchemes") for key in ("fluxScheme", "reconstruct", "polyReconstruct")],
+                                 ["LaxFriedrichs", reconstruct, poly])
                 shutil.rmtree(self.new())
 
     def test_functions(self):
@@ -235,8 +238,9 @@ class Dictionaries(Converting, unittest.TestCase):
     #includeFunc residuals
 }
 """
-        self.converted(self.case(foam.CONTROL + functions), "functions/points: fields k", "functions/points/wrong", "functions/Mach: type MachNo -> writeObjects of Ma",
-                       "functions/own: haff has no function object of type coded", "#includeFunc residuals: OpenFOAM's template is not read", "dropped  system/controlDict:9: functions/far: ")
+        self.converted(self.case(foam.CONTROL + functions), "functions/points: fields k", "functions/points/wrong",
+                       "functions/Mach: type MachNo -> writeObjects of Ma", "functions/own: haff has no function object of type coded",
+                       "#includeFunc residuals: OpenFOAM's template is not read", "dropped  system/controlDict:9: functions/far: ")
         self.assertEqual(self.entry("functions/points/fields"), "(p U)")
         self.assertEqual(re.findall(r"^    (\w+)$", self.entry("functions"), re.M), ["points", "Mach"])
 

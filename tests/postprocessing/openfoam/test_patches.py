@@ -102,7 +102,8 @@ class Patches(harness.Folder, unittest.TestCase):
         self.assertIn("acceptWarnings openSide", said)
 
     def test_flow_rates(self):
-        found, _ = self.inlet("type flowRateInletVelocity; massFlowRate constant 0.5; value uniform (0 0 0);", "type zeroGradient;", "type fixedValue; value uniform 400;")
+        found, _ = self.inlet("type flowRateInletVelocity; massFlowRate constant 0.5; value uniform (0 0 0);", "type zeroGradient;",
+                              "type fixedValue; value uniform 400;")
         self.assertEqual((found["U"]["massFlowRate"], found["rho"]["type"]), ("0.5", "zeroGradient"))
         found, said = self.inlet("type flowRateInletVelocity; volumetricFlowRate table ((0 0.1) (1 0.2)); value uniform (0 0 0);", "type zeroGradient;",
                                  "type fixedValue; value uniform 400;")
@@ -129,7 +130,8 @@ class Patches(harness.Folder, unittest.TestCase):
 
     def test_groups_and_patterns(self):
         """A name goes before a group, a group before a pattern, the last pattern before the others; mirrors need no entry."""
-        blocks = foam.BLOCKS.replace("inlet { type patch;", "inlet { type patch; inGroups (near open);").replace("outlet { type patch;", "outlet { type symmetryPlane;")
+        blocks = foam.BLOCKS.replace("inlet { type patch;", "inlet { type patch; inGroups (near open);")
+        blocks = blocks.replace("outlet { type patch;", "outlet { type symmetryPlane;")
         value = lambda v: f"{{ type fixedValue; value uniform {v}; }}"
         for sides, wanted in ((f'".*" {value(1)} "in.*" {value(2)}', 2), (f'near {value(3)} "in.*" {value(2)}', 3), (f"inlet {value(4)} near {value(3)}", 4),
                               (f'"(inlet|outlet)" {value(5)} "x.*" {value(6)}', 5)):

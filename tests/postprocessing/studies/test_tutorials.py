@@ -17,7 +17,8 @@ needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}:
 
 
 def command(*words):
-    return subprocess.run([sys.executable, "-m", "haff", "tutorials", *words], capture_output=True, text=True, timeout=120, env={**os.environ, "HAFF_BIN": harness.BIN})
+    return subprocess.run([sys.executable, "-m", "haff", "tutorials", *words], capture_output=True, text=True, timeout=120,
+                          env={**os.environ, "HAFF_BIN": harness.BIN})
 
 
 class Tutorials(harness.Folder, unittest.TestCase):
