@@ -80,7 +80,7 @@ class Block:
         steps = [corners[end] - corners[0] for end in ENDS]
         self.axis = [int(np.abs(step).argmax()) for step in steps]
         if (sorted(self.axis) != [0, 1, 2] or any(abs(step[k]) != n[a] for a, (step, k) in enumerate(zip(steps, self.axis)))
-                or (corners != corners[0] + np.array(CORNERS) @ np.array(steps)).any()):
+                or not np.array_equal(corners, corners[0] + np.array(CORNERS) @ np.array(steps))):
             raise FormatError("blocks must be boxes along the axes, and all cells equal")
         self.down = [bool(step[k] < 0) for step, k in zip(steps, self.axis)]
         self.low, self.n = corners.min(axis=0), np.ptp(corners, axis=0)

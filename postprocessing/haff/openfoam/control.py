@@ -160,9 +160,10 @@ class Schemes:
         return made
 
 
-def schemes_text(schemes, control):
+def schemes_text(schemes, control, polyhedral):
     """The new fvSchemes; OpenFOAM's tools want its six dictionaries."""
-    return (f"fluxScheme      {schemes.flux};\nreconstruct     {schemes.reconstruct}; // of lattices\npolyReconstruct {schemes.poly}; // of other meshes\n"
+    engine = "meshEngine      polyhedral;\n" if polyhedral else ""
+    return (f"fluxScheme      {schemes.flux};\n{engine}reconstruct     {schemes.reconstruct}; // of lattices\npolyReconstruct {schemes.poly}; // of other meshes\n"
             f"timeScheme      {control.scheme};\n\n// OpenFOAM's own tools want these to be there.\n") + "".join(
         f"{name} {{}}\n" for name in "ddtSchemes gradSchemes divSchemes laplacianSchemes interpolationSchemes snGradSchemes".split())
 

@@ -208,10 +208,10 @@ def expanded(text, scope, place):
         return value
 
     def number(found):
-        formula = re.sub(MACRO, lambda m: f"({macro(m)})", found[1] or found[2])
+        formula = re.sub(MACRO, lambda m: f"({macro(m)})", found[2] if found[1] is None else found[1])
         try:
             return repr(float(arithmetic(formula)))
-        except (FormatError, SyntaxError, TypeError) as e:
+        except (ValueError, SyntaxError, TypeError, ArithmeticError) as e:  # FormatError is a ValueError
             raise FormatError(f"{place}: {found[0]} cannot be computed here ({e}); write down the number") from None
 
     text = re.sub(r'#(?:eval|calc)\s*(?:\{((?:[^{}]|\{[^{}]*\})*)\}|"([^"]*)")', number, text)

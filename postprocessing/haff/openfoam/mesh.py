@@ -110,7 +110,7 @@ class Converted:
             else:
                 self.patches.append(rest)
                 self.report.changed(where, f"the sides that `boundary` leaves, {rest.old} -> the patch {rest.name} of type {rest.type}")
-        except FormatError as why:
+        except (ValueError, LookupError, TypeError) as why:  # FormatError is a ValueError
             self.why = str(why).split(": ")[-1]
             if os.path.exists(target):
                 os.remove(target)
@@ -182,6 +182,11 @@ class Converted:
         self.mesh = mesh_of(self.new)
         for p in self.patches:
             _, p.first, p.count = self.mesh.patches[p.name]
+
+    def has_corners(self):
+        """Is it a lattice with corners that point into the gas: a box less a part?"""
+        lattice = self.mesh.lattice
+        return bool(lattice) and self.mesh.cells < np.prod([len(edges) - 1 for edges in lattice.edges])
 
     def change(self, patch, kind, why):
         """Another type."""

@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from haff.case.blocks import nested
+from haff.case.foam import FormatError
 from haff.openfoam import dictionary
 from haff.openfoam.report import Refused
 
@@ -59,6 +60,13 @@ def assignments(text, place):
 def apply(path, case, fields, centres, report):
     """Sets the fields {name: [cells][components]} in place. Refused where a shape is not known."""
     d = dictionary.read(path, case)
+    try:
+        set_all(d, fields, centres, report)
+    except (LookupError, ValueError, TypeError) as wrong:
+        raise wrong if isinstance(wrong, (Refused, FormatError)) else Refused(f"{d.place.split(':')[0]}: it cannot be read ({wrong})") from None
+
+
+def set_all(d, fields, centres, report):
     lines = lambda text, where: [pair for pair in assignments(text, where) if pair[0] in fields]
     for name, value in lines(re.sub(r"^\s*\(|\)\s*$", "", d.get("defaultFieldValues", "")), d.place):
         fields[name][:] = value

@@ -6,6 +6,7 @@ import numpy as np
 
 from haff.case.case import is_time
 from haff.openfoam import dictionary, patches, setFields, values
+from haff.openfoam.control import number
 from haff.openfoam.report import Refused
 from haff.runs import boxes
 
@@ -15,7 +16,7 @@ DIMENSIONS = {"p": [1, -1, -2, 0], "T": [0, 0, 0, 1], "U": [0, 1, -1, 0]}
 def folder_of(case, control):
     """The time folder that a run would start from; 0.orig where there is no 0."""
     times = sorted((n for n in os.listdir(case) if is_time(n) and os.path.isdir(os.path.join(case, n))), key=float)
-    start = float(control.get("startTime", 0))
+    start = number(control, "startTime", 0)
     how = control.get("startFrom", "latestTime")
     if how == "startTime":
         times = [t for t in times if abs(float(t) - start) < 1e-9 * max(1, abs(start))]
@@ -23,6 +24,8 @@ def folder_of(case, control):
         return times[-1] if how == "latestTime" else times[0]
     if os.path.isdir(os.path.join(case, "0.orig")) and (how != "startTime" or start == 0):
         return "0.orig"
+    if os.path.isdir(os.path.join(case, "processor0")):
+        raise Refused(f"{case}: the case is decomposed, and has no time to start from beside its processor folders: run reconstructPar first")
     raise Refused(f"{case}: there is no time to start from: neither 0 nor 0.orig" + (f", and startTime is {start:g}" if start else ""))
 
 

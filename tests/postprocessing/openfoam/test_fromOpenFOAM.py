@@ -131,6 +131,30 @@ class Meshes(Converting, unittest.TestCase):
         new = self.converted(case, "the mesh, as it is", "0 has values cell by cell already")
         np.testing.assert_allclose(haff.read_field(os.path.join(new, "0.orig", "T"), 100), R * np.repeat((348.432, 278.746), 50), rtol=1e-14)
 
+    def test_corners(self):
+        """A lattice less a part goes to the polyhedral engine, which heats the gas along walls behind such corners less; a box does not."""
+        step = """scale 1; vertices ((0 0 0) (1 0 0) (2 0 0) (0 1 0) (1 1 0) (2 1 0) (0 2 0) (1 2 0) (2 2 0)
+            (0 0 1) (1 0 1) (2 0 1) (0 1 1) (1 1 1) (2 1 1) (0 2 1) (1 2 1) (2 2 1));
+            blocks ( BLOCKS ); boundary ( all { type patch; faces (FACES); } );"""
+        hexes = [f"hex ({a} {a + 1} {a + 4} {a + 3} {a + 9} {a + 10} {a + 13} {a + 12}) (4 4 1) simpleGrading (1 1 1)" for a in (0, 3, 4, 1)]
+        for number, faces in ((3, "(0 9 12 3) (3 12 15 6) (6 15 16 7) (7 16 17 8) (8 17 14 5) (5 14 13 4) (4 13 10 1) (1 10 9 0)"),
+                              (4, "(0 9 12 3) (3 12 15 6) (6 15 16 7) (7 16 17 8) (8 17 14 5) (5 14 11 2) (2 11 10 1) (1 10 9 0)")):
+            free = "all { type zeroGradient; }"
+            folder = os.path.join(self.folder, str(number))
+            case = foam.write(folder, step.replace("BLOCKS", " ".join(hexes[:number])).replace("FACES", faces), U=free, p=free, T=free)
+            done = command(case, os.path.join(folder, "haff"))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("meshEngine polyhedral" in done.stdout, number == 3)
+
+    def test_later_time(self):
+        """A start from a time of a run: the folder keeps its name, and the solver goes on from it."""
+        case = foam.write(self.folder)
+        os.rename(os.path.join(case, "0"), os.path.join(case, "0.004"))
+        foam.put(case, "system/controlDict", foam.CONTROL.replace("startFrom startTime", "startFrom latestTime"))
+        new = self.converted(case, "-> 0.004/rho")
+        harness.program("granularGas", "-case", new)
+        self.assertEqual(haff.Case(new).times, ["0.004", "0.005"])
+
     def test_without_block_mesh(self):
         case = foam.write(self.folder, SKEWED)
         done = subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", case, self.new()], capture_output=True, text=True,
@@ -180,6 +204,9 @@ class Refusals(Converting, unittest.TestCase):
                 ("system/controlDict", "startTime 0", "startTime 3", ("neither 0 nor 0.orig", "startTime is 3"))):
             with self.subTest(new):
                 self.refused(self.case(name, old, new), *words)
+        case = self.case()
+        os.rename(os.path.join(case, "0"), os.path.join(case, "processor0"))
+        self.refused(case, "the case is decomposed", "run reconstructPar first")
         foam.put(self.case(), "constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;\n")
         self.refused(os.path.join(self.folder, "foam"), "the mesh moves")
 
