@@ -140,6 +140,14 @@ class Patches(harness.Folder, unittest.TestCase):
                 self.close(entries.get(os.path.join(new, "0.orig", "T"), "boundaryField/inlet/value"), R * wanted)
                 self.assertEqual(entries.get(os.path.join(new, "0.orig", "T"), "boundaryField/outlet/type"), "symmetryPlane")
 
+    def test_beside_cells(self):
+        """Where p is free and T is not, rho beyond a patch is by the p of the cells beside that patch."""
+        case = foam.tube(os.path.join(self.folder, "tube"))
+        foam.field(case, "T", '".*" { type inletOutlet; inletValue uniform 400; }', "uniform 1", "0.orig")
+        fromOpenFOAM.convert(case, os.path.join(self.folder, "tube", "haff"))
+        for patch, p in (("inlet", 1e5), ("outlet", 1e4)):
+            self.close(entries.get(os.path.join(self.folder, "tube", "haff", "0.orig", "rho"), f"boundaryField/{patch}/inletValue"), p / (R * 400))
+
     def test_lists(self):
         """A list of faces; a normal velocity."""
         found, said = self.inlet("type surfaceNormalFixedValue; refValue uniform -50;", "type fixedValue; value nonuniform List<scalar> 1(2e5);",
