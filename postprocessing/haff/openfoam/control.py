@@ -2,7 +2,7 @@
 """controlDict and fvSchemes of a case of OpenFOAM as those of haff."""
 import re
 
-from haff.openfoam import dictionary
+from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
 
 DENSITY = ("rhoCentralFoam",)  # explicit: time steps follow sound
@@ -23,17 +23,6 @@ LIMITERS = ("vanLeer", "vanAlbada", "Minmod", "minmod", "superBee", "SuperBee", 
 
 def switch(d, key, default=False):
     return d[key] in ON if key in d else default
-
-
-def number(d, key, default=None):
-    if key not in d:
-        if default is None:
-            raise Refused(f"{d.place}: there is no '{key}'")
-        return default
-    try:
-        return float(d[key])
-    except ValueError:
-        raise Refused(f"{d[key].place}: {key} {d[key]}: a number was expected") from None
 
 
 class Control:
@@ -59,7 +48,7 @@ class Control:
         if kind in ("steadyState", "localEuler", "SLTS"):
             raise Refused(f"{ddt['default'].place}: ddtSchemes {kind}: haff goes through times, and knows no steady state but the one that a run comes to; "
                           "take Euler, and an endTime in seconds")
-        made = "SSPRK3" if not self.pressure and number(self.d, "maxCo", 0.5) <= 0.5 else "SSPRK43"
+        made = "SSPRK3" if not self.pressure and number(self.d, "maxCo", default=0.5) <= 0.5 else "SSPRK43"
         self.report.changed(getattr(ddt.get("default"), "place", schemes.place), f"ddtSchemes {kind} -> timeScheme {made}, of third order")
         return made
 
@@ -81,7 +70,7 @@ class Control:
         if not adjust:
             self.fixed(step)
             return [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "no")]
-        courant = number(d, "maxCo", 1)
+        courant = number(d, "maxCo", default=1)
         found = [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "yes"), ("maxCo", f"{1 if self.pressure else min(courant, LIMITS[self.scheme]):g}")]
         if self.pressure:
             say.changed(getattr(d.get("maxCo"), "place", d.place), f"maxCo {courant:g} of the flow -> 1, with sound")
@@ -108,7 +97,7 @@ class Control:
         if how == "adjustable":
             how = "adjustableRunTime"
         if self.pressure and not switch(d, "adjustTimeStep") and how in ("timeStep", "runTime"):
-            length = number(d, "writeInterval", 1) * (number(d, "deltaT") if how == "timeStep" else 1)
+            length = number(d, "writeInterval", default=1) * (number(d, "deltaT") if how == "timeStep" else 1)
             say.changed(getattr(d.get("writeControl"), "place", d.place), f"writeControl {how}, writeInterval {every} -> adjustableRunTime, {length:.12g}")
             how, every = "adjustableRunTime", f"{length:.12g}"
         else:
@@ -166,10 +155,3 @@ def schemes_text(schemes, control, polyhedral):
     return (f"fluxScheme      {schemes.flux};\n{engine}reconstruct     {schemes.reconstruct}; // of lattices\npolyReconstruct {schemes.poly}; // of other meshes\n"
             f"timeScheme      {control.scheme};\n\n// OpenFOAM's own tools want these to be there.\n") + "".join(
         f"{name} {{}}\n" for name in "ddtSchemes gradSchemes divSchemes laplacianSchemes interpolationSchemes snGradSchemes".split())
-
-
-def dictionary_or_none(path, case):
-    try:
-        return dictionary.read(path, case)
-    except FileNotFoundError:
-        return dictionary.Dictionary(path)

@@ -53,6 +53,21 @@ class Dictionary(dict):
         return "\n".join(line for line in lines if line)
 
 
+def number(d, *path, default=None):
+    """A number in dictionaries within each other, or the default. FormatError where there is none."""
+    here = d
+    for name in path:
+        here = here.get(name) if isinstance(here, Dictionary) else None
+    if here is None and default is not None:
+        return default
+    if here is None:
+        raise FormatError(f"{d.place}: there is no '{'/'.join(path)}'")
+    try:
+        return float(re.sub(r"\[[^\]]*\]", " ", here).split()[-1])
+    except (IndexError, ValueError, TypeError):
+        raise FormatError(f"{here.place}: {path[-1]} {here}: a number was expected") from None
+
+
 def fullmatch(pattern, name, place):
     try:
         return re.fullmatch(pattern, name)

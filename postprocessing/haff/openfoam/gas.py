@@ -1,29 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """constant/thermophysicalProperties as R and gamma of a perfect gas; grains that stand for its molecules."""
 import os
-import re
 
 from haff.openfoam import dictionary
+from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
 
 UNIVERSAL = 8314.4700665  # J/kmol/K, as OpenFOAM 1912 has it; others differ in the seventh digit
 AVOGADRO = 6.02214e26  # 1/kmol
 AIR = (28.96, 3.7e-10)  # kg/kmol, m: a molecule; others are as dense
 FILES = ("thermophysicalProperties", "physicalProperties")  # the second: OpenFOAM.org from 10 on
-
-
-def number(d, *path):
-    """A number in dictionaries within each other. Refused where there is none."""
-    here = d
-    for name in path:
-        if not isinstance(here, dictionary.Dictionary) or name not in here:
-            raise Refused(f"{getattr(here, 'place', d.place)}: there is no '{'/'.join(path)}'")
-        here = here[name]
-    last = re.sub(r"\[[^\]]*\]", " ", here).split()
-    try:
-        return float(last[-1])
-    except (IndexError, ValueError):
-        raise Refused(f"{here.place}: {path[-1]} {here}: a number was expected") from None
 
 
 class Gas:

@@ -13,7 +13,7 @@ from haff.openfoam.values import Series, combined
 MIRRORS = ("empty", "cyclic", "symmetry", "symmetryPlane")
 # type: the entry of its value
 GIVEN = {"fixedValue": "value", "uniformFixedValue": "uniformValue", "freestreamPressure": "freestreamValue", "freestream": "freestreamValue",
-         "totalTemperature": "T0", "supersonicFreestream": None}
+         "totalTemperature": "T0"}
 TOTAL = {"totalPressure": "p0", "uniformTotalPressure": "p0"}
 TURNING = {"inletOutlet": "inletValue", "uniformInletOutlet": "uniformInletValue", "inletOutletTotalTemperature": "T0"}
 FREE = {"zeroGradient": "", "calculated": "", "slip": "", "symmetry": "", "fixedFluxPressure": "", "buoyantPressure": "", "advective": "waves leave",
@@ -34,12 +34,11 @@ class Condition:
 
 
 class Rule:
-    """Of a patch in the new case: kind and value of U, rho, and the energy (T and p as far as they are known)."""
+    """Of a patch in the new case: velocity, the entry of U as text; p and T, Conditions, or None on walls and mirrors."""
 
     def __init__(self, velocity):
-        self.velocity = velocity  # the entry as text
-        self.p = self.T = None  # Conditions; None: a wall or a mirror
-        self.shuts = False
+        self.velocity = velocity
+        self.p = self.T = None
 
 
 def kind_of(entry, what):
@@ -58,7 +57,7 @@ def scalar(entry, what, report):
     """The Condition of p or T."""
     kind = kind_of(entry, what)
     for table, made in ((GIVEN, "given"), (TURNING, "inletOutlet"), (TOTAL, "given")):
-        if kind in table and table[kind]:
+        if kind in table:
             key = table[kind]
             key = "pressure" if key not in entry and "pressure" in entry else key
             return Condition(made, value(entry, key, what), table is TOTAL)

@@ -6,7 +6,7 @@ import numpy as np
 
 from haff.case.case import is_time
 from haff.openfoam import dictionary, patches, setFields, values
-from haff.openfoam.control import number
+from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
 from haff.runs import boxes
 
@@ -16,7 +16,7 @@ DIMENSIONS = {"p": [1, -1, -2, 0], "T": [0, 0, 0, 1], "U": [0, 1, -1, 0]}
 def folder_of(case, control):
     """The time folder that a run would start from; 0.orig where there is no 0."""
     times = sorted((n for n in os.listdir(case) if is_time(n) and os.path.isdir(os.path.join(case, n))), key=float)
-    start = number(control, "startTime", 0)
+    start = number(control, "startTime", default=0)
     how = control.get("startFrom", "latestTime")
     if how == "startTime":
         times = [t for t in times if abs(float(t) - start) < 1e-9 * max(1, abs(start))]
