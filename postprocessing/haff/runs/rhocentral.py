@@ -11,6 +11,7 @@ import shutil
 from haff.runs import boxes
 
 ENVIRONMENT = {**os.environ, "WM_PROJECT_DIR": os.environ.get("WM_PROJECT_DIR", "/usr/share/openfoam")}
+UNIVERSAL = 8314.4700665  # J/kmol/K: p/(rho T) times molWeight of rhoCentralFoam 1912; later versions differ in the seventh digit
 MISSING = "rhoCentralFoam (package openfoam) is not installed"
 SCHEMES = """fluxScheme Kurganov;
 ddtSchemes { default Euler; }
@@ -29,7 +30,7 @@ SOLUTION = """solvers
 """
 GAS = """thermoType {{ type hePsiThermo; mixture pureMixture; transport const; thermo hConst; equationOfState perfectGas;
     specie specie; energy sensibleInternalEnergy; }}
-mixture {{ specie {{ molWeight 8314.4700624; }} thermodynamics {{ Cp {cp!r}; Hf 0; }} transport {{ mu 0; Pr 1; }} }}
+mixture {{ specie {{ molWeight {weight!r}; }} thermodynamics {{ Cp {cp!r}; Hf 0; }} transport {{ mu 0; Pr 1; }} }}
 """
 
 
@@ -46,7 +47,7 @@ def write(case, gamma, end, courant, fields, rules):
     boxes.write_dictionary(case, "system", "controlDict", control.replace("granularGas", "rhoCentralFoam"))
     boxes.write_dictionary(case, "system", "fvSchemes", SCHEMES)
     boxes.write_dictionary(case, "system", "fvSolution", SOLUTION)
-    boxes.write_dictionary(case, "constant", "thermophysicalProperties", GAS.format(cp=gamma / (gamma - 1)))
+    boxes.write_dictionary(case, "constant", "thermophysicalProperties", GAS.format(cp=gamma / (gamma - 1), weight=UNIVERSAL))
     boxes.write_dictionary(case, "constant", "turbulenceProperties", "simulationType laminar;\n")
 
 

@@ -9,10 +9,11 @@ from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
 from haff.case import entries
-from haff.openfoam import fromOpenFOAM, gas, patches, setFields, values
+from haff.openfoam import fromOpenFOAM, patches, setFields, values
 from haff.openfoam.report import Refused, Report
+from haff.runs import rhocentral
 
-R = gas.UNIVERSAL / 28.96
+R = rhocentral.UNIVERSAL / 28.96
 OUT = "outlet { type zeroGradient; }"
 
 
