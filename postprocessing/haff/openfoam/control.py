@@ -14,6 +14,7 @@ SILENT = ("application", "functions", "deltaT", "adjustTimeStep", "maxCo", "maxD
           "runTimeModifiable", "haffVersion")
 REASONS = {"libs": "nothing is loaded", "cycleWrite": "haff overwrites no written times but by purgeWrite", "graphFormat": "haff has raw tables",
            "maxAcousticCo": "sound is what maxCo counts in haff", "maxDi": "no diffusion"}
+OPENFOAM = "ddtSchemes gradSchemes divSchemes laplacianSchemes interpolationSchemes snGradSchemes".split()  # its tools want these
 LIMITS = {"SSPRK3": 1.0, "SSPRK43": 2.0}
 FLUXES = {"Kurganov": ("common", "upwind by waves: as robust, and sharper at contacts"),
           "Tadmor": ("LaxFriedrichs", "the one speed of a face that Tadmor's has, wave by wave")}
@@ -61,14 +62,14 @@ class Control:
 
     def steps(self):
         d, say = self.d, self.report
-        step = number(d, "deltaT")
+        number(d, "deltaT")
         adjust = switch(d, "adjustTimeStep")
         if self.pressure and not adjust:
             say.changed(d["deltaT"].place, f"deltaT {d['deltaT']} of all steps -> adjustTimeStep yes, maxCo 1: haff's steps follow sound, those of "
                         f"{self.application} do not")
             return [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "yes"), ("maxCo", "1")]
         if not adjust:
-            self.fixed(step)
+            self.fixed()
             return [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "no")]
         courant = number(d, "maxCo", default=1)
         found = [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "yes"), ("maxCo", f"{1 if self.pressure else min(courant, LIMITS[self.scheme]):g}")]
@@ -84,7 +85,7 @@ class Control:
             found.append(("maxDeltaT", str(d["maxDeltaT"])))
         return found
 
-    def fixed(self, step):
+    def fixed(self):
         d = self.d
         self.report.took(d["deltaT"].place, f"deltaT {d['deltaT']} of all steps, as adjustTimeStep is no")
         for key in ("maxCo", "maxDeltaT"):
@@ -150,8 +151,9 @@ class Schemes:
 
 
 def schemes_text(schemes, control, polyhedral):
-    """The new fvSchemes; OpenFOAM's tools want its six dictionaries."""
-    engine = "meshEngine      polyhedral;\n" if polyhedral else ""
-    return (f"fluxScheme      {schemes.flux};\n{engine}reconstruct     {schemes.reconstruct}; // of lattices\npolyReconstruct {schemes.poly}; // of other meshes\n"
-            f"timeScheme      {control.scheme};\n\n// OpenFOAM's own tools want these to be there.\n") + "".join(
-        f"{name} {{}}\n" for name in "ddtSchemes gradSchemes divSchemes laplacianSchemes interpolationSchemes snGradSchemes".split())
+    """The new fvSchemes."""
+    entries = [("fluxScheme", schemes.flux, ""), *([("meshEngine", "polyhedral", "")] if polyhedral else []),
+               ("reconstruct", schemes.reconstruct, " // of lattices"), ("polyReconstruct", schemes.poly, " // of other meshes"),
+               ("timeScheme", control.scheme, "")]
+    return "".join(f"{key:<15} {value};{note}\n" for key, value, note in entries) + "\n// OpenFOAM's own tools want these to be there.\n" + "".join(
+        f"{name} {{}}\n" for name in OPENFOAM)

@@ -34,11 +34,11 @@ class Dictionary(dict):
         self.place, self.patterns, self.lists = place, set(), [] if lists is None else lists
 
     def matching(self, names):
-        """The entry that counts: of the first of names that is there as it is; else the last pattern that fits names[0]; or None."""
-        for name in names:
-            if name in self and name not in self.patterns:
-                return self[name]
-        fits = [key for key in self if key in self.patterns and fullmatch(key, names[0], self.place)]
+        """The entry that counts: that of names[0]; else the last one that has another of the names; else the last pattern that fits names[0]; or None."""
+        plain = [key for key in self if key in names and key not in self.patterns]
+        if names[0] in plain:
+            return self[names[0]]
+        fits = plain or [key for key in self if key in self.patterns and fullmatch(key, names[0], self.place)]
         return self[fits[-1]] if fits else None
 
     def text(self, indent=0):

@@ -37,8 +37,8 @@ class Patch:
 
     @property
     def names(self):
-        """Under which a field may have an entry for it: its own, those of its groups, the last one first, its type."""
-        return [self.old, *reversed(self.groups), self.type]
+        """Under which a field may have an entry for it: its own, those of its groups, its type."""
+        return [self.old, *self.groups, self.type]
 
 
 def listed(value, place):

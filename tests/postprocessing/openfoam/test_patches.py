@@ -135,6 +135,7 @@ class Patches(harness.Folder, unittest.TestCase):
         blocks = blocks.replace("outlet { type patch;", "outlet { type symmetryPlane;")
         value = lambda v: f"{{ type fixedValue; value uniform {v}; }}"
         for sides, wanted in ((f'".*" {value(1)} "in.*" {value(2)}', 2), (f'near {value(3)} "in.*" {value(2)}', 3), (f"inlet {value(4)} near {value(3)}", 4),
+                              (f"open {value(7)} near {value(3)}", 3), (f"near {value(3)} open {value(7)}", 7),
                               (f'"(inlet|outlet)" {value(5)} "x.*" {value(6)}', 5)):
             with self.subTest(sides):
                 new, _ = self.convert(blocks, T=sides, U="inlet { type zeroGradient; }", p=f"inlet {value('1e5')}")
