@@ -82,7 +82,8 @@ int path_case(const char *path) {
         char part[64];
         snprintf(part, sizeof part, "%.*s", (int)(next - p), p);
         const char *rest = foam_number(part, &time);
-        if (!strcmp(part, "system") || !strcmp(part, "constant") || (rest && !*rest)) length = (int)(p - path);
+        const bool folder = !strcmp(part, "system") || !strcmp(part, "constant") || !strcmp(part, "0.orig");
+        if (folder || (rest && !*rest)) length = (int)(p - path);
     }
     return length;
 }

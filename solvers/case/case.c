@@ -190,6 +190,7 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
     TRY(warn_header(&s->warnings, s->control->dict));
+    TRY(warn_passed(&s->warnings, s->control->dict));
     for (int i = 0; i < s->nfiles; i++) TRY(warn_header(&s->warnings, s->file[i].dict));
     TRY(version_warn(s));
     return type->check_control ? type->check_control(s->medium, s->control) : OK;

@@ -68,6 +68,22 @@ const struct param control_table[] = {
           "functions { p1 { type probes; fields (alpha); probeLocations ((0.01 0.02 0)); } }"),
     IGNORED("libs", "for OpenFOAM: nothing is loaded at run time"),
     IGNORED("graphFormat", "for OpenFOAM"),
+    IGNORED("cycleWrite", "for OpenFOAM: purgeWrite says how many times are kept"),
+    IGNORED("secondaryWriteControl", "for OpenFOAM"),
+    IGNORED("secondaryWriteInterval", "for OpenFOAM"),
+    IGNORED("secondaryPurgeWrite", "for OpenFOAM"),
+    IGNORED("maxAlphaCo", "for OpenFOAM: maxCo counts"),
+    IGNORED("maxDi", "for OpenFOAM: the time scheme knows how far diffusion lets a step go"),
+    IGNORED("maxDeltaTFact", "for OpenFOAM"),
+    IGNORED("beginTime", "for OpenFOAM"),
+    IGNORED("userTime", "for OpenFOAM: times are in the unit of the case"),
+    IGNORED("solver", "for OpenFOAM: `application` says the program"),
+    IGNORED("subSolvers", "for OpenFOAM"),
+    IGNORED("fileHandler", "for OpenFOAM"),
+    IGNORED("writeVersion", "for OpenFOAM"),
+    IGNORED("printExecutionFormat", "for OpenFOAM"),
+    IGNORED("profiling", "for OpenFOAM"),
+    IGNORED("DimensionedConstants", "for OpenFOAM"),
     IGNORED("DebugSwitches", "for OpenFOAM"),
     IGNORED("InfoSwitches", "for OpenFOAM"),
     IGNORED("OptimisationSwitches", "for OpenFOAM"),
@@ -114,13 +130,22 @@ static const struct param function_trigger[] = {
     CHOICE("writeControl", index, USUALLY(0, "that of the type"), any_times,
            "what writeInterval counts, as for the fields; writeTime: whenever fields are written"),
     INTERVAL,
+    NOTED("outputControl", "as writeControl", "none", "older name of writeControl", "outputControl timeStep;"),
+    NOTED("outputInterval", "as writeInterval", "none", "older name of writeInterval", "outputInterval 10;"),
 };
+
+/* Takes OpenFOAM's names of before 2.4, which count where the others are not given. */
+static void take_old_names(struct dict *d) {
+    if (dict_has(d, "outputControl")) dict_rename(d, "outputControl", "writeControl");
+    if (dict_has(d, "outputInterval")) dict_rename(d, "outputInterval", "writeInterval");
+}
 
 status trigger_read(struct dict *d, const struct trigger *standard, bool fields_allowed, struct trigger *out) {
     static const enum write_control kinds[] = {WRITE_TIME_STEP,  WRITE_RUN_TIME, WRITE_ADJUSTABLE, WRITE_CPU_TIME,
                                                WRITE_CLOCK_TIME, WRITE_NONE,     WRITE_ADJUSTABLE};
     struct write_word word;
     *out = *standard;
+    if (fields_allowed) take_old_names(d);
     if (!dict_has(d, "writeControl") && !dict_has(d, "writeInterval")) return OK;
     TRY(params_read(d, fields_allowed ? function_trigger : fields_trigger, COUNT(fields_trigger), &word));
     out->with_fields = word.index >= WITH_FIELDS;

@@ -16,6 +16,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
     [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
     [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",        [WARN_DAMPED] = "dampedSound",
+    [WARN_PASSED] = "passedOver",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -36,6 +37,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_FRICTION] = "dense gas is slow, where real grains would hold each other",
     [WARN_OUTSIDE] = "U leads along a side that is open, as the state outside is given there",
     [WARN_DAMPED] = "implicit acoustics, which is asked for, damps waves in dense gas",
+    [WARN_PASSED] = "a function object that is OpenFOAM's, by #includeFunc, is passed over",
     [WARN_PICTURE] = "a picture of function object image could not be made",
 };
 
@@ -61,6 +63,16 @@ status warn_header(struct warnings *w, const struct dict *d) {
                 "%s:1: the file has no FoamFile { .. } header, without which OpenFOAM's programs and ParaView cannot "
                 "read the case",
                 dict_path(d));
+}
+
+status warn_passed(struct warnings *w, const struct dict *d) {
+    const char *what;
+    for (int i = 0; (what = dict_passed(d, i)); i++)
+        TRY(warn(w, WARN_PASSED,
+                 "%s is passed over: there is no such file in that folder, and OpenFOAM's own are not haff's; "
+                 "granularGas -listModels lists the function objects that are",
+                 what));
+    return OK;
 }
 
 status warn_field(struct warnings *w, const struct field *f, bool original) {

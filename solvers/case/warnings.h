@@ -27,6 +27,7 @@ enum warning {
     WARN_DAMPED,
     WARN_PICTURE,
     WARN_OUTSIDE,
+    WARN_PASSED,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];
@@ -47,6 +48,7 @@ int warnings_said(const struct warnings *w, char *names, size_t room);
 struct dict;
 struct field;
 status warn_header(struct warnings *w, const struct dict *d); /* of a file without a FoamFile header; d may be NULL */
+status warn_passed(struct warnings *w, const struct dict *d); /* of function objects that were passed over */
 /* Warns of a field (NULL: none) that only these programs can read: without header, or by an expression and not in
  * 0.orig, which `original` says. */
 status warn_field(struct warnings *w, const struct field *f, bool original);

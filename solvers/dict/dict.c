@@ -48,6 +48,17 @@ status document_copy(struct document *d, const char *text, int length, const cha
     return OK;
 }
 
+status document_note(struct document *d, const struct source *s, int line, const char *format, const char *name) {
+    char what[512], text[4608];
+    struct names *n = &d->passed;
+    snprintf(what, sizeof what, format, s->foreign ? "" : name);
+    snprintf(text, sizeof text, "%.4000s:%d: %s", s->path, line, what);
+    TRY(document_grow(d, &n->name, n->count, &n->room, sizeof *n->name));
+    TRY(document_copy(d, text, -1, &n->name[n->count]));
+    n->count++;
+    return OK;
+}
+
 status document_keep(struct document *d, struct source *s) {
     status e = document_grow(d, &d->source, d->sources, &d->source_room, sizeof(struct source *));
     if (e)
@@ -182,12 +193,16 @@ struct entry *dict_find_exact(const struct dict *d, const char *key) {
     return NULL;
 }
 
+struct entry *dict_find_pattern(const struct dict *d, const char *key) {
+    for (int i = d->count - 1; i >= 0; i--)
+        if (d->entry[i].pattern && !d->entry[i].open && !regexec(d->entry[i].pattern, key, 0, NULL, 0))
+            return &d->entry[i];
+    return NULL;
+}
+
 struct entry *dict_find(const struct dict *d, const char *key) {
     struct entry *e = dict_find_exact(d, key);
-    if (e) return e;
-    for (int i = d->count - 1; i >= 0; i--)
-        if (d->entry[i].pattern && !regexec(d->entry[i].pattern, key, 0, NULL, 0)) return &d->entry[i];
-    return NULL;
+    return e ? e : dict_find_pattern(d, key);
 }
 
 /* Remembers that the program knows this key. Without memory for the key only a suggestion is lost. */
@@ -213,6 +228,11 @@ bool dict_has(const struct dict *d, const char *key) {
     return dict_ask(d, key) != NULL;
 }
 
+void dict_rename(struct dict *d, const char *key, const char *to) {
+    struct entry *e = dict_find_exact(d, key);
+    if (e && !dict_find(d, to)) e->key = to;
+}
+
 const char *dict_path(const struct dict *d) {
     return d->path;
 }
@@ -229,6 +249,10 @@ bool dict_is_foreign(const struct dict *d, const char *key) {
 
 const struct foam_header *dict_header(const struct dict *d) {
     return &d->document->header;
+}
+
+const char *dict_passed(const struct dict *d, int i) {
+    return i < d->document->passed.count ? d->document->passed.name[i] : NULL;
 }
 
 int dict_count(const struct dict *d) {

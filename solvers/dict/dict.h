@@ -20,6 +20,8 @@ void dict_free(struct dict *d); /* the top level only */
 void dict_drop_text(struct dict *d);
 
 bool dict_has(const struct dict *d, const char *key); /* the key then counts as read */
+/* Gives the entry of a key, if it was written so, another key; one that has an entry already keeps it. */
+void dict_rename(struct dict *d, const char *key, const char *to);
 /* Find a sub-dictionary. A missing key is an error, but dict_sub_optional then gives NULL; any other value is an
  * error. */
 status dict_sub(struct dict *d, const char *key, struct dict **out);
@@ -68,6 +70,9 @@ status dict_function(struct dict *d, const char *key, int components, int *count
  * bytes lie. The lexer lives as long as the dictionary. */
 struct lexer;
 status dict_raw(struct dict *d, const char *key, struct lexer *out);
+
+/* What was passed over in the files of the dictionary, as "FILE:LINE: #includeFunc NAME"; NULL: no more. */
+const char *dict_passed(const struct dict *d, int i);
 
 /* The entries in order, for dictionaries whose keys are names (patches, functions). */
 int dict_count(const struct dict *d);

@@ -17,11 +17,32 @@ static void use_path(const struct dict *top, const struct dict *d) {
             if (d->parent->entry[i].sub == d) d->parent->entry[i].used = true;
 }
 
+typedef struct entry *finder(const struct dict *d, const char *key);
+
+/* Finds an entry by its path of names, a or a.b, in d. */
+static struct entry *find_path(struct dict *d, const char *name, finder *find) {
+    struct entry *e = find(d, name);
+    if (e) return e;
+    const struct dict *in = d;
+    char part[256];
+    const char *rest = name;
+    for (const char *dot; (dot = strchr(rest, '.')); rest = dot + 1) {
+        snprintf(part, sizeof part, "%.*s", (int)(dot - rest), rest);
+        e = find(in, part);
+        if (!e || !e->sub || e->open) return NULL;
+        in = e->sub;
+    }
+    e = rest == name ? NULL : find(in, rest);
+    if (e) use_path(d, in);
+    return e;
+}
+
 /* Finds the entry that a macro names. `name` is what follows '$', without braces: a, a.b, :a.b, ..a. Returns NULL if
  * there is none. As in OpenFOAM, a dictionary that is still being read has no entries for a path that comes from
  * above. */
-static struct entry *find_entry(struct dict *d, const char *name) {
-    bool upwards = *name != ':' && *name != '.';
+static struct entry *find_entry(struct dict *d, const char *name, finder *find) {
+    const bool upwards = *name != ':' && *name != '.';
+    struct entry *e = NULL;
     if (*name == ':') {
         while (d->parent) d = d->parent;
         name++;
@@ -31,23 +52,21 @@ static struct entry *find_entry(struct dict *d, const char *name) {
             d = d->parent;
         }
     }
-    for (; d; d = upwards ? d->parent : NULL) {
-        struct entry *e = dict_find_exact(d, name);
-        if (e) return e;
-        const struct dict *in = d;
-        char part[256];
-        const char *rest = name;
-        for (const char *dot; (dot = strchr(rest, '.')); rest = dot + 1) {
-            snprintf(part, sizeof part, "%.*s", (int)(dot - rest), rest);
-            e = dict_find_exact(in, part);
-            if (!e || !e->sub || e->open) break;
-            in = e->sub;
-        }
-        if (rest == name || strchr(rest, '.') || !(e = dict_find_exact(in, rest))) continue;
-        use_path(d, in);
-        return e;
+    for (; d && !e; d = upwards ? d->parent : NULL) e = find_path(d, name, find);
+    return e;
+}
+
+/* Writes a macro's name with dots: OpenFOAM 8 and later also write  !a/b  for  :a.b,  ../a  for  ..a,  a/b  for  a.b */
+static void write_dotted(const char *text, int length, char out[256]) {
+    int n = 0;
+    if (length && *text == '!') out[n++] = ':';
+    for (int i = n; i < length && n < 255; i++) {
+        const bool up = length - i > 2 && !memcmp(text + i, "../", 3);
+        if (up && !n) out[n++] = '.';
+        out[n++] = text[i] == '/' || up ? '.' : text[i];
+        if (up) i += 2;
     }
-    return NULL;
+    out[n] = 0;
 }
 
 status macro_find(const struct file *f, struct dict *d, const char *text, int length, int line, struct entry **out) {
@@ -57,8 +76,9 @@ status macro_find(const struct file *f, struct dict *d, const char *text, int le
         text++;
         length -= 2;
     }
-    snprintf(name, sizeof name, "%.*s", length - 1, text + 1);
-    *out = find_entry(d, name);
+    write_dotted(text + 1, length - 1, name);
+    *out = find_entry(d, name, dict_find_exact);
+    if (!*out) *out = find_entry(d, name, dict_find); /* a pattern may fit more than was meant: it comes last */
     if (!*out || (*out)->open)
         return reading_fail(
             f, line, "macro '$%s' names no entry that stands before it (environment variables are not read)", name);

@@ -49,13 +49,28 @@ static status check_semicolon(const struct file *f, const struct entry *e, const
                        t->line, t->length, t->text);
 }
 
+/* Does a ';' follow the '}' of the '{' that was read? A dictionary that ends an entry's value has one, as in
+ * `div(phi,h) Gauss multivariate { .. };`, that of a keyword of its own has none. */
+static bool closes_value(struct lexer l) {
+    struct token t;
+    for (int depth = 1; depth > 0; depth += token_is(&t, "{") - token_is(&t, "}")) {
+        const status s = lexer_next(&l, &t);
+        status_free(s);
+        if (s || t.kind == TOKEN_END) return false;
+    }
+    const status s = lexer_next(&l, &t);
+    status_free(s);
+    return !s && token_is(&t, ";");
+}
+
 static status push_punctuation(struct reading *r, const struct file *f, struct entry *e, const struct token *t,
                                struct brackets *b) {
     static const char opens[] = "([{", closes[] = ")]}";
     char c = t->text[0];
     const char *closing = strchr(closes, c);
     if (strchr(opens, c)) {
-        if (c == '{' && !b->depth && (!e->count || e->value[e->count - 1].kind != TOKEN_NUMBER || t->first_on_line))
+        if (c == '{' && !b->depth && !closes_value(f->l) &&
+            (!e->count || e->value[e->count - 1].kind != TOKEN_NUMBER || t->first_on_line))
             return source_fail(f->l.source, e->line, "missing ';' after the value of '%s'? Line %d goes on with '{'",
                                e->key, t->line);
         if (b->depth == DEPTH) return lexer_fail(&f->l, t, "brackets are nested deeper than %d", DEPTH);
@@ -323,6 +338,44 @@ static status open_once(struct reading *r, const struct file *f, const char *pat
     return document_keep(r->document, *out);
 }
 
+/* Reads the entries of another file of the case; t: its name, where it is asked for. */
+static status read_file(struct reading *r, struct file *f, struct dict *d, const char *path, const struct token *t) {
+    int depth = 0;
+    for (const struct file *up = f; up; up = up->from, depth++) {
+        size_t length = strlen(path);
+        if (!strncmp(up->l.source->path, path, length) &&
+            (!up->l.source->path[length] || !strcmp(up->l.source->path + length, ".gz")))
+            return lexer_fail(&f->l, t, "the file includes itself");
+    }
+    if (depth > INCLUDES) return lexer_fail(&f->l, t, "#include is nested deeper than %d", INCLUDES);
+    struct source *s = NULL;
+    TRY(open_once(r, f, path, t->line, &s));
+    struct file in = {.l = lexer_start(s), .from = f, .case_length = f->case_length};
+    TRY(foam_header_read(&in.l, &in.header));
+    return read_entries(r, &in, d, NULL);
+}
+
+/* OpenFOAM's etc/caseDicts/setConstraintTypes gives patches of these types, by their group, entries of the type. Who
+ * reads the dictionary may have no use for them. All other files of caseDicts are for OpenFOAM's own programs. */
+static status read_etc(struct reading *r, struct file *f, struct dict *d, const struct token *t) {
+    static const char *const types[] = {"empty", "cyclic", "symmetry", "symmetryPlane"};
+    static const char text[] = "empty { type empty; } cyclic { type cyclic; } symmetry { type symmetry; } "
+                               "symmetryPlane { type symmetryPlane; }";
+    struct source *s = NULL;
+    if (!token_is(t, "caseDicts/setConstraintTypes")) return OK;
+    TRY(source_from_text("caseDicts/setConstraintTypes", text, &s));
+    TRY(document_keep(r->document, s));
+    struct file in = {.l = lexer_start(s), .from = f, .case_length = f->case_length};
+    TRY(read_entries(r, &in, d, NULL));
+    for (int i = 0; i < 4; i++) {
+        struct entry *e = dict_find_exact(d, types[i]);
+        if (!e || e->path != s->path) continue;
+        e->used = true;
+        dict_mark_used(e->sub);
+    }
+    return OK;
+}
+
 static status read_include(struct reading *r, struct file *f, struct dict *d, const struct token *directive) {
     struct token t;
     char path[INCLUDE_PATH];
@@ -330,25 +383,51 @@ static status read_include(struct reading *r, struct file *f, struct dict *d, co
     TRY(lexer_next(&f->l, &t));
     if (t.kind != TOKEN_STRING && t.kind != TOKEN_WORD) return lexer_fail(&f->l, &t, "expected a \"file\" to include");
     TRY(include_find(&f->l, &t, f->case_length, path, &present));
-    if (!present) {
-        if (token_is(directive, "#includeIfPresent")) return OK;
+    const bool etc = token_is(directive, "#includeEtc");
+    if (!present && etc && t.length > 10 && !memcmp(t.text, "caseDicts/", 10)) return read_etc(r, f, d, &t);
+    if (!present && token_is(directive, "#includeIfPresent")) return OK;
+    if (!present)
         return lexer_fail(&f->l, &t, "there is no file %s%s", path,
-                          token_is(directive, "#includeEtc") ? " (there is no etc folder: give a path in the case)"
-                                                             : "");
-    }
+                          etc ? " (there is no etc folder: give a path in the case)" : "");
+    return read_file(r, f, d, path, &t);
+}
+
+/* Reads the word behind #includeFunc, NAME or NAME(arguments), which may go on over lines, and hold blanks. */
+static status read_function_name(struct file *f, const struct token *directive, struct token *t) {
+    static const char blanks[] = " \t\r\n";
+    const char *text = f->l.source->text, *start = text + f->l.position, *p;
     int depth = 0;
-    for (const struct file *up = f; up; up = up->from, depth++) {
-        size_t length = strlen(path);
-        if (!strncmp(up->l.source->path, path, length) &&
-            (!up->l.source->path[length] || !strcmp(up->l.source->path + length, ".gz")))
-            return lexer_fail(&f->l, &t, "the file includes itself");
-    }
-    if (depth > INCLUDES) return lexer_fail(&f->l, &t, "#include is nested deeper than %d", INCLUDES);
-    struct source *s = NULL;
-    TRY(open_once(r, f, path, t.line, &s));
-    struct file in = {.l = lexer_start(s), .from = f, .case_length = f->case_length};
-    TRY(foam_header_read(&in.l, &in.header));
-    return read_entries(r, &in, d, NULL);
+    start += strspn(start, " \t");
+    for (p = start; *p && !strchr("(;{}", *p) && !strchr(blanks, *p); p++) continue;
+    *t = (struct token){.kind = TOKEN_WORD, .text = start, .length = (int)(p - start), .line = directive->line};
+    if (!t->length) return lexer_fail(&f->l, directive, "the name of a function object follows");
+    if (p[strspn(p, blanks)] == '(') do {
+            depth += (*p == '(') - (*p == ')');
+            f->l.line += *p == '\n';
+        } while (*++p && (depth > 0 || p[-1] != ')'));
+    if (depth > 0) return reading_fail(f, t->line, "the '(' behind %s is not closed", "#includeFunc");
+    if (p[-1] == ')') t->length = (int)(p - start);
+    f->l.position = (size_t)(p - text);
+    f->l.last_line = f->l.line;
+    return OK;
+}
+
+/* Reads `#includeFunc NAME`: a function object whose dictionary is the file NAME of this folder. One that OpenFOAM
+ * itself has, or that gets arguments, is none of haff's: it is noted and passed over. */
+static status read_function(struct reading *r, struct file *f, struct dict *d, const struct token *directive) {
+    char path[INCLUDE_PATH];
+    const char *key;
+    struct entry *e = NULL;
+    bool present = false;
+    struct token t;
+    TRY(read_function_name(f, directive, &t));
+    TRY(document_copy(r->document, t.text, t.length, &key));
+    if (!strpbrk(key, "($\"")) TRY(include_find(&f->l, &t, f->case_length, path, &present));
+    if (!present) return document_note(r->document, f->l.source, t.line, "#includeFunc %s", key);
+    TRY(place(r, f, d, key, false, t.line, true, &e));
+    if (!e) return OK;
+    if (!e->sub) TRY(new_sub(r, d, e));
+    return read_file(r, f, e->sub, path, &t);
 }
 
 static status read_mode(struct reading *r, struct file *f) {
@@ -365,6 +444,13 @@ static status read_mode(struct reading *r, struct file *f) {
             return OK;
         }
     return lexer_fail(&f->l, &t, "#inputMode is merge, overwrite, protect, warn or error");
+}
+
+/* Reads `#inputSyntax slash;` or dot, OpenFOAM's ways to write macros: both are known anyway. */
+static status read_syntax(struct file *f) {
+    struct token t;
+    TRY(lexer_next(&f->l, &t));
+    return token_is(&t, "slash") || token_is(&t, "dot") ? OK : lexer_fail(&f->l, &t, "#inputSyntax is slash or dot");
 }
 
 static void remove_key(struct dict *d, const struct token *t) {
@@ -482,12 +568,15 @@ static status read_directive(struct reading *r, struct file *f, struct dict *d, 
         return read_include(r, f, d, t);
     if (token_is(t, "#if") || token_is(t, "#ifeq") || token_is(t, "#else") || token_is(t, "#endif"))
         return read_branch(r, f, d, t, ifs);
+    if (token_is(t, "#includeFunc")) return read_function(r, f, d, t);
     if (token_is(t, "#inputMode")) return read_mode(r, f);
+    if (token_is(t, "#inputSyntax")) return read_syntax(f);
     if (token_is(t, "#remove")) return read_remove(f, d);
     if (token_is(t, "#default")) return read_default(r, f, d);
-    return lexer_fail(&f->l, t,
-                      "known are #include #includeIfPresent #includeEtc #remove #default #inputMode #if #ifeq #else "
-                      "#endif, and #eval #calc in values; no code is run");
+    return lexer_fail(
+        &f->l, t,
+        "known are #include #includeIfPresent #includeEtc #includeFunc #remove #default #inputMode #if #ifeq #else "
+        "#endif, and #eval #calc in values; no code is run");
 }
 
 /* Reads entries up to the '}' or ')' of `opening`, or to the end of the file if that is NULL. */

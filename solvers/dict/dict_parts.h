@@ -50,11 +50,14 @@ struct document { /* owns all memory of a dictionary */
     int sources, source_room;
     regex_t **pattern;
     int patterns, pattern_room;
+    struct names passed; /* what was passed over, "FILE:LINE: .." */
 };
 
 /* Allocates zeroed memory that lives as long as the document; document_copy does so for a copy of a text. */
 status document_take(struct document *d, size_t bytes, void *out);
 status document_copy(struct document *d, const char *text, int length, const char **out);
+/* Takes note of what was passed over, with a format of one %s. */
+status document_note(struct document *d, const struct source *s, int line, const char *format, const char *name);
 /* Adds a source, which the document then owns. */
 status document_keep(struct document *d, struct source *s);
 /* Compiles a pattern that the document owns. If that fails, *out is NULL and `why` says the reason. */
@@ -68,6 +71,7 @@ status document_grow(struct document *d, void *items, int count, int *room, size
 /* Finds the exact key, else the last pattern that fits, else NULL. */
 struct entry *dict_find(const struct dict *d, const char *key);
 struct entry *dict_find_exact(const struct dict *d, const char *key); /* the key as it was written, or NULL */
+struct entry *dict_find_pattern(const struct dict *d, const char *key); /* the last pattern that fits and is read */
 /* Finds an entry as dict_find does, and marks it as used and the key as known. */
 struct entry *dict_ask(const struct dict *d, const char *key);
 /* Prints the value as text, cut at `room`. */

@@ -84,6 +84,12 @@ static double neg(double a) {
     return a < 0;
 }
 
+static double to_radians(double a) {
+    return a * 3.14159265358979323846 / 180;
+}
+static double to_degrees(double a) {
+    return a * 180 / 3.14159265358979323846;
+}
 static double square(double a) {
     return a * a;
 }
@@ -93,12 +99,37 @@ static const struct function {
     double (*one)(double);
     double (*two)(double, double);
 } functions[] = {
-    {"exp", exp, 0},     {"log", log, 0},     {"log10", log10, 0}, {"sqrt", sqrt, 0},   {"cbrt", cbrt, 0},
-    {"sin", sin, 0},     {"cos", cos, 0},     {"tan", tan, 0},     {"asin", asin, 0},   {"acos", acos, 0},
-    {"atan", atan, 0},   {"sinh", sinh, 0},   {"cosh", cosh, 0},   {"tanh", tanh, 0},   {"abs", fabs, 0},
-    {"floor", floor, 0}, {"ceil", ceil, 0},   {"round", round, 0}, {"sign", sign, 0},   {"pos", pos, 0},
-    {"neg", neg, 0},     {"atan2", 0, atan2}, {"pow", 0, pow},     {"min", 0, smaller}, {"max", 0, larger},
-    {"mod", 0, fmod},    {"hypot", 0, hypot}, {"sqr", square, 0},  {"mag", fabs, 0},
+    {"exp", exp, 0},
+    {"log", log, 0},
+    {"log10", log10, 0},
+    {"sqrt", sqrt, 0},
+    {"cbrt", cbrt, 0},
+    {"sin", sin, 0},
+    {"cos", cos, 0},
+    {"tan", tan, 0},
+    {"asin", asin, 0},
+    {"acos", acos, 0},
+    {"atan", atan, 0},
+    {"sinh", sinh, 0},
+    {"cosh", cosh, 0},
+    {"tanh", tanh, 0},
+    {"abs", fabs, 0},
+    {"floor", floor, 0},
+    {"ceil", ceil, 0},
+    {"round", round, 0},
+    {"sign", sign, 0},
+    {"pos", pos, 0},
+    {"neg", neg, 0},
+    {"atan2", 0, atan2},
+    {"pow", 0, pow},
+    {"min", 0, smaller},
+    {"max", 0, larger},
+    {"mod", 0, fmod},
+    {"hypot", 0, hypot},
+    {"sqr", square, 0},
+    {"mag", fabs, 0},
+    {"degToRad", to_radians, 0},
+    {"radToDeg", to_degrees, 0},
 };
 
 /* Binary operators by rank; all but ^ group to the left. Longer names stand first. */
@@ -281,7 +312,7 @@ static status name(struct compiler *c) {
     if (c->foam) return complain(c, foam_known);
     return complain(
         c, "known are x y z t pi e exp log log10 sqr sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "
-           "min max abs mag floor ceil round sign pos neg mod hypot");
+           "min max abs mag floor ceil round sign pos neg mod hypot degToRad radToDeg");
 }
 
 /* Reads a number: foam_number wants a blank or bracket behind it, but here an operator may follow. */

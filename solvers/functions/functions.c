@@ -48,6 +48,10 @@ static const struct param any_param[] = {
     IGNORED("region", "for OpenFOAM"),
     IGNORED("executeControl", "for OpenFOAM: writeControl says when"),
     IGNORED("executeInterval", "for OpenFOAM: writeInterval says when"),
+    IGNORED("executeAtStart", "for OpenFOAM"),
+    IGNORED("writeAtEnd", "for OpenFOAM"),
+    IGNORED("errors", "for OpenFOAM"),
+    IGNORED("useUserTime", "for OpenFOAM"),
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 

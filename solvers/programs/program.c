@@ -85,6 +85,14 @@ status options_launched(bool *first) {
     return check_ranks(launched("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"), MOST_LAUNCHED);
 }
 
+/* OpenFOAM's option -parallel goes with mpirun, which then has said how many ranks there are. */
+static status check_parallel(void) {
+    if (launched("OMPI_COMM_WORLD_RANK", "PMI_RANK") >= 0) return OK;
+    return fail(ERR_INPUT,
+                "-parallel: the number of ranks is to be given: say  -np N  in its place, or start  mpirun -np N "
+                "granularGas ..;  the case needs no decomposePar");
+}
+
 status options_read(int argc, char **argv, struct options *out) {
     static const char *const names[] = {"-case", "-np",         "-dry-run", "-strict",  "-debug",
                                         "-help", "-listModels", "-listBCs", "-version", "-keywords"};
@@ -97,6 +105,10 @@ status options_read(int argc, char **argv, struct options *out) {
         if (lookup_option(argc, argv, &i, &out->keywords)) continue;
         const char *word = !strncmp(argv[i], "--", 2) ? argv[i] + 1 : argv[i], *value = NULL;
         if (!strcmp(word, "-h")) word = "-help";
+        if (!strcmp(word, "-parallel")) {
+            TRY(check_parallel());
+            continue;
+        }
         while (k < NAMES && strcmp(word, names[k])) k++;
         if (k == NAMES) return option_unknown(argv[i], names, NAMES + 1);
         if (k >= 2) {

@@ -52,8 +52,33 @@ static void test_macros(void **state) {
     refused("a 1;\n$a;", "T:2:|dictionary");
     refused("a { }\nb 1 $a;", "T:2:|'$a' is a dictionary");
     refused("a ${{ 2*3 }};", "T:1:|#eval");
-    refused("\"(a|b)\" 1; t $a;", "T:1:|$a"); /* patterns are no names, as in OpenFOAM */
+    /* a pattern counts where no key is that word, in no dictionary around, and where it is read to its end */
+    reads("\"(U|k)\" { x 1; } m { $U; } t $U.x;", "\"(U|k)\" { x 1; } m { x 1; } t 1; ");
+    reads("\"(U|k)\" { x 1; } \"(U|k).*\" { $U; }", "\"(U|k)\" { x 1; } \"(U|k).*\" { x 1; } ");
+    reads("i uniform 2; b { \".*\" { v $i; } o { v $i; } }",
+          "i uniform 2; b { \".*\" { v uniform 2; } o { v uniform 2; } } ");
+    reads("#inputSyntax slash; a 1; s { x 2; t { w $../x; z $!a; } } y $s/x;", "a 1; s { x 2; t { w 2; z 1; } } y 2; ");
     refused("a { $:a; }", "T:1:|:a");
+}
+
+/* What OpenFOAM's own function objects and folder etc would give is passed over, and noted if it is of the user's. */
+static void test_passed(void **state) {
+    (void)state;
+    struct dict *d = parse("f {\n#includeFunc mag(U)\n#includeFunc probes\n#includeFunc w\n (\na, b (c)) x 1; }");
+    assert_string_equal(dict_passed(d, 0), "T:2: #includeFunc mag(U)");
+    assert_string_equal(dict_passed(d, 1), "T:3: #includeFunc probes");
+    assert_non_null(strstr(dict_passed(d, 2), "T:4: #includeFunc w"));
+    assert_null(dict_passed(d, 3));
+    dict_free(d);
+    reads("f { #includeFunc w\n(a\nb) x 1; }", "f { x 1; } ");
+    refused("\n#includeFunc w(a\n", "T:2:|not closed");
+    refused("\n#includeFunc ;", "T:2:|name");
+    reads("#includeEtc \"caseDicts/x\"\na 1;", "a 1; ");
+    d = parse("#includeEtc \"caseDicts/setConstraintTypes\"\n");
+    assert_null(dict_unused(d));
+    assert_true(dict_has(d, "empty") && dict_has(d, "symmetryPlane"));
+    dict_free(d);
+    refused("\n#inputSyntax both;", "T:2:|slash");
 }
 
 static void test_merge(void **state) {
@@ -138,6 +163,7 @@ static void test_missing_semicolon(void **state) {
     (void)state;
     refused("\nk 5\nend 1;", "T:2:|missing ';'|'k'|Line 3|'end'");
     refused("\nk 5\nsub { a 1; }", "T:2:|missing ';'|'k'");
+    reads("k Gauss multi\n{\n a b;\n c d;\n};\nl 1;", "k Gauss multi { a b; c d; }; l 1; ");
     refused("\nk 5\n\"re.*\" 1;", "T:2:|missing ';'|'k'");
     refused("d\n{\n  x 1\n}", "T:3:|missing ';'|'x'|'}'");
     refused("a 1;\nk 5", "T:2:|missing ';'|'k'|ends");
@@ -378,6 +404,7 @@ struct folder {
     char path[64], *files[32];
     int count;
 };
+static const char *const folders[] = {"system", "0.orig"};
 static int set_up(void **state) {
     struct folder *f = calloc(1, sizeof *f);
     char name[128];
@@ -385,8 +412,10 @@ static int set_up(void **state) {
     if (!mkdtemp(f->path)) return -1;
     snprintf(name, sizeof name, "%s/case", f->path);
     mkdir(name, 0777);
-    snprintf(name, sizeof name, "%s/case/system", f->path);
-    mkdir(name, 0777);
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/case/%s", f->path, folders[i]);
+        mkdir(name, 0777);
+    }
     *state = f;
     return 0;
 }
@@ -394,8 +423,10 @@ static int tear_down(void **state) {
     struct folder *f = *state;
     char name[128];
     for (int i = 0; i < f->count; i++) unlink(f->files[i]), free(f->files[i]);
-    snprintf(name, sizeof name, "%s/case/system", f->path);
-    rmdir(name);
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/case/%s", f->path, folders[i]);
+        rmdir(name);
+    }
     snprintf(name, sizeof name, "%s/case", f->path);
     rmdir(name);
     int left = rmdir(f->path);
@@ -457,7 +488,18 @@ static void test_include(void **state) {
     refused_file(put(f, "system/d", "#include \"e\""), "system/e:1:|itself");
     refused_file(put(f, "system/f", "#include \"/etc/passwd\""), "system/f:1:|relative");
     refused_file(put(f, "system/g", "#include \"../../x\""), "system/g:1:|leads out of the case");
-    refused_file(put(f, "system/h", "#include \"$HOME/x\""), "system/h:1:|variables");
+    refused_file(put(f, "system/h", "#include \"$HOME/x\""), "system/h:1:|$FOAM_CASE");
+    path =
+        put(f, "0.orig/U", "#include \"../shared\"\n#include \"$FOAM_CASE/system/more\"\n#include \"<case>/shared\"");
+    ok(dict_read(path, &d));
+    dict_free(d);
+    put(f, "system/points", "type probes;");
+    ok(dict_read(put(f, "system/q", "f { #includeFunc points\n y 1; }"), &d));
+    assert_null(dict_passed(d, 0));
+    char *printed = dict_print(d);
+    assert_non_null(strstr(printed, "points {\n        type probes;"));
+    free(printed);
+    dict_free(d);
     refused_file(put(f, "top", "#include \"../x\""), "top:1:|leads out of the case");
     put(f, "../secret", "password 1;");
     char link[128];
@@ -549,6 +591,7 @@ static void test_named_lists(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_macros),
+        cmocka_unit_test(test_passed),
         cmocka_unit_test(test_merge),
         cmocka_unit_test(test_conditions),
         cmocka_unit_test(test_eval),

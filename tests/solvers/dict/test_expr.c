@@ -50,6 +50,7 @@ static void test_values(void **state) {
     gives("min(x, y) + max(x, y) + abs(-1) + mod(7, 4)", 9);
     gives("floor(1.5) + ceil(1.5) + round(1.6) + sign(-3) + sign(0) + pos(2) + pos(0) + neg(-1)", 7);
     gives("sqrt(16) + cbrt(27) + hypot(3, 4) + log10(100)", 14);
+    gives("degToRad(radToDeg(0.5)) + sin(degToRad(30))", 1);
     gives("sin(x)+cos(x)", sin(two) + cos(two));
     gives("tan(x)", tan(two));
     gives("asin(.5)", asin(half));

@@ -578,6 +578,8 @@ WARNINGS = [
     Row("grains that do not meet", write("0/alpha", bad_case.header("0/alpha") + bad_case.FILES["0/alpha"][1].replace(
         bad_case.LIST, "uniform 0.01;\n")), "rarefied", "a tenth of the domain's least extent, 4 m (Knudsen number 0.287", where=PROPERTIES,
         at="grain\n"),
+    Row("OpenFOAM's function object", (CONTROL, "functions\n{", "functions\n{\n    #includeFunc residuals(p, U)"), "passedOver",
+        "#includeFunc residuals(p, U)", "no such file", at="#includeFunc"),
     Row("T in kelvin", ("0/T", "internalField uniform 25;", "internalField uniform 3000;"), "temperature",
         "T is 3e+03 m^2/s^2 in the mean", "T is no kelvin"),
 ]
@@ -588,6 +590,7 @@ COMMANDS = [
     (["granularGas", "-case", "CASE", "-dryrun"], "'-dryrun'", "did you mean '-dry-run'?"),
     (["granularGas", "-case"], "-case wants a value"),
     (["granularGas", "CASE"], "unknown argument", "-case"),
+    (["granularGas", "-case", "CASE", "-parallel"], "say  -np N ", "mpirun -np N", "no decomposePar"),
     (["granularGas", "-case", "CASE/nowhere"], "CASE/nowhere: no such folder"),
     (["granularGas", "-case", "CASE/0/T"], "CASE/0/T: is no folder"),
     (["granularGas", "-case", "CASE", "-np", "two"], "-np two", "whole number"),
