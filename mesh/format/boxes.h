@@ -46,7 +46,8 @@ struct boxes_block { /* hex (0 .. 7) (n0 n1 n2) */
 struct boxes_patch {
     const char *name, *type, *neighbour; /* neighbour: of cyclic patches, else NULL */
     int nfaces;
-    int (*face)[4]; /* [nfaces] vertices */
+    int (*face)[4];     /* [nfaces] vertices */
+    const char *groups; /* by inGroups, with blanks between, or NULL */
 };
 /* The vertices of side 2*axis + (0 low, 1 high) of a block, by its own axes. */
 extern const int boxes_corner[6][4];

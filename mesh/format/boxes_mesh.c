@@ -238,6 +238,7 @@ static status make_patches(const struct bounding *d) {
         TRY(copy_word(p->name, &to->name));
         TRY(copy_word(p->type, &to->type));
         TRY(copy_word(p->neighbour, &to->neighbour));
+        TRY(copy_word(p->groups, &to->groups));
         to->start = capped(start);
         to->nfaces = (int)d->faces[m->npatches];
         start += to->nfaces;

@@ -33,6 +33,7 @@ void polymesh_free(struct polymesh *m) {
         free(m->patch[i].name);
         free(m->patch[i].type);
         free(m->patch[i].neighbour);
+        free(m->patch[i].groups);
     }
     free(m->patch);
     polymesh_drop(m);
@@ -63,6 +64,26 @@ void polymesh_bounds(const struct polymesh *m, double low[3], double high[3]) {
 
 const char *polymesh_boundary_file(const struct polymesh *m) {
     return m->boxes ? "system/blockMeshDict" : "constant/polyMesh/boundary";
+}
+
+/* Is a word one of a text of words with blanks between? */
+static bool has_word(const char *text, const char *word) {
+    const size_t n = strlen(word);
+    for (const char *at = text; n && at && (at = strstr(at, word)); at += n)
+        if ((at == text || at[-1] == ' ') && (!at[n] || at[n] == ' ')) return true;
+    return false;
+}
+
+bool patch_in_group(const struct patch *p, const char *group) {
+    return (strcmp(p->type, "patch") != 0 && !strcmp(p->type, group)) || has_word(p->groups, group);
+}
+
+void patch_write_groups(struct sink *s, const struct patch *p) {
+    const char *groups = p->groups ? p->groups : "",
+               *type = strcmp(p->type, "patch") != 0 && !has_word(groups, p->type) ? p->type : "";
+    int n = (*groups != 0) + (*type != 0);
+    for (const char *c = groups; *c; c++) n += *c == ' ';
+    if (n) sink_printf(s, "        inGroups        %d(%s%s%s);\n", n, groups, *groups && *type ? " " : "", type);
 }
 
 int polymesh_find_patch(const struct polymesh *m, const char *name) {

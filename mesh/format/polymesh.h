@@ -15,6 +15,7 @@ struct patch {
     char *neighbour; /* name of a cyclic patch's other half; else NULL */
     int start;       /* first face */
     int nfaces;
+    char *groups; /* the groups that it is in by inGroups, with blanks between; NULL: none */
 };
 struct boxes;
 struct sites;
@@ -112,9 +113,8 @@ void polymesh_widths(const struct polymesh *m, const double *area, const double 
 status polymesh_narrowest(const struct polymesh *m, const double *area, const double *volume, struct narrowest *out);
 
 /* Checks what a run needs and more: closed cells, positive volumes, none 1e-12 times as narrow as the others, face
- * orientation, `empty` patches that cover every cell exactly twice, cyclic halves that match, no left-over
- * defaultFaces. Each defect is an error with number and
- * place. A mesh of boxes has none of them. */
+ * orientation, `empty` patches that cover every cell exactly twice, cyclic halves that match. Each defect is an error
+ * with number and place. A mesh of boxes has none of them. */
 status polymesh_check(const struct polymesh *m);
 /* Does that and leaves the geometry on which it rests in g, which the caller frees, also after an error. A mesh of
  * boxes must be complete (polymesh_complete). */
@@ -126,6 +126,9 @@ status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometr
 status polymesh_check_part(const struct polymesh *m, const struct polymesh_geometry *g, const bool *whole,
                            const bool closed[3], const double (*offset)[3]);
 
+/* Is a patch in a group (OpenFOAM's inGroups)? Each is in that of its type, but those of type `patch`. */
+bool patch_in_group(const struct patch *p, const char *group);
+void patch_write_groups(struct sink *s, const struct patch *p);      /* the entry inGroups of a boundary file */
 int polymesh_find_patch(const struct polymesh *m, const char *name); /* -1: none */
 unsigned long polymesh_checksum(const struct polymesh *m); /* CRC-32 of points, faces, owner, neighbour, patches */
 

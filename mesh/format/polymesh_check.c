@@ -70,16 +70,6 @@ static bool is_whole(const struct check *k, long cell) {
     return !k->whole || k->whole[cell];
 }
 
-static status check_leftover(const struct polymesh *m) {
-    int p = polymesh_find_patch(m, "defaultFaces");
-    if (p < 0 || m->patch[p].nfaces == 0) return OK;
-    return fail(
-        ERR_INPUT,
-        "mesh: patch 'defaultFaces' holds %d faces that belong to no named patch; name that part of the boundary "
-        "in the mesh generator",
-        m->patch[p].nfaces);
-}
-
 static status check_faces(struct check *k) {
     const struct polymesh *m = k->m;
     for (long f = 0; f < m->nfaces; f++) {
@@ -272,7 +262,6 @@ status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometr
     *g = (struct polymesh_geometry){0};
     if (m->boxes) return polymesh_geometry_make(m, g); /* boxes were checked when the mesh was made of them */
     TRY(polymesh_check_points(m));
-    TRY(check_leftover(m));
     TRY(polymesh_geometry_make(m, g));
     status s = check_all(&k);
     free(k.covered);
@@ -282,7 +271,6 @@ status polymesh_check_geometry(const struct polymesh *m, struct polymesh_geometr
 status polymesh_check_part(const struct polymesh *m, const struct polymesh_geometry *g, const bool *whole,
                            const bool closed[3], const double (*offset)[3]) {
     struct check k = {.m = m, .g = g, .whole = whole, .offset = offset, .axes = {closed[0], closed[1], closed[2]}};
-    TRY(check_leftover(m));
     status s = check_all(&k);
     free(k.covered);
     return s;

@@ -242,6 +242,20 @@ static status read_word(struct lexer *l, char **out) {
     return lexer_expect(l, ';');
 }
 
+/* Reads the value of inGroups: `1(wall)`, `(a b)` or `List<word> 1(wall)`. */
+static status read_groups(struct lexer *l, const struct token *key, char **out) {
+    struct lexer start = *l;
+    struct token t;
+    TRY(skip_value(l, key));
+    TRY(allocate(out, (long)(l->position - start.position) + 1, 1, "the groups of a patch"));
+    do {
+        TRY(lexer_next(&start, &t));
+        if (is_name(&t) && !token_is(&t, "List<word>"))
+            sprintf(*out + strlen(*out), "%s%.*s", **out ? " " : "", t.length, t.text);
+    } while (!token_is(&t, ";"));
+    return OK;
+}
+
 static status check_type(struct lexer *l, const struct token *name, const struct patch *p) {
     static const char *const known[] = {"patch", "wall", "empty", "cyclic", "symmetry", "symmetryPlane"};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
@@ -273,6 +287,8 @@ static status read_patch(struct lexer *l, const struct polymesh *m, const struct
             TRY(read_label(l, m->nfaces, &p->nfaces));
         else if (token_is(&t, "startFace"))
             TRY(read_label(l, m->nfaces, &p->start));
+        else if (token_is(&t, "inGroups") && !p->groups)
+            TRY(read_groups(l, &t, &p->groups));
         else
             TRY(skip_value(l, &t));
     }
@@ -370,7 +386,7 @@ static status write_boundary(const struct polymesh *m, const char *dir, const st
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
         sink_printf(s, "    %s\n    {\n        type            %s;\n", p->name, p->type);
-        if (strcmp(p->type, "patch") != 0) sink_printf(s, "        inGroups        1(%s);\n", p->type);
+        patch_write_groups(s, p);
         sink_printf(s, "        nFaces          %d;\n        startFace       %d;\n", p->nfaces, p->start);
         if (p->neighbour)
             sink_printf(s,

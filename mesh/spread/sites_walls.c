@@ -57,8 +57,7 @@ static bool take_axes(struct finder *f) {
         left += !f->sites->closed[k];
         good = good && (all[k] == 0 || (all[3 + k] == 0 && f->sites->n[k] == 1));
     }
-    const int leftover = polymesh_find_patch(f->mesh, "defaultFaces");
-    return good && left > 0 && (leftover < 0 || f->mesh->patch[leftover].nfaces == 0);
+    return good && left > 0;
 }
 
 /* Is there no cell beyond a patch? */

@@ -42,7 +42,7 @@ static const struct param patch_param[] = {
     NOTED("neighbourPatch", "word", "required with cyclic", "the other half of a cyclic patch, which names this one",
           "neighbourPatch right;"),
     NOTED("faces", "list ((a b c d) ..)", NULL, "sides of blocks, by their vertices", "faces ((0 4 7 3));"),
-    IGNORED("inGroups", "for OpenFOAM's programs"),
+    NOTED("inGroups", "list of words", "()", "groups that it is in, besides that of its type", "inGroups (solid);"),
     IGNORED("transform", "for OpenFOAM's programs: cyclic patches are moved along their axis"),
     IGNORED("matchTolerance", "for OpenFOAM's programs"),
 };
@@ -71,6 +71,7 @@ struct reader {
     int line[BLOCKS]; /* of each block */
     int npatches;
     struct boxes_patch *patch; /* [npatches], then that of all other sides */
+    char **groups;             /* [npatches], owned */
     struct boxes *boxes;
 };
 
@@ -189,7 +190,20 @@ static status read_type(struct dict *d, const char **out) {
     return OK;
 }
 
+static status read_groups(struct dict *d, char **out) {
+    const char *const *words;
+    int n = 0;
+    long room = 1;
+    if (!dict_has(d, "inGroups")) return OK;
+    TRY(dict_words(d, "inGroups", &n, &words));
+    for (int i = 0; i < n; i++) room += (long)strlen(words[i]) + 1;
+    TRY(allocate(out, room, 1, "the groups of a patch"));
+    for (int i = 0; i < n; i++) sprintf(*out + strlen(*out), "%s%s", **out ? " " : "", words[i]);
+    return OK;
+}
+
 static status read_patch(struct reader *r, struct dict *all, const char *name) {
+    char **groups = &r->groups[r->npatches];
     struct boxes_patch *p = &r->patch[r->npatches++];
     struct dict *d;
     p->name = name;
@@ -197,6 +211,8 @@ static status read_patch(struct reader *r, struct dict *all, const char *name) {
     TRY(read_type(d, &p->type));
     if (!strcmp(p->type, "cyclic")) TRY(dict_word(d, "neighbourPatch", &p->neighbour));
     TRY(params_read(d, patch_param, COUNT(patch_param), p));
+    TRY(read_groups(d, groups));
+    p->groups = *groups;
     return read_faces(r, d, p);
 }
 
@@ -215,11 +231,24 @@ static status read_default(struct reader *r) {
     return dict_fail(d, "type", "cyclic patches stand in `boundary`, with their neighbourPatch");
 }
 
+/* Are the faces of a patch all those across an axis along which the mesh is one cell thick? */
+static bool is_layer(const struct polymesh *m, int patch) {
+    int axis = -1;
+    for (long i = 0; i < m->patch[patch].nfaces; i++) {
+        int at[3], side;
+        boxes_face_at(m->boxes, patch, i, at, &side);
+        if (axis >= 0 && side / 2 != axis) return false;
+        axis = side / 2;
+    }
+    return axis >= 0 && m->boxes->n[axis] == 1 && m->patch[patch].nfaces == 2L * m->ncells;
+}
+
 static status read_patches(struct reader *r, struct polymesh **out) {
     struct dict *all;
     TRY(dict_sub(r->d, "boundary", &all));
     const int n = dict_count(all);
     TRY(allocate(&r->patch, n + 1L, sizeof *r->patch, "patches"));
+    TRY(allocate(&r->groups, n + 1L, sizeof *r->groups, "patches"));
     for (int i = 0; i < n; i++) TRY(read_patch(r, all, dict_key(all, i)));
     TRY(read_default(r));
     struct polymesh *m;
@@ -231,8 +260,8 @@ static status read_patches(struct reader *r, struct polymesh **out) {
     return dict_fail(
         r->d, "boundary",
         "it leaves %d faces to no patch (of which blockMesh would make 'defaultFaces'): name those sides, or "
-        "say  defaultPatch { name walls; type wall; }",
-        m->patch[n].nfaces);
+        "say  defaultPatch { name %s; }",
+        m->patch[n].nfaces, is_layer(m, n) ? "frontAndBack; type empty" : "walls; type wall");
 }
 
 static status read_all(struct reader *r, const char *path, struct polymesh **out) {
@@ -252,6 +281,8 @@ static status read_dictionary(const char *path, struct polymesh **out) {
     TRY(allocate(&r, 1, sizeof *r, "blocks"));
     const status s = read_all(r, path, out);
     for (int i = 0; r->patch && i < r->npatches; i++) free(r->patch[i].face);
+    for (int i = 0; r->groups && i < r->npatches; i++) free(r->groups[i]);
+    free(r->groups);
     free(r->patch);
     free(r->vertex);
     boxes_free(r->boxes);

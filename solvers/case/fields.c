@@ -346,6 +346,43 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
     return params_read(d, type_param, COUNT(type_param), out);
 }
 
+/* Returns the key of the entry that is a patch's, in OpenFOAM's order: its name, the last of its groups in the file, a
+ * pattern that fits the name. NULL: an `empty` patch has the first two only, and needs none. */
+static const char *entry_of(const struct dict *all, const struct patch *p, bool *exact) {
+    const char *group = NULL;
+    *exact = true;
+    for (int i = dict_count(all) - 1; i >= 0; i--) {
+        if (!strcmp(dict_key(all, i), p->name)) return p->name;
+        if (!group && patch_in_group(p, dict_key(all, i))) group = dict_key(all, i);
+    }
+    *exact = group;
+    return group ? group : strcmp(p->type, "empty") ? p->name : NULL;
+}
+
+/* Has an entry no effect, though it may stand there: for a group whose patches all have entries of their own, a pattern
+ * that fits such patches, a constraint type of which no patch is? */
+static bool is_spare(const struct dict *all, int i, const struct polymesh *m) {
+    static const char *const types[] = {"empty", "cyclic",    "symmetry",  "symmetryPlane",
+                                        "wedge", "processor", "cyclicAMI", "processorCyclic"};
+    bool spare = false;
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++) spare |= !strcmp(dict_key(all, i), types[k]);
+    for (int p = 0; p < m->npatches; p++)
+        spare |= dict_key_fits(all, i, m->patch[p].name) || patch_in_group(&m->patch[p], dict_key(all, i));
+    return spare;
+}
+
+/* Finds the entries of all patches, which then count as known; what is left may have no effect, or fits nothing. */
+static void choose_entries(struct dict *all, const struct polymesh *m) {
+    bool exact;
+    for (int i = 0; i < m->npatches; i++) {
+        const char *key = entry_of(all, &m->patch[i], &exact);
+        dict_know(all, m->patch[i].name); /* a key that is left may be misspelt */
+        if (key) (void)dict_has(all, key);
+    }
+    for (int i = 0; i < dict_count(all); i++)
+        if (!dict_is_used(all, i) && is_spare(all, i, m)) dict_pass(all, i);
+}
+
 /* Returns "; 'wal.*' fits no patch" for the first key of boundaryField that no patch has asked for. */
 static void name_idle(const struct dict *all, char text[200]) {
     const char *idle = dict_unused(all);
@@ -353,21 +390,34 @@ static void name_idle(const struct dict *all, char text[200]) {
     if (idle) snprintf(text, 200, "; the entry '%.100s' fits no patch", idle);
 }
 
+/* Fails on sides that no patch of the mesh generator holds: a pattern may fit them by chance. */
+static status check_leftover(const struct field *f, const struct patch *p) {
+    if (strcmp(p->name, "defaultFaces") != 0 || !strcmp(p->type, "empty") || !p->nfaces) return OK;
+    return fail(ERR_INPUT,
+                "%s: patch 'defaultFaces' holds %d faces that belong to no named patch; name that part of the boundary "
+                "in the mesh generator, or give the patch an entry of its own",
+                dict_path(f->dict), p->nfaces);
+}
+
 static status read_patches(struct field *f, const struct field_place *at) {
     char idle[200];
+    bool exact;
     struct dict *all, *one;
     const struct polymesh *m = at->mesh;
     TRY(allocate(&f->patch, m->npatches, sizeof *f->patch, "patches of a field"));
     f->npatches = m->npatches;
     TRY(dict_sub(f->dict, "boundaryField", &all));
-    /* asking makes the names known: a key that is left may be misspelt */
-    for (int i = 0; i < m->npatches; i++) (void)dict_has(all, m->patch[i].name);
+    choose_entries(all, m);
     name_idle(all, idle);
     for (int i = 0; i < m->npatches; i++) {
-        TRY(status_note(dict_sub(all, m->patch[i].name, &one), "%s: no entry for patch '%s' (type %s in %s)%s",
-                        dict_path(f->dict), m->patch[i].name, m->patch[i].type, polymesh_boundary_file(m), idle));
-        TRY(status_note(read_patch(one, f->kind, at, i, &f->patch[i]), "%s: patch %s", dict_path(f->dict),
-                        m->patch[i].name));
+        const struct patch *p = &m->patch[i];
+        const char *key = entry_of(all, p, &exact);
+        if (!exact) TRY(check_leftover(f, p));
+        f->patch[i] = (struct patch_field){.type = "empty", .line = dict_line(f->dict, "boundaryField")};
+        if (!key) continue;
+        TRY(status_note(dict_sub(all, key, &one), "%s: no entry for patch '%s' (type %s in %s)%s", dict_path(f->dict),
+                        p->name, p->type, polymesh_boundary_file(m), idle));
+        TRY(status_note(read_patch(one, f->kind, at, i, &f->patch[i]), "%s: patch %s", dict_path(f->dict), p->name));
     }
     return OK;
 }

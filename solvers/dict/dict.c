@@ -217,6 +217,10 @@ static void ask(const struct dict *d, const char *key) {
     status_free(e);
 }
 
+void dict_know(const struct dict *d, const char *key) {
+    ask(d, key);
+}
+
 struct entry *dict_ask(const struct dict *d, const char *key) {
     ask(d, key);
     struct entry *e = dict_find(d, key);
@@ -327,6 +331,20 @@ const char *dict_unused(const struct dict *d) {
     for (int i = 0; i < d->count; i++)
         if (!d->entry[i].used && !d->entry[i].foreign) return d->entry[i].key;
     return NULL;
+}
+
+bool dict_is_used(const struct dict *d, int i) {
+    return d->entry[i].used;
+}
+
+bool dict_key_fits(const struct dict *d, int i, const char *name) {
+    const struct entry *e = &d->entry[i];
+    return !strcmp(e->key, name) || (e->pattern && !regexec(e->pattern, name, 0, NULL, 0));
+}
+
+void dict_pass(struct dict *d, int i) {
+    d->entry[i].used = true;
+    if (d->entry[i].sub) dict_mark_used(d->entry[i].sub);
 }
 
 void dict_mark_used(struct dict *d) {

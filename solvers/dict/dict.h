@@ -19,7 +19,8 @@ void dict_free(struct dict *d); /* the top level only */
 /* Frees the text of the files, which dict_raw of nonuniform lists reads: those cannot be read again. */
 void dict_drop_text(struct dict *d);
 
-bool dict_has(const struct dict *d, const char *key); /* the key then counts as read */
+bool dict_has(const struct dict *d, const char *key);  /* the key then counts as read */
+void dict_know(const struct dict *d, const char *key); /* the key is one that may stand here */
 /* Gives the entry of a key, if it was written so, another key; one that has an entry already keeps it. */
 void dict_rename(struct dict *d, const char *key, const char *to);
 /* Find a sub-dictionary. A missing key is an error, but dict_sub_optional then gives NULL; any other value is an
@@ -77,6 +78,11 @@ const char *dict_passed(const struct dict *d, int i);
 /* The entries in order, for dictionaries whose keys are names (patches, functions). */
 int dict_count(const struct dict *d);
 const char *dict_key(const struct dict *d, int i);
+
+bool dict_is_used(const struct dict *d, int i); /* has entry i been read? */
+/* Is the key of entry i a pattern that fits a name, or the name itself? */
+bool dict_key_fits(const struct dict *d, int i, const char *name);
+void dict_pass(struct dict *d, int i); /* marks entry i, and all below, as read: it is known and has no effect here */
 
 /* Fails on the first key, in d and below, that no read asked for and no macro named: "FILE:LINE: keyword 'maxC0' is not
  * used; did you mean 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */

@@ -70,7 +70,7 @@ status document_grow(struct document *d, void *items, int count, int *room, size
 
 /* Finds the exact key, else the last pattern that fits, else NULL. */
 struct entry *dict_find(const struct dict *d, const char *key);
-struct entry *dict_find_exact(const struct dict *d, const char *key); /* the key as it was written, or NULL */
+struct entry *dict_find_exact(const struct dict *d, const char *key);   /* the key as it was written, or NULL */
 struct entry *dict_find_pattern(const struct dict *d, const char *key); /* the last pattern that fits and is read */
 /* Finds an entry as dict_find does, and marks it as used and the key as known. */
 struct entry *dict_ask(const struct dict *d, const char *key);

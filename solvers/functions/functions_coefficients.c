@@ -23,7 +23,7 @@ static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", N
 #define PARAM_STRUCT struct coefficients
 #define ITS_PITCH    0, .usual = "liftDir x dragDir", .example = "pitchAxis (0 0 -1);"
 static const struct param coefficients_param[] = {
-    NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (\".*\");"),
+    NOTED("patches", "list of words", NULL, "names, groups, or quoted regular expressions", "patches (\".*\");"),
     NUMBER("magUInf", speed, REQUIRED, POSITIVE, UNIT(0, 1, -1), "speed of the flow far away"),
     NUMBER("rhoInf", density, REQUIRED, POSITIVE, UNIT(1, -3, 0), "density of the flow far away"),
     NUMBER("lRef", length, REQUIRED, POSITIVE, UNIT(0, 1, 0), "length that moments are divided by"),

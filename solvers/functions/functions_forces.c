@@ -17,7 +17,7 @@ static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", N
                          *const no_words[] = {"no", "off", "false", NULL};
 #define PARAM_STRUCT struct forces
 static const struct param forces_param[] = {
-    NOTED("patches", "list of words", NULL, "names, or quoted regular expressions", "patches (\".*\");"),
+    NOTED("patches", "list of words", NULL, "names, groups, or quoted regular expressions", "patches (\".*\");"),
     VECTOR("CofR", centre, REQUIRED, ANY_NUMBER, UNIT(0, 1, 0), "the point that moments are taken about"),
     NUMBER("pRef", pressure, 0, ANY_NUMBER, UNIT(1, -1, -2), "a uniform pressure whose force is left out"),
     ONLY("rho", 0, rho_words, "the gas has its own density: rhoInf is not used"),

@@ -14,6 +14,16 @@ static const char *objection(const struct patch *p) {
     return NULL;
 }
 
+/* Takes the patches of a group; returns whether there are any. */
+static bool take_group(const struct polymesh *m, const char *group, bool *takes) {
+    bool found = false;
+    for (int p = 0; p < m->npatches; p++) {
+        if (!patch_in_group(&m->patch[p], group) || objection(&m->patch[p])) continue;
+        takes[p] = found = true;
+    }
+    return found;
+}
+
 /* Takes the patches that a regular expression matches as a whole. */
 static status take_pattern(const struct function *f, struct dict *d, const char *key, const char *word, bool *takes) {
     const struct polymesh *m = f->setup->mesh;
@@ -47,7 +57,7 @@ status patches_read(const struct function *f, struct dict *d, const char *key, s
         if (why) return dict_fail(d, key, "patch '%s' %s; leave it out", words[i], why);
         if (p >= 0)
             out->takes[p] = true;
-        else
+        else if (!take_group(m, words[i], out->takes))
             TRY(take_pattern(f, d, key, words[i], out->takes));
     }
     for (int p = 0; p < m->npatches; p++) out->n += out->takes[p];

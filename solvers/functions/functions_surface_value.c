@@ -72,7 +72,7 @@ static const struct param value_param[] = {
     NOTED("fields", "list of words: as all, and phi, phiU, phiE", NULL,
           "fields; flows of mass, momentum and energy: out of a patch, or along the normal of a plane", "fields (U);"),
     CHOICE("regionType", region, REQUIRED, region_names, "patches, or a plane"),
-    NOTED("name", "list of words", "required for patch", "the patches: names, or quoted regular expressions",
+    NOTED("name", "list of words", "required for patch", "the patches: names, groups, or quoted regular expressions",
           "name \".*\";"),
     CHOICE("operation", operation, REQUIRED, operation_names,
            "of values on the faces of a patch, by its rules, or in what a plane cuts out of cells; flows have sum"),

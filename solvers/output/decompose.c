@@ -89,6 +89,7 @@ static status make_patches(const struct cutter *c, int number, int n, struct pol
             TRY(copy_text(q->name, &p->name));
             TRY(copy_text(q->type, &p->type));
             if (q->neighbour) TRY(copy_text(q->neighbour, &p->neighbour));
+            if (q->groups) TRY(copy_text(q->groups, &p->groups));
             continue;
         }
         snprintf(name, sizeof name, "procBoundary%dto%d%s%.400s", number, other, cyclic < 0 ? "" : "through",
@@ -206,7 +207,7 @@ static status write_boundary(const struct part *part, const struct foam_format *
         const struct patch *p = &m->patch[i];
         int mine = 0, other = 0;
         sink_printf(s, "    %s\n    {\n        type            %s;\n", p->name, p->type);
-        if (strcmp(p->type, "patch")) sink_printf(s, "        inGroups        1(%s);\n", p->type);
+        patch_write_groups(s, p);
         sink_printf(s, "        nFaces          %d;\n        startFace       %d;\n", p->nfaces, p->start);
         if (p->neighbour || i >= part->npatches)
             sink_printf(s, "        matchTolerance  0.0001;\n        transform       unknown;\n");

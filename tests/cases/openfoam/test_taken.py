@@ -2,12 +2,28 @@
 """What users of OpenFOAM bring along is taken as OpenFOAM takes it: old names, groups of patches, function objects in files, folders
 that its programs make."""
 import os
+import re
+import shutil
+import subprocess
 import unittest
 
 from tests.cases import harness
 from tests.solvers.programs import bad_case
 
 CONTROL = "system/controlDict"
+BOUNDARY = "constant/polyMesh/boundary"
+FOAM = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
+BOX = """vertices ((0 0 0) (6 0 0) (6 4 0) (0 4 0) (0 0 1) (6 0 1) (6 4 1) (0 4 1));
+blocks (hex (0 1 2 3 4 5 6 7) (6 4 1) simpleGrading (1 1 1));
+boundary
+(
+    xLow { type patch; inGroups (open); faces ((0 4 7 3)); }
+    xHigh { type wall; inGroups (solid); faces ((1 2 6 5)); }
+    yLow { type cyclic; neighbourPatch yHigh; faces ((0 1 5 4)); }
+    yHigh { type cyclic; neighbourPatch yLow; faces ((3 7 6 2)); }
+    zEmpty { type empty; faces ((0 3 2 1) (4 5 6 7)); }
+);
+"""
 
 
 class Case(harness.Folder, unittest.TestCase):
@@ -64,6 +80,117 @@ class Control(Case):
         case = self.make("parallel")
         harness.program("granularGas", "-case", case, "-parallel", ranks=2)
         self.assertTrue(os.path.isdir(case + "/0.002"))
+
+
+class Patches(Case):
+    INLET = {"alpha": "type fixedValue; value uniform 0.2;", "T": "type fixedValue; value uniform 25;",
+             "U": "type fixedValue; value uniform (1 0.5 0);"}
+    WALL = {"alpha": "type zeroGradient;", "T": "type slip;", "U": "type slip;"}
+
+    def boundary(self, case, text):
+        """Gives all fields these entries; INLET and WALL stand for those of the field."""
+        for name in ("alpha", "T", "U"):
+            with open(os.path.join(case, "0", name)) as f:
+                head = f.read().split("boundaryField")[0]
+            entries = text.replace("INLET", self.INLET[name]).replace("WALL", self.WALL[name])
+            self.write(case, f"0/{name}", head + "boundaryField\n{\n" + entries + "\n}\n")
+
+    def results(self, case):
+        harness.program("granularGas", "-case", case)
+        found = {}
+        for name in ("alpha", "U", "T"):
+            with open(os.path.join(case, "0.002", name), "rb") as f:
+                found[name] = f.read()
+        return found
+
+    def test_groups(self):
+        """A name comes first, then the last group in the file, then a pattern; `empty` patches need no entry: as in OpenFOAM. An entry
+        without an effect may stand there."""
+        plain = self.results(self.make("plain"))
+        for name, text in {
+            "types": '".*" { type zeroGradient; } wall { WALL } cyclic { type cyclic; } xLow { INLET }',
+            "own": 'open { INLET } "x.*" { type zeroGradient; } solid { WALL } "y.*" { type cyclic; }',
+            "last": 'xLow { INLET } wall { type zeroGradient; } solid { WALL } cyclic { type cyclic; }',
+            "spare": '#includeEtc "caseDicts/setConstraintTypes"\n xLow { INLET } xHigh { WALL } wall { type noSlip; } "xH.*" { WALL } '
+                     'processor { type processor; }',
+        }.items():
+            with self.subTest(name):
+                case = self.make(name)
+                self.replace(case, BOUNDARY, "type patch;", "type patch; inGroups 1(open);")
+                self.replace(case, BOUNDARY, "type wall;", "type wall; inGroups List<word> 2(wall solid);")
+                self.boundary(case, text)
+                self.assertEqual(self.results(case), plain)
+        case = self.make("blocks")
+        shutil.rmtree(case + "/constant/polyMesh")
+        self.write(case, "system/blockMeshDict", BOX)
+        self.boundary(case, "open { INLET } solid { WALL } cyclic { type cyclic; }")
+        self.assertEqual(sorted(self.results(case)), sorted(plain))
+
+    def test_wrong_groups(self):
+        for name, text, says in (("none", "xLow { INLET } solit { WALL } cyclic { type cyclic; }", "'solit' fits no patch"),
+                                 ("type", "xLow { INLET } wall { WALL } cyclic { type slip; }", "type cyclic in")):
+            with self.subTest(name):
+                case = self.make("wrong" + name)
+                self.boundary(case, text)
+                done = harness.program("checkCase", case, check=False)
+                self.assertEqual(done.returncode, 1, done.stdout)
+                self.assertIn(says, done.stderr)
+
+    def test_forces_on_groups(self):
+        """`patches (wall)` of function objects: a patch of that name, else the group."""
+        case = self.make("forces")
+        self.replace(case, CONTROL, "functions\n{", "functions\n{\n    named { type forces; patches (xHigh); CofR (0 0 0); }"
+                     "\n    group { type forces; patches (wall); CofR (0 0 0); }")
+        harness.program("granularGas", "-case", case)
+        table = os.listdir(case + "/postProcessing/named/0")[0]
+        self.assertEqual(self.rows(case, "named/0/" + table), self.rows(case, "group/0/" + table))
+
+    def test_groups_are_kept(self):
+        """processorN/constant/polyMesh/boundary has the groups, too."""
+        case = self.make("parts")
+        self.replace(case, BOUNDARY, "type wall;", "type wall; inGroups 1(solid);")
+        with open(os.path.join(case, CONTROL), "a") as f:
+            f.write("writeProcessors yes;\n")
+        harness.program("granularGas", "-case", case, ranks=2)
+        with open(case + "/processor0/constant/polyMesh/boundary") as f:
+            self.assertIn("inGroups        2(solid wall);", f.read())
+
+    def test_default_faces(self):
+        """What blockMesh makes of sides that belong to no patch: `empty` ones are taken, others with entries of their own."""
+        plain = self.make("sides")
+        expected = self.results(plain)
+        case = self.make("empty")
+        self.replace(case, BOUNDARY, "zEmpty", "defaultFaces")
+        self.boundary(case, "xLow { INLET } xHigh { WALL } cyclic { type cyclic; }")
+        self.assertEqual([v.replace(b"defaultFaces", b"zEmpty") for v in self.results(case).values()], list(expected.values()))
+        for name, text, taken in (("pattern", 'xLow { INLET } ".*" { WALL } cyclic { type cyclic; }', False),
+                                  ("own", 'xLow { INLET } defaultFaces { WALL } cyclic { type cyclic; }', True)):
+            case = self.make("wall" + name)
+            self.replace(case, BOUNDARY, "xHigh", "defaultFaces")
+            self.boundary(case, text)
+            done = harness.program("checkCase", case, check=False)
+            self.assertEqual(done.returncode, 0 if taken else 1, done.stdout + done.stderr)
+            if not taken:
+                self.assertIn("'defaultFaces' holds 4 faces that belong to no named patch", done.stderr)
+
+    def test_hint(self):
+        """A blockMeshDict without its two empty sides is told to make them empty, one without a wall to make that a wall."""
+        for name, gone, says in (("plane", r"    zEmpty.*\n", "defaultPatch { name frontAndBack; type empty; }"),
+                                 ("wall", r"    xHigh.*\n", "defaultPatch { name walls; type wall; }")):
+            case = self.make("hint" + name)
+            shutil.rmtree(case + "/constant/polyMesh")
+            self.write(case, "system/blockMeshDict", re.sub(gone, "", BOX))
+            self.assertIn(says, harness.program("checkCase", case, check=False).stderr)
+
+    @unittest.skipUnless(shutil.which("blockMesh"), "OpenFOAM is not there")
+    def test_block_mesh(self):
+        """A plane as OpenFOAM's tutorials have it, by its own blockMesh."""
+        case = self.make("blockMesh")
+        shutil.rmtree(case + "/constant/polyMesh")
+        self.write(case, "system/blockMeshDict", harness.boxes.header("dictionary", "blockMeshDict", "system") + re.sub(r"    zEmpty.*\n", "", BOX))
+        subprocess.run(["blockMesh", "-case", case], check=True, capture_output=True, env=FOAM)
+        self.boundary(case, "open { INLET } solid { WALL } cyclic { type cyclic; } defaultFaces { type empty; }")
+        harness.program("granularGas", "-case", case)
 
 
 if __name__ == "__main__":

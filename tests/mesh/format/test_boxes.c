@@ -20,10 +20,10 @@ static const struct boxes_block blocks[3] = {{{0, 1, 4, 3, 8, 9, 12, 11}, {4, 4,
                                              {{3, 4, 7, 6, 11, 12, 15, 14}, {4, 8, 3}}};
 static int left[][4] = {{0, 8, 11, 3}, {3, 11, 14, 6}}, floor_sides[][4] = {{0, 3, 4, 1}, {1, 2, 5, 4}, {3, 6, 7, 4}},
            lid[][4] = {{8, 9, 12, 11}, {9, 12, 13, 10}, {11, 12, 15, 14}};
-static const struct boxes_patch patches[4] = {{"left", "patch", NULL, 2, left},
-                                              {"floor", "cyclic", "lid", 3, floor_sides},
-                                              {"lid", "cyclic", "floor", 3, lid},
-                                              {"walls", "wall", NULL, 0, NULL}};
+static const struct boxes_patch patches[4] = {{"left", "patch", NULL, 2, left, NULL},
+                                              {"floor", "cyclic", "lid", 3, floor_sides, NULL},
+                                              {"lid", "cyclic", "floor", 3, lid, NULL},
+                                              {"walls", "wall", NULL, 0, NULL, NULL}};
 
 static struct polymesh *make(void) {
     struct boxes *b;
@@ -210,14 +210,14 @@ static void patches_that_do_not_fit(void **state) {
                other_order[][4] = {{9, 12, 13, 10}, {8, 9, 12, 11}, {11, 12, 15, 14}};
     struct boxes_patch p[4];
     memcpy(p, patches, sizeof p);
-    p[0] = (struct boxes_patch){"left", "patch", NULL, 1, inside};
+    p[0] = (struct boxes_patch){"left", "patch", NULL, 1, inside, NULL};
     refuse_patches(p, "patch 'left': the side (4 1 9 12) lies inside, between blocks");
     p[0].face = nowhere;
     refuse_patches(p, "patch 'left': (0 1 2 3) are not the vertices of a side of a block");
     p[0] = patches[0];
     p[3] = p[2];
     p[2] = p[1];
-    p[1] = (struct boxes_patch){"again", "wall", NULL, 1, twice};
+    p[1] = (struct boxes_patch){"again", "wall", NULL, 1, twice, NULL};
     refuse_patches(p, "patch 'again': the side (0 3 11 8) belongs to patch 'left' already");
     memcpy(p, patches, sizeof p);
     p[2].face = other_order;

@@ -186,9 +186,6 @@ static void test_checks(void **state) {
     m->points[3 * m->face_points[0]] = 1e150; /* its volume would be infinite */
     says(polymesh_check(m), "mesh: point|1e+150|another unit");
     m->points[3 * m->face_points[0]] = x;
-    free(m->patch[0].name);
-    m->patch[0].name = strdup("defaultFaces");
-    says(polymesh_check(m), "defaultFaces|5 faces");
     polymesh_free(m);
     r = (struct recipe){
         .n = {2, 2, 2}, .width = {1, 1, 1}, .type = {"empty", "empty", "empty", "empty", "empty", "empty"}};

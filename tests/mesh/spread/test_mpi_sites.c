@@ -260,7 +260,6 @@ enum defect {
     HALVES,
     PARTLY,
     HALF_EMPTY,
-    LEFTOVER,
     DOUBLE,
     SHORT,
     DEFECTS
@@ -341,7 +340,6 @@ static void damage(struct polymesh *m, enum defect kind) {
         m->patch[2].nfaces += 3;
     }
     if (kind == HALF_EMPTY) rename_patch(&m->patch[4], "z0", "empty");
-    if (kind == LEFTOVER) rename_patch(&m->patch[4], "defaultFaces", "patch");
     if (kind == DOUBLE) double_up(m);
     if (kind == SHORT) m->npoints -= 1; /* the last points are named no more */
 }

@@ -54,7 +54,7 @@ BOX_MESH = [
                                                    "rest { type patch; nFaces 8; startFace 98; }"),
         "more than the 5 patches", at="rest { type patch"),
     Row("defaultFaces", replace(MESH + "boundary", "xHigh {", "defaultFaces {"), "'defaultFaces' holds 4 faces", "name",
-        where=MESH[:-1]),
+        where="0/alpha"),
     Row("cells inside out", replace(MESH + "points", "(3 2 1)", "(3 2 -5)"), "cell", "at (", where=MESH[:-1]),
     Row("class of a mesh file", (MESH + "owner", "labelList", "scalarField"), "scalarField", "labelList", at=""),
 ]
