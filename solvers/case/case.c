@@ -222,6 +222,14 @@ static status check_links(const struct setup *s) {
     return OK;
 }
 
+static status warn_beside(struct setup *s) {
+    if (!s->start.beside) return OK;
+    return warn(&s->warnings, WARN_BESIDE,
+                "%s/%s: it is the start, and not " TIME_ORIGINAL ", as no run wrote it and it is newer (setFields and "
+                "mapFields make such folders); remove it to start from " TIME_ORIGINAL,
+                s->dir, s->start.name);
+}
+
 status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                  struct setup **out) {
     struct setup *s = NULL;
@@ -236,6 +244,7 @@ status case_read(const char *dir, const struct medium_type *type, struct reading
     if (!e) e = comm_agree(c, read_setup(s, type));
     if (!e) e = comm_agree(c, comm_root(c) ? times_start(dir, s->control, how.afresh, &s->start) : OK);
     if (!e) comm_broadcast(c, &s->start, sizeof s->start);
+    if (!e) e = comm_agree(c, warn_beside(s));
     if (!e) e = comm_agree(c, read_state(s));
     free(s->face_area);
     s->face_area = NULL;

@@ -163,22 +163,64 @@ static status fall_back(const char *case_dir, const struct control *c, const str
     return s;
 }
 
+/* Looks through the files of TIME_ORIGINAL: when the newest was changed, and which of them another folder lacks. */
+static status look_through(const char *case_dir, const char *other, double *newest, double *other_newest,
+                           char lacks[TIME_NAME]) {
+    char path[TIME_PATH];
+    struct stat info;
+    *newest = *other_newest = -HUGE_VAL;
+    snprintf(path, sizeof path, "%.3900s/" TIME_ORIGINAL, case_dir);
+    DIR *folder = opendir(path);
+    if (!folder) return file_error(path, "cannot be read", errno);
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        const char *const folders[] = {TIME_ORIGINAL, other}, *end = strrchr(entry->d_name, '.');
+        const int length = (int)(end && !strcmp(end, ".gz") ? end - entry->d_name : (long)strlen(entry->d_name));
+        bool found = false;
+        if (*entry->d_name == '.' || entry->d_name[strlen(entry->d_name) - 1] == '~') continue;
+        for (int k = 0; k < 4; k++) {
+            double *to = k < 2 ? newest : other_newest;
+            snprintf(path, sizeof path, "%.3000s/%s/%.*s%s", case_dir, folders[k / 2], length, entry->d_name,
+                     k % 2 ? ".gz" : "");
+            if (stat(path, &info)) continue;
+            found |= k >= 2;
+            if (S_ISREG(info.st_mode))
+                *to = fmax(*to, (double)info.st_mtim.tv_sec + 1e-9 * (double)info.st_mtim.tv_nsec);
+        }
+        if (!found) snprintf(lacks, TIME_NAME, "%.*s", length, entry->d_name);
+    }
+    closedir(folder);
+    return OK;
+}
+
+/* Is a time 0 that no run wrote newer than TIME_ORIGINAL, with all its files? Else it is an error. */
+static status check_beside(const char *case_dir, const char *name) {
+    double original, newest;
+    char lacks[TIME_NAME] = "";
+    TRY(look_through(case_dir, name, &original, &newest, lacks));
+    if (!*lacks && newest >= original) return OK;
+    return fail(ERR_INPUT,
+                "%s/%s: " TIME_ORIGINAL
+                " is there, too, from which a run writes the time 0, and no run has written this "
+                "folder, which %s%s; remove or rename one of the two",
+                case_dir, name, *lacks ? "lacks " : "is older", lacks);
+}
+
 /* Puts `original` in place of the times 0 of the list, which runs wrote from it; the list has room for one more. */
 static status put_original(const char *case_dir, const struct instant *original, int *n, struct instant *list) {
     int left = 0;
+    bool beside = false;
     for (int i = 0; i < *n; i++) {
         char path[TIME_PATH];
         snprintf(path, sizeof path, "%.3900s/%s/uniform/time", case_dir, list[i].name);
-        if (list[i].t != 0)
-            list[left++] = list[i];
-        else if (access(path, F_OK))
-            return fail(ERR_INPUT,
-                        "%s/%s: " TIME_ORIGINAL " is there, too, from which a run writes the time 0, and no run has "
-                        "written this folder; remove or rename one of the two",
-                        case_dir, list[i].name);
+        const bool own = list[i].t == 0 && access(path, F_OK);
+        if (own) TRY(check_beside(case_dir, list[i].name));
+        list[i].beside = own;
+        beside |= own;
+        if (own || list[i].t != 0) list[left++] = list[i];
     }
+    *n = left + !beside;
+    if (beside) return OK;
     list[left] = *original;
-    *n = left + 1;
     qsort(list, (size_t)*n, sizeof *list, by_time);
     return OK;
 }
@@ -221,11 +263,15 @@ status times_start(const char *case_dir, const struct control *c, bool afresh, s
         if (fabs(list[i].t - c->start_time) <= 1e-9 * fmax(fabs(c->start_time), fabs(list[i].t)) ||
             strtod(list[i].name, NULL) == c->start_time)
             found = i;
-    for (int i = 0; i < n && afresh; i++)
+    bool beside = false;
+    for (int i = 0; i < n && afresh; i++) {
+        beside |= list[i].beside;
         if (time_is_original(&list[i])) found = i;
+    }
     if (afresh && (found < 0 || !time_is_original(&list[found]))) {
         free(list);
-        return fail(ERR_INPUT, "%s: there is no folder " TIME_ORIGINAL " to write the time 0 from", case_dir);
+        return fail(ERR_INPUT, "%s: there is no folder " TIME_ORIGINAL " to write the time 0 from%s", case_dir,
+                    beside ? ", but a 0 that no run wrote and that counts: rename one of the two" : "");
     }
     status s = found < 0 ? no_such_time(case_dir, c, n, list) : time_verify(case_dir, &list[found]);
     if (s && found >= 0) s = fall_back(case_dir, c, list, &found, s);

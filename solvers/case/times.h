@@ -20,6 +20,7 @@ struct instant { /* a time folder */
     long step;              /* 0 without uniform/time */
     double delta_t;         /* s: length of the last step; 0 without uniform/time */
     int digits;             /* digits of ascii numbers; 6 without uniform/time */
+    bool beside;            /* is it the time 0 of a user, beside TIME_ORIGINAL? */
 };
 /* Lists all time folders of the case, ascending; a folder with a uniform/time that cannot be read goes by its name.
  * *out is malloc'd. */
@@ -30,9 +31,9 @@ bool time_original(const char *case_dir, struct instant *out);
 /* Are the files of that time as they were written (checksums.h), and does uniform/time fit the folder's name? */
 status time_verify(const char *case_dir, const struct instant *at);
 /* Finds the folder that startFrom chooses, or TIME_ORIGINAL if `afresh`. TIME_ORIGINAL stands for the time 0 that a run
- * wrote from it; an error if another folder of time 0 stands beside it. The error lists the folders that are there. A
- * damaged folder is an error, or, if onCorruptTime says previous, the newest whole one before it is taken and the log
- * says so. */
+ * wrote from it. A time 0 that no run wrote, as setFields makes it of a copy, counts in its place if it is newer and
+ * has all its fields (out->beside), else it is an error. The error lists the folders that are there. A damaged folder
+ * is an error, or, if onCorruptTime says previous, the newest whole one before it is taken and the log says so. */
 status times_start(const char *case_dir, const struct control *c, bool afresh, struct instant *out);
 
 /* Writes the folder's name for time t. */

@@ -16,7 +16,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
     [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
     [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",        [WARN_DAMPED] = "dampedSound",
-    [WARN_PASSED] = "passedOver",
+    [WARN_PASSED] = "passedOver",      [WARN_BESIDE] = "newerStart",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -38,6 +38,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_OUTSIDE] = "U leads along a side that is open, as the state outside is given there",
     [WARN_DAMPED] = "implicit acoustics, which is asked for, damps waves in dense gas",
     [WARN_PASSED] = "a function object that is OpenFOAM's, by #includeFunc, is passed over",
+    [WARN_BESIDE] = "the start is a 0 that no run wrote, as mapFields or setFields make it",
     [WARN_PICTURE] = "a picture of function object image could not be made",
 };
 

@@ -28,6 +28,7 @@ enum warning {
     WARN_PICTURE,
     WARN_OUTSIDE,
     WARN_PASSED,
+    WARN_BESIDE,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];

@@ -55,6 +55,9 @@ static status read_fields(struct reader *r, struct initial *s) {
 static status read_files(struct reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
+    s->mapped = !written && r->at->t == 0 && there(r, "rho") && there(r, "alpha") && there(r, "T") && there(r, "p") &&
+                there(r, "U") && there(r, "rhoU") && there(r, "rhoE");
+    if (s->mapped) return read_fields(r, s); /* rho, U and T count */
     for (int i = 0; i < 2; i++) {
         const char *a = field_kinds[pairs[i][0]].name, *b = field_kinds[pairs[i][1]].name;
         if (there(r, a) && there(r, b) && !written && there(r, "rhoE"))
@@ -494,6 +497,12 @@ status initial_read(const char *case_dir, const struct instant *at, const struct
 
 status initial_warn(const struct initial *s, bool transport, struct warnings *w) {
     const struct field *U = s->field[FIELD_U];
+    if (s->mapped)
+        TRY(warn(
+            w, WARN_BESIDE,
+            "%s:1: the folder has all fields of a written time, though no run wrote it, as mapFields makes it: rho, U "
+            "and T are the start; alpha, p, rhoU and rhoE are left aside",
+            dict_path(s->field[FIELD_RHO]->dict)));
     for (int p = 0; p < s->npatches; p++)
         if (s->outside[p])
             TRY(warn(w, WARN_OUTSIDE,

@@ -29,6 +29,7 @@ struct initial { /* the same on every rank, but for the values of cells */
     const struct polymesh *mesh; /* borrowed */
     double packing_per_density;
     bool *outside; /* [npatches] is the gas outside given, with a velocity that leads along the patch? */
+    bool mapped;   /* has the folder all fields of a written time, though no run wrote it? */
     bool varies;   /* does a rule of a patch change in time? */
     double t;      /* s: the time that the rules' values are those of */
 };

@@ -82,6 +82,84 @@ class Control(Case):
         self.assertTrue(os.path.isdir(case + "/0.002"))
 
 
+class Starts(Case):
+    def make(self, name):
+        """The case with 0.orig and a copy of it, 0, to which OpenFOAM's programs have written."""
+        case = super().make(name)
+        shutil.copytree(case + "/0", case + "/0.orig")
+        return case
+
+    def change(self, case, file, when):
+        """Sets alpha to 0.3, and the time of the change, seconds from now."""
+        path = os.path.join(case, file)
+        with open(path) as f:
+            text = f.read()
+        self.write(case, file, text.replace(bad_case.LIST, "uniform 0.3;\n"))
+        os.utime(path, (os.path.getmtime(path) + when,) * 2)
+
+    def first(self, case):
+        return harness.haff.Case(case).field("alpha", "0.001").max()
+
+    def test_newer(self):
+        case = self.make("newer")
+        self.change(case, "0/alpha", 10)
+        with open(case + "/0/alpha", "rb") as f:
+            text = f.read()
+        said = harness.program("granularGas", "-case", case, ranks=2).stdout
+        self.assertRegex(said, r"warning: .*/0: it is the start, and not 0.orig.*\[newerStart\]")
+        self.assertGreater(self.first(case), 0.28)
+        with open(case + "/0/alpha", "rb") as f:
+            self.assertEqual(f.read(), text)  # and it stays as it is
+
+    def test_older_or_lacking(self):
+        """What a run would lose silently is refused, as ever."""
+        for name, spoil, says in (("older", lambda case: self.change(case, "0.orig/alpha", 10), "which is older"),
+                                  ("lacking", lambda case: os.remove(case + "/0/T"), "which lacks T")):
+            case = self.make(name)
+            spoil(case)
+            done = harness.program("granularGas", "-case", case, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, "0.orig is there, too.*" + says)
+        case = self.make("afresh")
+        self.change(case, "0/alpha", 10)
+        done = harness.program("initialFields", case, check=False)
+        self.assertIn("a 0 that no run wrote", done.stderr)
+
+    def test_written_stays(self):
+        """A 0 that a run wrote is made again."""
+        case = super().make("written")
+        os.rename(case + "/0", case + "/0.orig")
+        harness.program("granularGas", "-case", case)
+        shutil.rmtree(case + "/0.001")
+        shutil.rmtree(case + "/0.002")
+        self.assertNotIn("newerStart", harness.program("granularGas", "-case", case).stdout)
+
+    def test_mapped(self):
+        """The fields of a written time as mapFields leaves them: without uniform/, and no more those of one state."""
+        case = super().make("mapped")
+        harness.program("granularGas", "-case", case)
+        shutil.rmtree(case + "/0")
+        shutil.copytree(case + "/0.001", case + "/0", ignore=lambda *_: ["uniform"])
+        for name in ("0.001", "0.002"):
+            shutil.rmtree(os.path.join(case, name))
+        with open(case + "/0/rhoE") as f:
+            text = f.read()
+        self.write(case, "0/rhoE", re.sub(r"\n[0-9.e+]+\n\)", "\n12345\n)", text, count=1))  # it does not count
+        said = harness.program("granularGas", "-case", case).stdout
+        self.assertRegex(said, r"warning: .*/0/rho:1: .*mapFields.*\[newerStart\]")
+
+    @unittest.skipUnless(shutil.which("setFields"), "OpenFOAM is not there")
+    def test_set_fields(self):
+        case = self.make("setFields")
+        self.write(case, "system/setFieldsDict", harness.boxes.header("dictionary", "setFieldsDict", "system") +
+                   "regions ( boxToCell { box (0 0 0) (3 4 1); fieldValues ( volScalarFieldValue alpha 0.4 ); } );\n")
+        with open(case + "/system/fvSchemes", "a") as f:
+            f.write("laplacianSchemes { }\n")
+        subprocess.run(["setFields", "-case", case], check=True, capture_output=True, env=FOAM)
+        self.assertIn("newerStart", harness.program("granularGas", "-case", case).stdout)
+        self.assertGreater(self.first(case), 0.35)
+
+
 class Patches(Case):
     INLET = {"alpha": "type fixedValue; value uniform 0.2;", "T": "type fixedValue; value uniform 25;",
              "U": "type fixedValue; value uniform (1 0.5 0);"}
