@@ -135,6 +135,7 @@ status file_sum_read(const char *path, struct file_sum *sum);
 /* Writes `FoamFile { version 2.0; format ...; arch ...; class ...; note (if not NULL); location ...; object ...; }`. */
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,
                        const char *object, const char *note);
+void foam_end_write(struct sink *s); /* the line with which OpenFOAM ends a file */
 /* Write one list without header or keyword, in the form that the readers above and OpenFOAM's own accept. */
 void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v);
 /* Writes a list of doubles whose entries are spread over the ranks in slices. s, which sink_open gave the root for

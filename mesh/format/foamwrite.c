@@ -177,28 +177,42 @@ status file_sum_read(const char *path, struct file_sum *sum) {
     return e;
 }
 
-/* ---- headers and lists ---- */
+/* ---- headers and lists: OpenFOAM's bytes but for the banner, since readers are written against them ---- */
+
+static const char banner[] = "/*--------------------------------*- C++ -*----------------------------------*\\\n"
+                             "| haff: hydrodynamics of granular gases                                       |\n"
+                             "\\*---------------------------------------------------------------------------*/\n",
+                  divider[] = "// * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * * //\n\n",
+                  end_line[] = "\n\n// ************************************************************************* //\n";
 
 void foam_header_write(struct sink *s, const struct foam_format *f, const char *class_name, const char *location,
                        const char *object, const char *note) {
+    sink_write(s, banner, sizeof banner - 1);
     sink_printf(s, "FoamFile\n{\n    version     2.0;\n    format      %s;\n", f->binary ? "binary" : "ascii");
-    if (f->binary) sink_printf(s, "    arch        \"LSB;label=32;scalar=64\";\n");
     sink_printf(s, "    class       %s;\n", class_name);
+    if (f->binary) sink_printf(s, "    arch        \"LSB;label=32;scalar=64\";\n");
     if (note) sink_printf(s, "    note        \"%s\";\n", note);
-    sink_printf(s, "    location    \"%s\";\n    object      %s;\n}\n\n", location, object);
+    sink_printf(s, "    location    \"%s\";\n    object      %s;\n}\n", location, object);
+    sink_write(s, divider, sizeof divider - 1);
+}
+
+void foam_end_write(struct sink *s) {
+    sink_write(s, end_line, sizeof end_line - 1);
 }
 
 /* Writes the list if it is empty, and returns whether it is. In a binary file OpenFOAM's reader accepts no brackets
  * after the count 0. */
 static bool write_empty(struct sink *s, const struct foam_format *f, long n) {
-    if (n == 0) sink_printf(s, f->binary ? "0\n" : "0()\n");
+    if (n == 0) sink_printf(s, f->binary ? "\n0\n" : "\n0()\n");
     return n == 0;
 }
 
-static void write_raw(struct sink *s, long n, const void *data, size_t bytes) {
-    sink_printf(s, "%ld\n(", n);
-    sink_write(s, data, bytes);
-    sink_printf(s, ")\n");
+/* A list begins on a line of its own. One of text ends its line, too. */
+static void open_bracket(struct sink *s, const struct foam_format *f, long n) {
+    sink_printf(s, f->binary ? "\n%ld\n(" : "\n%ld\n(\n", n);
+}
+static void close_bracket(struct sink *s, const struct foam_format *f) {
+    sink_printf(s, f->binary ? ")" : ")\n");
 }
 
 /* Writes entries of a list, between its brackets. */
@@ -217,15 +231,11 @@ static void write_entries(struct sink *s, const struct foam_format *f, int compo
     }
 }
 
-static void open_bracket(struct sink *s, const struct foam_format *f, long n) {
-    sink_printf(s, f->binary ? "%ld\n(" : "%ld\n(\n", n);
-}
-
 void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v) {
     if (write_empty(s, f, n)) return;
     open_bracket(s, f, n);
     write_entries(s, f, components, n, v);
-    sink_printf(s, ")\n");
+    close_bracket(s, f);
 }
 
 /* ---- lists in slices ---- */
@@ -316,19 +326,16 @@ status foam_list_write_shared(struct sink *s, const char *path, const struct foa
     if (!share->n) return OK;
     if (s) open_bracket(s, f, share->n);
     TRY(together ? write_slices(s, path, components, share, slice) : write_pieces(s, f, components, share, slice));
-    if (s) sink_printf(s, ")\n");
+    if (s) close_bracket(s, f);
     return OK;
 }
 
 void foam_list_write_labels(struct sink *s, const struct foam_format *f, long n, const int *v) {
     if (write_empty(s, f, n)) return;
-    if (f->binary) {
-        write_raw(s, n, v, (size_t)n * sizeof *v);
-        return;
-    }
-    sink_printf(s, "%ld\n(\n", n);
-    for (long i = 0; i < n; i++) sink_printf(s, "%d\n", v[i]);
-    sink_printf(s, ")\n");
+    open_bracket(s, f, n);
+    if (f->binary) sink_write(s, v, (size_t)n * sizeof *v);
+    for (long i = 0; i < n && !f->binary; i++) sink_printf(s, "%d\n", v[i]);
+    close_bracket(s, f);
 }
 
 void foam_list_write_faces(struct sink *s, const struct foam_format *f, long n, const int *start, const int *points) {
@@ -338,11 +345,11 @@ void foam_list_write_faces(struct sink *s, const struct foam_format *f, long n, 
         return;
     }
     if (write_empty(s, f, n)) return;
-    sink_printf(s, "%ld\n(\n", n);
+    open_bracket(s, f, n);
     for (long i = 0; i < n; i++) {
         sink_printf(s, "%d", start[i + 1] - start[i]);
         for (int k = start[i]; k < start[i + 1]; k++) sink_printf(s, "%c%d", k > start[i] ? ' ' : '(', points[k]);
         sink_printf(s, start[i] == start[i + 1] ? "()\n" : ")\n");
     }
-    sink_printf(s, ")\n");
+    close_bracket(s, f);
 }

@@ -372,6 +372,7 @@ static status write_start(const char *dir, const char *name, const char *class_n
 /* Closes the file and removes the same file in the other compression, which would shadow the new one. */
 static status write_end(const char *dir, const char *name, const struct foam_format *f, struct sink *s) {
     char path[PATH];
+    foam_end_write(s);
     TRY(sink_close(s));
     snprintf(path, sizeof path, "%s/%s%s", dir, name, f->compress ? "" : ".gz");
     int why = file_remove(path);
@@ -382,7 +383,7 @@ static status write_boundary(const struct polymesh *m, const char *dir, const st
     struct foam_format ascii = {.precision = format->precision, .compress = format->compress};
     struct sink *s;
     TRY(write_start(dir, "boundary", "polyBoundaryMesh", &ascii, NULL, &s));
-    sink_printf(s, "%d\n(\n", m->npatches);
+    sink_printf(s, "\n%d\n(\n", m->npatches);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
         sink_printf(s, "    %s\n    {\n        type            %s;\n", p->name, p->type);

@@ -606,7 +606,7 @@ static status open_field(const struct field_writer *w, const char *name, int com
                                         : "volScalarField",
                       w->location, name, NULL);
     sink_printf(s, "dimensions      [%d %d %d %d %d %d %d];\n\n", k[0], k[1], k[2], k[3], k[4], k[5], k[6]);
-    sink_printf(s, "internalField   nonuniform List<%s>\n", field_item(components));
+    sink_printf(s, "internalField   nonuniform List<%s> ", field_item(components));
     *out = s;
     return OK;
 }
@@ -628,6 +628,7 @@ status field_write(const struct field_writer *w, const char *name, int component
     sink_write(s, before_patches, sizeof before_patches - 1);
     for (int p = 0; p < w->mesh->npatches; p++) print_entry(s, w, p, print, context);
     sink_write(s, behind_patches, sizeof behind_patches - 1);
+    foam_end_write(s);
     return sink_close_sum(s, sum);
 }
 
@@ -645,6 +646,7 @@ status field_write_shared(const struct field_writer *w, const char *name, int co
         if (s && !e) print_entry(s, w, p, print, context);
     }
     if (s) sink_write(s, behind_patches, sizeof behind_patches - 1);
+    if (s) foam_end_write(s);
     const status closed = s ? sink_close_sum(s, sum) : OK;
     if (e && closed) status_free(closed);
     return comm_agree(share->comm, e ? e : closed);

@@ -264,7 +264,7 @@ static status write_field(const struct function *f, const struct field_writer *w
 static status write_item(const struct function *f, const struct field_writer *w, const struct item *it,
                          const struct foam_format *exact, struct sink *o, struct checksums *sums) {
     const struct average *a = f->own;
-    sink_printf(o, "%s\n{\n    total %.17g;\n    lines nonuniform List<scalar>\n", quantity_of(f, it->field)->name,
+    sink_printf(o, "%s\n{\n    total %.17g;\n    lines nonuniform List<scalar> ", quantity_of(f, it->field)->name,
                 it->total);
     foam_list_write_doubles(o, exact, 1, (long)it->nlines * f->setup->grid->ncells_all, a->all);
     sink_printf(o, ";\n}\n");

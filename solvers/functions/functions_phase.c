@@ -246,7 +246,7 @@ static status save(const struct function *f, const struct field_writer *w, struc
     print_identity(o, f);
     for (int j = 0; j < p->n; j++) {
         if (!p->count[j]) continue;
-        sink_printf(o, "sum%d nonuniform List<scalar>\n", j);
+        sink_printf(o, "sum%d nonuniform List<scalar> ", j);
         foam_list_write_doubles(o, &exact, 1, p->size, p->sum[j]);
         sink_printf(o, ";\n");
     }

@@ -33,7 +33,7 @@ void cloud_free(struct cloud *c) {
 }
 
 static void print_positions(struct sink *s, const struct cloud *c) {
-    sink_printf(s, "%d\n(\n", c->n);
+    sink_printf(s, "\n%d\n(\n", c->n);
     for (int i = 0; i < c->n; i++)
         sink_printf(s, "(%.17g %.17g %.17g) %d\n", c->x[i][0], c->x[i][1], c->x[i][2], c->cell[i]);
     sink_printf(s, ")\n");
@@ -79,6 +79,7 @@ status cloud_write(const struct cloud *c, const char *folder, const char *locati
         foam_header_write(s, &f, classes[k], where, strrchr(files[k], '/') + 1, NULL);
         if (k == POSITIONS) print_positions(s, c);
         status e = k == POSITIONS ? OK : print_list(s, c, k, &f);
+        foam_end_write(s);
         status closed = sink_close_sum(s, &sum);
         if (e) {
             status_free(closed);

@@ -173,6 +173,7 @@ static status write_labels(const char *dir, const char *name, const struct foam_
     TRY(sink_open(path, f->compress, &s));
     foam_header_write(s, f, "labelList", "constant/polyMesh", name, NULL);
     foam_list_write_labels(s, f, n, values);
+    foam_end_write(s);
     return sink_close(s);
 }
 
@@ -202,7 +203,7 @@ static status write_boundary(const struct part *part, const struct foam_format *
     snprintf(path, sizeof path, "%s/boundary", dir);
     TRY(sink_open(path, f->compress, &s));
     foam_header_write(s, &ascii, "polyBoundaryMesh", "constant/polyMesh", "boundary", NULL);
-    sink_printf(s, "%d\n(\n", m->npatches);
+    sink_printf(s, "\n%d\n(\n", m->npatches);
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
         int mine = 0, other = 0;
@@ -219,6 +220,7 @@ static status write_boundary(const struct part *part, const struct foam_format *
         sink_printf(s, "    }\n");
     }
     sink_printf(s, ")\n");
+    foam_end_write(s);
     return sink_close(s);
 }
 

@@ -171,7 +171,7 @@ struct printing {                /* context of print_patch */
 };
 
 static void print_list(struct sink *s, const struct foam_format *f, int components, int n, const double *values) {
-    sink_printf(s, "nonuniform List<%s>\n", field_item(components));
+    sink_printf(s, "nonuniform List<%s> ", field_item(components));
     foam_list_write_doubles(s, f, components, n, values);
     sink_printf(s, ";\n");
 }

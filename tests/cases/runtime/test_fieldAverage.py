@@ -237,7 +237,7 @@ class FieldAverage(harness.Folder, unittest.TestCase):
         path = os.path.join(case, "0.02", "uniform", "fieldAverage.mean")
         with open(path) as f:
             text = f.read()
-        for pattern, new, message in ((r"total [^;]*;", "total -1;", "not below 0"), (r"List<scalar>\n160", "List<scalar>\n159", "159 entries"),
+        for pattern, new, message in ((r"total [^;]*;", "total -1;", "not below 0"), (r"List<scalar> \n160", "List<scalar> \n159", "159 entries"),
                                       (r"\nT\n", "\nTT\n", "'T' is missing"), (r"averages +", "average ", "'averages' is missing")):
             with self.subTest(new):
                 changed, n = re.subn(pattern, new, text, count=1)

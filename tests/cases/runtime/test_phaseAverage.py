@@ -163,7 +163,7 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
         with open(path) as f:
             text = f.read()
         for pattern, new, message in ((r"counts +\( 2", "counts ( -1", "no number of samples"), (r"counts +\( 2", "counts ( 1e99", "no number of samples"),
-                                      (r"sum0 nonuniform List<scalar>\n128", "sum0 nonuniform List<scalar>\n127", "says 127 entries, but has more"),
+                                      (r"sum0 nonuniform List<scalar> \n128", "sum0 nonuniform List<scalar> \n127", "says 127 entries, but has more"),
                                       (r"sum1 ", "summe1 ", "'sum1' is missing"), (r"period +", "Period ", "'period' is missing")):
             with self.subTest(new):
                 changed, n = re.subn(pattern, new, text)

@@ -121,7 +121,7 @@ class Faults(harness.Folder, unittest.TestCase):
                 self.said(case, rf"0\.01/T(\.gz)?:{self.line + 1}: cell 450 at \(.*\): T is -3; it must be greater than 0")
 
     def test_a_number_that_is_none(self):
-        for name, old, new, pattern in (("ascii", b"\n", b"\nx", r"U:514: word 'x"), ("asciiZipped", b"\n", b"\nx", r"U\.gz:514: word 'x"),
+        for name, old, new, pattern in (("ascii", b"\n", b"\nx", r"U:518: word 'x"), ("asciiZipped", b"\n", b"\nx", r"U\.gz:518: word 'x"),
                                         ("binary", b"", b"\0\0\0\0\0\0\xf0\x7f", r"U:\d+: entry 500 of the binary list is inf"),
                                         ("binaryZipped", b"", b"\0\0\0\0\0\0\xf0\x7f", r"U\.gz:\d+: entry 500 of the binary list is inf")):
             with self.subTest(name):
