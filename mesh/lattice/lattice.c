@@ -10,8 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WHY = 256, HOLES = 64 }; /* HOLES: most places of the grid per cell, so that memory stays in proportion */
-static const double TOLERANCE = 1e-6;
+enum { WHY = 256, HOLES = 64 };       /* HOLES: most places of the grid per cell, so that memory stays in proportion */
+static const double TOLERANCE = 1e-6; /* of a cell, where coordinates have all their digits */
+enum { DIGITS = 12 };                 /* with more of them rounding is far below the tolerance */
+static const double ROUNDED = 0.1;    /* of a cell: the most that rounding may move a point */
 
 struct search {
     const struct polymesh *m;
@@ -23,6 +25,7 @@ struct search {
     int *at;                         /* [ncells][3] position along the physical axes */
     bool gone[3];                    /* axes that empty patches remove */
     double low[3], extent[3], width[3];
+    double tolerance[3]; /* of places, in cells */
     int n[3];
     int *cell; /* [n0*n1*n2] cell at a place of the grid, by physical axes, or -1 */
     bool periodic[3];
@@ -110,8 +113,36 @@ static status find_grid(struct search *s, bool *found) {
         s->extent[k] = high - low;
         s->n[k] = (int)(cells + 0.5) > 1 ? (int)(cells + 0.5) : 1;
         s->width[k] = s->extent[k] / s->n[k];
+        s->tolerance[k] = TOLERANCE;
     }
     return OK;
+}
+
+/* Counts the significant digits that the coordinates have as decimals, up to DIGITS + 1. */
+static int count_digits(const struct polymesh *m) {
+    char text[32];
+    int digits = 1;
+    for (long i = 0; i < 3L * m->npoints && digits <= DIGITS; i++) do {
+            snprintf(text, sizeof text, "%.*g", digits, m->points[i]);
+        } while (strtod(text, NULL) != m->points[i] && ++digits <= DIGITS);
+    return digits;
+}
+
+/* Widens the tolerance to what rounding may do where the mesh was written with few digits. A point, and the ends of the
+ * grid, are then beside their places by half a unit of the last digit of the largest coordinate. Returns false where
+ * they have all their digits, or where rounding could hide that cells differ. Collective for parts. */
+static bool loosen(struct search *s) {
+    double digits = count_digits(s->m);
+    bool wider = false;
+    if (s->part) comm_max(s->part->comm, &digits, 1);
+    for (int k = 0; k < 3 && digits <= DIGITS; k++) {
+        const double largest = fmax(fabs(s->low[k]), fabs(s->low[k] + s->extent[k]));
+        const double half = 0.5 * pow(10, floor(log10(largest)) + 1 - digits), most = 2.02 * half / s->width[k];
+        if (most > ROUNDED) return false;
+        wider |= most > TOLERANCE;
+        s->tolerance[k] = fmax(most, TOLERANCE);
+    }
+    return wider;
 }
 
 static bool place_cells(struct search *s) {
@@ -126,11 +157,11 @@ static bool place_cells(struct search *s) {
             int i = (int)(x + 0.5); /* x >= 0 */
             s->at[3L * c + k] = i;
             s->failed = (s->part ? s->part->nfaces : s->m->nfaces) + name_of(s, c);
-            if (fabs(size - 1) > TOLERANCE)
+            if (fabs(size - 1) > s->tolerance[k])
                 return no(s, "cell %d at (%g, %g, %g) is %g long along %c, the mean cell is %g", name_of(s, c),
                           0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]),
                           box[3 + k] - box[k], "xyz"[k], s -> width[k]);
-            if (fabs(x - i) > TOLERANCE)
+            if (fabs(x - i) > s->tolerance[k])
                 return no(s, "cell %d at (%g, %g, %g) is off the grid along %c by %g of a cell", name_of(s, c),
                           0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]), "xyz"[k], x - i);
         }
@@ -166,7 +197,7 @@ static bool find_sides(struct search *s) {
     double tolerance[3];
     const double *x[4];
     for (long i = 0; i < 6L * m->ncells; i++) s->side[i] = -1;
-    for (int k = 0; k < 3; k++) tolerance[k] = TOLERANCE * s->width[k];
+    for (int k = 0; k < 3; k++) tolerance[k] = s->tolerance[k] * s->width[k];
     for (int f = 0; f < m->nfaces; f++) {
         const int *p = m->face_points + m->face_start[f], n = m->face_start[f + 1] - m->face_start[f];
         for (int i = 0; i < 4; i++) x[i] = m->points + 3L * p[i < n ? i : 0];
@@ -330,18 +361,24 @@ static status make_room(struct search *s) {
     return allocate(&s->at, 3 * n, sizeof *s->at, "the lattice");
 }
 
+static status fill_within(struct search *s, bool *is_lattice) {
+    if (!find_sides(s) || !place_cells(s)) return OK;
+    long places = (long)s->n[0] * s->n[1] * s->n[2];
+    TRY(allocate(&s->cell, places, sizeof *s->cell, "the lattice"));
+    for (long i = 0; i < places; i++) s->cell[i] = -1;
+    *is_lattice = fill_places(s) && check_patches(s);
+    return OK;
+}
+
 static status fill(struct search *s, bool *is_lattice) {
     bool found;
     if (s->m->ncells == 0) return fail(ERR_INPUT, "mesh: no cells");
     TRY(make_room(s));
     find_boxes(s);
     TRY(find_grid(s, &found));
-    if (!found || !find_sides(s) || !place_cells(s)) return OK;
-    long places = (long)s->n[0] * s->n[1] * s->n[2];
-    TRY(allocate(&s->cell, places, sizeof *s->cell, "the lattice"));
-    for (long i = 0; i < places; i++) s->cell[i] = -1;
-    *is_lattice = fill_places(s) && check_patches(s);
-    return OK;
+    if (!found) return OK;
+    TRY(fill_within(s, is_lattice));
+    return *is_lattice || s->cell || !loosen(s) ? OK : fill_within(s, is_lattice); /* cells: all lie on the grid */
 }
 
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[WHY]) {
@@ -351,6 +388,7 @@ status lattice_recognise(const struct polymesh *m, struct lattice **out, char wh
     why[0] = 0;
     *out = NULL;
     status st = fill(&s, &is_lattice);
+    if (is_lattice) why[0] = 0; /* of the first try */
     if (!st && is_lattice) {
         st = allocate(&l, 1, sizeof *l, "the lattice");
         if (!st) st = make_lattice(&s, l);
@@ -381,6 +419,11 @@ static void share_reason(const struct comm *c, double failed, char why[WHY], boo
     comm_broadcast(c, why, WHY);
 }
 
+static void rule_out_within(struct search *s, bool *ruled_out) {
+    share_reason(s->part->comm, find_sides(s) ? HUGE_VAL : (double)s->failed, s->why, ruled_out);
+    if (!*ruled_out) share_reason(s->part->comm, place_cells(s) ? HUGE_VAL : (double)s->failed, s->why, ruled_out);
+}
+
 status lattice_rule_out(const struct lattice_part *part, bool *ruled_out, char why[WHY]) {
     struct search s = {.m = part->mesh, .part = part, .ncells = part->ncells, .why = why};
     bool found = false;
@@ -390,9 +433,8 @@ status lattice_rule_out(const struct lattice_part *part, bool *ruled_out, char w
     if (!e) find_boxes(&s);
     if (!e) e = find_grid(&s, &found);
     if (!e && !found) *ruled_out = true; /* on all ranks */
-    if (!e && found) share_reason(part->comm, find_sides(&s) ? HUGE_VAL : (double)s.failed, why, ruled_out);
-    if (!e && found && !*ruled_out)
-        share_reason(part->comm, place_cells(&s) ? HUGE_VAL : (double)s.failed, why, ruled_out);
+    if (!e && found) rule_out_within(&s, ruled_out);
+    if (!e && found && *ruled_out && loosen(&s)) rule_out_within(&s, ruled_out);
     free(s.box);
     free(s.side);
     free(s.at);

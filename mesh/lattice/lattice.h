@@ -29,7 +29,8 @@ struct lattice {
 };
 
 /* Makes the lattice of a mesh. If the mesh is sound but no lattice, *out is NULL and why[] says the reason (e.g. "cell
- * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell. */
+ * 17 is no box"). Fails only on a mesh that no engine could run. Tolerance of coordinates: 1e-6 of a cell, or
+ * what rounding does where the coordinates have at most 12 digits, if that is below a tenth of a cell. */
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[256]);
 struct lattice_part { /* a part of a mesh that is spread over the ranks: some cells with all their faces */
     const struct comm *comm;

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from tests.cases import harness
+from tests.cases import harness, runs
 from tests.solvers.programs import bad_case
 
 CONTROL = "system/controlDict"
@@ -158,6 +158,22 @@ class Starts(Case):
         subprocess.run(["setFields", "-case", case], check=True, capture_output=True, env=FOAM)
         self.assertIn("newerStart", harness.program("granularGas", "-case", case).stdout)
         self.assertGreater(self.first(case), 0.35)
+
+
+class Digits(Case):
+    def test_lattice_of_few_digits(self):
+        """Points with the six digits that blockMesh writes by itself: a lattice on any ranks, as it is with all digits."""
+        case = runs.make(os.path.join(self.folder, "digits"), (60, 7, 1), 0.002)
+        path = case + "/constant/polyMesh/points"
+        with open(path) as f:
+            head, points = f.read().split("\n(\n")
+        points = re.sub(r"[-+.0-9e]+", lambda x: "%.6g" % (float(x[0]) / 7), points)  # cells 1/70 long
+        self.write(case, "constant/polyMesh/points", head + "\n(\n" + points)
+        runs.add(case, "system/fvSchemes", "meshEngine lattice;\n")
+        other = shutil.copytree(case, case + "3")
+        harness.program("granularGas", "-case", case)
+        harness.program("granularGas", "-case", other, ranks=3)
+        runs.same(self, runs.results(case), runs.results(other))
 
 
 class Patches(Case):

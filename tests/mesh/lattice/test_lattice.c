@@ -217,10 +217,46 @@ static void test_refused(void **state) {
     polymesh_free(m);
 }
 
+static void round_points(struct polymesh *m, int digits) {
+    char text[32];
+    for (long i = 0; i < 3L * m->npoints; i++) {
+        snprintf(text, sizeof text, "%.*g", digits, m->points[i]);
+        m->points[i] = strtod(text, NULL);
+    }
+}
+
+/* Meshes that were written with few digits: equal cells differ by the rounding, and no more. */
+static void test_digits(void **state) {
+    (void)state;
+    struct recipe r = {.n = {300, 7, 1},
+                       .origin = {0, -0.5, 0},
+                       .width = {2.0 / 300, 1.0 / 7, 0.1},
+                       .type = {[4] = "empty", [5] = "empty"}};
+    for (int digits = 5; digits <= 12; digits++) {
+        struct polymesh *m;
+        char why[256];
+        struct lattice *l = recognise(&r, &m, why);
+        lattice_free(l);
+        round_points(m, digits);
+        ok(lattice_recognise(m, &l, why));
+        assert_non_null(l);
+        assert_int_equal(l->n[0], 300);
+        check_lattice(m, l, 2.1 * 0.5 * pow(10, 1 - digits) / r.width[0] + 1e-9);
+        lattice_free(l);
+        for (long p = 0; p < m->npoints; p++) /* one layer is moved by ten units of the last digit */
+            if (fabs(m->points[3 * p] - 1) < 1e-3 * r.width[0] + pow(10, 1 - digits))
+                m->points[3 * p] = 1 + 10 * pow(10, 1 - digits);
+        ok(lattice_recognise(m, &l, why));
+        assert_true(!l == (digits < 11)); /* with 11 digits that is 1.5e-7 of a cell */
+        lattice_free(l);
+        polymesh_free(m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_dimensions), cmocka_unit_test(test_hole),
                                        cmocka_unit_test(test_uniform),    cmocka_unit_test(test_noise),
                                        cmocka_unit_test(test_periodic),   cmocka_unit_test(test_skew_cyclic),
-                                       cmocka_unit_test(test_refused)};
+                                       cmocka_unit_test(test_refused),    cmocka_unit_test(test_digits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
