@@ -17,6 +17,7 @@ COMMANDS = {
     "Plot": ("plot.plotCase", "a picture of any field of a case; also called haffPlot"),
     "Movie": ("plot.movie", "a film of a field; also called haffMovie"),
     "Log": ("plot.log", "how a run goes: time steps, extremes, drift, speed; also called haffLog"),
+    "report": ("report.report", "a report of a run as one HTML file: pictures, films, plots, provenance; of sweeps and of two cases, too"),
     "figure": ("plot.script", "the figure of a shipped case, by its figure.py"),
     "expected": ("runs.expected", "compares a finished case with its expected.json"),
     "checkCases": ("runs.checkCases", "runs shipped cases in full and compares them with their expected.json (Allcheck)"),

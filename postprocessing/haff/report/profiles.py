@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Profiles of a report: means of fields over the layers of the mesh along the one axis along which they differ, at the written times."""
+import os
+import re
+
+import numpy as np
+
+from haff.plot import quantity
+from haff.plot.quantity import CannotDraw
+from haff.report.charts import numbers
+from haff.report.pictures import LOST
+from haff.report.words import plain, with_unit
+
+MOST = 400  # places of a profile
+
+
+def axis_of(space):
+    """The axis of profiles: the only one with many cells, that of gravity, or the only one whose ends are no periodic ones; else None."""
+    if space.column is not None:
+        return space.column
+    if not space.lattice:
+        return None
+    words = quantity.head(os.path.join(space.case.path, "constant", "g"))
+    found = re.search(r"\bvalue\s*\(([^)]*)\)", words)
+    g = np.array([float(w) for w in found.group(1).split()]) if found else np.zeros(3)
+    along = [k for k in space.axes if g[k]]
+    if len(along) == 1:
+        return along[0]
+    ends = [k for k in space.axes if k not in periodic(space)]
+    return ends[0] if len(ends) == 1 else None
+
+
+def periodic(space):
+    """The axes of a lattice across which a cyclic patch lies."""
+    first, found = len(space.mesh.neighbour), set()
+    for kind, start, count in space.mesh.patches.values():
+        if kind == "cyclic" and count:
+            normal = np.abs(space.mesh.face_geometry(first)[1][start - first])
+            found.add(int(np.argmax(normal)))
+    return found
+
+
+def layers(space, axis):
+    """(places, function: values [cells], weights [cells] -> means [layers]) along an axis."""
+    if not space.lattice:
+        x, order = space.along(axis)
+        return x, lambda values, weights: order(values)
+    layer, x = space.lattice.ijk[:, axis], space.lattice.middles[axis]
+    volume = space.lattice.volumes()
+
+    def mean(values, weights):
+        total = np.bincount(layer, weights * volume, len(x))
+        return np.bincount(layer, values * weights * volume, len(x)) / np.where(total > 0, total, np.nan)
+
+    return x, mean
+
+
+def of_case(space, names, times):
+    """Charts whose data are profiles at each time: {"times": [..], "frames": [[values] ..]} beside what a chart has. U and T are means over mass."""
+    axis = axis_of(space)
+    if axis is None:
+        return []
+    x, mean = layers(space, axis)
+    some = slice(None, None, max(-(-len(x) // MOST), 1))
+    return [c for c in (of_field(space, name, times, axis, x, mean, some) for name in names) if c]
+
+
+def of_field(space, name, times, axis, x, mean, some):
+    frames, shown, q = [], [], None
+    for time in times:
+        try:
+            there = quantity.fields(space.case, time)
+            part = None if there.get(name, (1,))[0] == 1 else "xyz"[axis] if there[name][0] == 3 else "mag"
+            q = quantity.read(space.case, name, time, part)
+            mass = space.case.field("alpha" if "alpha" in there else "rho", time) if name in ("U", "T") and {"alpha", "rho"} & there.keys() else np.ones(len(q.values))
+        except (CannotDraw, *LOST):
+            continue
+        frames.append(numbers(mean(q.values, mass)[some]))
+        shown.append(time)
+    if not frames:
+        return None
+    units = space.case.units
+    across = space.dim > 1
+    how = "" if not across else ", mean over the mass of a layer" if name in ("U", "T") else ", mean over a layer"
+    label = plain(q.label)
+    return {"title": label + how, "x": with_unit("xyz"[axis], (0, 1, 0), units), "y": label, "log": False, "time": False, "times": shown, "frames": frames,
+            "data": [numbers(x[some])], "series": [], "about": f"Profile of {label} along {'xyz'[axis]} at {len(shown)} times"}

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A report of a run as one HTML file, to be read without a server or a network, mailed or archived.
+
+    haff report CASE                    CASE/postProcessing/report.html; prints its path
+    haff report CASE -follow            made anew while the run goes on; the page in the browser renews itself
+    haff report CASE OTHER              two cases beside each other, as a gas and grains
+    haff report FOLDER                  of haff sweep: a table of its runs with pictures
+    haff report CASE -frames 40 -o run.html
+
+It holds what was run, warnings of the log, pictures of the fields with a slider over the written times, profiles, plots of the run and of its function
+objects, the verdict of expected.json, and the provenance. Exit code: 2 for a wrong command line, 1 for a case of which there is nothing to tell.
+"""
+import os
+import sys
+import time
+
+import haff
+from haff.plot import options, runlog
+from haff.plot.quantity import CannotDraw
+from haff.report import page
+from haff.report.onecase import Report
+
+FRAMES = 16  # pictures of a film: some 12 kB each, and a fifth of a second
+
+
+def main():
+    parser = options.parser(__doc__)
+    parser.add_argument("case", metavar="CASE")
+    parser.add_argument("other", metavar="OTHER", nargs="?")
+    parser.add_argument("-follow", action="store_true", help="make it anew while the run goes on; ends with the run")
+    parser.add_argument("-every", type=float, default=10.0, metavar="SECONDS", help="between two pages of -follow: 10")
+    parser.add_argument("-frames", type=int, default=FRAMES, metavar="N", help=f"written times in films and profiles: {FRAMES}; 1: the last")
+    parser.add_argument("-o", metavar="FILE", help="written; .html")
+    o = parser.parse_args()
+    if o.o and not o.o.lower().endswith((".html", ".htm")):
+        parser.error(f"-o {o.o}: a report is .html")
+    if not 1 <= o.every <= 86400:
+        parser.error(f"-every {o.every:g}: 1 to 86400 seconds")
+    if not 1 <= o.frames <= 1000:
+        parser.error(f"-frames {o.frames}: 1 to 1000")
+    if o.follow and o.other:
+        parser.error("-follow is for one case")
+    return options.ended("haff report", lambda: work(o))
+
+
+def report_of(o):
+    """What makes the page that is asked for. CannotDraw: there is neither a case nor a sweep."""
+    return Report(case_in(o.case), o.frames)
+
+
+def case_in(path):
+    if not os.path.isdir(path):
+        raise CannotDraw(f"{path} is not there; give the folder of a case")
+    if not os.path.isdir(os.path.join(path, "system")):
+        raise CannotDraw(f"{path} is no case directory (it has no folder 'system') and no folder of a sweep (it has no sweep.csv); give the folder of a case: "
+                         "haff report CASE")
+    return haff.Case(path)
+
+
+def target(o):
+    """The path that is written; its folder is made if it is that of the case for results."""
+    if o.o:
+        return o.o
+    folder = os.path.join(o.case, "postProcessing")
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as e:
+        raise CannotDraw(f"{folder} cannot be made ({e.strerror}); -o FILE.html writes elsewhere") from None
+    return os.path.join(folder, "report.html")
+
+
+def work(o):
+    made = report_of(o)
+    if not o.follow:
+        finished = made.make()
+        path = target(o)
+        page.write(finished, path)
+        print(path)
+        return
+    told = False
+    while True:
+        going = runlog.locked(o.case)
+        try:
+            finished = made.make(every=o.every if going else 0)
+        except CannotDraw:
+            if not going:
+                raise
+            time.sleep(o.every)
+            continue
+        path = target(o)
+        page.write(finished, path)
+        if not told:
+            print(path, flush=True)
+            told = True
+        if not going:
+            return
+        time.sleep(o.every)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
