@@ -18,7 +18,7 @@ foreach(command ${COMMANDS})
 endforeach()
 install(PROGRAMS solvers/programs/mpirun DESTINATION lib/haff COMPONENT programs)
 install(DIRECTORY postprocessing/haff DESTINATION lib/haff/python COMPONENT programs
-        FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+        FILES_MATCHING PATTERN "*.py" PATTERN "*.css" PATTERN "*.js" PATTERN "*.LICENSE.txt" PATTERN __pycache__ EXCLUDE)
 if(TARGET haffimplicit)
   install(TARGETS haffimplicit LIBRARY DESTINATION lib/haff COMPONENT implicit)
 endif()

@@ -66,7 +66,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         self.assertEqual(set(PROGRAMS + COMMANDS), set(os.listdir(self.bin)))
         have = set(os.listdir(os.path.join(self.prefix, "lib", "haff")))
         self.assertEqual({"mpirun", "python"} | ({"haffimplicit.so"} if MODULE else set()), have)
-        of = lambda folder: {k for k in runs.contents(folder) if k.endswith(".py")}
+        of = lambda folder: {k for k in runs.contents(folder) if k.endswith((".py", ".js", ".css", ".txt"))}
         self.assertEqual(of(os.path.join(self.prefix, "lib/haff/python/haff")), of(os.path.join(harness.SOURCE, "postprocessing/haff")))
         self.assertEqual([], outside.traces(self.prefix))
 

@@ -66,7 +66,7 @@ def parting_value(scale, values):
     first = np.cumsum(count * middle)[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
         parted = np.nan_to_num(low * high * (first / low - ((count * middle).sum() - first) / high) ** 2)
-    best = np.flatnonzero(parted > parted.max() * (1 - 1e-9))
+    best = np.flatnonzero(parted >= parted.max() * (1 - 1e-9))  # all of them where nothing parts
     return float(scale.norm.inverse(ends[1:-1][best].mean()))
 
 

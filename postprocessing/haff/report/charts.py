@@ -33,10 +33,10 @@ def wide(columns):
 
 
 def chart(title, x, series, *, across="time", y="", log=None, time=True):
-    """A chart of columns over x, or None where none has a number. series: (label, values [n]), or with "points" behind them, or "line": a
+    """A chart of columns over x, or None where none has two numbers. series: (label, values [n]), or with "points" behind them, or "line": a
     thin grey one. time: x is the time, at which the slider of the page sets a mark."""
     series = [(label, np.asarray(v, float), *kind) for label, v, *kind in series if np.isfinite(np.asarray(v, float)).any()]
-    if not series or not len(x):
+    if not any(np.isfinite(s[1]).sum() > 1 for s in series):
         return None
     columns = [s[1] for s in series]
     log = wide(columns) if log is None else log and any((c > 0).any() for c in columns)
@@ -53,3 +53,25 @@ def about(title, x, series, across):
         some = values[np.isfinite(values)]
         ends.append(f"{label}: from {some[0]:.4g} to {some[-1]:.4g}, between {some.min():.4g} and {some.max():.4g}")
     return f"{title} over {across}, {x[0]:.4g} to {x[-1]:.4g}. " + "; ".join(ends)
+
+
+def joined(curves):
+    """Curves (label, x, values) with places of their own on all places together: (x, [(label, values)]), nan between."""
+    curves = [(label, *decimated(np.asarray(x, float), [np.asarray(v, float)], MOST // len(curves))) for label, x, v in curves]
+    x = np.unique(np.concatenate([c[1] for c in curves]))
+    series = []
+    for label, places, (values,) in curves:
+        on_all = np.full(len(x), np.nan)
+        on_all[np.searchsorted(x, places)] = values
+        series.append((label, on_all))
+    return x, series
+
+
+def overlay(title, curves, **options):
+    """A chart of curves (label, x, values) with places of their own; None without any."""
+    curves = [c for c in curves if len(c[1]) and np.isfinite(np.asarray(c[2], float)).any()]
+    if not curves:
+        return None
+    x, series = joined(curves)
+    made = chart(title, x, series, **options)
+    return {**made, "gaps": True} if made else None

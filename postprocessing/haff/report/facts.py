@@ -9,8 +9,8 @@ from haff.plot import runlog
 SECTION = re.compile(r"^(Mesh|Models|Control)\n((?:    .*\n)+)", re.M)
 WARNING = re.compile(r"^(accepted warning|warning|note|error): (.*)$", re.M)
 ENTRY = re.compile(r'^(\w+)\s+"?(.*?)"?;$', re.M)
-SHORT = ("application", "equationOfState", "cooling", "transport", "restitution", "diameter", "thresholdSpeed", "gravity", "grains", "percolation", "diffusivity",
-         "fluxScheme", "reconstruct", "polyReconstruct", "timeScheme", "diffusion", "acoustics", "iteration", "closure", "kernel", "window")
+SHORT = ("application", "equationOfState", "cooling", "transport", "restitution", "diameter", "thresholdSpeed", "gravity", "grains", "percolation",
+         "diffusivity", "fluxScheme", "reconstruct", "polyReconstruct", "timeScheme", "diffusion", "acoustics", "iteration", "closure", "kernel", "window")
 
 
 class Facts:

@@ -11,8 +11,9 @@ from haff.plot.wish import Wish, spread, times_with_results
 from haff.report import facts, profiles, running
 from haff.report.page import Page
 from haff.report.pictures import LOST, Film, Painter
-from haff.report.words import ESCAPE, rows, symbol, table, tag, unfold
+from haff.report.words import ESCAPE, rows, symbol, table, tag, tiles, unfold
 
+FRAMES, WORK = 12, 6_000_000  # written times in a film, where nothing is asked for, and cells or grains in all pictures of it
 SOLID_FRAMES = 8  # of films in three dimensions, whose pictures take a second each
 MOST_FIELDS = 16  # pictures of fields at the last time
 
@@ -33,7 +34,7 @@ class Report:
         page = Page(os.path.basename(os.path.abspath(case.path)), unit=case.units["time"], every=every)
         page.lead = self.lead()
         page.add("summary", "Summary", self.tiles(there), self.warnings())
-        page.times = spread(there, self.frames)
+        page.times = spread(there, self.frames or self.worth(there[-1]))
         self.pictures(page, there[-1])
         page.add("profiles", "Profiles", page.grid(*(page.chart(c) for c in profiles.of_case(self.painter.space, self.names(there[-1]), page.times))))
         if self.story:
@@ -65,26 +66,27 @@ class Report:
             found.append(("grains", f"{len(grains.places(self.case, there[-1])):,}", ""))
         for name in log.DRIFTS:
             if story and log.there(story, name):
-                found.append((f"{log.TEXTS[name]}, change", f"{100 * story.latest(name):.2g} %", ""))
+                found.append((f"{log.TEXTS[name]}, change", f"{100 * story.latest(name):.3g} %", ""))
         n = sum(count for kind, _, count in self.facts.warnings() if kind == "warning")
         if self.facts.log:
             found.append(("warnings of the log", str(n), "stopped" if n else ""))
-        return tag("div", *(tag("div", tag("span", ESCAPE(name), class_="name"), tag("span", ESCAPE(value), class_=f"value {kind}".strip())) for name, value, kind in found),
-                   class_="tiles")
+        return tiles(found)
 
     def warnings(self):
         found = self.facts.warnings()
         if not found:
             return ""
-        lines = [tag("li", tag("strong", ESCAPE(kind)), " ", ESCAPE(text), f" ({n} times)" if n > 1 else "", class_=kind.split()[0]) for kind, text, n in found[:40]]
+        line = lambda kind, text, n: tag("li", tag("strong", ESCAPE(kind)), " ", ESCAPE(text), f" ({n} times)" if n > 1 else "", class_=kind.split()[0])
+        lines = [line(*f) for f in found[:40]]
         more = tag("p", f"and {len(found) - 40} more in {ESCAPE(self.facts.log_path)}", class_="quiet") if len(found) > 40 else ""
         return tag("ul", *lines, class_="warnings") + more
 
     def models(self):
         case = self.case
         patches = [[ESCAPE(name), kind, f"{count:,}"] for name, (kind, _, count) in case.mesh.patches.items()]
-        mesh = [("cells", f"{case.mesh.cells:,}"), *((k, v) for k, v in (line.split(": ", 1) for line in self.facts.mesh() if ": " in line))]
-        shown = tag("h3", "Models") + rows(self.facts.short()) + tag("h3", "Mesh") + rows(mesh) + table(["patch", "type", "faces"], patches, "Patches of the mesh")
+        mesh = [("cells", f"{case.mesh.cells:,}"), *(("kind", line) for line in self.facts.mesh() if line.startswith(("polyhedral", "lattice")))]
+        shown = tag("h3", "Models") + rows(self.facts.short()) + tag("h3", "Mesh") + rows(mesh)
+        shown += table(["patch", "type", "faces"], patches, "Patches of the mesh")
         if self.facts.models:
             shown += unfold("All settings of the models", rows(self.facts.models.items()))
         return shown
@@ -101,6 +103,11 @@ class Report:
         return made
 
     # ---- pictures ----
+
+    def worth(self, last):
+        """Times of films, where nothing is asked for: fewer of large cases."""
+        size = max(self.painter.space.mesh.cells, len(grains.places(self.case, last)) if quantity.has_grains(self.case, last) else 0)
+        return int(min(FRAMES, max(WORK // size, 2)))
 
     def names(self, time):
         """Main fields first."""
@@ -131,18 +138,19 @@ class Report:
                 others.append(self.painter.film(name, [last]))
         films, others = [f for f in films if f], [f for f in others if f]
         kind = "tall" if films and np.median([f.shots[-1].size[0] / f.shots[-1].size[1] for f in films]) < 1.1 else ""
-        flat = tag("p", "Uniform at the last time: " + ", ".join(ESCAPE(f"{n} = {value_of(self.case, n, last)}") for n in uniform) + ".", class_="quiet") if uniform else ""
+        told = ", ".join(f"{n} = {value_of(self.case, n, last)}" for n in uniform)
+        flat = tag("p", f"Uniform at the last time: {ESCAPE(told)}.", class_="quiet") if uniform else ""
         page.add("fields", "Fields", page.grid(*(page.film(f) for f in films), kind=kind),
                  tag("h3", "Other fields at the last time") + page.grid(*(page.film(f) for f in others), kind="small") if others else "", flat)
 
     def times_of_film(self, times, k):
         if self.painter.space.dim < 3:
             return times
-        return spread(times, min(self.frames, SOLID_FRAMES)) if k == 0 else times[-1:]
+        return spread(times, self.frames or SOLID_FRAMES) if k == 0 else times[-1:]
 
     def functions(self, page):
-        found = running.of_functions(self.case)
-        page.add("tables", "Function objects", *(tag("h3", ESCAPE(name)) + page.grid(*(page.chart(c) for c in charts)) for name, charts in found.items()))
+        charts = [{**c, "title": f"{name}: {c['title']}"} for name, found in running.of_functions(self.case).items() for c in found]
+        page.add("tables", "Function objects", page.grid(*(page.chart(c) for c in charts)))
 
 
 def story_of(case):

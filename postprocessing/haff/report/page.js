@@ -72,10 +72,17 @@ function short(v) {
     return (Number(m) === 1 ? "" : Number(m) + "·") + "10" + (e < 0 ? "⁻" : "") + power;
 }
 
+// A number along an axis, with the digits that its neighbours ask for.
+function marked(v, step) {
+    if (!(step > 0 && step < 0.1 && Math.abs(v) >= 0.1 && Math.abs(v) < 1e5)) return short(v);
+    return String(Number(v.toFixed(Math.min(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) + 1, 12))));
+}
+
 // The columns of a chart: given ones, or of profiles those of the first, the chosen and the last time.
 function columns(chart) {
     if (!chart.frames) return {series: chart.series, data: chart.data};
     const here = upTo(chart.times, times[at]), last = chart.times.length - 1;
+    if (chart.labels) return {series: chart.labels.map(label => ({label})), data: [chart.data[0], ...chart.frames[here]]};
     const label = k => "t = " + Number(chart.times[k]) + (data.unit ? " " + data.unit : "");
     const chosen = [[here, "chosen"], [0, "first"], [last, "last"]].filter(([k], i) => i === 0 || last > 0);
     return {series: chosen.map(([k, kind]) => ({label: kind === "chosen" ? label(k) : kind + ", " + label(k), kind})),
@@ -84,15 +91,15 @@ function columns(chart) {
 
 function ends(chart) {
     let low = Infinity, high = -Infinity;
-    for (const frame of chart.frames) for (const v of frame) if (v != null) { low = Math.min(low, v); high = Math.max(high, v); }
+    for (const v of chart.frames.flat(2)) if (v != null) { low = Math.min(low, v); high = Math.max(high, v); }
     const room = high > low ? 0.04 * (high - low) : Math.abs(high) * 0.1 || 1;
     return [low - room, high + room];
 }
 
-function seriesOf(s, k) {
+function seriesOf(s, k, gaps) {
     const colour = s.kind === "line" || s.kind === "first" || s.kind === "last" ? style("--quiet") : style("--c" + k % 7);
     return {label: s.label, stroke: colour, width: s.points ? 0 : s.kind === "chosen" ? 2 : 1.25, dash: s.kind === "first" ? [4, 4] : undefined,
-        paths: s.points ? () => null : undefined, spanGaps: false, value: (u, v) => short(v),
+        paths: s.points ? () => null : undefined, spanGaps: gaps, value: (u, v, j, i) => short(i == null && !s.points ? u.data[j].findLast(d => d != null) : v),
         points: s.points ? {show: true, size: 4, width: 0, fill: colour} : {show: undefined, size: 4}};
 }
 
@@ -125,7 +132,7 @@ function axis(label, size, log) {
     const filter = log ? decades : (u, list) => list;
     const text = style("--text"), font = "12px " + style("--sans");
     return {label, labelFont: font, font, stroke: text, size, labelSize: 22, labelGap: 0, filter, grid: {stroke: style("--rule"), width: 1, filter},
-        ticks: {stroke: style("--rule"), width: 1, size: 4, filter}, values: (u, list) => list.map(v => v == null ? "" : short(v))};
+        ticks: {stroke: style("--rule"), width: 1, size: 4, filter}, values: (u, list, k, space, step) => list.map(v => v == null ? "" : marked(v, log ? 0 : step))};
 }
 
 function options(chart, found, width) {
@@ -134,7 +141,7 @@ function options(chart, found, width) {
     return {width, height: Math.round(Math.min(Math.max(0.5 * width, 190), 280)), legend: {live: true, markers},
         cursor: {sync: chart.time ? {key: "time", setSeries: false} : undefined, points: {size: 6}, drag: {x: true, y: false}},
         scales: {x: {time: false}, y}, axes: [axis(chart.x, 44), axis(chart.y, 62, chart.log)],
-        series: [{label: chart.x, value: (u, v) => short(v)}, ...found.series.map(seriesOf)], hooks: {draw: chart.time ? [marker] : []}};
+        series: [{label: chart.x, value: (u, v, j, i) => short(i == null ? u.data[0].findLast(d => d != null) : v)}, ...found.series.map((s, k) => seriesOf(s, k, !!chart.gaps))], hooks: {draw: chart.time ? [marker] : []}};
 }
 
 function plot(place) {
@@ -154,6 +161,8 @@ function plot(place) {
 
 for (const place of document.querySelectorAll("[data-chart]")) plots.push(plot(place));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(p => p.make()));
+
+for (const button of document.querySelectorAll(".zoom")) button.addEventListener("click", () => button.classList.toggle("large"));
 
 // ---- reload, which keeps the place, the slider and what is unfolded ----
 

@@ -48,7 +48,7 @@ class Page:
         if len(shots) > 1:
             key = len(self.films)
             self.films.append([[s.time, "" if s is shots[-1] else s.uri, s.about] for s in shots])
-        image = f'<img src="{shots[-1].uri}" width="{wide}" height="{high}" alt="{ESCAPE(shots[-1].about)}"' + ("" if key is None else f' data-film="{key}"') + ">"
+        image = tag("img", src=shots[-1].uri, width=wide, height=high, alt=shots[-1].about, data_film=key)
         return tag("figure", tag("div", image, class_="paper"), tag("figcaption", ESCAPE(caption or film.title)), class_="film")
 
     def chart(self, chart):

@@ -72,7 +72,9 @@ def of_field(space, name, times, axis, x, mean, some):
             there = quantity.fields(space.case, time)
             part = None if there.get(name, (1,))[0] == 1 else "xyz"[axis] if there[name][0] == 3 else "mag"
             q = quantity.read(space.case, name, time, part)
-            mass = space.case.field("alpha" if "alpha" in there else "rho", time) if name in ("U", "T") and {"alpha", "rho"} & there.keys() else np.ones(len(q.values))
+            mass = np.ones(len(q.values))
+            if name in ("U", "T") and {"alpha", "rho"} & there.keys():
+                mass = space.case.field("alpha" if "alpha" in there else "rho", time)
         except (CannotDraw, *LOST):
             continue
         frames.append(numbers(mean(q.values, mass)[some]))

@@ -3,8 +3,8 @@
 
     haff report CASE                    CASE/postProcessing/report.html; prints its path
     haff report CASE -follow            made anew while the run goes on; the page in the browser renews itself
-    haff report CASE OTHER              two cases beside each other, as a gas and grains
-    haff report FOLDER                  of haff sweep: a table of its runs with pictures
+    haff report CASE OTHER              two cases beside each other, as a gas and grains: CASE/postProcessing/report-OTHER.html
+    haff report FOLDER                  of haff sweep: a table of its runs with pictures, FOLDER/report.html
     haff report CASE -frames 40 -o run.html
 
 It holds what was run, warnings of the log, pictures of the fields with a slider over the written times, profiles, plots of the run and of its function
@@ -17,10 +17,8 @@ import time
 import haff
 from haff.plot import options, runlog
 from haff.plot.quantity import CannotDraw
-from haff.report import page
-from haff.report.onecase import Report
-
-FRAMES = 16  # pictures of a film: some 12 kB each, and a fifth of a second
+from haff.report import onecase, page, pairs, sweeps
+from haff.report.onecase import FRAMES
 
 
 def main():
@@ -29,14 +27,14 @@ def main():
     parser.add_argument("other", metavar="OTHER", nargs="?")
     parser.add_argument("-follow", action="store_true", help="make it anew while the run goes on; ends with the run")
     parser.add_argument("-every", type=float, default=10.0, metavar="SECONDS", help="between two pages of -follow: 10")
-    parser.add_argument("-frames", type=int, default=FRAMES, metavar="N", help=f"written times in films and profiles: {FRAMES}; 1: the last")
+    parser.add_argument("-frames", type=int, metavar="N", help=f"written times in films and profiles: {FRAMES}, fewer of large cases; 1: the last")
     parser.add_argument("-o", metavar="FILE", help="written; .html")
     o = parser.parse_args()
     if o.o and not o.o.lower().endswith((".html", ".htm")):
         parser.error(f"-o {o.o}: a report is .html")
     if not 1 <= o.every <= 86400:
         parser.error(f"-every {o.every:g}: 1 to 86400 seconds")
-    if not 1 <= o.frames <= 1000:
+    if o.frames is not None and not 1 <= o.frames <= 1000:
         parser.error(f"-frames {o.frames}: 1 to 1000")
     if o.follow and o.other:
         parser.error("-follow is for one case")
@@ -45,7 +43,11 @@ def main():
 
 def report_of(o):
     """What makes the page that is asked for. CannotDraw: there is neither a case nor a sweep."""
-    return Report(case_in(o.case), o.frames)
+    if o.other:
+        return pairs.Report(case_in(o.case), case_in(o.other), o.frames)
+    if sweeps.is_sweep(o.case):
+        return sweeps.Report(o.case, o.frames)
+    return onecase.Report(case_in(o.case), o.frames)
 
 
 def case_in(path):
@@ -61,12 +63,14 @@ def target(o):
     """The path that is written; its folder is made if it is that of the case for results."""
     if o.o:
         return o.o
+    if sweeps.is_sweep(o.case):
+        return os.path.join(o.case, "report.html")
     folder = os.path.join(o.case, "postProcessing")
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as e:
         raise CannotDraw(f"{folder} cannot be made ({e.strerror}); -o FILE.html writes elsewhere") from None
-    return os.path.join(folder, "report.html")
+    return os.path.join(folder, f"report-{os.path.basename(os.path.abspath(o.other))}.html" if o.other else "report.html")
 
 
 def work(o):

@@ -17,6 +17,11 @@ KNOWN = {  # columns of tables: exponents of mass, length, time
 INTEGRALS = {"volIntegrate": (0, 3, 0), "areaIntegrate": (0, 2, 0)}
 EXTREMES = {"alpha": "packing fraction", "phi": "fraction of small grains", "T": "temperature", "magU": "largest speed", "Ma": "largest Mach number"}
 SUM = re.compile(r"(\w+)\((\w+)\)")
+COMMON = (  # columns of runs that are shown over each other: title, column, symbol, exponents
+    ("Largest packing fraction", "alphaMax", "alpha", None), ("Largest temperature", "TMax", "T", KNOWN["T"]), ("Mean temperature", "T", "T", KNOWN["T"]),
+    ("Largest speed", "magUMax", "|U|", KNOWN["U"]), ("Largest fraction of small grains", "phiMax", "phi", None), ("Energy", "energy", "energy", ENERGY),
+    ("Change of the energy since the start", "energyChange", "change / start", None),
+    ("Change of the mass since the start", "massChange", "change / start", None), ("Time step", "dt", "Δt", TIME))
 MOST_PLOTS = 12  # of a function object
 
 
@@ -92,7 +97,7 @@ def of_table(case, function, file):
                  for field in dict.fromkeys(columns["field"])]
     else:
         parts = [(base, {k: v for k, v in columns.items() if v.dtype.kind == "f" and not constant(v)}, t)]
-    return [c for name, some, when in parts for c in grouped(name, some, when, case.units)][:MOST_PLOTS]
+    return [c for name, some, when in parts for c in grouped(name, some, when, case.units) if c][:MOST_PLOTS]
 
 
 def constant(values):
@@ -106,10 +111,19 @@ def grouped(base, columns, t, units):
     for name, values in columns.items():
         stem = name.rsplit("_", 1)[0] if "_" in name else base if re.match(r"(probe\d+|min|max)$", name) else name
         groups.setdefault(stem, []).append((name, values))
+    drawn = []
     for stem, series in groups.items():
+        if any(alike(series, s) for s in drawn):  # as the pressure's part of a force without viscosity
+            continue
+        drawn.append(series)
         title = stem if stem == base else f"{base}: {stem}"
         dimensions = dimensions_of(base, stem)
-        yield chart(title, t, [(name, v) for name, v in series], across=time_axis(units), y=with_unit(stem, dimensions, units), log=None if len(series) > 1 else False)
+        y = with_unit(base if base in ("force", "moment") else stem, dimensions, units)
+        yield chart(title, t, series, across=time_axis(units), y=y, log=None if len(series) > 1 else False)
+
+
+def alike(one, other):
+    return len(one) == len(other) and all(np.array_equal(a, b, equal_nan=True) for (_, a), (_, b) in zip(one, other))
 
 
 def dimensions_of(base, stem):

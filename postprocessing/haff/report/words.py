@@ -37,7 +37,7 @@ def symbol(name):
 def tag(name, *inside, **attributes):
     """An element: tag("p", "text", id="a"); what is inside is HTML already. class_ is class, data_x is data-x."""
     said = "".join(f' {key.rstrip("_").replace("_", "-")}="{ESCAPE(str(value))}"' for key, value in attributes.items() if value is not None)
-    return f"<{name}{said}>{''.join(inside)}</{name}>"
+    return f"<{name}{said}>" if name == "img" else f"<{name}{said}>{''.join(inside)}</{name}>"
 
 
 def rows(pairs):
@@ -51,6 +51,12 @@ def table(heads, lines, caption=None):
     body = tag("tbody", *(tag("tr", *(tag("td", c) for c in line)) for line in lines))
     made = tag("table", tag("caption", ESCAPE(caption)) if caption else "", head, body)
     return tag("div", made, class_="wide", tabindex="0", role="region", aria_label=caption or "table")
+
+
+def tiles(found):
+    """Numbers that are looked for first: (name, value, "" or running, ended, stopped)."""
+    one = lambda name, value, kind: tag("div", tag("span", ESCAPE(name), class_="name"), tag("span", ESCAPE(str(value)), class_=f"value {kind}".strip()))
+    return tag("div", *(one(*f) for f in found), class_="tiles")
 
 
 def unfold(summary, *inside, open_=False):

@@ -212,6 +212,7 @@ fi
 echo "The log is log.{flow.o.application}; to see how the run goes: haffLog $PWD -follow"
 {flow.o.application} -case . "$@" >log.{flow.o.application} 2>&1 || {{ tail -n 20 log.{flow.o.application}; exit 1; }}
 tail -n 2 log.{flow.o.application}
+if command -v haff >/dev/null && report=$(haff report "$PWD"); then echo "The report is $report"; fi
 """
 
 

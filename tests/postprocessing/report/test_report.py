@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""haff report: one file that needs no other, what it tells of gas, grains, sweeps and two cases, and what it says where there is nothing to tell."""
+import contextlib
+import fcntl
+import io
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+import unittest
+
+from tests.cases import harness
+from tests.postprocessing.plot import cases
+from tests.postprocessing.report import made
+
+from haff.report import report
+
+
+def called(*words):
+    """(exit code, what it says on stdout, on stderr) of haff report."""
+    out, told, was = io.StringIO(), io.StringIO(), sys.argv
+    sys.argv = ["haff report", *words]
+    try:
+        with contextlib.redirect_stderr(told), contextlib.redirect_stdout(out):
+            code = report.main()
+    except SystemExit as e:
+        code = e.code
+    finally:
+        sys.argv = was
+    return code, out.getvalue(), told.getvalue()
+
+
+def read(path):
+    with open(path, encoding="utf-8") as f:
+        return f.read()
+
+
+def data(text):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))
+
+
+class Reports(harness.Folder, unittest.TestCase):
+    def place(self):
+        return os.path.join(self.folder, self._testMethodName)
+
+    def page(self, *words):
+        code, out, told = called(*words)
+        self.assertEqual((code, told), (0, ""))
+        return read(out.strip())
+
+    def test_gas(self):
+        """Everything that the case has is on the page: fields, films, profiles, tables, verdict, warnings, provenance."""
+        path = made.gas(self.place())
+        before = cases.files(path)
+        code, out, told = called(path)
+        self.assertEqual((code, out, told), (0, os.path.join(path, "postProcessing", "report.html") + "\n", ""))
+        after = cases.files(path)
+        self.assertEqual(after.keys() - before.keys(), {"postProcessing/report.html"})
+        self.assertEqual({k: v for k, v in after.items() if k in before}, before)
+        text = read(out.strip())
+        for wanted in ("packing fraction α", "temperature T (m² s⁻²)", "TorquatoDisks", "1 of 2 values are as expected", "rho = 3",
+                       "a &lt;b&gt;made up&lt;/b&gt; warning", "(2 times)", "0.2.0 (git 0)", "application granularGas", "The MIT License", "lattice, 2D"):
+            self.assertIn(wanted, text)
+        shown = data(text)
+        self.assertEqual(shown["times"], list(made.TIMES))
+        self.assertEqual([[frame[0] for frame in film] for film in shown["films"]], [list(made.TIMES)] * 3)
+        titles = [c["title"] for c in shown["charts"]]
+        for wanted in ("Time step, and what limits it", "Packing fraction", "Change since the start", "Speed of the run", "drag: force: total"):
+            self.assertIn(wanted, titles)
+        force = shown["charts"][titles.index("drag: force: total")]
+        self.assertEqual((force["data"], force["x"], force["y"]), ([[0, 0.5, 1, 2], [0, 1, 2, 3], [0, 2, 4, 6]], "t (s)", "force (kg m s⁻²)"))
+        for chart in shown["charts"]:
+            self.assertTrue(chart["x"] and chart["y"] and chart["about"], chart["title"])
+
+    def test_needs_nothing_else(self):
+        """No file, no server, no network: nothing on the page has an address but data and places on the page."""
+        text = self.page(made.gas(self.place()))
+        body = re.sub(r"<script>.*?</script>|<style>.*?</style>", "", text, flags=re.S)
+        self.assertEqual([a for a in re.findall(r'(?:src|href)="([^"]*)"', body) if not a.startswith(("data:", "#"))], [])
+        self.assertNotRegex(re.sub(r"<script>.*?</script>", "", text, flags=re.S), r"@import|url\(|<link|<iframe")
+        self.assertNotIn("refresh", body)
+        self.assertTrue(all(re.search(r' alt="[^"]{10,}"', image) for image in re.findall(r"<img[^>]*>", text)))
+
+    def test_small(self):
+        """Without films, the page of four fields on 250 x 200 cells stays far below 2 MB."""
+        path = made.gas(self.place(), (250, 200, 1), ("0", "1"))
+        text = self.page(path, "-frames", "1")
+        self.assertLess(len(text), 1_000_000)
+        self.assertEqual(data(text)["films"], [])
+
+    def test_one_dimension(self):
+        """The picture has profiles at several times; the plot those of all times, for the slider."""
+        shown = data(self.page(made.gas(self.place(), (20, 1, 1))))
+        profiles = [c for c in shown["charts"] if "frames" in c]
+        self.assertEqual(shown["films"], [])
+        self.assertEqual([len(c["frames"]) for c in profiles], [4] * len(profiles))
+        self.assertEqual(profiles[0]["x"], "x (m)")
+        self.assertEqual(len(profiles[0]["frames"][0]), 20)
+
+    def test_profile_along_gravity(self):
+        """With gravity along y the layers of a lattice in two dimensions have means, of T over the mass."""
+        path = made.gas(self.place())
+        made.write(os.path.join(path, "constant", "g"), "value (0 -9.81 0);\n")
+        profiles = {c["y"]: c for c in data(self.page(path))["charts"] if "frames" in c}
+        case = cases.haff.Case(path)
+        alpha, T, row = case.field("alpha"), case.field("T"), case.lattice().ijk[:, 1]
+        there = profiles["temperature T (m² s⁻²)"]["frames"][-1][3]
+        self.assertAlmostEqual(there, (alpha * T)[row == 3].sum() / alpha[row == 3].sum(), 5)
+
+    def test_grains(self):
+        """A film of the grains comes first."""
+        text = self.page(made.grains(self.place()))
+        self.assertIn("20 grains at t = 2 s", text)
+        self.assertEqual(len(data(text)["films"]), 4)
+
+    def test_sweep(self):
+        """A row for each run with its picture, a failed one with its reason; plots of what was measured and of the runs over each other."""
+        folder = made.sweep(self.place())
+        code, out, told = called(folder)
+        self.assertEqual((code, out, told), (0, os.path.join(folder, "report.html") + "\n", ""))
+        text = read(out.strip())
+        self.assertEqual(len(re.findall('<button type="button" class="zoom"', text)), 2)
+        self.assertIn("restitution is at most 1", text)
+        charts = {c["title"]: c for c in data(text)["charts"]}
+        self.assertEqual(charts["hottest over restitution"]["data"], [[0.8, 0.9, 1.1], [1.5, 1.75, None]])
+        self.assertEqual([s["label"] for s in charts["Largest temperature"]["series"]], ["restitution 0.8", "restitution 0.9"])
+
+    def test_pair(self):
+        """Gas beside grains: films of both by the same times and colours, differences, runs in one plot."""
+        one, other = made.gas(self.place() + "/gas"), made.grains(self.place() + "/dem")
+        code, out, told = called(one, other)
+        self.assertEqual((code, out, told), (0, os.path.join(one, "postProcessing", "report-dem.html") + "\n", ""))
+        text = read(out.strip())
+        shown = data(text)
+        self.assertEqual([[frame[0] for frame in film] for film in shown["films"]], [list(made.TIMES)] * 7)
+        self.assertIn("Differences at t (s) = 2", text)
+        self.assertIn(["gas", "dem"], [[s["label"] for s in c["series"]] for c in shown["charts"]])
+
+    def test_nothing_to_tell(self):
+        """What is no case, a case without times, without a mesh: what to do, in one message without a traceback."""
+        empty = os.path.join(self.place(), "empty")
+        os.makedirs(empty)
+        fresh = os.path.join(self.place(), "fresh")
+        cases.box(fresh, (4, 4, 1), (1, 1, 1))
+        os.makedirs(os.path.join(fresh, "0.orig"))
+        bare = os.path.join(self.place(), "bare")
+        cases.control(bare)
+        cases.fields(bare, "1", alpha=[0.5])
+        for words, code, wanted in (
+                ([os.path.join(self.folder, "none")], 1, "is not there; give the folder of a case"), ([empty], 1, "no case directory.*no folder of a sweep"),
+                ([fresh], 1, "no times with fields: run it first"), ([bare], 1, "has no mesh"), ([fresh, "-o", "x.pdf"], 2, "a report is .html"),
+                ([fresh, "-frames", "0"], 2, "1 to 1000"), ([fresh, empty, "-follow"], 2, "-follow is for one case")):
+            with self.subTest(words):
+                found, out, told = called(*words)
+                self.assertEqual((found, out), (code, ""))
+                self.assertRegex(told, wanted)
+                self.assertEqual(os.path.exists(os.path.join(words[0], "postProcessing")), False)
+
+    def test_without_a_run_table(self):
+        """Fields alone, as of another program, are a report, too."""
+        path = self.place()
+        at = cases.box(path, (6, 5, 1), (0.6, 0.5, 0.1))
+        cases.fields(path, "1", alpha=at[:, 0])
+        self.assertIn("packing fraction α", self.page(path, "-o", os.path.join(self.folder, "alone.html")))
+
+    def test_follow(self):
+        """While the case is locked the page renews itself; the last page, when the run has ended, does not."""
+        path = made.gas(self.place())
+        lock = os.path.join(path, ".haff.lock")
+        with open(lock, "wb") as f:
+            fcntl.fcntl(f, fcntl.F_SETLK, struct.pack("hhqqi4x", fcntl.F_WRLCK, 0, 0, 0, 0))
+            command = [sys.executable, "-m", "haff", "report", path, "-follow", "-every", "1"]
+            running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            page = running.stdout.readline().strip()
+            going = read(page)
+        out, told = running.communicate(timeout=60)
+        self.assertEqual((running.returncode, out, told), (0, "", ""))
+        self.assertEqual(data(going)["every"], 1)
+        self.assertRegex(going, r'<noscript><meta http-equiv="refresh" content="1"></noscript>')
+        self.assertEqual(data(read(page))["every"], 0)
+        self.assertNotIn('http-equiv="refresh"', read(page))
+
+
+if __name__ == "__main__":
+    unittest.main()
