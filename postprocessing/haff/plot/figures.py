@@ -36,7 +36,7 @@ NAMES = {  # name of a field: what it is, its symbol, its colours
     "vorticity": ("vorticity", r"$\omega$", "viridis"),
     "gradAlpha": ("gradient of the packing", r"$\nabla\alpha$", "viridis"),
     "Kn": ("Knudsen number", "Kn", "magma"),
-    "limited": ("limited faces", "limited", "magma"),
+    "limited": ("limited faces", "limited faces", "magma"),
 }
 SIGNED = "RdBu_r"  # for values of both signs
 PAPER = {"mass": "", "length": "cm", "time": "s"}

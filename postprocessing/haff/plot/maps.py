@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from haff.plot import figures, quantity
 from haff.plot.contours import to_walls
 from haff.plot.quantity import CannotDraw
-from haff.plot.scale import STRIP, Scale, arrange, bar, new, own_bar, span_of
+from haff.plot.scale import STRIP, Scale, arrange, bar, common, new, own_bar
 from haff.plot.space import text
 from haff.plot.wish import at_time, chosen_times, spread, title
 
@@ -122,8 +122,4 @@ def plane(cut):
 
 def common_span(case, times, word, wish):
     """The range of a field over all times."""
-    low, high = np.inf, -np.inf
-    for time in times:
-        some = span_of(quantity.read(case, word, time, wish.component).values, wish, positive=wish.log)
-        low, high = min(low, some[0]), max(high, some[1])
-    return low, high
+    return common((quantity.read(case, word, time, wish.component).values for time in times), wish)

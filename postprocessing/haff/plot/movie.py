@@ -16,7 +16,7 @@ import sys
 import tempfile
 
 from haff.plot import figures, options, picture, quantity
-from haff.plot.scale import span_of
+from haff.plot.scale import common
 from haff.plot.wish import times_with_results
 
 FORMATS = (".mp4", ".gif")
@@ -72,11 +72,7 @@ def readable(case, wish, time):
 
 def span(space, wish, times):
     """The range of what is filmed over all times."""
-    low, high = float("inf"), -float("inf")
-    for time in times:
-        some = span_of(picture.filmed(space, wish, time), wish, positive=wish.log)
-        low, high = min(low, some[0]), max(high, some[1])
-    return low, high
+    return common((picture.filmed(space, wish, time) for time in times), wish)
 
 
 def write(paths, path, fps):

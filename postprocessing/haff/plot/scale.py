@@ -31,6 +31,16 @@ def span_of(values, wish, positive=False):
     return low, high
 
 
+def common(several, wish):
+    """The ends of the colours of several fields, or of one at several times. A uniform one, as a start at rest, asks for its value and no room."""
+    low, high = np.inf, -np.inf
+    for values in several:
+        ends = quantity.limits(values)
+        some = ends if ends[0] == ends[1] and not wish.log else span_of(values, wish, positive=wish.log)
+        low, high = min(low, some[0]), max(high, some[1])
+    return (low, high) if high > low else span_of(np.array([low, high]), wish, positive=wish.log)
+
+
 class Scale:
     """Colours of values: norm, map, and whether values lie beyond its ends."""
 

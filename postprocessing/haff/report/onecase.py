@@ -29,6 +29,7 @@ class Report:
         case = self.case
         there = times_with_results(case)
         self.painter = self.painter or Painter(case)
+        self.painter.begin()
         self.story = story_of(case)
         self.facts = facts.Facts(case, there[-1])
         page = Page(os.path.basename(os.path.abspath(case.path)), unit=case.units["time"], every=every)
@@ -66,7 +67,8 @@ class Report:
             found.append(("grains", f"{len(grains.places(self.case, there[-1])):,}", ""))
         for name in log.DRIFTS:
             if story and log.there(story, name):
-                found.append((f"{log.TEXTS[name]}, change", f"{100 * story.latest(name):.3g} %", ""))
+                share = story.latest(name)
+                found.append((f"{log.TEXTS[name]}, change", f"{100 * share:.3g} %" if share == 0 or abs(share) > 1e-4 else f"{share:.1e}", ""))
         n = sum(count for kind, _, count in self.facts.warnings() if kind == "warning")
         if self.facts.log:
             found.append(("warnings of the log", str(n), "stopped" if n else ""))

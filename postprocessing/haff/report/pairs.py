@@ -6,6 +6,7 @@ import numpy as np
 
 from haff.plot import log, quantity
 from haff.plot.quantity import GRAINS
+from haff.plot.scale import common
 from haff.plot.wish import Wish, spread, times_with_results
 from haff.report import facts, profiles, running
 from haff.report.charts import joined, numbers, overlay
@@ -77,10 +78,8 @@ class Report:
 
     def span(self, name):
         """The range of a field over both cases and all times."""
-        ends = [quantity.limits(quantity.read(case, name, t).values) for k, case in enumerate(self.cases) for t in (p[k] for p in self.pairs)
-                if name in quantity.fields(case, t) and self.painters[k].readable(Wish(fields=[name]), t)]
-        low, high = min(e[0] for e in ends), max(e[1] for e in ends)
-        return (low, high) if high > low else None
+        there = ((case, p[k]) for k, case in enumerate(self.cases) for p in self.pairs if self.painters[k].readable(Wish(fields=[name]), p[k]))
+        return common((quantity.read(case, name, time).values for case, time in there), Wish())
 
     def fields(self, page):
         films = []
@@ -107,7 +106,8 @@ class Report:
         at = running.time_axis(units)
         shown = table(["field", "mean", "root mean square", "largest", "range", "mean / range", "covered"], lines, f"Differences at {at} = {last:.6g}")
         of = {n: rows["field"] == n for n in found.fields}
-        curve = overlay("Mean difference over the range", [(symbol(n), rows["time"][some], rows["relative"][some]) for n, some in of.items()], across=at, y="mean / range")
+        curves = [(symbol(n), rows["time"][some], rows["relative"][some]) for n, some in of.items()]
+        curve = overlay("Mean difference over the range", curves, across=at, y="mean / range")
         return shown + (page.grid(page.chart(curve)) if curve else "")
 
     def profiles(self):

@@ -47,7 +47,11 @@ class Painter:
     def __init__(self, case):
         self.case = case
         self.space = Space(case)
-        self.kept, self.places = {}, {}
+        self.kept, self.before, self.places = {}, {}, {}
+
+    def begin(self):
+        """A new page begins: what the one before showed may be shown again, what it did not is forgotten."""
+        self.kept, self.before = {}, self.kept
 
     def film(self, name, times, wish=None):
         """The Film of a field, or of grains, at those of the times that can be drawn; None without any."""
@@ -75,6 +79,8 @@ class Painter:
     def shot(self, wish):
         """The Shot that a wish asks for; None where the time cannot be drawn."""
         key = (wish.time, tuple(wish.fields), wish.span, wish.cut)
+        if key in self.before:
+            self.kept[key] = self.before[key]
         if key not in self.kept:
             try:
                 values = picture.filmed(self.space, wish, wish.time)

@@ -8,7 +8,7 @@ import numpy as np
 import haff
 from haff.plot import log, quantity
 from haff.plot.quantity import GRAINS, CannotDraw
-from haff.plot.scale import span_of
+from haff.plot.scale import common
 from haff.plot.wish import Wish, times_with_results
 from haff.report import running
 from haff.report.charts import chart, overlay
@@ -110,23 +110,22 @@ def summary(sweep):
 def pictures(cases):
     """The Shot of each case at its last time: grains, or the first of the main fields in one range of colours; None where there is none."""
     last = [case and times_with_results(case)[-1] for case in cases]
-    wishes, low, high = [], np.inf, -np.inf
+    wishes, values = [], []
     for case, time in zip(cases, last):
         name = None
         try:
             name = case and (GRAINS if quantity.has_grains(case, time) else quantity.main_fields(case, time)[0])
             if name and name != GRAINS:
-                ends = span_of(quantity.read(case, name, time).values, Wish())
-                low, high = min(low, ends[0]), max(high, ends[1])
+                values.append(quantity.read(case, name, time).values)
         except LOST:
             name = None
         wishes.append(name)
-    shots = []
+    shots, span = [], common(values, Wish()) if values else None
     for case, time, name in zip(cases, last, wishes):
         if not name or sum(s is not None for s in shots) >= MOST_PICTURES:
             shots.append(None)
             continue
-        film = Painter(case).film(name, [time], None if name == GRAINS else Wish(span=(low, high)))
+        film = Painter(case).film(name, [time], None if name == GRAINS else Wish(span=span))
         shots.append(film.shots[-1] if film else None)
     return shots
 

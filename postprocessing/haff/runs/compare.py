@@ -49,8 +49,7 @@ class Comparison:
 
     def values(self, name, time=None):
         """Centres [n][3] of the cells in which both have values, and the values of both there: [n], or [n][components]."""
-        k = len(self.times) - 1 if time is None else int(np.argmin(np.abs(np.array(self.times) - float(time))))
-        one, other = self._both(k, name)
+        one, other = self._both(index(self, time), name)
         cells = np.flatnonzero(present(one) & present(other))
         return self.case.centres[cells], one[cells], other[cells]
 
@@ -265,17 +264,23 @@ def draw(found, path, fields, time):
         figure = lines(found, figures, fields, time, (axes or [0])[0])
     else:
         figure = maps(found, figures, fields, time, plane(found.case, axes))
+    figure.suptitle(figures.with_time(found.times[index(found, time)], found.case.units), fontsize=9)
     kind = os.path.splitext(path)[1].lstrip(".") or "png"
     figure.savefig(path, format=kind)
     figures.plt.close(figure)
 
 
 def both_sizes(found, name, time):
-    """Values of the two on all cells [cells], of vectors the lengths; and what they are called."""
-    k = len(found.times) - 1 if time is None else int(np.argmin(np.abs(np.array(found.times) - float(time))))
-    one, other = found._both(k, name)
-    length = one.ndim > 1
-    return (size(one), size(other), f"|{name}|") if length else (one, other, name)
+    """Values of the two on all cells [cells], of vectors the lengths; and what they are called, with the unit."""
+    one, other = found._both(index(found, time), name)
+    length, measured = one.ndim > 1, found._cases[0].unit(name, found._pairs[index(found, time)][0])
+    title = (f"|{name}|" if length else name) + (f" ({measured})" if measured else "")
+    return (size(one), size(other), title) if length else (one, other, title)
+
+
+def index(found, time):
+    """Of the time nearest to a number; None: of the last."""
+    return len(found.times) - 1 if time is None else int(np.argmin(np.abs(np.array(found.times) - float(time))))
 
 
 def lines(found, figures, fields, time, axis):
@@ -286,7 +291,7 @@ def lines(found, figures, fields, time, axis):
         one, other, title = both_sizes(found, name, time)
         ax.plot(x[order], one[order], label=found.names[0])
         ax.plot(x[order], other[order], "--", label=found.names[1])
-        ax.set_xlabel("xyz"[axis])
+        ax.set_xlabel(figures.with_unit(f"${'xyz'[axis]}$", (0, 1, 0), found.case.units))
         ax.set_ylabel(title)
     panels[0][0].legend()
     return figure
@@ -300,7 +305,7 @@ def plane(case, axes):
         if not empty:
             raise ValueError(f"{case.path}: a mesh in three dimensions that is no lattice is not drawn here; haffPlot cuts it")
         patch = one_side(case.mesh, empty)
-        return lambda ax, values, clim, colours: cellmap.draw(ax, case, values, patch, colours=colours, span=clim, unit="m")
+        return lambda ax, values, clim, colours: cellmap.draw(ax, case, values, patch, colours=colours, span=clim, unit=case.units["length"])
     lattice = case.lattice()
     across = min((a for a in range(3) if a not in axes[:2]), default=2)
 
@@ -308,7 +313,7 @@ def plane(case, axes):
         cells = np.take(lattice.raster(values), lattice.shape[across] // 2, axis=2 - across)
         u, v = (a for a in range(3) if a != across)
         tint = ax.pcolormesh(lattice.edges[u], lattice.edges[v], cells, vmin=clim[0], vmax=clim[1], cmap=colours, rasterized=True)
-        ax.set(aspect="equal", xlabel="xyz"[u], ylabel="xyz"[v])
+        ax.set(aspect="equal", **{f"{side}label": f"${'xyz'[k]}$ ({case.units['length']})" for side, k in (("x", u), ("y", v))})
         return tint
 
     return draw_lattice

@@ -162,6 +162,14 @@ class Maps(Pictures):
         with self.assertRaisesRegex(CannotDraw, "-log needs values above 0"):
             self.draw(fields=["T"], log=True, span=(-1.0, 1.0))
 
+    def test_times_of_which_one_is_uniform(self):
+        """The colours of all times begin at a start at rest, not below it: a speed is not of both signs."""
+        at = cases.box(self.path, (9, 7, 1), (0.9, 0.7, 0.1))
+        cases.fields(self.path, "0", U=np.zeros_like(at))
+        cases.fields(self.path, "1", U=at)
+        mesh = the(QuadMesh, pictures(self.draw(fields=["U"], time="all"))[0])
+        self.assertEqual((mesh.cmap.name, mesh.norm.vmin), ("cividis", 0))
+
     def test_one_cell_does_not_rule_the_colours(self):
         at = cases.box(self.path, (40, 40, 1), (1, 1, 0.1))
         values = at[:, 0].copy()

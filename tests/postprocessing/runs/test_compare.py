@@ -126,6 +126,17 @@ class Compared(unittest.TestCase):
         with self.assertRaises(FileNotFoundError):
             haff.compare(a, os.path.join(self.folder, "nowhere"))
 
+    def test_the_figure_has_time_and_units(self):
+        found = haff.compare(self.box("a", (4, 3, 1), {"T": np.zeros(12)}), self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)}))
+        with unittest.mock.patch("haff.plot.figures.plt.close"):
+            found.draw(os.path.join(self.folder, "f.png"))
+            from haff.plot.figures import plt
+            figure = plt.gcf()
+        plt.close("all")
+        self.assertIn(" s", figure._suptitle.get_text())
+        self.assertEqual([ax.get_title() for ax in figure.axes[:3]], ["T (m^2/s^2), a", "T (m^2/s^2), b", "T (m^2/s^2), difference"])
+        self.assertEqual(figure.axes[0].get_xlabel(), "$x$ (m)")
+
     def test_table(self):
         found = haff.compare(self.box("a", (4, 3, 1), {"T": np.zeros(12)}), self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)}))
         self.assertEqual(float(found.table["L1"][0]), found.columns["L1"][0])

@@ -84,6 +84,8 @@ class NewCase(harness.Folder, unittest.TestCase):
         env = {k: v for k, v in os.environ.items() if not k.startswith(("HAFF", "PYTHON"))}
         done = subprocess.run([os.path.join(case, "Allrun")], capture_output=True, text=True, env={**env, "PATH": f"{harness.BIN}:/usr/bin:/bin"}, cwd="/")
         self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
+        self.assertRegex(done.stdout, r"(?m)^The report is /.*/postProcessing/report\.html$")
+        self.assertTrue(os.path.exists(os.path.join(case, "postProcessing", "report.html")))
         made = harness.haff.Case(case)
         self.assertAlmostEqual(float(made.times[-1]), end, delta=1e-6 * end)
         return made
