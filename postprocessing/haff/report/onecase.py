@@ -71,7 +71,7 @@ class Report:
                 found.append((f"{log.TEXTS[name]}, change", f"{100 * share:.3g} %" if share == 0 or abs(share) > 1e-4 else f"{share:.1e}", ""))
         n = sum(count for kind, _, count in self.facts.warnings() if kind == "warning")
         if self.facts.log:
-            found.append(("warnings of the log", str(n), "stopped" if n else ""))
+            found.append(("warnings", str(n), "stopped" if n else ""))
         return tiles(found)
 
     def warnings(self):
