@@ -12,6 +12,7 @@ import unittest
 from tests.cases import harness, runs
 from tests.install import outside
 from tests.install.outside import BUILD, COMMANDS, MODULE, PROGRAMS, call
+from tests.postprocessing.report import made
 from tests.postprocessing.runs.test_run import tube
 
 # Runs the case of its argument on two ranks and says where all lies; its error has file and line.
@@ -40,6 +41,15 @@ class Commands:
             with self.subTest(name):
                 self.assertTrue(os.access(os.path.join(self.bin, name), os.X_OK))
                 self.assertIn(f"usage: {name}", call(os.path.join(self.bin, name), "-help", cwd=self.folder))
+
+    def test_report(self):
+        """The page has all that it needs: its look, its script, the library of plots."""
+        case = made.gas(os.path.join(self.folder, "reported"))
+        path = call(os.path.join(self.bin, "haff"), "report", case, cwd=self.folder).strip()
+        with open(path, encoding="utf-8") as f:
+            text = f.read()
+        for part in ("uPlot=function", ".timebar {", 'getElementById("timebar")', "The MIT License"):
+            self.assertIn(part, text)
 
 
 def options_of(folder, program):

@@ -7,10 +7,10 @@ import numpy as np
 from haff.case import grains
 from haff.plot import log, quantity, runlog
 from haff.plot.quantity import GRAINS, CannotDraw
-from haff.plot.wish import Wish, spread, times_with_results
+from haff.plot.wish import Wish, times_with_results
 from haff.report import facts, profiles, running
 from haff.report.page import Page
-from haff.report.pictures import LOST, Film, Painter
+from haff.report.pictures import LOST, Film, Painter, some_of
 from haff.report.words import ESCAPE, rows, symbol, table, tag, tiles, unfold
 
 FRAMES, WORK = 12, 6_000_000  # written times in a film, where nothing is asked for, and cells or grains in all pictures of it
@@ -35,7 +35,7 @@ class Report:
         page = Page(os.path.basename(os.path.abspath(case.path)), unit=case.units["time"], every=every)
         page.lead = self.lead()
         page.add("summary", "Summary", self.tiles(there), self.warnings())
-        page.times = spread(there, self.frames or self.worth(there[-1]))
+        page.times = some_of(there, self.frames or self.worth(there[-1]))
         self.pictures(page, there[-1])
         page.add("profiles", "Profiles", page.grid(*(page.chart(c) for c in profiles.of_case(self.painter.space, self.names(there[-1]), page.times))))
         if self.story:
@@ -58,7 +58,7 @@ class Report:
         found = []
         if story:
             state = "ended" if story.ended else "running" if story.running() else "stopped"
-            found += [("the run", state, state), (f"time ({unit})" if unit else "time", f"{story.last:.6g} of {story.end_time:.6g}", ""),
+            found += [("the run", state, state), (f"time ({unit})" if unit else "time", f"{story.last:.6g}" + ("" if story.ended else f" of {story.end_time:.6g}"), ""),
                       ("steps", f"{int(story.rows['step'][-1]):,}", ""), ("clock", log.duration(spent(story)), "")]
         else:
             found.append((f"last time ({unit})" if unit else "last time", there[-1], ""))
@@ -139,7 +139,7 @@ class Report:
             elif not column:
                 others.append(self.painter.film(name, [last]))
         films, others = [f for f in films if f], [f for f in others if f]
-        kind = "tall" if films and np.median([f.shots[-1].size[0] / f.shots[-1].size[1] for f in films]) < 1.1 else ""
+        kind = "tall" if films and np.median([f.shots[-1].size[0] / f.shots[-1].size[1] for f in films]) < 0.85 else ""
         told = ", ".join(f"{n} = {value_of(self.case, n, last)}" for n in uniform)
         flat = tag("p", f"Uniform at the last time: {ESCAPE(told)}.", class_="quiet") if uniform else ""
         page.add("fields", "Fields", page.grid(*(page.film(f) for f in films), kind=kind),
@@ -148,7 +148,7 @@ class Report:
     def times_of_film(self, times, k):
         if self.painter.space.dim < 3:
             return times
-        return spread(times, self.frames or SOLID_FRAMES) if k == 0 else times[-1:]
+        return some_of(times, self.frames or SOLID_FRAMES) if k == 0 else times[-1:]
 
     def functions(self, page):
         charts = [{**c, "title": f"{name}: {c['title']}"} for name, found in running.of_functions(self.case).items() for c in found]

@@ -7,12 +7,12 @@ import numpy as np
 from haff.plot import log, quantity
 from haff.plot.quantity import GRAINS
 from haff.plot.scale import common
-from haff.plot.wish import Wish, spread, times_with_results
+from haff.plot.wish import Wish, times_with_results
 from haff.report import facts, profiles, running
 from haff.report.charts import joined, numbers, overlay
 from haff.report.onecase import FRAMES, spent, story_of
 from haff.report.page import Page
-from haff.report.pictures import Painter
+from haff.report.pictures import Painter, some_of
 from haff.report.words import ESCAPE, symbol, table, tag, with_unit
 from haff.runs import compare
 
@@ -33,7 +33,7 @@ class Report:
         self.names = compare.labels(*(case.path for case in self.cases))
         self.painters = [Painter(case) for case in self.cases]
         pairs = compare.common_times(*self.cases)
-        self.pairs = [pairs[int(k)] for k in spread([str(k) for k in range(len(pairs))], self.frames or FRAMES)]
+        self.pairs = [pairs[int(k)] for k in some_of([str(k) for k in range(len(pairs))], self.frames or FRAMES)]
         page = Page(" and ".join(self.names), unit=self.cases[0].units["time"], every=every)
         page.times = [a for a, _ in self.pairs]
         page.add("summary", "Summary", self.summary())

@@ -11,16 +11,18 @@ import dataclasses
 import io
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 import haff
 from haff.plot import figures, movie, picture, quantity
 from haff.plot.quantity import GRAINS, CannotDraw
 from haff.plot.space import Space
-from haff.plot.wish import Wish
+from haff.plot.wish import Wish, spread
 from haff.report import words
 
 PIXELS_PER_INCH = 150
-SHRUNK = 0.72  # of the size of haffPlot's figures: letters are read on a page where a picture is a hand wide
+SHRUNK, SOLID = 0.72, 0.9  # of the size of haffPlot's figures: letters are read on a page where a picture is a hand wide; of several views
+NARROW = 4.5  # inches: less room for numbers along x
 QUALITY = 82  # of webp
 LOST = (CannotDraw, haff.FormatError, OSError, ValueError)  # what a time that is being written may lead to
 
@@ -39,6 +41,11 @@ class Film:
     """The shots of a field, ascending in time; a single one is a picture of the last time."""
     title: str
     shots: list
+
+
+def some_of(times, count):
+    """At most so many times, evenly; a single one is the last."""
+    return list(times[-1:]) if count == 1 else spread(times, count)
 
 
 class Painter:
@@ -109,11 +116,16 @@ def drawn(figure, places=None):
     from PIL import Image
     try:
         figure.set_dpi(PIXELS_PER_INCH)
-        figure.set_size_inches(SHRUNK * figure.get_size_inches())
+        figure.set_size_inches((SHRUNK if len(figure.axes) < 3 else SOLID) * figure.get_size_inches())
+        for ax in figure.axes:
+            if figure.get_figwidth() < NARROW and isinstance(ax.xaxis.get_major_locator(), MaxNLocator):
+                ax.xaxis.get_major_locator().set_params(nbins=4)
         if places:
             figure.set_layout_engine("none")
             for ax, place in zip(figure.axes, places):
                 ax.set_position(place)
+        else:
+            figure.canvas.draw()  # the layout is right the second time: colour bars follow the picture
         figure.canvas.draw()
         image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
         return image, [ax.get_position(original=True) for ax in figure.axes]

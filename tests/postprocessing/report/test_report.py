@@ -88,7 +88,8 @@ class Reports(harness.Folder, unittest.TestCase):
         path = made.gas(self.place(), (250, 200, 1), ("0", "1"))
         text = self.page(path, "-frames", "1")
         self.assertLess(len(text), 1_000_000)
-        self.assertEqual(data(text)["films"], [])
+        self.assertEqual((data(text)["films"], data(text)["times"]), ([], ["1"]))
+        self.assertRegex(text, 'alt="packing fraction α at t = 1 s')
 
     def test_one_dimension(self):
         """The picture has profiles at several times; the plot those of all times, for the slider."""
