@@ -542,8 +542,10 @@ static status read_header_entry(struct lexer *l, const struct token *key, struct
     } else if (token_is(key, "arch")) {
         TRY(read_arch(l, &value, h));
     } else if (token_is(key, "class")) {
+        h->class_line = value.line;
         TRY(copy_text(l, &value, h->class_name, sizeof h->class_name, "class"));
     } else if (token_is(key, "object")) {
+        h->object_line = value.line;
         TRY(copy_text(l, &value, h->object, sizeof h->object, "object"));
     } else if (token_is(key, "location")) {
         TRY(copy_text(l, &value, h->location, sizeof h->location, "location"));

@@ -73,6 +73,7 @@ struct foam_header {
     int label_bytes;  /* 4 or 8 */
     int scalar_bytes; /* 4 or 8 */
     char class_name[64], object[64], location[256], note[256];
+    int class_line, object_line;
 };
 /* Reads `FoamFile { ... }` if it is there (present = false, ascii if not). */
 status foam_header_read(struct lexer *l, struct foam_header *h);

@@ -189,9 +189,11 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
-    TRY(warn_header(&s->warnings, s->control->dict));
+    TRY(warn_header(&s->warnings, s->control->dict, "dictionary"));
     TRY(warn_passed(&s->warnings, s->control->dict));
-    for (int i = 0; i < s->nfiles; i++) TRY(warn_header(&s->warnings, s->file[i].dict));
+    for (int i = 0; i < s->nfiles; i++)
+        TRY(warn_header(&s->warnings, s->file[i].dict,
+                        strcmp(s->file[i].name, "g") ? "dictionary" : "uniformDimensionedVectorField"));
     TRY(version_warn(s));
     return type->check_control ? type->check_control(s->medium, s->control) : OK;
 }
@@ -236,7 +238,7 @@ status case_read(const char *dir, const struct medium_type *type, struct reading
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "case"));
     s->comm = c;
-    s->warnings = (struct warnings){.strict = how.strict, .silent = !comm_root(c)};
+    s->warnings = (struct warnings){.strict = how.strict, .silent = !comm_root(c), .cures = how.cures};
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);
     status e = comm_agree(c, folder_mark(dir, &s->mark));

@@ -46,8 +46,9 @@ struct setup { /* the same on every rank, but for the grid */
     struct instant start;
 };
 struct reading {
-    bool strict; /* are warnings errors? */
-    bool afresh; /* does the run start from 0.orig, whatever startFrom says? */
+    bool strict;         /* are warnings errors? */
+    bool afresh;         /* does the run start from 0.orig, whatever startFrom says? */
+    struct cures *cures; /* gets those of the warnings; NULL: nobody asks */
 };
 /* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
 status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,

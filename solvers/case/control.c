@@ -43,7 +43,8 @@ const struct param control_table[] = {
     NUMBER("maxCo", max_co, 1, FROM_TO(1e-6, 6), NO_UNIT, "largest Courant number; timeScheme says what it allows"),
     NUMBER("deltaT", delta_t, USUALLY(HUGE_VAL, "required with adjustTimeStep no"), POSITIVE, UNIT(0, 0, 1),
            "of all steps with adjustTimeStep no, else the longest that the first may be"),
-    NUMBER("maxDeltaT", max_delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1), "largest time step"),
+    NUMBER("maxDeltaT", max_delta_t, HUGE_VAL, POSITIVE, UNIT(0, 0, 1),
+           "largest time step; with adjustTimeStep no it does not count"),
     NUMBER("minDeltaT", min_delta_t, 0, FROM_TO(0, HUGE_VAL), UNIT(0, 0, 1),
            "a smaller step than this (not one that hits a write time) ends the run"),
     WHOLE("purgeWrite", purge, 0, FROM_TO(0, 1e9), "written times to keep (0: all)"),
@@ -174,7 +175,7 @@ static status together(struct dict *d, const struct control *c) {
         return dict_fail(d, "adjustTimeStep", "then the time step must be given: add  deltaT <seconds>;");
     if (c->start_from == START_TIME && dict_has(d, "endTime") && c->end_time < c->start_time)
         return dict_fail(d, "endTime", "it lies before startTime %g", c->start_time);
-    if (c->min_delta_t > c->max_delta_t)
+    if (c->adjust && c->min_delta_t > c->max_delta_t)
         return dict_fail(d, "minDeltaT", "it is greater than maxDeltaT %g", c->max_delta_t);
     return OK;
 }
@@ -326,7 +327,7 @@ double control_step(const struct control *c, double t, long step, double stable,
         dt = stable;
         *limit = DT_STABLE;
     }
-    if (c->max_delta_t < dt) {
+    if (c->adjust && c->max_delta_t < dt) {
         dt = c->max_delta_t;
         *limit = DT_MAXIMUM;
     }

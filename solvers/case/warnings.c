@@ -10,12 +10,15 @@
 #include <string.h>
 
 const char *const warning_names[WARNINGS] = {
-    [WARN_HEADER] = "noHeader",        [WARN_UNEVALUATED] = "unevaluated", [WARN_SCHEME] = "unusedScheme",
-    [WARN_NARROW] = "narrowCell",      [WARN_GRAIN_SIZE] = "largeGrains",  [WARN_FEW_GRAINS] = "fewGrains",
-    [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature", [WARN_SHAPE] = "otherShape",
-    [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",       [WARN_FRICTION] = "noFriction",
-    [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",    [WARN_OLD_MESH] = "oldMesh",
-    [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",        [WARN_DAMPED] = "dampedSound",
+    [WARN_HEADER] = "noHeader",        [WARN_UNEVALUATED] = "unevaluated",  [WARN_SCHEME] = "unusedScheme",
+    [WARN_NARROW] = "narrowCell",      [WARN_GRAIN_SIZE] = "largeGrains",   [WARN_FEW_GRAINS] = "fewGrains",
+    [WARN_RAREFIED] = "rarefied",      [WARN_TEMPERATURE] = "temperature",  [WARN_SHAPE] = "otherShape",
+    [WARN_LONG_STEP] = "longTimeStep", [WARN_COLLAPSE] = "collapse",        [WARN_FRICTION] = "noFriction",
+    [WARN_PICTURE] = "noPicture",      [WARN_VERSION] = "olderVersion",     [WARN_OLD_MESH] = "oldMesh",
+    [WARN_IDLE] = "idleRanks",         [WARN_OUTSIDE] = "openSide",         [WARN_DAMPED] = "dampedSound",
+    [WARN_UNREAD] = "unreadFile",      [WARN_WRONG_HEADER] = "wrongHeader", [WARN_UPWARDS] = "upwardGravity",
+    [WARN_SHAKING] = "faintShaking",   [WARN_ELASTIC] = "elasticGrains",    [WARN_DENSITY] = "heavyGrains",
+    [WARN_FIXED_STEP] = "fixedStep",   [WARN_MANY_STEPS] = "manySteps",     [WARN_NOTHING_WRITTEN] = "nothingWritten",
     [WARN_PASSED] = "passedOver",      [WARN_BESIDE] = "newerStart",
 };
 
@@ -40,6 +43,15 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_PASSED] = "a function object that is OpenFOAM's, by #includeFunc, is passed over",
     [WARN_BESIDE] = "the start is a 0 that no run wrote, as mapFields or setFields make it",
     [WARN_PICTURE] = "a picture of function object image could not be made",
+    [WARN_UNREAD] = "nothing reads a file in constant, system or the folder of the start",
+    [WARN_WRONG_HEADER] = "the FoamFile header names another class, or another object, than that of the file",
+    [WARN_UPWARDS] = "gravity points upwards: along the last solved axis, in two or three dimensions",
+    [WARN_SHAKING] = "a plate is shaken so faintly that the layer never leaves it, or that a grain does not notice it",
+    [WARN_ELASTIC] = "restitution is below 1, but cooling none or a high thresholdSpeed makes impacts elastic",
+    [WARN_DENSITY] = "a grain is denser than any metal, or lighter than air; mass 1 counts grains and is fine",
+    [WARN_FIXED_STEP] = "maxDeltaT is below deltaT with adjustTimeStep no, where it does not count",
+    [WARN_MANY_STEPS] = "there are more than 1e7 steps to endTime",
+    [WARN_NOTHING_WRITTEN] = "no time is written before endTime",
 };
 
 status warn(struct warnings *w, enum warning id, const char *format, ...) {
@@ -58,12 +70,43 @@ status warn(struct warnings *w, enum warning id, const char *format, ...) {
     return OK;
 }
 
-status warn_header(struct warnings *w, const struct dict *d) {
-    if (!d || dict_header(d)->present) return OK;
-    return warn(w, WARN_HEADER,
-                "%s:1: the file has no FoamFile { .. } header, without which OpenFOAM's programs and ParaView cannot "
-                "read the case",
-                dict_path(d));
+void warn_cure(struct warnings *w, enum warning id, enum cure_kind kind, const char *path, int line, const char *from,
+               const char *to) {
+    if (!w->cures || w->accepted[id] || w->cures->n == MOST_CURES) return;
+    struct cure *c = &w->cures->cure[w->cures->n++];
+    *c = (struct cure){.kind = kind, .line = line};
+    snprintf(c->path, sizeof c->path, "%s", path);
+    snprintf(c->from, sizeof c->from, "%s", from);
+    snprintf(c->to, sizeof c->to, "%s", to ? to : "");
+}
+
+/* Warns of a word of the header that is given, and is not `right`. */
+static status check_word(struct warnings *w, const struct dict *d, const char *key, const char *given, int line,
+                         const char *right) {
+    if (!*given || !strcmp(given, right)) return OK;
+    warn_cure(w, WARN_WRONG_HEADER, CURE_VALUE, dict_path(d), line, key, right);
+    return warn(w, WARN_WRONG_HEADER,
+                "%s:%d: FoamFile: %s is %s, but the file is of %s %s: OpenFOAM's programs take it for another one; "
+                "write  %s %s;",
+                dict_path(d), line, key, given, key, right, key, right);
+}
+
+status warn_header(struct warnings *w, const struct dict *d, const char *class_name) {
+    char name[256];
+    if (!d) return OK;
+    const struct foam_header *h = dict_header(d);
+    const char *slash = strrchr(dict_path(d), '/');
+    if (!h->present)
+        return warn(w, WARN_HEADER,
+                    "%s:1: the file has no FoamFile { .. } header, without which OpenFOAM's programs and ParaView "
+                    "cannot read the case",
+                    dict_path(d));
+    if (dict_is_outside(d)) return OK;
+    snprintf(name, sizeof name, "%s", slash ? slash + 1 : dict_path(d));
+    const size_t length = strlen(name);
+    if (length > 3 && !strcmp(name + length - 3, ".gz")) name[length - 3] = 0;
+    TRY(check_word(w, d, "class", h->class_name, h->class_line, class_name));
+    return check_word(w, d, "object", h->object, h->object_line, name);
 }
 
 status warn_passed(struct warnings *w, const struct dict *d) {
@@ -78,7 +121,7 @@ status warn_passed(struct warnings *w, const struct dict *d) {
 
 status warn_field(struct warnings *w, const struct field *f, bool original) {
     if (!f) return OK;
-    TRY(warn_header(w, f->dict));
+    TRY(warn_header(w, f->dict, f->kind->components == 3 ? "volVectorField" : "volScalarField"));
     if (original || !(f->plan.changes || dict_has(f->dict, "expression"))) return OK;
     return warn(
         w, WARN_UNEVALUATED,

@@ -29,20 +29,52 @@ enum warning {
     WARN_OUTSIDE,
     WARN_PASSED,
     WARN_BESIDE,
+    WARN_UNREAD,
+    WARN_WRONG_HEADER,
+    WARN_UPWARDS,
+    WARN_SHAKING,
+    WARN_ELASTIC,
+    WARN_DENSITY,
+    WARN_FIXED_STEP,
+    WARN_MANY_STEPS,
+    WARN_NOTHING_WRITTEN,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];
 extern const char *const warning_meanings[WARNINGS]; /* for the reference of all keywords */
+
+/* A change of the case's files that cures a mistake for certain: `checkCase -fix` shows and makes it. */
+enum cure_kind {
+    CURE_WORD,  /* in the line, the word `from` becomes `to` */
+    CURE_VALUE, /* in the line, the key `from` gets the value `to` */
+    CURE_ENTRY, /* in the line, the entry of the key `from` goes */
+    CURE_FILE   /* the file becomes `to`, another path */
+};
+struct cure {
+    enum cure_kind kind;
+    char path[1024];
+    int line;
+    char from[128], to[1024];
+};
+enum { MOST_CURES = 64 };
+struct cures {
+    int n;
+    struct cure cure[MOST_CURES];
+};
 
 struct warnings {
     bool strict;          /* is a warning that is not accepted an error? */
     bool silent;          /* does another rank print? */
     const bool *accepted; /* [WARNINGS] those that controlDict accepts; borrowed */
     bool said[WARNINGS];  /* was it said without being accepted? */
+    struct cures *cures;  /* gets the cures; NULL: nobody asks */
 };
 /* Prints "warning: FILE:LINE: .. [NAME]", or "accepted warning: ..": `format` begins with the place. Fails if the
  * warning is an error. Every rank calls this alike. */
 status warn(struct warnings *w, enum warning id, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Notes the cure of a warning, unless that is accepted or nobody asks. `to` may be NULL with CURE_ENTRY. */
+void warn_cure(struct warnings *w, enum warning id, enum cure_kind kind, const char *path, int line, const char *from,
+               const char *to);
 /* Returns how many kinds of warnings were said without being accepted, and lists their names. */
 int warnings_said(const struct warnings *w, char *names, size_t room);
 
@@ -50,6 +82,9 @@ struct dict;
 struct field;
 status warn_header(struct warnings *w, const struct dict *d); /* of a file without a FoamFile header; d may be NULL */
 status warn_passed(struct warnings *w, const struct dict *d); /* of function objects that were passed over */
+/* Warns of a file (NULL: none) without a FoamFile header, or with one that names another class than `class_name` or
+ * another object than the file. */
+status warn_header(struct warnings *w, const struct dict *d, const char *class_name);
 /* Warns of a field (NULL: none) that only these programs can read: without header, or by an expression and not in
  * 0.orig, which `original` says. */
 status warn_field(struct warnings *w, const struct field *f, bool original);

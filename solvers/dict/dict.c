@@ -251,6 +251,11 @@ bool dict_is_foreign(const struct dict *d, const char *key) {
     return e && entry_is_foreign(e);
 }
 
+bool dict_is_outside(const struct dict *d) {
+    const struct document *all = d->document;
+    return all->sources && all->source[0]->foreign;
+}
+
 const struct foam_header *dict_header(const struct dict *d) {
     return &d->document->header;
 }
@@ -268,8 +273,8 @@ const char *dict_key(const struct dict *d, int i) {
 
 /* ---- names ---- */
 
-/* Returns Levenshtein's distance of words of at most 63 characters. */
-static int distance(const char *a, const char *b) {
+/* Levenshtein's, of words of at most 63 characters; 64 of longer ones. */
+int name_distance(const char *a, const char *b) {
     int row[64], n = (int)strlen(a), m = (int)strlen(b);
     if (n > 63 || m > 63) return 64;
     for (int j = 0; j <= m; j++) row[j] = j;
@@ -291,7 +296,7 @@ const char *nearest_name(const char *word, const char *const *names, int count) 
     const char *best = NULL;
     int least = 4, length = (int)strlen(word);
     for (int i = 0; i < count; i++) {
-        int d = distance(word, names[i]), shorter = (int)strlen(names[i]);
+        int d = name_distance(word, names[i]), shorter = (int)strlen(names[i]);
         if (length < shorter) shorter = length;
         if (d < least && 2 * d <= shorter) {
             least = d;

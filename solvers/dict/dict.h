@@ -34,6 +34,7 @@ int dict_line(const struct dict *d, const char *key);
 /* Does the value come, by a link, from a file outside of the case? Then messages do not show it; dict_fail heeds that.
  */
 bool dict_is_foreign(const struct dict *d, const char *key);
+bool dict_is_outside(const struct dict *d); /* does the file itself? */
 
 /* Returns an error for a value: "FILE:LINE: key 'x' is VALUE; <format...>". */
 status dict_fail(const struct dict *d, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -96,5 +97,6 @@ char *dict_print(const struct dict *d);
 /* Returns the name nearest to `word` (edit distance at most 3 and at most half of the shorter one) for "did you mean",
  * or NULL. */
 const char *nearest_name(const char *word, const char *const *names, int count);
+int name_distance(const char *a, const char *b); /* the edit distance: letters to change, add or drop */
 
 #endif

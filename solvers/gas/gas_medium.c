@@ -122,18 +122,19 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     return OK;
 }
 
-/* Warns of a reconstruction that is given for the other kind of mesh, where this one's is not. */
+/* Warns of a reconstruction that is given for the other kind of mesh. */
 static status check_scheme(struct setup *s, const struct gas_state *g) {
     const char *const names[2] = {"reconstruct", "polyReconstruct"};
     const struct dict *d = g->models->schemes;
     const bool polyhedral = s->grid->polyhedra != NULL;
-    if (dict_has(d, names[polyhedral]) || !dict_has(d, names[!polyhedral])) return OK;
+    const bool given = dict_has(d, names[polyhedral]); /* with meshEngine, both are there to choose between the two */
+    if (!dict_has(d, names[!polyhedral]) || (given && g->models->engine)) return OK;
     return warn(&s->warnings, WARN_SCHEME,
-                "%s:%d: %s is not used: it is for %s, and this run is on %s, where %s counts (now %s, the "
-                "default); give that, too",
-                dict_path(d), dict_line(d, names[!polyhedral]), names[!polyhedral],
-                polyhedral ? "lattices" : "polyhedra", polyhedral ? "polyhedra" : "a lattice", names[polyhedral],
-                polyhedral ? g->models->gas.polynomial->model.name : g->models->gas.reconstruct->model.name);
+                "%s:%d: %s is not used: it is for %s, and this run is on %s, where %s counts (now %s%s", dict_path(d),
+                dict_line(d, names[!polyhedral]), names[!polyhedral], polyhedral ? "lattices" : "polyhedra",
+                polyhedral ? "polyhedra" : "a lattice", names[polyhedral],
+                polyhedral ? g->models->gas.polynomial->model.name : g->models->gas.reconstruct->model.name,
+                given ? "); remove it" : ", the default); give that, too");
 }
 
 static status gas_read_state(struct setup *s) {
@@ -148,6 +149,8 @@ static status gas_read_state(struct setup *s) {
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
     TRY(initial_warn(g->initial, models->transport != NULL, &s->warnings));
+    TRY(scales_grain(s, g->models->properties, &models->material));
+    TRY(scales_forces(s, &g->models->forces, &models->material));
     if (g->models->engine && !g->models->engine->polyhedral && !s->lattice)
         return dict_fail(g->models->schemes, "meshEngine",
                          "the mesh is no lattice of equal boxes: %s; leave the key out or say  meshEngine polyhedral;",
@@ -366,8 +369,9 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
     const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
     const long floored = n->floored - was->floored;
     if (cells > 0)
-        fprintf(f, "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld, %ld)\n", faces,
-                plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
+        fprintf(f,
+                "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld faces, %ld cells)\n",
+                faces, plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
     if (rejected > 0) fprintf(f, "    rejected: %ld step%s (in all %ld)\n", rejected, plural(rejected), n->rejected);
     if (floored > 0)
         fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
@@ -398,7 +402,8 @@ static void print_diffusion(FILE *f, const struct gas_counts *was, const struct 
                 (double)(n->stages[0] - was->stages[0]) / halves, (double)(n->stages[1] - was->stages[1]) / halves);
     if (repeated > 0)
         fprintf(f,
-                "    repeated: %ld half step%s, for %ld cell%s that would have been inadmissible (in all %ld, %ld)\n",
+                "    repeated: %ld half step%s, for %ld cell%s that would have been inadmissible (in all %ld half "
+                "steps, %ld cells)\n",
                 repeated, plural(repeated), plain, plural(plain), n->repeated, n->plain);
 }
 

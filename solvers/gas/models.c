@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double PI = 3.14159265358979323846;
 enum { PATH = 4096 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
@@ -31,8 +32,10 @@ static const struct param shaking_type[] = {
 #define PARAM_STRUCT struct sources
 static const struct param shaking_param[] = {
     NUMBER("amplitude", amplitude, REQUIRED_AS("amplitude table ((0 2.75) (2 2.75) (4 2));"), TABLE_OR_NUMBER, NO_UNIT,
-           "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)); or, in granularGas,  table ((t a) (t a) ..);"),
-    NUMBER("frequency", frequency, REQUIRED_AS("frequency 10;"), POSITIVE, UNIT(0, 0, -1), "of the shaking, in Hz"),
+           "of g(t) = g (1 + amplitude cos(2 pi frequency t + phase)), in units of g and not of length: a plate that "
+           "moves by +-A m has A (2 pi frequency)^2/g; or, in granularGas,  table ((t a) (t a) ..);"),
+    NUMBER("frequency", frequency, REQUIRED_AS("frequency 10;"), POSITIVE, UNIT(0, 0, -1),
+           "of the shaking, in Hz and not in rad/s"),
     NUMBER("phase", phase, 0, ANY_NUMBER, NO_UNIT, "of the shaking at t = 0, in rad"),
 };
 #undef PARAM_STRUCT
@@ -453,6 +456,18 @@ void boundaries_list(FILE *f) {
                "(\"u\" \"v\" \"w\")\n");
 }
 
+struct plate forces_plate(const struct forces *f) {
+    const struct sources *s = &f->source;
+    struct plate p = {.amplitude = fabs(s->amplitude)};
+    if (!source_shaken(s)) return (struct plate){0};
+    for (int i = 0; i < s->knots; i++) p.amplitude = fmax(p.amplitude, fabs(s->ramp[2 * i + 1]));
+    const double *g = f->gravity, omega = 2 * PI * s->frequency;
+    p.acceleration = p.amplitude * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    p.speed = p.acceleration / omega;
+    p.way = p.speed / omega;
+    return p;
+}
+
 void forces_print(FILE *f, const struct forces *m) {
     fprintf(f, "    %-22s (%g %g %g)\n", "gravity", m->gravity[0], m->gravity[1], m->gravity[2]);
     if (!source_shaken(&m->source)) return;
@@ -462,6 +477,9 @@ void forces_print(FILE *f, const struct forces *m) {
         fprintf(f, "%s(%.10g %.10g)", i ? " " : "", m->source.ramp[2 * i], m->source.ramp[2 * i + 1]);
     if (ramped) fprintf(f, ")\n");
     params_print_values(f, shaking_param + ramped, COUNT(shaking_param) - ramped, &m->source);
+    const struct plate p = forces_plate(m);
+    fprintf(f, "    %-22s moves by +-%.4g m, at most %.4g m/s and %.4g m/s^2\n", "plate", p.way, p.speed,
+            p.acceleration);
 }
 
 void models_print(FILE *f, const struct case_models *m, bool polyhedral) {

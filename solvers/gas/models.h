@@ -17,6 +17,10 @@ struct forces {               /* the contents of constant/g and constant/shaking
     int shaken;               /* is there shaking that is not of type none? */
     struct sources source;    /* gravity in computational axes, and shaking */
 };
+struct plate {                       /* the greatest that a shaken plate does, along gravity; zeros: it is not shaken */
+    double amplitude;                /* acceleration over that of gravity, the greatest of a table */
+    double way, speed, acceleration; /* m, to either side of the middle; m/s; m/s^2 */
+};
 struct case_models {
     const struct mesh_engine *engine; /* the engine asked for, which the mesh may forbid; NULL: as the mesh is */
     struct sources source;            /* sources of constant/granularProperties alone, vectors along physical axes */
@@ -44,6 +48,7 @@ status models_equation(struct dict *properties, struct gas_models *out);
  * freed. Gravity may act along the axes of the mesh only. */
 status forces_read(const char *case_dir, int dim, const int axis[3], struct forces *out);
 void forces_free(struct forces *f);
+struct plate forces_plate(const struct forces *f);
 void forces_list(FILE *f);
 void forces_print(FILE *f, const struct forces *forces);
 

@@ -11,29 +11,51 @@ static const double SHARE = 0.1;            /* of the mass, that may sit in cell
 static const double RAREFIED = 0.1;         /* Knudsen number */
 static const double HOT = 100, COLD = 1e-9; /* T over the square of another speed */
 static const double ROUND_OFF = 1 + 1e-12;  /* by which sums may differ on other numbers of ranks */
+static const double HEAVY = 3e4, LIGHT = 1; /* kg/m^3: osmium has 22,590, air 1.2 */
+static const double NOTICED = 0.01;         /* diameters, by which a plate must move for a grain to notice it */
 static const double STILL = 1e-6;           /* the same of the mean flow over T: less is what waves leave over */
 
 struct scales {
-    double extent[3];            /* m, of the domain */
-    double shortest;             /* m: least extent along a solved axis */
-    double thickness;            /* m^(3 - dim): of the mesh along the axes that it lacks */
-    double mass, T;              /* kg, or kg/m of disks: of all cells; m^2/s^2: its mean */
-    double small, few, rarefied; /* the parts of the mass in cells that are such */
-    double width, number,
-        knudsen;        /* means of the mass: m; grains in a cube of the cell's width; path over `shortest` */
-    double momentum[3]; /* kg m/s, along the components of u */
+    double extent[3];              /* m, of the domain */
+    double shortest;               /* m: least extent along a solved axis */
+    double room;                   /* m: least extent along one that is not periodic; if all are, their greatest */
+    double thickness;              /* m^(3 - dim): of the mesh along the axes that it lacks */
+    double mass, T;                /* kg, or kg/m of disks: of all cells; m^2/s^2: its mean */
+    double small, few, rarefied;   /* the parts of the mass in cells that are such */
+    double width, number, knudsen; /* means of the mass: m; grains in a cube of the cell's width; path over `room` */
+    double momentum[3];            /* kg m/s, along the components of u */
 };
+
+/* Does a cyclic pair of patches close the axis, its halves as far apart as the domain is long? */
+static bool is_periodic(const struct polymesh *m, int axis, double extent) {
+    for (int p = 0; p < m->npatches; p++) {
+        const int q = m->patch[p].neighbour ? polymesh_find_patch(m, m->patch[p].neighbour) : -1;
+        double a[3], b[3], area[3];
+        if (q < 0 || !m->patch[p].nfaces || !m->patch[q].nfaces) continue;
+        polymesh_patch_face(m, p, 0, a, area);
+        polymesh_patch_face(m, q, 0, b, area);
+        if (fabs(a[axis] - b[axis]) > 0.999 * extent) return true;
+    }
+    return false;
+}
 
 static void measure_domain(const struct setup *s, struct scales *q) {
     double low[3], high[3];
     polymesh_bounds(s->mesh, low, high);
-    q->shortest = HUGE_VAL;
+    double period = 0;
+    q->shortest = q->room = HUGE_VAL;
     for (int x = 0; x < 3; x++) q->extent[x] = high[x] - low[x];
     q->thickness = q->extent[0] * q->extent[1] * q->extent[2];
     for (int k = 0; k < s->dim; k++) {
-        q->shortest = fmin(q->shortest, q->extent[s->axis[k]]);
-        q->thickness /= q->extent[s->axis[k]];
+        const double extent = q->extent[s->axis[k]];
+        q->shortest = fmin(q->shortest, extent);
+        q->thickness /= extent;
+        if (is_periodic(s->mesh, s->axis[k], extent))
+            period = fmax(period, extent);
+        else
+            q->room = fmin(q->room, extent);
     }
+    if (isinf(q->room)) q->room = period;
 }
 
 /* Returns Enskog's mean free path (docs/physics.md 4.7). */
@@ -67,7 +89,7 @@ static status measure_mass(const struct setup *s, const struct gas_models *model
         const double volume = setup_volume(s, first + c), mass = i->rho[c] * volume;
         const double width = pow(volume / q->thickness, 1. / s->dim);
         const double number = i->rho[c] / m->mass * pow(width, m->disks ? 2 : 3);
-        const double knudsen = free_path(models, i->rho[c]) / q->shortest;
+        const double knudsen = free_path(models, i->rho[c]) / q->room;
         q->mass += mass;
         q->T += mass * i->T[c];
         q->width += mass * width;
@@ -105,9 +127,9 @@ static status check_grains(struct setup *s, const struct dict *d, const struct g
     if (q->rarefied > SHARE * ROUND_OFF)
         TRY(warn(&s->warnings, WARN_RAREFIED,
                  "%s:%d: %.3g %% of the mass sits where the mean free path is above a tenth of the domain's least "
-                 "extent, %.3g m (Knudsen number %.3g in the mean): grains hit the walls rather than each other "
-                 "there, and hydrodynamics does not hold",
-                 dict_path(d), dict_line(d, "grain"), 100 * q->rarefied, q->shortest, q->knudsen));
+                 "extent, %.3g m (Knudsen number %.3g in the mean; periodic axes do not count beside others): grains "
+                 "hit the walls rather than each other there, and hydrodynamics does not hold",
+                 dict_path(d), dict_line(d, "grain"), 100 * q->rarefied, q->room, q->knudsen));
     return OK;
 }
 
@@ -118,11 +140,24 @@ static void include(double square, double *low, double *high) {
     *high = fmax(*high, square);
 }
 
+/* Includes the fall through the domain along a computational axis, and the plate's greatest speed along it. */
+static void include_axis(const struct sources *g, int k, double extent, double *low, double *high) {
+    include(fabs(g->gravity[k]) * extent, low, high);
+    if (g->frequency > 0) include(pow(g->gravity[k] * g->amplitude / (2 * PI * g->frequency), 2), low, high);
+}
+
 /* Returns the square of the speed of the whole mass. */
 static double mean_flow(const struct scales *q) {
     double square = 0;
     for (int k = 0; k < 3; k++) square += q->momentum[k] * q->momentum[k] / (q->mass * q->mass);
     return square;
+}
+
+double scales_fall(const struct setup *s, const struct sources *g) {
+    double low[3], high[3], least = HUGE_VAL, most = 0;
+    polymesh_bounds(s->mesh, low, high);
+    for (int k = 0; k < s->dim; k++) include_axis(g, k, high[s->axis[k]] - low[s->axis[k]], &least, &most);
+    return sqrt(most);
 }
 
 static void include_patch(const struct patch_rules *r, int components, double *low, double *high) {
@@ -144,10 +179,7 @@ static void other_speeds(const struct setup *s, const struct gas_models *models,
     *high = 0;
     const double flow = mean_flow(q);
     if (flow > STILL * q->T * ROUND_OFF) include(flow, low, high);
-    for (int k = 0; k < s->dim; k++) {
-        include(fabs(g->gravity[k]) * q->extent[s->axis[k]], low, high);
-        if (g->frequency > 0) include(pow(g->gravity[k] * g->amplitude / (2 * PI * g->frequency), 2), low, high);
-    }
+    for (int k = 0; k < s->dim; k++) include_axis(g, k, q->extent[s->axis[k]], low, high);
     for (int p = 0; p < i->npatches; p++) include_patch(&i->rules[p], i->components, low, high);
 }
 
@@ -164,6 +196,94 @@ static status check_temperature(struct setup *s, const struct gas_models *models
                 dict_path(f->dict), dict_line(f->dict, "internalField"), q->T, sqrt(q->T), sqrt(low), sqrt(high));
 }
 
+/* Warns of impacts that take no energy, though restitution is below 1. Sources may warm the gas later. */
+static status check_elastic(struct setup *s, const struct dict *d, const struct gas_models *models,
+                            const struct initial *i, const struct scales *q) {
+    const struct material *m = &models->material;
+    double low, high;
+    if (!(m->restitution < 1)) return OK;
+    if (!models->source.cooling)
+        return warn(&s->warnings, WARN_ELASTIC,
+                    "%s:%d: cooling is none, so that no impact takes energy, but restitution is %g: say  cooling "
+                    "GarzoDufty;  or  restitution 1;",
+                    dict_path(d), dict_line(d, "cooling"), m->restitution);
+    if (source_heats(&models->source)) return OK;
+    other_speeds(s, models, i, q, &low, &high);
+    return scales_threshold(s, d, m, q->T, sqrt(high));
+}
+
+status scales_threshold(struct setup *s, const struct dict *properties, const struct material *m, double T,
+                        double fastest) {
+    if (!(m->restitution < 1) || !(m->threshold > fmax(sqrt(T), fastest) * ROUND_OFF)) return OK;
+    return warn(
+        &s->warnings, WARN_ELASTIC,
+        "%s:%d: thresholdSpeed %g m/s is above every speed: grains fly about at %.3g m/s, and flow, walls, free "
+        "fall and shaking have at most %.3g m/s. Slower impacts are elastic, so that none takes energy: lower "
+        "it, to a hundredth of these speeds or less",
+        dict_path(properties), dict_line(properties, "grain"), m->threshold, sqrt(T), fastest);
+}
+
+status scales_grain(struct setup *s, const struct dict *properties, const struct material *m) {
+    if (!(m->diameter > 0) || m->mass == 1) return OK;
+    const double density = 1 / packing_per_density(m), volume = m->mass / density;
+    if (density <= HEAVY && density * ROUND_OFF >= LIGHT) return OK;
+    return warn(
+        &s->warnings, WARN_DENSITY,
+        "%s:%d: a grain of diameter %g m and mass %g %s has a density of %.3g kg/m^3, %s: `mass` is that of one "
+        "grain, of 2500 kg/m^3 %.4g here; mass 1 counts grains",
+        dict_path(properties), dict_line(properties, "grain"), m->diameter, m->mass, m->disks ? "kg/m" : "kg", density,
+        density > HEAVY ? "more than any metal" : "less than air", 2500 * volume);
+}
+
+/* Warns of gravity that points upwards. Along a single axis there is no up. */
+static status check_gravity(struct setup *s, const struct forces *f) {
+    const int up = s->axis[s->dim - 1];
+    const double *g = f->gravity;
+    double others = 0;
+    for (int x = 0; x < 3; x++)
+        if (x != up) others = fmax(others, fabs(g[x]));
+    if (s->dim == 1 || !(g[up] > others * (1 + 1e-6))) return OK;
+    return warn(
+        &s->warnings, WARN_UPWARDS,
+        "%s:%d: gravity (%g %g %g) points upwards, along +%c: things fall to the top of the mesh; say  value (%g "
+        "%g %g);",
+        dict_path(f->g), dict_line(f->g, "value"), g[0], g[1], g[2], "xyz"[up], up == 0 ? -g[0] : g[0],
+        up == 1 ? -g[1] : g[1], up == 2 ? -g[2] : g[2]);
+}
+
+/* Is the frequency a round number of turns in 2 pi s, and not round itself? So is 628 rad/s, which are 100 Hz. */
+static bool is_angular(double frequency) {
+    const double turns = frequency / (2 * PI), power = pow(10, floor(log10(turns) + 1e-3));
+    const double digit = round(turns / power), own = frequency / pow(10, floor(log10(frequency)) - 1);
+    return fabs(turns / (digit * power) - 1) < 1e-3 && fabs(own - round(own)) > 1e-6;
+}
+
+static status check_shaking(struct setup *s, const struct forces *f, const struct material *m) {
+    const struct plate p = forces_plate(f);
+    const struct dict *d = f->shaking;
+    const double frequency = f->source.frequency;
+    if (!(p.acceleration > 0)) return OK;
+    if (p.amplitude < 1)
+        return warn(&s->warnings, WARN_SHAKING,
+                    "%s:%d: amplitude %g is the greatest acceleration of the plate over that of gravity: below 1 the "
+                    "layer never leaves it (it moves by +-%.3g m); if %g m are meant, say  amplitude %.6g;",
+                    dict_path(d), dict_line(d, "amplitude"), p.amplitude, p.way, p.amplitude,
+                    p.amplitude * p.amplitude / p.way);
+    const bool faint = p.way < NOTICED * m->diameter;
+    if (!faint && !is_angular(frequency)) return OK;
+    return warn(
+        &s->warnings, WARN_SHAKING,
+        "%s:%d: frequency %g is in Hz: the plate moves by +-%.3g m%s, %.3g diameters of a grain; if %g rad/s are "
+        "meant, say  frequency %.6g;",
+        dict_path(d), dict_line(d, "frequency"), frequency, p.way, faint ? " only" : "", p.way / m->diameter, frequency,
+        frequency / (2 * PI));
+}
+
+status scales_forces(struct setup *s, const struct forces *f, const struct material *m) {
+    if (f->g) TRY(check_gravity(s, f));
+    return f->shaken ? check_shaking(s, f, m) : OK;
+}
+
 status scales_check(struct setup *s, const struct gas_models *models, const struct initial *i) {
     const struct dict *properties = NULL;
     struct scales q = {.mass = 0};
@@ -172,5 +292,6 @@ status scales_check(struct setup *s, const struct gas_models *models, const stru
     measure_domain(s, &q);
     TRY(measure_mass(s, models, i, &q));
     TRY(check_temperature(s, models, i, &q));
+    TRY(check_elastic(s, properties, models, i, &q));
     return models->eos->bounded && models->material.diameter > 0 ? check_grains(s, properties, models, &q) : OK;
 }

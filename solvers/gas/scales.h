@@ -5,15 +5,30 @@
 
 #include "solvers/case/case.h"
 #include "solvers/gas/initial.h"
+#include "solvers/gas/models.h"
 
 /* Warns (warnings.h) of
  *   largeGrains: a grain is wider than the domain, or than the cells that hold more than a tenth of the mass;
  *   fewGrains:   more than a tenth of the mass sits in cells that are wider, with less than one grain in a cube of the
  *                cell's width;
- *   rarefied:    more than a tenth of it sits where the mean free path exceeds a tenth of the domain;
+ *   rarefied:    more than a tenth of it sits where the mean free path exceeds a tenth of the domain, whose periodic
+ *                axes count only where all are;
  *   temperature: the mean T is far from every other speed squared: of the mean flow, the walls, free fall and the
- * shaking. The first three are of gases of grains: not of perfectGas. Axes that the mesh lacks do not count. */
+ *                shaking;
+ *   elasticGrains: restitution is below 1, and no impact takes energy. The first three are of gases of grains: not of
+ * perfectGas. Axes that the mesh lacks do not count. */
 status scales_check(struct setup *s, const struct gas_models *models, const struct initial *i);
+
+/* Warn of what grains and forces of a gas or of grains can hardly be:
+ *   heavyGrains:   the mass of a grain over its volume is that of no matter;
+ *   upwardGravity: gravity points along the last solved axis;
+ *   faintShaking:  the plate is slower than free fall, or moves by less than a hundredth of a grain;
+ *   elasticGrains: thresholdSpeed is above each speed: that of grains, sqrt(T), and of all else, `fastest`. */
+status scales_grain(struct setup *s, const struct dict *properties, const struct material *m);
+status scales_forces(struct setup *s, const struct forces *f, const struct material *m);
+status scales_threshold(struct setup *s, const struct dict *properties, const struct material *m, double T,
+                        double fastest);
+double scales_fall(const struct setup *s, const struct sources *g); /* m/s: of free fall and of the plate */
 
 /* Returns Enskog's mean free path (m) at rho: 1/(sqrt(2) pi d^2 n chi) of spheres, 1/(2 sqrt(2) d n chi) of disks, by
  * G = nu chi. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hard disks or spheres as a medium (medium.h) of granularMD. Its state are grains that move by events
  * (libcore/grains/grains.h); the fields it writes are means over them. */
+#include "solvers/gas/scales.h"
 #include "solvers/grains/grains_averages.h"
 #include "solvers/grains/grains_box.h"
 #include "solvers/grains/grains_start.h"
@@ -107,6 +108,24 @@ static status check_shape(struct setup *s, const struct grains_models *m) {
         s->dim, s->dim == 2 ? "disks" : "spheres");
 }
 
+/* Warns of grains and forces that are hardly meant (solvers/gas/scales.h). */
+static status check_scales(struct setup *s, const struct grains_run *x) {
+    const struct grains_models *m = x->models;
+    struct material grain = m->grain;
+    grain.disks = s->dim == 2;
+    TRY(scales_grain(s, m->granular, &grain));
+    TRY(scales_forces(s, &m->forces, &grain));
+    double T = 0, square = 0;
+    if (!x->start.T) return OK; /* the grains' own state was read in its place */
+    for (int c = 0; c < s->mesh->ncells; c++) {
+        double own = 0;
+        for (int k = 0; k < s->dim; k++) own += x->start.u[k][c] * x->start.u[k][c];
+        T = fmax(T, x->start.T[c]);
+        square = fmax(square, own);
+    }
+    return scales_threshold(s, m->granular, &grain, T, fmax(sqrt(square), scales_fall(s, &m->forces.source)));
+}
+
 static status medium_state(struct setup *s) {
     struct grains_run *x = of(s->medium);
     char path[2 * TIME_PATH];
@@ -119,6 +138,7 @@ static status medium_state(struct setup *s) {
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
     TRY(grains_start_check(s, &x->start));
+    TRY(check_scales(s, x));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
     return setup_grid(s, false, 1);

@@ -13,5 +13,5 @@ static const char HELP[] =
     "Exit codes: 0 written; 1 the case is wrong, nothing was written; 3 disk, memory or MPI.\n";
 
 int main(int argc, char **argv) {
-    return anycase_main(argc, argv, HELP, run_initial);
+    return anycase_main(argc, argv, HELP, run_initial, false);
 }

@@ -5,9 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double MANY = 1e6;    /* steps */
+static const double MANY = 1e6;    /* steps, of which a note tells */
+static const double FAR_TOO = 1e7; /* steps, of which a warning tells */
 static const double FALLEN = 1000; /* steps foretold now, beside those foretold first */
 static const double FEW = 100;     /* a run of fewer steps may take many more without being long */
+static const double MORE = 10;     /* times the steps foretold: a run of so many is no matter of their length */
 static const double NARROW = 1e-6; /* V/A of a cell beside the median */
 enum { PLACE = 400 };
 
@@ -32,12 +34,67 @@ void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *
     if (s->medium->type->event_driven || !isfinite(left) || c->stop_at != STOP_END_TIME) return;
     const bool first = o->too_many == 0;
     if (left > (first ? MANY : o->too_many)) {
-        say(s, pace, t, dt, left, o->first);
+        if (!first || left <= FAR_TOO) say(s, pace, t, dt, left, o->first);
         o->too_many = HUGE_VAL;
     }
     if (!first) return;
     o->first = left;
     o->too_many = FALLEN * fmax(left, FEW);
+}
+
+static status check_steps(struct setup *s, const struct pace *pace, double dt, double left) {
+    const struct control *c = s->control;
+    char bound[PLACE] = "";
+    if (!(left > FAR_TOO)) return OK;
+    const bool limits = c->adjust && pace->stable <= c->max_delta_t;
+    if (limits && !pace->limit && s->medium->type->bound) s->medium->type->bound(s->medium, bound, sizeof bound);
+    return warn(&s->warnings, WARN_MANY_STEPS,
+                "%s:%d: endTime %g is %.3g steps away at deltaT = %.3g s, which is limited by %s%s: lower endTime, or "
+                "lift that limit",
+                dict_path(c->dict), dict_line(c->dict, "endTime"), c->end_time, left, dt,
+                !limits       ? "controlDict"
+                : pace->limit ? pace->limit
+                              : "Courant",
+                bound);
+}
+
+/* Warns of a first time of writing that lies behind the end; `steps` is how many there will be, about. */
+static status check_writes(struct setup *s, double steps) {
+    const struct control *c = s->control;
+    const struct trigger *w = &c->write;
+    const bool by_time = w->control == WRITE_ADJUSTABLE || w->control == WRITE_RUN_TIME;
+    const double first = by_time ? (floor(s->start.t / w->interval) + 1) * w->interval : HUGE_VAL;
+    const bool late = by_time ? first > c->end_time + 1e-9 * fabs(c->end_time)
+                              : w->control == WRITE_TIME_STEP && w->interval > MORE * steps;
+    char instead[40];
+    if (!late || s->start.step > 0) return OK;
+    const double tenth = by_time ? (c->end_time - s->start.t) / 10 : ceil(steps / 10);
+    snprintf(instead, sizeof instead, by_time ? "%.3g" : "%.0f", tenth);
+    const char *path = dict_path(c->dict);
+    const int line = dict_line(c->dict, "writeInterval");
+    warn_cure(&s->warnings, WARN_NOTHING_WRITTEN, CURE_VALUE, path, line, "writeInterval", instead);
+    return warn(&s->warnings, WARN_NOTHING_WRITTEN,
+                "%s:%d: writeInterval %g reaches beyond %s%.3g%s: nothing is written before the end; say for example  "
+                "writeInterval %s;",
+                path, line, w->interval, by_time ? "endTime " : "the ", by_time ? c->end_time : steps,
+                by_time ? "" : " steps or so of the run", instead);
+}
+
+status outlook_control(struct setup *s, const struct pace *pace) {
+    const struct control *c = s->control;
+    const double dt = c->adjust ? fmin(pace->stable, c->max_delta_t) : c->delta_t,
+                 left = (c->end_time - s->start.t) / dt;
+    if (!c->adjust && c->max_delta_t < c->delta_t) {
+        const int line = dict_line(c->dict, "maxDeltaT");
+        warn_cure(&s->warnings, WARN_FIXED_STEP, CURE_ENTRY, dict_path(c->dict), line, "maxDeltaT", NULL);
+        TRY(warn(&s->warnings, WARN_FIXED_STEP,
+                 "%s:%d: maxDeltaT %g does not count, for adjustTimeStep is no: all steps are deltaT %g; remove it, or "
+                 "say  adjustTimeStep yes;",
+                 dict_path(c->dict), line, c->max_delta_t, c->delta_t));
+    }
+    if (c->stop_at != STOP_END_TIME || !(left > 0)) return OK;
+    if (!s->medium->type->event_driven && isfinite(left)) TRY(check_steps(s, pace, dt, left));
+    return check_writes(s, s->medium->type->event_driven ? HUGE_VAL : left);
 }
 
 status outlook_mesh(struct setup *s) {

@@ -16,6 +16,10 @@ struct outlook {     /* of one run; starts as zeros */
  * model limits the step, and what can be done about that. Collective. */
 void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t);
 
+/* Warns of a maxDeltaT that does not count, of more than 1e7 steps to endTime, and of a writeInterval beyond the end.
+ * Collective. */
+status outlook_control(struct setup *s, const struct pace *pace);
+
 /* Warns of a cell whose V/A is so small beside that of the others that it alone makes the steps short. */
 status outlook_mesh(struct setup *s);
 

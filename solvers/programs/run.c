@@ -4,6 +4,7 @@
 #include "solvers/programs/run.h"
 
 #include "solvers/programs/outlook.h"
+#include "solvers/programs/unread.h"
 
 #include "solvers/case/changes.h"
 #include "solvers/case/lock.h"
@@ -62,6 +63,7 @@ static status read_everything(const char *dir, const struct medium_type *type, s
                               struct setup **s, struct functions **f) {
     *f = NULL;
     TRY(case_read(dir, type, how, c, s));
+    TRY(unread_warn(*s));
     TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));
 }
@@ -103,7 +105,7 @@ static status check_step(const struct setup *s, const struct pace *pace) {
 
 /* Prints "BEFORE2 warnings: NAMES" if there are any, and returns how many. */
 static int print_warnings(const struct setup *s, const char *before) {
-    char names[200];
+    char names[500];
     const int n = warnings_said(&s->warnings, names, sizeof names);
     if (n && comm_root(s->comm)) printf("%s%d warning%s: %s\n", before, n, n == 1 ? "" : "s", names);
     return n;
@@ -115,7 +117,8 @@ static status print_check(struct setup *s) {
     TRY(s->medium->type->start(s->medium));
     s->medium->type->plan(s->medium, s->control, &pace);
     TRY(check_step(s, &pace));
-    if (comm_root(s->comm)) print_keys(s, &pace);
+    TRY(outlook_control(s, &pace));
+    if (comm_root(s->comm) && !s->warnings.cures) print_keys(s, &pace);
     outlook_steps(&outlook, s, &pace, s->start.t);
     TRY(outlook_mesh(s));
     TRY(outlook_ranks(s));
@@ -123,10 +126,10 @@ static status print_check(struct setup *s) {
     return OK;
 }
 
-status run_check(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
+status run_check(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
     struct setup *s = NULL;
     struct functions *f = NULL;
-    status e = read_everything(dir, type, (struct reading){.strict = strict}, c, &s, &f);
+    status e = read_everything(dir, type, how, c, &s, &f);
     if (!e) e = print_check(s);
     functions_free(f);
     case_free(s);
@@ -148,6 +151,7 @@ static status start(struct run *r) {
     r->now = (struct moment){.t = s->start.t, .step = s->start.step, .fields = true};
     r->dt = s->start.delta_t;
     r->written_time = s->start.t;
+    TRY(outlook_control(s, &r->pace));
     TRY(outlook_ranks(s));
     if (comm_root(s->comm)) {
         report_header(stdout, s, true);
@@ -409,12 +413,13 @@ static status start_only(struct run *r) {
     return write_original(r);
 }
 
-status run_initial(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
-    return with_case(dir, type, (struct reading){.strict = strict, .afresh = true}, c, start_only);
+status run_initial(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
+    how.afresh = true;
+    return with_case(dir, type, how, c, start_only);
 }
 
-status run_case(const char *dir, const struct medium_type *type, bool strict, const struct comm *c) {
+status run_case(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
-    return with_case(dir, type, (struct reading){.strict = strict}, c, loop);
+    return with_case(dir, type, how, c, loop);
 }

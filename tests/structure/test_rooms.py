@@ -57,7 +57,7 @@ LIBRARIES = {
     r"lapacke?\.h": ["libcore/segregation/segregation.c"],
     r"dlfcn\.h": ["solvers/gas/linear.c"],
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
-                           "solvers/output/vtk.c"],
+                           "solvers/output/vtk.c", "solvers/programs/unread.c"],
     r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/base/window.c", "mesh/spread/spread_outline.c"],
     r"libdeflate\.h": ["mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/spread_outline.c"],
 }

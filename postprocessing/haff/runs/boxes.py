@@ -145,7 +145,7 @@ def write_field(case, name, values, patches='".*" zeroGradient', time="0", binar
 def write_dictionary(case, location, name, text):
     os.makedirs(os.path.join(case, location), exist_ok=True)
     with open(os.path.join(case, location, name), "w") as f:
-        f.write(header("dictionary", name, location) + text)
+        f.write(header("uniformDimensionedVectorField" if name == "g" else "dictionary", name, location) + text)
 
 
 CONTROL = """application granularGas; startFrom latestTime; startTime 0; stopAt endTime; endTime {end!r};

@@ -37,7 +37,7 @@ def finish(case, number, schemes, ranks=1):
     log = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     last = haff.Case(case).times[-1]
     fields = [haff.read_field(os.path.join(case, last, name), number) for name in ("rho", "U", "p")]
-    limited = re.findall(r"\(in all (\d+), ", log)
+    limited = re.findall(r"\(in all (\d+) faces, ", log)
     return *fields, int(limited[-1]) if limited else 0
 
 

@@ -47,7 +47,7 @@ class Limiter(harness.Folder, unittest.TestCase):
                 self.assertGreater(table[:, 2].sum(), 0)
                 self.assertEqual(result.field("limited").sum(), table[:, 2].sum())
                 self.assertTrue((table[:, 3] <= 4 * table[:, 2]).all())
-                said = re.findall(r"limited: .*\(in all (\d+), (\d+)\)", log)[-1]
+                said = re.findall(r"limited: .*\(in all (\d+) faces, (\d+) cells\)", log)[-1]
                 self.assertEqual((int(said[0]), int(said[1])), (table[:, 3].sum(), table[:, 2].sum()))
                 rejected = re.findall(r"rejected: .*\(in all (\d+)\)", log) or ["0"]
                 self.assertEqual(int(rejected[-1]), table[:, 4].sum())

@@ -100,7 +100,7 @@ class UniformAxes(harness.Folder, unittest.TestCase):
         self.assertGreater(table[:, 2].sum(), 0)
         self.assertGreater(table[:, 10].sum(), 0)
         self.assertEqual(harness.haff.Case(full).field("limited").sum(), table[:, 2].sum())
-        said = re.findall(r"limited: .*\(in all (\d+), (\d+)\)", log)[-1]
+        said = re.findall(r"limited: .*\(in all (\d+) faces, (\d+) cells\)", log)[-1]
         self.assertEqual([int(v) for v in said], [table[:, 3].sum(), table[:, 2].sum()])
 
     def test_transport(self):

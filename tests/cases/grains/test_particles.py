@@ -214,6 +214,24 @@ class Particles(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"constant/shaking:\d+: key 'amplitude' .* constant amplitude")
 
+    def test_warnings(self):
+        """Of numbers that are hardly meant, as of a gas: restitution without effect, a density for a mass, gravity, shaking."""
+        box = {"types": {"x": "cyclic", "y": "wall"}, "g": (0, -1, 0), "interval": 1}
+        shaking = "type sinusoidal;\namplitude {};\nfrequency {};\n"
+        for name, options, warned in (
+                ("threshold", {"threshold": 100}, "elasticGrains"), ("sound", {"threshold": 0.01}, None), ("up", {"g": (0, 1, 0)}, "upwardGravity"),
+                ("faint", {"shaking": shaking.format(0.5, 0.3)}, "faintShaking"), ("omega", {"shaking": shaking.format(3, 12.566)}, "faintShaking"),
+                ("shaken", {"shaking": shaking.format(3, 0.3)}, None)):
+            with self.subTest(name):
+                case = self.case(name, **{**box, **options}, control="acceptWarnings (otherShape);\n")
+                said = harness.program("checkCase", case).stdout
+                self.assertEqual(re.findall(r"^warning: .* \[(\w+)\]$", said, re.M), [warned] if warned else [])
+                if name == "shaken":
+                    self.assertRegex(said, r"plate +moves by \+-0.8443 m, at most 1.592 m/s and 3 m/s\^2\n")
+        case = self.case("metal", **box)
+        harness.edit(case, "constant/granularProperties", mass=2e5)
+        self.assertIn("[heavyGrains]", harness.program("checkCase", case).stdout)
+
     def test_momentum(self):
         """Of a shaken layer: what gravity in the frame of the box gives, less what the walls take, is what the grains have."""
         A, f, phase = 2, 0.3, 0.9

@@ -100,6 +100,18 @@ static void test_write_times_are_hit(void **state) {
     control_free(c);
 }
 
+/* With adjustTimeStep no all steps are deltaT, and maxDeltaT does not count, as in OpenFOAM. */
+static void test_fixed_steps(void **state) {
+    (void)state;
+    struct control *c =
+        good("endTime 1; writeControl none; adjustTimeStep no; deltaT 0.1; maxDeltaT 1e-3; minDeltaT 1;");
+    enum dt_limit limit;
+    double end;
+    assert_true(control_step(c, 0, 0, 1, HUGE_VAL, &end, &limit) == 0.1);
+    assert_int_equal(limit, DT_FIXED);
+    control_free(c);
+}
+
 /* A run taken up at a write time chooses the steps of the run that went through. */
 static void test_restart_takes_the_same_steps(void **state) {
     (void)state;
@@ -226,6 +238,7 @@ int main(void) {
         cmocka_unit_test(test_triggers),
         cmocka_unit_test(test_write_times_are_hit),
         cmocka_unit_test(test_names),
+        cmocka_unit_test(test_fixed_steps),
         cmocka_unit_test(test_restart_takes_the_same_steps),
         cmocka_unit_test(test_folders_appear_whole),
         cmocka_unit_test(test_times_round_to_their_names),

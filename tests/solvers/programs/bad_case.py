@@ -90,7 +90,7 @@ value (1 -2 0);
 """
 SHAKING = """type sinusoidal;
 amplitude 3;
-frequency 20;
+frequency 1;
 phase 0;
 """
 BOUNDARY = """boundaryField

@@ -119,6 +119,10 @@ def append(path, text):
     return change
 
 
+def rename(path, new):
+    return lambda case: os.rename(os.path.join(case, path), os.path.join(case, new))
+
+
 def replace(path, old, new):
     return lambda case: Row("", (path, old, new)).spoil(case)
 
@@ -356,8 +360,8 @@ DICTIONARIES = [
     Row("table that is none", (SHAKING, "amplitude 3;", "amplitude table (0 3 1 2);"), "table ((t v) (t v) ...)"),
     Row("table without pairs", (SHAKING, "amplitude 3;", "amplitude table ();"), "one pair at least"),
     Row("table back in time", (SHAKING, "amplitude 3;", "amplitude table ((0 3) (0.1 2) (0.1 1));"), "0.1 follows 0.1"),
-    Row("ramp of the frequency", (SHAKING, "frequency 20;", "frequency table ((0 20) (1 30));"), "expected a number"),
-    Row("frequency < 0", (SHAKING, "frequency 20;", "frequency -20;"), "frequency is -20", "greater than 0"),
+    Row("ramp of the frequency", (SHAKING, "frequency 1;", "frequency table ((0 20) (1 30));"), "expected a number"),
+    Row("frequency < 0", (SHAKING, "frequency 1;", "frequency -20;"), "frequency is -20", "greater than 0"),
     Row("minDeltaTFraction 2", (SOLUTION, "1e-3;", "2;"), "minDeltaTFraction is 2", "allowed is 0 .. 1"),
     Row("shaking without g", remove(GRAVITY), "constant/g is missing", where=SHAKING, at="type sinusoidal;"),
     Row("probe outside", (CONTROL, "(3 2 0.5)", "(30 2 0.5)"), "(30 2 0.5)", "outside the mesh", "allowOutside yes;"),
@@ -576,12 +580,63 @@ WARNINGS = [
         at="grain\n"),
     Row("cells without grains", (PROPERTIES, "diameter 0.1;", "diameter 0.8;"), "fewGrains", "(0.79 in the mean", at="grain\n"),
     Row("grains that do not meet", write("0/alpha", bad_case.header("0/alpha") + bad_case.FILES["0/alpha"][1].replace(
-        bad_case.LIST, "uniform 0.01;\n")), "rarefied", "a tenth of the domain's least extent, 4 m (Knudsen number 0.287", where=PROPERTIES,
+        bad_case.LIST, "uniform 0.01;\n")), "rarefied", "a tenth of the domain's least extent, 6 m (Knudsen number 0.191", where=PROPERTIES,
         at="grain\n"),
     Row("OpenFOAM's function object", (CONTROL, "functions\n{", "functions\n{\n    #includeFunc residuals(p, U)"), "passedOver",
         "#includeFunc residuals(p, U)", "no such file", at="#includeFunc"),
     Row("T in kelvin", ("0/T", "internalField uniform 25;", "internalField uniform 3000;"), "temperature",
         "T is 3e+03 m^2/s^2 in the mean", "T is no kelvin"),
+    Row("misspelt shaking", rename(SHAKING, "constant/shakng"), "unreadFile", "did you mean 'constant/shaking'? rename it", where="constant/shakng"),
+    Row("shaking with a capital", rename(SHAKING, "constant/Shaking"), "unreadFile", "did you mean 'constant/shaking'?", where="constant/Shaking"),
+    Row("shaking as a text", rename(SHAKING, "constant/shaking.txt"), "unreadFile", "did you mean 'constant/shaking'?", where="constant/shaking.txt"),
+    Row("shaking in another folder", rename(SHAKING, "system/shaking"), "unreadFile", "did you mean 'constant/shaking'?", where="system/shaking"),
+    Row("gravity under its own name", both(rename(GRAVITY, "constant/gravity"), remove(SHAKING)), "unreadFile", "did you mean 'constant/g'?",
+        where="constant/gravity"),
+    Row("a second file", write("constant/granularPropertis", ""), "unreadFile", "did you mean 'constant/granularProperties'? that is there, too",
+        where="constant/granularPropertis"),
+    Row("a file of nobody", write("system/foo", ""), "unreadFile", "here lie controlDict fvSchemes fvSolution", "call it foo.txt",
+        where="system/foo"),
+    Row("a field that nothing reads", write("0/k", ""), "unreadFile", "here lie alpha rho U T p", where="0/k"),
+    Row("properties of OpenFOAM", write("constant/thermophysicalProperties", ""), "unreadFile", "perfectGasCoeffs { gamma 1.4; }", "R T",
+        where="constant/thermophysicalProperties"),
+    Row("models of turbulence", write("constant/turbulenceProperties", "simulationType RAS;"), "unreadFile", "no turbulence models",
+        where="constant/turbulenceProperties"),
+    Row("sources of OpenFOAM", write("system/fvOptions", ""), "unreadFile", "`sources` of constant/granularProperties", where="system/fvOptions"),
+    Row("the class of a vector", ("0/U", "volVectorField", "volScalarField"), "wrongHeader", "class is volScalarField", "class volVectorField;"),
+    Row("the object of a copy", (SCHEMES, "object      fvSchemes;", "object      fvSolution;"), "wrongHeader", "object fvSchemes;"),
+    Row("the class of gravity", (GRAVITY, "uniformDimensionedVectorField", "dictionary"), "wrongHeader", "class uniformDimensionedVectorField;"),
+    Row("both reconstructions", (SCHEMES, "reconstruct PHM;", "reconstruct PHM; polyReconstruct linear;"), "unusedScheme",
+        "polyReconstruct is not used", "remove it"),
+    Row("gravity upwards", (GRAVITY, "value (1 -2 0);", "value (0 9.81 0);"), "upwardGravity", "along +y", "value (0 -9.81 0);"),
+    Row("amplitude in metres", (SHAKING, "amplitude 3;", "amplitude 0.04;"), "faintShaking", "never leaves it (it moves by +-0.00227 m)",
+        "say  amplitude 0.706211;"),
+    Row("frequency in rad/s", (SHAKING, "frequency 1;", "frequency 12.57;"), "faintShaking", "is in Hz", "say  frequency 2.00058;"),
+    Row("a plate that no grain notices", (SHAKING, "frequency 1;", "frequency 400;"), "faintShaking", "diameters of a grain"),
+    Row("no cooling by chance", (PROPERTIES, "cooling Haff;", "cooling none;"), "elasticGrains", "say  cooling GarzoDufty;"),
+    Row("a threshold above all", (PROPERTIES, "restitution 0.9;", "restitution 0.9; thresholdSpeed 100;"), "elasticGrains",
+        "grains fly about at 5 m/s", at="grain\n"),
+    Row("a density for a mass", (PROPERTIES, "mass 1;", "mass 2500;"), "heavyGrains", "more than any metal", "1.309 here", at="grain\n"),
+    Row("a grain of less than air", (PROPERTIES, "mass 1;", "mass 5e-7;"), "heavyGrains", "less than air", at="grain\n"),
+    Row("a fixed step and a largest", (CONTROL, "maxDeltaT 1;", "maxDeltaT 1e-6;"), "fixedStep", "all steps are deltaT 0.001"),
+    Row("steps without end", (CONTROL, "endTime 0.002;", "endTime 1e5;"), "manySteps", "1e+08 steps away"),
+    Row("a write behind the end", (CONTROL, "writeInterval 0.001;", "writeInterval 1;"), "nothingWritten", "beyond endTime 0.002",
+        "say for example  writeInterval 0.0002;"),
+    Row("a write behind the last step", (CONTROL, "writeControl adjustableRunTime;\nwriteInterval 0.001;",
+                                         "writeControl timeStep;\nwriteInterval 1000;"), "nothingWritten", "beyond the 2 steps",
+        at="writeInterval 1000;"),
+]
+
+# What lies in a case and is no mistake.
+HARMLESS = [
+    Row("files of tools", both(*(write(path, "") for path in (
+        "constant/g.bak", "constant/g~", "constant/notes.txt", "constant/README", "constant/body.stl", "system/decomposeParDict",
+        "system/topoSetDict", "system/blockMeshDict.orig", "system/setFieldsDict", "system/units", "0/Cx", "0/.hidden", "0/alpha.orig",
+        "constant/particleProperties")))),
+    Row("laminar flow", write("constant/turbulenceProperties", "simulationType laminar;")),
+    Row("an included file", both(write("system/times", "maxCo 0.5;\n"), replace(CONTROL, "maxCo 0.5;", '#include "times"\n'))),
+    Row("maxDeltaT above deltaT", replace(CONTROL, "maxDeltaT 1;", "maxDeltaT 0.01;")),
+    Row("gravity across", replace(GRAVITY, "value (1 -2 0);", "value (9.81 0.1 0);")),
+    Row("grains that fly along a period", replace("0/alpha", bad_case.LIST, "uniform 0.0235;\n")),
 ]
 
 

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from tests.cases import harness
 from tests.solvers.programs import bad_case
 from tests.solvers.programs.bad_meshes import BOX_MESH, CONVERSION, MESH_FILE, RESTART
-from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, PROPERTIES, WARNINGS, Row
+from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, HARMLESS, PROPERTIES, WARNINGS, Row
 
 
 def snapshot(folder):
@@ -132,6 +132,16 @@ class BadInput(Folder):
                 said = harness.program("checkCase", case, "-strict").stdout
                 self.assertIn("accepted " + found[0][0], said)
                 self.assertIn("The case is sound.", said)
+
+    def test_no_warnings(self):
+        """What is no mistake is not warned of."""
+        for row in HARMLESS:
+            with self.subTest(row.name):
+                case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
+                shutil.copytree(self.base("box"), case)
+                row.spoil(case)
+                said = harness.program("checkCase", case).stdout
+                self.assertEqual(re.findall(r"^warning: .*", said, re.M), [])
 
     def test_long_step(self):
         """A deltaT that becomes too long while a run goes on is cut, which the log says and counts."""

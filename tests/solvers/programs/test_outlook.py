@@ -37,7 +37,7 @@ class Outlook(harness.Folder, unittest.TestCase):
         found = re.search(r"warning: .*constant/polyMesh: cell 4 at \(0.4 0.05 0.05\) has V/A = (\S+) m, (\S+) of the median", said)
         self.assertAlmostEqual(float(found.group(1)), 2.5e-8, delta=1e-10)
         self.assertAlmostEqual(float(found.group(2)), 5e-7, delta=1e-9)
-        self.assertRegex(said, "The case can be run, with \\d+ warnings: narrowCell ")
+        self.assertRegex(said, "The case can be run, with \\d+ warnings: .*\\bnarrowCell ")
         case = self.narrow("flat", 5e-14)
         for command in (["checkCase", case], ["granularGas", "-case", case]):
             done = harness.program(*command, check=False)
@@ -96,13 +96,25 @@ class Outlook(harness.Folder, unittest.TestCase):
         """A first step that foretells more than a million is spoken of by checkCase and in the log, in the same words."""
         said = harness.program("checkCase", self.make("short", 100.0)).stdout
         self.assertNotIn("note:", said)
-        said = re.search(self.NOTE, harness.program("checkCase", self.make("endless", 1e6)).stdout)
+        said = re.search(self.NOTE, harness.program("checkCase", self.make("long", 2e4)).stdout)
         self.assertGreater(float(said.group(1)), 1e6)
         for ranks in (1, 2):
-            case = self.make(f"endless{ranks}", 1e6)
+            case = self.make(f"long{ranks}", 2e4)
             log, rest = self.log_until(case, "larger cells there", ranks)
             self.assertEqual(re.search(self.NOTE, log).group(), said.group())
             self.assertNotIn("note:", rest)
+
+    def test_steps_without_end(self):
+        """More than 1e7 steps are a warning, of checkCase and of a run, with the line of endTime and what limits the step, in place of the note."""
+        case = self.make("endless", 1e6)
+        wanted = r"warning: .*/system/controlDict:\d+: endTime 1e\+06 is (\S+) steps away at deltaT = \S+ s, which is limited by Courant, cell at " \
+                 r"\(.*lower endTime.* \[manySteps\]"
+        said = harness.program("checkCase", case).stdout
+        self.assertGreater(float(re.search(wanted, said.replace("\n", " "))[1]), 1e7)
+        self.assertNotIn("note:", said)
+        log, rest = self.log_until(case, "^Time = ")
+        self.assertRegex(log.replace("\n", " "), wanted)
+        self.assertNotIn("note:", log + rest)
 
     def test_a_step_that_falls(self):
         """A gas that is heated: when more than 1000 times as many steps are left as at first, the log says so, once."""
