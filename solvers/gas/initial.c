@@ -52,6 +52,10 @@ static status read_fields(struct reader *r, struct initial *s) {
 
 /* Reads the fields. A case gives one of rho and alpha, and one of T and p; a folder that this program wrote has all of
  * them, and is known by its uniform/time. */
+/* What a user of OpenFOAM, whose gases have p and T in kelvin, must know. */
+#define FROM_OPENFOAM                                                                                                  \
+    "; a case of OpenFOAM has p and T in kelvin: there rho = p/(R T), and T becomes R T (docs/fromOpenFOAM.md)"
+
 static status read_files(struct reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
@@ -69,8 +73,8 @@ static status read_files(struct reader *r, struct initial *s) {
             return fail(ERR_INPUT, "%s/%s: both %s and %s are given; remove one: it follows from the other",
                         r->case_dir, r->at->folder, a, b);
         if (!there(r, a) && !there(r, b))
-            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them", r->case_dir, r->at->folder, a,
-                        b);
+            return fail(ERR_INPUT, "%s/%s: neither %s nor %s is there; give one of them%s", r->case_dir, r->at->folder,
+                        a, b, i == 0 ? FROM_OPENFOAM : "");
     }
     if (!there(r, "U"))
         return fail(ERR_INPUT, "%s/%s/U: no such file; the velocity must be given", r->case_dir, r->at->folder);

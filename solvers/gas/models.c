@@ -203,11 +203,30 @@ status models_leave(struct dict *properties) {
     return OK;
 }
 
+/* Fails on a key without use in a dictionary of constant/granularProperties that belongs in another one there: in grain
+ * { }, or among the coefficients of a model that is chosen. */
+static status check_misplaced(struct dict *d, const struct case_models *m) {
+    const char *key = dict_unused(d);
+    for (int i = 0; key && i < grain_nparam; i++)
+        if (!strcmp(grain_param[i].name, key)) return dict_fail(d, key, "it belongs in  grain { }");
+    for (int i = 0; key && i < FAMILIES; i++) {
+        if (!stands_in(&families[i], PROPERTIES) || families[i].list) continue;
+        const struct model *row = *(const struct model *const *)(const void *)((const char *)m + families[i].chosen);
+        for (int k = 0; row && k < row->nparam; k++)
+            if (!strcmp(row->param[k].name, key))
+                return dict_fail(d, key, "it belongs in  %sCoeffs { %s .. }  beside `%s`", row->name, key,
+                                 families[i].key);
+    }
+    return OK;
+}
+
 static status read_properties(struct dict *d, struct case_models *m) {
     struct dict *grain;
     TRY(dict_sub(d, "grain", &grain));
     TRY(params_read(grain, grain_param, grain_nparam, &m->gas.material));
     TRY(read_families(PROPERTIES, d, m));
+    TRY(check_misplaced(grain, m));
+    TRY(check_misplaced(d, m));
     return dict_check_used(d);
 }
 
@@ -253,7 +272,8 @@ static status read_gravity(struct dict *d, struct forces *m) {
         TRY(dict_dimensions(d, "dimensions", dimensions));
         if (memcmp(dimensions, expected, 7)) return dict_fail(d, "dimensions", "gravity needs [0 1 -2 0 0 0 0]");
     }
-    TRY(params_read(d, gravity_param, COUNT(gravity_param), m));
+    TRY(status_note(params_read(d, gravity_param, COUNT(gravity_param), m),
+                    "%s: gravity is a vector; downwards along y is  value (0 -9.81 0);", dict_path(d)));
     return dict_check_used(d);
 }
 

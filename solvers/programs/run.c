@@ -62,7 +62,9 @@ static void catch_signals(void) {
 static status read_everything(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
                               struct setup **s, struct functions **f) {
     *f = NULL;
-    TRY(case_read(dir, type, how, c, s));
+    status e = case_read(dir, type, how, c, s);
+    if (e && comm_root(c)) e = unread_hint(dir, type, how.cures, e);
+    TRY(e);
     TRY(unread_warn(*s));
     TRY(functions_make(*s, f));
     return comm_agree(c, dict_check_used((*s)->control->dict));

@@ -122,8 +122,8 @@ static const struct {
     {START, "phi", "alpha"},
 };
 
-struct unread {
-    const struct setup *setup;
+struct unread { /* what is known of a case, and found in it */
+    const char *dir, *application;
     const char *folder[FOLDERS]; /* names in the case; START: NULL, a run wrote it */
     int n;
     struct found {
@@ -157,10 +157,10 @@ static bool is_aside(const char *name) {
 }
 
 /* Is the name that of a file which is read from the folder, by this program or with it? */
-static bool is_read(const struct setup *s, enum folder folder, const char *name) {
+static bool is_read(const struct unread *u, enum folder folder, const char *name) {
     for (int i = 0; i < COUNT(ours); i++)
         if (ours[i].folder == folder && !strcmp(ours[i].name, name)) return true;
-    return folder == START && !strcmp(s->medium->type->application, "granularSegregation") && !strcmp(name, "phi");
+    return folder == START && !strcmp(u->application, "granularSegregation") && !strcmp(name, "phi");
 }
 
 static bool exists(const char *dir, const char *folder, const char *name) {
@@ -190,10 +190,10 @@ static bool is_included(const struct unread *u, const char *name) {
     for (int k = 0; k < FOLDERS && !found; k++) {
         char path[PATH];
         if (!u->folder[k]) continue;
-        snprintf(path, sizeof path, "%.3900s/%s", u->setup->dir, u->folder[k]);
+        snprintf(path, sizeof path, "%.3900s/%s", u->dir, u->folder[k]);
         DIR *folder = opendir(path);
         for (struct dirent *e; folder && !found && (e = readdir(folder));) {
-            snprintf(path, sizeof path, "%.3900s/%s/%s", u->setup->dir, u->folder[k], e->d_name);
+            snprintf(path, sizeof path, "%.3900s/%s/%s", u->dir, u->folder[k], e->d_name);
             found = strcmp(e->d_name, name) && says(path, "#include", name);
         }
         if (folder) closedir(folder);
@@ -224,7 +224,8 @@ static const char *meant(const struct unread *u, enum folder in, const char *nam
 static const char *instead(const struct unread *u, const char *path, const char *name) {
     for (int i = 0; i < COUNT(foreign); i++) {
         if (strcmp(foreign[i].name, name)) continue;
-        if (!strcmp(name, "setFieldsDict") && !time_is_original(&u->setup->start)) return NULL;
+        if (!strcmp(name, "setFieldsDict") && (!u->folder[START] || strcmp(u->folder[START], TIME_ORIGINAL) != 0))
+            return NULL;
         return (!strcmp(name, "turbulenceProperties") || !strcmp(name, "momentumTransport")) &&
                        says(path, "simulationType", "laminar")
                    ? NULL
@@ -252,12 +253,12 @@ static void note(struct unread *u, enum folder in, const char *name, const char 
     struct found *f = &u->found[u->n];
     enum folder to = in;
     char known[400];
-    snprintf(f->path, sizeof f->path, "%.3900s/%s/%s", u->setup->dir, u->folder[in], name);
+    snprintf(f->path, sizeof f->path, "%.3900s/%s/%s", u->dir, u->folder[in], name);
     const char *other = instead(u, f->path, name), *right = is_foreign(name) ? NULL : meant(u, in, name, stem, &to);
     *f->meant = 0;
     if (is_foreign(name) && !other) return;
-    if (right) snprintf(f->meant, sizeof f->meant, "%.3900s/%s/%s", u->setup->dir, u->folder[to], right);
-    f->certain = right && !exists(u->setup->dir, u->folder[to], right);
+    if (right) snprintf(f->meant, sizeof f->meant, "%.3900s/%s/%s", u->dir, u->folder[to], right);
+    f->certain = right && !exists(u->dir, u->folder[to], right);
     list_ours(in, known, sizeof known);
     if (other)
         snprintf(f->text, sizeof f->text, "%s; remove the file when that is done", other);
@@ -274,12 +275,12 @@ static void note(struct unread *u, enum folder in, const char *name, const char 
 static void look_at(struct unread *u, enum folder in, const char *entry) {
     char path[PATH], name[NAME], stem[NAME];
     struct stat info;
-    snprintf(path, sizeof path, "%.3900s/%s/%s", u->setup->dir, u->folder[in], entry);
+    snprintf(path, sizeof path, "%.3900s/%s/%s", u->dir, u->folder[in], entry);
     if (u->n == MOST_SAID || is_aside(entry) || stat(path, &info) || !S_ISREG(info.st_mode)) return;
     snprintf(name, sizeof name, "%s", entry);
     if (ends_with(name, ".gz")) name[strlen(name) - 3] = 0;
     snprintf(stem, sizeof stem, "%.*s", (int)strcspn(name, "."), name);
-    if (is_read(u->setup, in, name) || is_one_of(name, tools, COUNT(tools)) || is_included(u, entry)) return;
+    if (is_read(u, in, name) || is_one_of(name, tools, COUNT(tools)) || is_included(u, entry)) return;
     note(u, in, name, stem);
 }
 
@@ -291,7 +292,7 @@ static void look_through(struct unread *u) {
     for (enum folder k = 0; k < FOLDERS; k++) {
         char path[PATH];
         if (!u->folder[k]) continue;
-        snprintf(path, sizeof path, "%.3900s/%s", u->setup->dir, u->folder[k]);
+        snprintf(path, sizeof path, "%.3900s/%s", u->dir, u->folder[k]);
         DIR *folder = opendir(path);
         for (struct dirent *e; folder && (e = readdir(folder));) look_at(u, k, e->d_name);
         if (folder) closedir(folder);
@@ -304,17 +305,41 @@ static status say(struct setup *s, const struct found *f) {
     return warn(&s->warnings, WARN_UNREAD, "%s: nothing reads this file: %s", f->path, f->text);
 }
 
-status unread_warn(struct setup *s) {
+/* Begins to look through a case that starts from a folder. */
+static status begin(const char *dir, const struct medium_type *type, const char *start, struct unread *u) {
     char stamp[PATH];
-    struct unread u = {.setup = s, .folder = {"constant", "system", s->start.folder}};
+    *u = (struct unread){.dir = dir, .application = type->application, .folder = {"constant", "system", start}};
+    snprintf(stamp, sizeof stamp, "%.3900s/%s/uniform/time", dir, start);
+    if (!access(stamp, F_OK)) u->folder[START] = NULL;
+    return allocate(&u->found, MOST_SAID, sizeof *u->found, "names of files");
+}
+
+status unread_warn(struct setup *s) {
+    struct unread u;
     status e = OK;
-    snprintf(stamp, sizeof stamp, "%.3900s/%s/uniform/time", s->dir, s->start.folder);
-    if (!access(stamp, F_OK)) u.folder[START] = NULL;
-    TRY(comm_agree(s->comm, allocate(&u.found, MOST_SAID, sizeof *u.found, "names of files")));
+    TRY(comm_agree(s->comm, begin(s->dir, s->medium->type, s->start.folder, &u)));
     if (comm_root(s->comm)) look_through(&u);
     comm_broadcast(s->comm, &u.n, sizeof u.n);
     if (u.n) comm_broadcast(s->comm, u.found, MOST_SAID * (long)sizeof *u.found);
     for (int i = 0; i < u.n && !e; i++) e = say(s, &u.found[i]);
     free(u.found);
     return e;
+}
+
+status unread_hint(const char *dir, const struct medium_type *type, struct cures *cures, status error) {
+    struct instant original;
+    struct unread u;
+    const bool accepted[WARNINGS] = {false};
+    struct warnings w = {.accepted = accepted, .cures = cures};
+    status e = begin(dir, type, time_original(dir, &original) ? TIME_ORIGINAL : "0", &u);
+    if (!e) look_through(&u);
+    for (int i = 0; !e && i < u.n; i++) {
+        const struct found *f = &u.found[i];
+        if (!*f->meant || !f->certain) continue;
+        warn_cure(&w, WARN_UNREAD, CURE_FILE, f->path, 0, "", f->meant);
+        error = status_note(error, "%s: nothing reads this file: %s", f->path, f->text);
+    }
+    free(u.found);
+    status_free(e);
+    return error;
 }

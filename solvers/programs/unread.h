@@ -10,4 +10,8 @@
  * tools, notes, backups and what another file includes are no mistakes. Collective. */
 status unread_warn(struct setup *s);
 
+/* Puts the misnamed files of a case that cannot be read in front of its error, and notes their cures: one of them may
+ * be what is missing. Local. */
+status unread_hint(const char *dir, const struct medium_type *type, struct cures *cures, status error);
+
 #endif

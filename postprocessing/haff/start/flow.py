@@ -55,17 +55,34 @@ class Flow:
         return 2 if grains == "disks" or (self.grains and solved == 2) else 3
 
     def gravity(self, given):
-        """The vector of gravity: a number points against the last solved axis."""
+        """The vector of gravity: of a number the magnitude counts, downwards; two components are along the solved axes of a plane."""
+        g, axes = np.zeros(3), self.geometry.axes
         if given is None:
-            return np.zeros(3)
-        g = np.zeros(3)
+            return g
+        if len(given) == 2 and len(axes) != 2:
+            raise ValueError(f"-gravity {','.join(f'{x:g}' for x in given)}: {len(axes)} axes are solved; give a number, downwards, or X,Y,Z")
         if len(given) == 3:
             g[:] = given
+        elif len(given) == 2:
+            g[axes] = given
         else:
-            g[self.geometry.axes[-1]] = -given[0]
-        if any(g[k] for k in range(3) if k not in self.geometry.axes):
-            raise ValueError(f"-gravity {','.join(f'{x:g}' for x in given)}: the mesh has no {', '.join(AXES[k] for k in range(3) if k not in self.geometry.axes)}")
+            g[axes[-1]] = -abs(given[0])
+        if any(g[k] for k in range(3) if k not in axes):
+            raise ValueError(f"-gravity {','.join(f'{x:g}' for x in given)}: the mesh has no {', '.join(AXES[k] for k in range(3) if k not in axes)}")
         return g
+
+    @property
+    def gravity_text(self):
+        """One line for the terminal: where gravity points, and what was made of a number."""
+        said = f"({' '.join(f'{x + 0.0:g}' for x in self.g)})"
+        turned = len(self.o.gravity) == 1 and self.o.gravity[0] < 0
+        return said + (f": the magnitude of {self.o.gravity[0]:g}, downwards; upwards is a vector" if turned else "")
+
+    @property
+    def plate_text(self):
+        """One line for the terminal: how the plate moves that is shaken."""
+        acceleration, omega = self.o.shaking[0] * float(np.linalg.norm(self.g)), 2 * math.pi * self.o.shaking[1]
+        return f"moves by +-{acceleration / omega**2:.4g}, at most {acceleration / omega:.4g} fast, with {acceleration:.4g} of acceleration"
 
     @property
     def down(self):
@@ -137,6 +154,8 @@ class Flow:
             end, writes = 10 * length / math.sqrt(self.T), 20
         self.end = self.o.end or (end if self.o.shaking else rounded(end))
         between = 0.5 / self.o.shaking[1] if self.o.shaking else self.end / writes  # of a shaken layer: at the same phases of every stroke
+        if between >= self.end:
+            between = self.end / writes
         self.end, self.interval = (float(f"{x:.12g}") for x in (self.end, between))
 
     def summary(self):
@@ -146,7 +165,7 @@ class Flow:
             return f"{what}; a stream of volume fraction {self.alpha:g}, velocity {self.velocity_text}, Mach number {self.Mach:g}"
         if self.layer:
             return f"{what}; a layer, {self.depth:g} diameters deep at volume fraction {self.alpha:g}" + (
-                f", shaken by {self.o.shaking[0]:g} g at {self.o.shaking[1]:g} Hz" if self.o.shaking else ", at rest")
+                f", shaken by {self.o.shaking[0]:g} g at {self.o.shaking[1]:g} strokes in a unit of time" if self.o.shaking else ", at rest")
         return f"{what}; volume fraction {self.alpha:g} with faint waves, T {self.T:g}, left to itself"
 
     # ---- as texts of the files ----

@@ -36,7 +36,7 @@ class Geometry:
         self.patches = []
         for name, (kind, first, faces) in mesh.patches.items():
             self.patches.append(Patch(name, kind, faces, mesh.face_geometry(first, first + faces)[1]))
-        self.volumes, self.lattice = mesh.cell_geometry()[1], mesh.lattice is not None
+        self.volumes, self.lattice, self.edges = mesh.cell_geometry()[1], mesh.lattice is not None, mesh.lattice and mesh.lattice.edges
         self.find_axes()
 
     def find_axes(self):
@@ -51,6 +51,14 @@ class Geometry:
     @property
     def size(self):
         return self.high - self.low
+
+    @property
+    def cell_text(self):
+        """How wide the cells are: along each axis of a lattice of equal boxes, else in the mean."""
+        steps = [np.diff(self.edges[k]) for k in self.axes] if self.lattice else []
+        if steps and all(np.ptp(s) < 1e-6 * s.max() for s in steps):
+            return " x ".join(f"{s.mean():.3g}" for s in steps)
+        return f"{self.width:.3g}, by the root of their size," if len(self.axes) > 1 else f"{self.width:.3g}"
 
     @property
     def longest(self):

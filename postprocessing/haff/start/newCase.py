@@ -10,12 +10,14 @@
 
 What a patch is, its name says: inlet; outlet; open, farfield; symmetry; periodic; wall, floor, left, ..; body, cylinder, obstacle, ..
 (a wall, whose forces are measured). Patches of other names become walls, and are told; -patch NAME=KIND says else (KIND: wall body inlet
-outlet open symmetry periodic empty). Gravity points against the last axis of the mesh (y in a plane, z in space) unless it is a vector.
+outlet open symmetry periodic empty). Gravity points against the last axis of the mesh (y in a plane, z in space), whatever its sign, unless
+it is a vector.
 With an inlet the domain is full of the stream; with gravity and a floor a layer lies on it; else the gas is at rest but for faint waves,
 and cools. Nothing that is there is overwritten: DIR is new, empty, or holds the mesh alone. Exit code: 2 for a wrong command line, 1
 where no case could be made.
 """
 import difflib
+import math
 import os
 import re
 import shutil
@@ -25,6 +27,9 @@ import tempfile
 
 from haff import command, paths
 from haff.start import flow, geometry, patches, texts
+
+
+MOST_CELLS = 20_000_000  # of a box
 
 
 def numbers(text, option, counts, form):
@@ -60,8 +65,8 @@ def parser():
     made.add_argument("-alpha", type=float, metavar="A", help="volume fraction (0.2; of a stream 0.05; in a layer 0.6, of disks 0.8)")
     made.add_argument("-speed", metavar="U", help="of the stream, or X,Y,Z (1, into the inlet); without a stream that of the grains")
     made.add_argument("-Mach", type=float, metavar="M", help="of the stream (3)")
-    made.add_argument("-gravity", metavar="G", help="a number or X,Y,Z")
-    made.add_argument("-shaking", metavar="A,F", help="acceleration of the plate over gravity's, and its frequency")
+    made.add_argument("-gravity", metavar="G", help="a number, downwards, or X,Y,Z; in a plane X,Y")
+    made.add_argument("-shaking", metavar="A,F", help="acceleration of the plate over gravity's (no length), and its frequency (no rad/s)")
     made.add_argument("-transport", action="store_true", help="viscosity and heat conduction; walls then hold the gas")
     made.add_argument("-walls", choices=("slip", "noSlip"), help="with -transport (noSlip)")
     made.add_argument("-patch", metavar="NAME=KIND", action="append", default=[], help="what a patch is; may be repeated")
@@ -86,7 +91,7 @@ def parse(words):
     o = made.parse_intermixed_args(joined)
     try:
         o.speed = o.speed and numbers(o.speed, "-speed", (1, 3), "a number, or a velocity as 1,0,0")
-        o.gravity = o.gravity and numbers(o.gravity, "-gravity", (1, 3), "a number, or a vector as 0,-9.81,0")
+        o.gravity = o.gravity and numbers(o.gravity, "-gravity", (1, 2, 3), "a number, downwards, or a vector as 0,-9.81,0; in a plane 0,-9.81")
         o.shaking = o.shaking and numbers(o.shaking, "-shaking", (2,), "two numbers: acceleration over gravity's, and frequency, as 3,10")
         o.periodic = [tuple(pair.split(",")) for pair in o.periodic]
         if any(len(pair) != 2 for pair in o.periodic):
@@ -95,6 +100,9 @@ def parse(words):
             raise ValueError("-box and -cells are there where no mesh is given")
         o.box = sizes(o.box or "1x1", "-box", float, "one to three lengths, as 2x1")
         o.cells = sizes(o.cells, "-cells", int, "one to three whole numbers, as 200x100") if o.cells else [100, 100, 100][:len(o.box)]
+        if math.prod(o.cells) > MOST_CELLS:
+            raise ValueError(f"-cells: {math.prod(o.cells):.3g} cells are too many for gmsh, which makes them one by one: give {MOST_CELLS:.0e} at most; "
+                             "larger lattices stand in system/blockMeshDict, which granularGas reads itself")
         if len(o.box) != len(o.cells):
             raise ValueError(f"-box and -cells: {len(o.box)} lengths and {len(o.cells)} numbers of cells")
     except ValueError as wrong:
@@ -193,9 +201,13 @@ def new_case(o):
         warnings = checked(folder)
         move(folder, o.dir)
     g = numbers_of.geometry
-    print(f"mesh     {g.cells} cells, {len(g.axes)}D, {'a lattice' if g.lattice else 'polyhedra'}; cells are {g.width:.3g} wide, grains {numbers_of.diameter:g}")
+    print(f"mesh     {g.cells} cells, {len(g.axes)}D, {'a lattice' if g.lattice else 'polyhedra'}; cells are {g.cell_text} wide, grains {numbers_of.diameter:g}")
     print("\n".join(said))
+    if o.gravity:
+        print(f"gravity  {numbers_of.gravity_text}")
     print(f"start    {numbers_of.summary()}")
+    if o.shaking:
+        print(f"plate    {numbers_of.plate_text}")
     print(f"end      {numbers_of.end:g}, written every {numbers_of.interval:g}")
     for warning in warnings:
         print(warning.replace("./", os.path.join(o.dir, ""), 1))

@@ -193,6 +193,27 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertLess(abs(heights[1] - heights[0]), 0.02 * entries.get(os.path.join(case, "constant", "granularProperties"), "grain/diameter"))
         self.assertEqual(entries.get(os.path.join(case, "constant", "g"), "value"), [0, -9.81, 0])
 
+    def test_gravity(self):
+        """A number is downwards whatever its sign, which is told; two numbers are a vector of the plane; upwards is warned of."""
+        for words, value, says in (("-9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\): the magnitude of -9.81, downwards"), ("9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\)\n"),
+                                   ("0,-9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\)\n"), ("1,-2,0", [1, -2, 0], r"gravity +\(1 -2 0\)\n")):
+            with self.subTest(words):
+                case, said = self.new("-box", "1x1", "-cells", "8x8", "-gravity", words)
+                self.assertRegex(said, says)
+                self.assertEqual(entries.get(os.path.join(case, "constant", "g"), "value"), value)
+        said = self.call("upwards", "-box", "1x1", "-cells", "8x8", "-gravity", "0,9.81")
+        self.assertIn("[upwardGravity]", said)
+        self.assertIn("to be run with warnings", said)
+
+    def test_plate(self):
+        """Its way is told: A g/(2 pi f)^2; an end before the first stroke has times of its own; a stroke in metres is warned of."""
+        _, said = self.new("-box", "40x32", "-cells", "20x8", *GRAVITY, "-end", "0.02")
+        self.assertIn("cells are 2 x 4 wide", said)
+        self.assertIn("shaken by 2.5 g at 0.1 strokes in a unit of time", said)
+        self.assertIn("plate    moves by +-6.333, at most 3.979 fast, with 2.5 of acceleration", said)
+        self.assertIn("end      0.02, written every 0.0005", said)
+        self.assertIn("[faintShaking]", self.call("metres", "-box", "1x1", "-cells", "8x8", "-gravity", "9.81", "-shaking", "0.004,10"))
+
     def test_grains_in_space(self):
         self.run_case(self.new("-box", "1x1x1", "-cells", "5x5x5", "-application", "granularMD", "-diameter", "0.08")[0], 0.2)
 
@@ -293,7 +314,9 @@ class NewCase(harness.Folder, unittest.TestCase):
                  (1, ["-restitution", "2"], "between 0 and 1"), (1, [geo["unknown"], "-application", "granularMD"], "grains move in a box"),
                  (1, ["-box", "1", "-application", "granularMD"], "two or three dimensions"), (1, ["-grains", "disks", "-box", "1x1x1", "-cells", "4x4x4"], "take spheres"),
                  (1, ["-application", "granularMD", "-grains", "spheres"], "leave out  -grains spheres"), (1, ["-gravity", "0,0,1"], "the mesh has no z"),
-                 (2, ["-restitutoin", "1"], "did you mean -restitution"), (2, ["-box", "1x1", "-cells", "4"], "2 lengths and 1 numbers"), (2, ["-gravity", "down"], "a number, or a vector"),
+                 (2, ["-restitutoin", "1"], "did you mean -restitution"), (2, ["-box", "1x1", "-cells", "4"], "2 lengths and 1 numbers"), (2, ["-gravity", "down"], "a number, downwards, or a vector"),
+                 (1, ["-box", "1x1x1", "-cells", "4x4x4", "-gravity", "0,-1"], "3 axes are solved; give a number, downwards, or X,Y,Z"),
+                 (2, ["-cells", "99999999x99999999"], "1e\\+16 cells are too many for gmsh.*system/blockMeshDict"),
                  (2, [geo["tube"], "-box", "1"], "where no mesh is given"), (2, ["-speed", "1,2"], "a velocity as 1,0,0"), (2, ["-box", "0x1"], "one to three lengths")]
         for code, words, says in wrong:
             with self.subTest(words):

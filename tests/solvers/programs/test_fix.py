@@ -76,6 +76,14 @@ class Fix(harness.Folder, unittest.TestCase):
                 self.assertIn("The case is sound.", self.check("-fix", "-write", case).stdout)
                 self.assertEqual(snapshot(case), {right if k == wrong else k: v for k, v in was.items()})
 
+    def test_missing(self):
+        """A file without which nothing can be read is found under its other name."""
+        for wrong, right in (("constant/granularPropertis", PROPERTIES), ("0/alfa", "0/alpha"), ("system/fvshemes", SCHEMES)):
+            with self.subTest(wrong):
+                done = self.check("-fix", "-write", self.case(rename(right, wrong)))
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("The case is sound.", done.stdout)
+
     def test_all(self):
         """-write goes on behind each error, until nothing is left."""
         case = self.case(both(*(CURES[name][0] for name in ("a key", "a model", "a type of a patch", "a class", "a write behind the end")),
