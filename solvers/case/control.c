@@ -296,6 +296,11 @@ double trigger_next(const struct trigger *g, double t) {
     return k * g->interval;
 }
 
+bool trigger_late(const struct trigger *g, double t, double end) {
+    const bool by_time = g->control == WRITE_ADJUSTABLE || g->control == WRITE_RUN_TIME;
+    return by_time && (floor(t / g->interval) + 1) * g->interval > end + 1e-9 * fabs(end);
+}
+
 static double multiples(double value, double interval) {
     return floor(value / interval * (1 + 1e-12));
 }

@@ -66,6 +66,8 @@ status trigger_read(struct dict *d, const struct trigger *standard, bool fields_
 /* Returns the first multiple of the interval after t at which a step must end; INFINITY if the trigger asks for
  * none. */
 double trigger_next(const struct trigger *g, double t);
+/* Does the trigger count time, and is its first output behind the end of a run from t on? */
+bool trigger_late(const struct trigger *g, double t, double end);
 struct moment { /* the end of a step */
     double t;   /* s */
     long step;

@@ -20,6 +20,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_SHAKING] = "faintShaking",   [WARN_ELASTIC] = "elasticGrains",    [WARN_DENSITY] = "heavyGrains",
     [WARN_FIXED_STEP] = "fixedStep",   [WARN_MANY_STEPS] = "manySteps",     [WARN_NOTHING_WRITTEN] = "nothingWritten",
     [WARN_PASSED] = "passedOver",      [WARN_BESIDE] = "newerStart",
+    [WARN_MANY_WRITES] = "manyWrites",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -47,11 +48,14 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_WRONG_HEADER] = "the FoamFile header names another class, or another object, than that of the file",
     [WARN_UPWARDS] = "gravity points upwards: along the last solved axis, in two or three dimensions",
     [WARN_SHAKING] = "a plate is shaken so faintly that the layer never leaves it, or that a grain does not notice it",
-    [WARN_ELASTIC] = "restitution is below 1, but cooling none or a high thresholdSpeed makes impacts elastic",
+    [WARN_ELASTIC] = "restitution is below 1, but cooling none or a high thresholdSpeed makes impacts elastic; or "
+                     "cooling is given, and no "
+                     "restitution",
     [WARN_DENSITY] = "a grain is denser than any metal, or lighter than air; mass 1 counts grains and is fine",
     [WARN_FIXED_STEP] = "maxDeltaT is below deltaT with adjustTimeStep no, where it does not count",
     [WARN_MANY_STEPS] = "there are more than 1e7 steps to endTime",
-    [WARN_NOTHING_WRITTEN] = "no time is written before endTime",
+    [WARN_NOTHING_WRITTEN] = "no time is written before endTime, or a function object writes nothing behind the start",
+    [WARN_MANY_WRITES] = "more than 1e5 times are written, and purgeWrite keeps them all",
 };
 
 status warn(struct warnings *w, enum warning id, const char *format, ...) {

@@ -38,6 +38,7 @@ enum warning {
     WARN_FIXED_STEP,
     WARN_MANY_STEPS,
     WARN_NOTHING_WRITTEN,
+    WARN_MANY_WRITES,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];
@@ -80,7 +81,6 @@ int warnings_said(const struct warnings *w, char *names, size_t room);
 
 struct dict;
 struct field;
-status warn_header(struct warnings *w, const struct dict *d); /* of a file without a FoamFile header; d may be NULL */
 status warn_passed(struct warnings *w, const struct dict *d); /* of function objects that were passed over */
 /* Warns of a file (NULL: none) without a FoamFile header, or with one that names another class than `class_name` or
  * another object than the file. */

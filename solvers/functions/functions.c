@@ -3,6 +3,7 @@
 #include "solvers/functions/functions_private.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -132,6 +133,22 @@ static status read_fields(struct function *f, struct dict *d) {
     return f->nfields ? OK : function_fields(f, d, "fields");
 }
 
+/* Warns of a function object whose first output lies behind the end. */
+static status check_late(const struct function *f, const struct dict *d) {
+    struct setup *s = (struct setup *)(uintptr_t)f->setup;
+    const struct control *c = s->control;
+    char instead[40];
+    if (c->stop_at != STOP_END_TIME || s->start.step > 0 || !trigger_late(&f->trigger, s->start.t, c->end_time))
+        return OK;
+    const int line = dict_line(d, "writeInterval");
+    snprintf(instead, sizeof instead, "%.3g", (c->end_time - s->start.t) / 10);
+    warn_cure(&s->warnings, WARN_NOTHING_WRITTEN, CURE_VALUE, dict_path(d), line, "writeInterval", instead);
+    return warn(&s->warnings, WARN_NOTHING_WRITTEN,
+                "%s:%d: function object '%s': writeInterval %g reaches beyond endTime %g: it writes nothing behind the "
+                "start; say for example  writeInterval %s;",
+                dict_path(d), line, f->name, f->trigger.interval, c->end_time, instead);
+}
+
 static status make_one(struct function *f, struct dict *d) {
     const char *names[TYPES];
     int index;
@@ -145,6 +162,7 @@ static status make_one(struct function *f, struct dict *d) {
     TRY(params_read(d, any_param, COUNT(any_param), f));
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));
+    TRY(check_late(f, d));
     if (!f->type->no_fields) TRY(read_fields(f, d));
     TRY(f->type->make(f, d));
     for (int b = 0; b < f->setup->grid->nblocks; b++)

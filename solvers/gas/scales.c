@@ -196,11 +196,20 @@ static status check_temperature(struct setup *s, const struct gas_models *models
                 dict_path(f->dict), dict_line(f->dict, "internalField"), q->T, sqrt(q->T), sqrt(low), sqrt(high));
 }
 
-/* Warns of impacts that take no energy, though restitution is below 1. Sources may warm the gas later. */
-static status check_elastic(struct setup *s, const struct dict *d, const struct gas_models *models,
-                            const struct initial *i, const struct scales *q) {
+/* Warns of impacts that take no energy, though restitution is below 1, or a law of cooling is given. Sources may warm
+ * the gas later. */
+static status check_elastic(struct setup *s, struct dict *d, const struct gas_models *models, const struct initial *i,
+                            const struct scales *q) {
     const struct material *m = &models->material;
     double low, high;
+    struct dict *grain;
+    TRY(dict_sub(d, "grain", &grain));
+    if (models->source.cooling && !dict_has(grain, "restitution"))
+        return warn(
+            &s->warnings, WARN_ELASTIC,
+            "%s:%d: restitution is not given, so that it is 1 and `cooling` takes no energy: add, for example,  "
+            "restitution 0.9;",
+            dict_path(d), dict_line(d, "grain"));
     if (!(m->restitution < 1)) return OK;
     if (!models->source.cooling)
         return warn(&s->warnings, WARN_ELASTIC,
@@ -285,7 +294,7 @@ status scales_forces(struct setup *s, const struct forces *f, const struct mater
 }
 
 status scales_check(struct setup *s, const struct gas_models *models, const struct initial *i) {
-    const struct dict *properties = NULL;
+    struct dict *properties = NULL;
     struct scales q = {.mass = 0};
     for (int k = 0; k < s->nfiles; k++)
         if (!strcmp(s->file[k].name, "granularProperties")) properties = s->file[k].dict;

@@ -5,12 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double MANY = 1e6;    /* steps, of which a note tells */
-static const double FAR_TOO = 1e7; /* steps, of which a warning tells */
-static const double FALLEN = 1000; /* steps foretold now, beside those foretold first */
-static const double FEW = 100;     /* a run of fewer steps may take many more without being long */
-static const double MORE = 10;     /* times the steps foretold: a run of so many is no matter of their length */
-static const double NARROW = 1e-6; /* V/A of a cell beside the median */
+static const double MANY = 1e6;       /* steps, of which a note tells */
+static const double FAR_TOO = 1e7;    /* steps, of which a warning tells */
+static const double FALLEN = 1000;    /* steps foretold now, beside those foretold first */
+static const double FEW = 100;        /* a run of fewer steps may take many more without being long */
+static const double MORE = 10;        /* times the steps foretold: a run of so many is no matter of their length */
+static const double NARROW = 1e-6;    /* V/A of a cell beside the median */
+static const double MANY_TIMES = 1e5; /* that are written */
 enum { PLACE = 400 };
 
 static void say(const struct setup *s, const struct pace *pace, double t, double dt, double left, double first) {
@@ -58,26 +59,38 @@ static status check_steps(struct setup *s, const struct pace *pace, double dt, d
                 bound);
 }
 
-/* Warns of a first time of writing that lies behind the end; `steps` is how many there will be, about. */
-static status check_writes(struct setup *s, double steps) {
+/* Warns of so many times that they may fill a disk; `steps` is how many steps there will be, about. */
+static status check_number(struct setup *s, double span, double steps) {
     const struct control *c = s->control;
     const struct trigger *w = &c->write;
     const bool by_time = w->control == WRITE_ADJUSTABLE || w->control == WRITE_RUN_TIME;
-    const double first = by_time ? (floor(s->start.t / w->interval) + 1) * w->interval : HUGE_VAL;
-    const bool late = by_time ? first > c->end_time + 1e-9 * fabs(c->end_time)
-                              : w->control == WRITE_TIME_STEP && w->interval > MORE * steps;
-    char instead[40];
-    if (!late || s->start.step > 0) return OK;
-    const double tenth = by_time ? (c->end_time - s->start.t) / 10 : ceil(steps / 10);
-    snprintf(instead, sizeof instead, by_time ? "%.3g" : "%.0f", tenth);
+    const double n = by_time ? span / w->interval : w->control == WRITE_TIME_STEP ? steps / w->interval : 0;
+    if (!(n > MANY_TIMES) || c->purge) return OK;
+    return warn(
+        &s->warnings, WARN_MANY_WRITES,
+        "%s:%d: writeInterval %g makes some %.3g times, each a folder with the fields of %d cells: raise it, or "
+        "keep the last ones alone, with  purgeWrite 10;",
+        dict_path(c->dict), dict_line(c->dict, "writeInterval"), w->interval, n, s->mesh->ncells);
+}
+
+/* Warns of a first time of writing that lies behind the end. */
+static status check_writes(struct setup *s, double span, double steps) {
+    const struct control *c = s->control;
+    const struct trigger *w = &c->write;
+    const bool by_step = w->control == WRITE_TIME_STEP && w->interval > MORE * steps;
+    char instead[40], beyond[80];
+    if (s->start.step > 0) return OK;
+    if (!by_step && !trigger_late(w, s->start.t, c->end_time)) return check_number(s, span, steps);
+    snprintf(instead, sizeof instead, "%.3g", by_step ? ceil(steps / 10) : span / 10);
+    snprintf(beyond, sizeof beyond, by_step ? "the %.3g steps or so of the run" : "endTime %.6g",
+             by_step ? steps : c->end_time);
     const char *path = dict_path(c->dict);
     const int line = dict_line(c->dict, "writeInterval");
     warn_cure(&s->warnings, WARN_NOTHING_WRITTEN, CURE_VALUE, path, line, "writeInterval", instead);
     return warn(&s->warnings, WARN_NOTHING_WRITTEN,
-                "%s:%d: writeInterval %g reaches beyond %s%.3g%s: nothing is written before the end; say for example  "
+                "%s:%d: writeInterval %g reaches beyond %s: nothing is written before the end; say for example  "
                 "writeInterval %s;",
-                path, line, w->interval, by_time ? "endTime " : "the ", by_time ? c->end_time : steps,
-                by_time ? "" : " steps or so of the run", instead);
+                path, line, w->interval, beyond, instead);
 }
 
 status outlook_control(struct setup *s, const struct pace *pace) {
@@ -94,7 +107,7 @@ status outlook_control(struct setup *s, const struct pace *pace) {
     }
     if (c->stop_at != STOP_END_TIME || !(left > 0)) return OK;
     if (!s->medium->type->event_driven && isfinite(left)) TRY(check_steps(s, pace, dt, left));
-    return check_writes(s, s->medium->type->event_driven ? HUGE_VAL : left);
+    return check_writes(s, c->end_time - s->start.t, s->medium->type->event_driven ? NAN : left);
 }
 
 status outlook_mesh(struct setup *s) {

@@ -16,7 +16,8 @@ struct outlook {     /* of one run; starts as zeros */
  * model limits the step, and what can be done about that. Collective. */
 void outlook_steps(struct outlook *o, const struct setup *s, const struct pace *pace, double t);
 
-/* Warns of a maxDeltaT that does not count, of more than 1e7 steps to endTime, and of a writeInterval beyond the end.
+/* Warns of a maxDeltaT that does not count, of more than 1e7 steps to endTime, and of a writeInterval that
+ * is beyond the end or makes more than 1e5 times.
  * Collective. */
 status outlook_control(struct setup *s, const struct pace *pace);
 

@@ -27,6 +27,9 @@ CURES = {
                   "    object      fvSchemes;"),
     "a largest step of fixed ones": (replace(CONTROL, "maxDeltaT 1;", "maxDeltaT 1e-6; // of no use"), CONTROL, "maxDeltaT 1e-6; // of no use",
                                      " // of no use"),
+    "a function object behind the end": (
+        replace(CONTROL, "writeControl timeStep;\n        writeInterval 1;", "writeControl runTime;\n        writeInterval 7;"), CONTROL,
+        "        writeInterval 7;", "        writeInterval 0.0002;"),
     "a write behind the end": (replace(CONTROL, "writeInterval 0.001;", "writeInterval 1;"), CONTROL, "writeInterval 1;", "writeInterval 0.0002;"),
 }
 
